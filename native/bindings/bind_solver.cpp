@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include "bindings.hpp"
+#include "evaluation.hpp"
+#include "solution.hpp"
+
+namespace py = pybind11;
+
+namespace {
+
+using namespace lamina;
+
+py::array_t<double> shaped(std::vector<double> values, std::vector<py::ssize_t> shape) {
+  auto* storage = new std::vector<double>(std::move(values));
+  const py::capsule owner(storage, [](void* p) { delete static_cast<std::vector<double>*>(p); });
+  return py::array_t<double>(std::move(shape), storage->data(), owner);
+}
+
+Medium make_medium(double albedo, double tau, const std::string& phase, double g) {
+  PhaseFunction::Kind kind;
+  if (phase == "hg") {
+    kind = HenyeyGreenstein{g};
+  } else if (phase == "rayleigh") {
+    kind = Rayleigh{};
+  } else if (phase == "isotropic") {
+    kind = Isotropic{};
+  } else {
+    throw py::value_error("phase.kind = '" + phase + "': unknown");
+  }
+  return {albedo, tau, PhaseFunction(kind)};
+}
+
+}  // namespace
+
+void lamina::bind_solver(py::module_& module) {
+  py::class_<Medium>(module, "Medium")
+      .def(py::init(&make_medium), py::arg("albedo"), py::arg("tau"), py::arg("phase"), py::arg("g") = 0.0);
+
+  py::class_<Stack>(module, "Stack")
+      .def(py::init([](std::vector<Medium> layers, std::optional<double> lambert) {
+             Stack stack;
+             stack.layers = std::move(layers);
+             if (lambert) {
+               stack.base = {Base::Kind::kLambert, *lambert};
+             }
+             return stack;
+           }),
+           py::arg("layers"), py::arg("lambert") = py::none());
+
+  py::class_<SolveChecks>(module, "SolveChecks")
+      .def_readonly("quadrature", &SolveChecks::quadrature)
+      .def_readonly("phase", &SolveChecks::phase)
+      .def_readonly("energy", &SolveChecks::energy)
+      .def_readonly("reciprocity", &SolveChecks::reciprocity)
+      .def_readonly("negativity", &SolveChecks::negativity)
+      .def_readonly("resolution", &SolveChecks::resolution);
+
+  py::enum_<Side>(module, "Side").value("top", Side::kTop).value("bottom", Side::kBottom);
+  py::enum_<Path>(module, "Path").value("reflect", Path::kReflect).value("transmit", Path::kTransmit);
+
+  py::class_<Fluxes>(module, "Fluxes")
+      .def_readonly("reflected", &Fluxes::reflected)
+      .def_readonly("transmitted", &Fluxes::transmitted)
+      .def_readonly("direct", &Fluxes::direct);
+
+  const auto unlocked = py::call_guard<py::gil_scoped_release>();
+  py::class_<Solution>(module, "Solution")
+      .def_property_readonly("nodes", [](const Solution& s) { return s.resolution().nodes; })
+      .def_property_readonly("orders", &Solution::orders)
+      .def_property_readonly("checks", &Solution::checks)
+      .def_property_readonly("node_cosines", [](const Solution& s) { return s.quadrature().mu; })
+      .def_property_readonly("node_weights", [](const Solution& s) { return s.quadrature().weight; })
+      .def("with_thickness", &Solution::with_thickness, py::arg("layer"), py::arg("tau"), py::arg("pool"), unlocked)
+      .def(
+          "grid",
+          [](const Solution& s, Side side, Path path, const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
+             const Eigen::VectorXd& dphi, ThreadPool& pool) {
+            std::vector<double> values;
+            {
+              const py::gil_scoped_release release;
+              values = evaluate_grid(s, side, path, mu_o, mu_i, dphi, pool);
+            }
+            return shaped(std::move(values), {mu_o.size(), mu_i.size(), dphi.size()});
+          },
+          py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"))
+      .def(
+          "points",
+          [](const Solution& s, Side side, Path path, const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
+             const Eigen::VectorXd& dphi, ThreadPool& pool) {
+            std::vector<double> values;
+            {
+              const py::gil_scoped_release release;
+              values = evaluate_points(s, side, path, mu_o, mu_i, dphi, pool);
+            }
+            return shaped(std::move(values), {mu_o.size()});
+          },
+          py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"))
+      .def("fluxes", &lamina::fluxes, py::arg("side"), py::arg("mu"), unlocked)
+      .def("diffuse_fluxes", &diffuse_fluxes, py::arg("side"), unlocked);
+
+  module.def("solve", &lamina::solve, py::arg("stack"), py::arg("tolerance"), py::arg("pool"), unlocked);
+  module.def(
+      "solve_at",
+      [](const Stack& stack, int nodes, double azimuth_tolerance, ThreadPool& pool) {
+        Resolution resolution;
+        resolution.nodes = nodes;
+        resolution.azimuth_tolerance = azimuth_tolerance;
+        return Solution(stack, resolution, pool);
+      },
+      py::arg("stack"), py::arg("nodes"), py::arg("azimuth_tolerance"), py::arg("pool"), unlocked,
+      "Solves at a stated resolution, without refinement; the checks tell what it is worth.");
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "solution.hpp"
+
+namespace lamina {
+
+enum class Side { kTop, kBottom };
+enum class Path { kReflect, kTransmit };
+
+/// BRDF or BTDF (1/sr, without deltas) of a solved stack. Light comes in on `side`; cosines in (0, 1] are
+/// taken in the medium where each ray runs; dphi = 0 means that light keeps its azimuth.
+/// On a product grid: result[(o * mu_i.size() + i) * dphi.size() + p].
+std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
+                                  const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool);
+
+/// For lists of equal length, one value for each triple.
+std::vector<double> evaluate_points(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
+                                    const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool);
+
+/// Hemispherical fluxes for a beam from each direction, relative to the incident flux.
+struct Fluxes {
+  Eigen::VectorXd reflected;
+  Eigen::VectorXd transmitted;  ///< without the unscattered beam
+  Eigen::VectorXd direct;       ///< the unscattered beam
+};
+Fluxes fluxes(const Solution& solution, Side side, const Eigen::VectorXd& mu);
+
+/// The same for uniform diffuse light.
+Fluxes diffuse_fluxes(const Solution& solution, Side side);
+
+}  // namespace lamina

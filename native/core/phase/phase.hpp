@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <variant>
+
+#include "henyey_greenstein.hpp"
+#include "isotropic.hpp"
+#include "rayleigh.hpp"
+
+namespace lamina {
+
+/// A phase function p(cos), azimuthally symmetric. Stored values are 4 pi times the normalised density,
+/// so that the mean over the sphere is 1. Each kind offers
+///   evaluate(cosine)  4 pi p, cosine = w_in . w_out with both along the direction of travel;
+///   moment(l)         chi_l = mean of P_l(cosine) p, chi_0 = 1, chi_1 = mean cosine;
+///   peak()            q in [0, 1) with |chi_l| <= q^l in the limit: how slowly the moments fall.
+class PhaseFunction {
+ public:
+  using Kind = std::variant<Isotropic, HenyeyGreenstein, Rayleigh>;
+
+  PhaseFunction() = default;
+  PhaseFunction(Kind kind) : kind_(kind) {}
+
+  double evaluate(double cosine) const {
+    return std::visit([&](const auto& p) { return p.evaluate(cosine); }, kind_);
+  }
+  double moment(int order) const {
+    return std::visit([&](const auto& p) { return p.moment(order); }, kind_);
+  }
+  double peak() const {
+    return std::visit([](const auto& p) { return p.peak(); }, kind_);
+  }
+
+ private:
+  Kind kind_;
+};
+
+}  // namespace lamina

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "stack.hpp"
+
+namespace lamina {
+
+/// How finely a solve discretises directions, and by what it is judged afterwards.
+struct Resolution {
+  int nodes = 32;                  ///< quadrature nodes in a hemisphere
+  double azimuth_tolerance = 3e-5;  ///< orders are added until what they add falls below this share
+  double tolerance = 1e-3;         ///< largest admitted estimate of the relative pointwise error
+
+  int moments() const { return 2 * nodes; }
+};
+
+/// Directions enough for the stack's phase functions: Gauss nodes on a half-range integrate the products
+/// of the first 2n moments, and |chi_2n| is what the truncation of the forward peak must make good.
+/// `tolerance` is the relative pointwise error wanted for cosines >= .05.
+Resolution choose_resolution(const Stack& stack, double tolerance);
+
+/// The next finer one, or the same when there is none.
+Resolution refined(const Resolution& resolution);
+
+}  // namespace lamina

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "direction_operator.hpp"
+#include "quadrature.hpp"
+
+namespace lamina {
+
+/// One azimuth order of the scattering function of a layer or a stack, in the symmetric scaling of
+/// Directions. Reciprocity makes the reflections symmetric and the way up the transpose of the way down.
+struct ScatteringFunction {
+  DirectionOperator reflect_above;  ///< R: from above to above
+  DirectionOperator transmit;       ///< T: from above to below; its transpose is T', from below to above
+  DirectionOperator reflect_below;  ///< R': from below to below
+
+  ScatteringFunction reversed() const { return {reflect_below, transmit.transposed(), reflect_above}; }
+
+  /// Nothing there: light passes unchanged.
+  static ScatteringFunction empty(const Directions& directions) {
+    ScatteringFunction s{DirectionOperator::zero(directions.size(), directions.nodes),
+                         DirectionOperator::zero(directions.size(), directions.nodes),
+                         DirectionOperator::zero(directions.size(), directions.nodes)};
+    s.transmit.delta.setOnes();
+    return s;
+  }
+
+  /// A Lambert surface seen from above; nothing comes through. Its kernel is the same for all
+  /// directions, so only azimuth order 0 has any.
+  static ScatteringFunction lambert(double reflectance, int order, const Directions& directions) {
+    ScatteringFunction s = empty(directions);
+    s.transmit.delta.setZero();
+    if (order == 0) {
+      s.reflect_above.kernel = reflectance * directions.scale * directions.scale.transpose();
+    }
+    return s;
+  }
+};
+
+}  // namespace lamina

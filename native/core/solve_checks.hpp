@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "homogeneous_layer.hpp"
+#include "quadrature.hpp"
+
+namespace lamina {
+
+/// What the always-on checks of a solve found. All are errors, 0 at best.
+struct SolveChecks {
+  double quadrature = 0.0;   ///< of the moments of the nodes
+  double phase = 0.0;        ///< of the discretised phase functions' normalisation
+  double energy = 0.0;       ///< created, or lost by conservative layers, at any node
+  double reciprocity = 0.0;  ///< asymmetry of the solved kernels, relative
+  double negativity = 0.0;   ///< most negative azimuthal mean of a kernel, relative
+  double resolution = 0.0;   ///< estimate of the relative error from the directions' discretisation
+
+  void worsen(const SolveChecks& other);
+};
+
+/// Checks of one layer from its azimuthal mean (order 0).
+SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScattering& multiple,
+                        const PhaseKernel& phase, const TruncatedMedium& medium, const Quadrature& quadrature);
+
+}  // namespace lamina

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bake: a pure function from a stack to a lookup table of closure weights."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from . import _core
+from .closure_table import Closures, closures, view_cosines
+from .errors import Cancelled
+from .lut import COLUMNS, SCHEMA, Lut
+from .slices import Slices, SolvedRows, direct_light, slices, solve_rows
+from .solve import tolerance_of
+from .stack import Stack
+
+# Closures chosen for each material, by quality: fit error against render time, see the README's table.
+CLOSURES = {
+    "reflection": {"preview": 4, "final": 6},
+    "transmission": {"preview": 2, "final": 4},
+}
+# Selection looks at every so many columns and rows; the fit that follows uses all.
+COLUMN_STRIDE, ROW_STRIDE = 3, 8
+# Errors are stated for view cosines from here on; nearer to grazing, closures are extrapolated.
+STATED_COSINE = 0.05
+
+Progress = Callable[[float, str], None]
+
+
+def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress | None = None,
+         cancel: Callable[[], bool] | None = None, threads: int = 0) -> Lut:
+    """Bakes a stack into a lookup table for Cycles. The same arguments give the same bytes, whatever
+    `threads` (0: all hardware threads).
+
+    `progress(fraction, text)` is told how far it is, 0 to 1; `cancel()` is asked often, and Cancelled is
+    raised when it says yes. `seed` is for stacks that need Monte Carlo; none do yet.
+    The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2
+    error over solid angle relative to the slice's norm; `worst_slice`; `albedo_error`, the worst relative
+    error of a directional albedo; `energy_error`, energy that the table creates; `slice_errors`.
+    Raises SolveError, ValueError (quality, channels)."""
+    tolerance_of(quality)
+    if stack.channels not in (1, 3):
+        raise ValueError(f"channels = {stack.channels}: a lookup table for Cycles takes 1 or 3 (R G B)")
+    started = time.perf_counter()
+    step = _stepper(progress, cancel)
+    solved = solve_rows(stack, quality, threads, _part(step, 0.0, 0.3))
+    pool = _core.ThreadPool(threads)
+    reflection = _fit("reflection", solved, quality, pool, _part(step, 0.3, 0.7 if solved.is_sheet else 1.0))
+    parts = [reflection]
+    if solved.is_sheet:
+        parts.append(_fit("transmission", solved, quality, pool, _part(step, 0.7, 1.0)))
+        parts.append(_Fit(["transparent"], direct_light(solved)[:, None], None, None))
+    step(1.0, "Done")
+    weights = np.concatenate([part.weights for part in parts], axis=1)  # [side, closure, row, channel, column]
+    weights = np.moveaxis(weights, 3, 4)
+    weights = np.ascontiguousarray(np.broadcast_to(weights, (*weights.shape[:4], 3)), np.float32)
+    varying = solved.tau != [None]
+    header = {
+        "schema": SCHEMA,
+        "stack": json.loads(stack.canonical()),
+        "stack_hash": stack.hash,
+        "quality": quality,
+        "seed": seed,
+        "sides": solved.sides,
+        "axes": {
+            "view": {"count": COLUMNS, "parameter": "theta_o/(pi/2)"},
+            "tau": {
+                "count": len(solved.tau),
+                "values": [tau for tau in solved.tau if tau is not None],
+                "layer": stack.varying,
+                "parameter": "t = tau/(tau+0.5), scaled so that the last row is the largest tau" if varying else "",
+            },
+        },
+        "closures": [name for part in parts for name in part.closures],
+        "report": _report(parts, solved),
+    }
+    return Lut(header, weights, time.perf_counter() - started)
+
+
+class _Fit:
+    """One kind's closures, weights [side, closure, row, channel, column], errors and albedo errors
+    [side, row, channel, column]; errors are None where nothing was fitted."""
+
+    def __init__(self, closures, weights, errors, albedo_errors):
+        self.closures, self.weights, self.errors, self.albedo_errors = closures, weights, errors, albedo_errors
+
+
+def _fit(kind: str, solved: SolvedRows, quality: str, pool, step: Progress) -> _Fit:
+    basis = closures(kind)
+    wanted = slices(solved, kind, basis.grid, _part(step, 0.0, 0.5))
+    step(0.5, f"Choosing closures for {kind}")
+    chosen = _choose(basis, wanted, CLOSURES[kind][quality], pool)
+    step(0.9, f"Fitting {kind}")
+    targets, exact = _targets(basis, wanted, pool)
+    weights, errors = basis.table.fit(targets, chosen, pool)
+    reached = np.einsum("sck,ck->sc", weights.astype(np.float32), basis.albedo[:, chosen])
+    albedo_errors = np.abs(reached - exact) / np.maximum(exact, 1e-12) * (exact > 0.0)
+    shape, columns = wanted.albedo.shape[:3], wanted.albedo.shape[3]
+    return _Fit(
+        [basis.ids[index] for index in chosen],
+        np.moveaxis(weights.reshape(*shape, columns, len(chosen)), -1, 1),
+        np.where(exact > 0.0, errors, np.nan).reshape(*shape, columns),
+        albedo_errors.reshape(*shape, columns),
+    )
+
+
+def _targets(basis: Closures, wanted: Slices, pool):
+    """The core's targets of all slices, and their exact albedos, both with the slices flat but for columns."""
+    columns = wanted.albedo.shape[3]
+    flat = wanted.values.reshape(-1, columns, wanted.values.shape[-1])
+    exact = wanted.albedo.reshape(-1, columns)
+    return basis.table.targets(flat, exact, pool), exact
+
+
+def _choose(basis: Closures, wanted: Slices, count: int, pool) -> list[int]:
+    """The closures that together serve all slices best: the same for the whole material."""
+    rows = wanted.albedo.shape[1]
+    kept = sorted({*range(0, rows, ROW_STRIDE), rows - 1})
+    few = Slices(wanted.values[:, kept], wanted.albedo[:, kept])
+    targets = [t for t in _targets(basis, few, pool)[0] if t.column % COLUMN_STRIDE == 0 and t.norm2 > 0.0]
+    if not targets:
+        return [0]
+    options = _core.SelectionOptions()
+    options.closures = min(count, len(basis.ids))
+    return list(basis.table.select(targets, options, [], [], pool).closures)
+
+
+def _report(parts: list[_Fit], solved: SolvedRows) -> dict:
+    stated = view_cosines() >= STATED_COSINE
+    fitted = [part for part in parts if part.errors is not None]
+    reflection, through = fitted[0], fitted[1] if len(fitted) > 1 else None
+    albedo = max(float(part.albedo_errors[..., stated].max()) for part in fitted)
+    functions = solved.functions
+    return {
+        "fit_error": _mean(reflection.errors[..., stated]),
+        "worst_slice": _worst(reflection.errors, stated, solved),
+        "slice_errors": np.nan_to_num(reflection.errors).round(6).tolist(),
+        "fit_error_transmission": None if through is None else _mean(through.errors[..., stated]),
+        "slice_errors_transmission": None if through is None else np.nan_to_num(through.errors).round(6).tolist(),
+        "albedo_error": albedo,
+        "energy_error": max(f.checks["energy"] for f in functions),
+        "closures": sum(len(part.closures) for part in parts),
+        "solver": {
+            "nodes": max(f.nodes for f in functions),
+            "orders": max(f.orders for f in functions),
+            "resolution_error": max(f.checks["resolution"] for f in functions),
+        },
+        "tau_rows": len(solved.tau),
+    }
+
+
+def _mean(errors: np.ndarray) -> float:
+    """Mean over the slices that are not black; 0 when all are."""
+    seen = errors[np.isfinite(errors)]
+    return float(seen.mean()) if seen.size else 0.0
+
+
+def _worst(errors: np.ndarray, stated: np.ndarray, solved: SolvedRows) -> dict:
+    candidates = np.where(stated, np.nan_to_num(errors), 0.0)
+    side, row, channel, column = np.unravel_index(int(candidates.argmax()), candidates.shape)
+    return {
+        "error": float(candidates[side, row, channel, column]),
+        "mu_o": float(view_cosines()[column]),
+        "channel": int(channel),
+        "side": solved.sides[side],
+        "tau": solved.tau[row],
+    }
+
+
+def _stepper(progress: Progress | None, cancel: Callable[[], bool] | None) -> Progress:
+    """Tells the caller how far the bake is, and asks whether it shall stop."""
+
+    def step(fraction: float, text: str) -> None:
+        if cancel is not None and cancel():
+            raise Cancelled("the bake was cancelled")
+        if progress is not None:
+            progress(fraction, text)
+
+    return step
+
+
+def _part(step: Progress, first: float, last: float) -> Progress:
+    """A stepper for one part of the work."""
+    return lambda fraction, text: step(first + (last - first) * fraction, text)

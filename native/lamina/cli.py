@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: python -m lamina bake | report."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+
+from .bake import bake
+from .errors import Cancelled, LutError, SolveError, StackError
+from .lut import Lut
+from .report import describe
+from .solve import TOLERANCE
+from .stack import Stack
+
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs one command; returns the exit code: 0, 1 when the work failed, 2 for bad input, 130 after
+    Ctrl-C. Errors are one sentence on standard error."""
+    arguments = _parser().parse_args(argv)
+    try:
+        return arguments.run(arguments)
+    except (KeyboardInterrupt, Cancelled):
+        return _fail("interrupted; nothing was written", INTERRUPTED)
+    except (StackError, LutError) as error:
+        return _fail(str(error), BAD_INPUT)
+    except (SolveError, ValueError) as error:
+        return _fail(str(error), FAILED)
+    except OSError as error:
+        return _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error), FAILED)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m lamina", description="Layered materials as lookup tables.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    command = commands.add_parser("bake", help="bake a stack's JSON file into a lookup table")
+    command.add_argument("stack", metavar="STACK.json")
+    command.add_argument("-o", "--output", required=True, metavar="OUT", help="the table to write (.npz)")
+    command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
+    command.add_argument("--threads", type=_count, default=0, metavar="N", help="0: all (default)")
+    command.add_argument("--seed", type=int, default=0, metavar="N")
+    command.add_argument("--quiet", action="store_true", help="no progress, no report")
+    command.set_defaults(run=_bake)
+    command = commands.add_parser("report", help="say what a lookup table holds and how good it is")
+    command.add_argument("lut", metavar="LUT.npz")
+    command.set_defaults(run=_report)
+    return parser
+
+
+def _bake(arguments: argparse.Namespace) -> int:
+    stack = Stack.load(arguments.stack)
+    output = Path(arguments.output)
+    # Better now than after the work.
+    if output.is_dir():
+        return _fail(f"{output}: is a folder, must be a file's name", BAD_INPUT)
+    if not os.access(output.parent, os.W_OK):
+        return _fail(f"{output.parent}: not a folder that can be written to", BAD_INPUT)
+    progress = None if arguments.quiet else _Progress()
+    lut = bake(stack, arguments.quality, arguments.seed, progress, threads=arguments.threads)
+    if progress is not None:
+        progress.end()
+    lut.save(output)
+    if not arguments.quiet:
+        print(describe(lut))
+        print(f"{arguments.stack}: baked in {lut.seconds:.2f} s to {output}")
+    return 0
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    print(describe(Lut.load(arguments.lut)))
+    return 0
+
+
+def _fail(sentence: str, code: int) -> int:
+    print(f"lamina: {sentence}", file=sys.stderr)
+    return code
+
+
+def _count(text: str) -> int:
+    count = int(text)
+    if count < 0:
+        raise argparse.ArgumentTypeError("must be 0 or more")
+    return count
+
+
+class _Progress:
+    """A line on standard error, rewritten on a terminal and otherwise repeated now and then."""
+
+    EVERY = 2.0
+
+    def __init__(self):
+        self._live = sys.stderr.isatty()
+        self._last = time.monotonic()
+
+    def __call__(self, fraction: float, text: str) -> None:
+        now = time.monotonic()
+        if self._live:
+            print(f"\r\033[K{fraction:4.0%} {text}", end="", file=sys.stderr, flush=True)
+        elif now - self._last >= self.EVERY:
+            print(f"{fraction:4.0%} {text}", file=sys.stderr, flush=True)
+            self._last = now
+
+    def end(self) -> None:
+        if self._live:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The dictionary's closures on the bake's grid of view and light directions, made once per process."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import _core, lobes
+from .lut import column_angles
+
+LIGHT_COSINES = 32
+LIGHT_AZIMUTHS = 24
+# Closures with edges need a finer grid for their albedos.
+FINE = (128, 96)
+# Grazing columns are sampled a little above the horizon, where slices are still defined.
+LOWEST_COSINE = 6e-3
+
+
+def view_cosines() -> np.ndarray:
+    """Cosines of the LUT's columns, shape (64,)."""
+    return np.maximum(np.cos(column_angles()), LOWEST_COSINE)
+
+
+@dataclass(frozen=True)
+class LightGrid:
+    """A product grid over the light's hemisphere; the azimuth's other half is its mirror image.
+
+    `solid_angle` is flat, cosines major, and integrates over the whole hemisphere."""
+
+    mu: np.ndarray
+    dphi: np.ndarray
+    solid_angle: np.ndarray
+
+
+def light_grid(cosines: int = LIGHT_COSINES, azimuths: int = LIGHT_AZIMUTHS) -> LightGrid:
+    """Gauss-Legendre in the cosine and in the azimuth."""
+    x, wx = np.polynomial.legendre.leggauss(cosines)
+    y, wy = np.polynomial.legendre.leggauss(azimuths)
+    mu, dphi = 0.5 * (x + 1.0), 0.5 * math.pi * (y + 1.0)
+    solid_angle = np.outer(0.5 * wx, math.pi * wy).ravel()
+    return LightGrid(mu, dphi, solid_angle)
+
+
+@dataclass(frozen=True)
+class Closures:
+    """The dictionary's closures of one kind ("reflection" or "transmission") on the grid: the core's table of
+    them, and their directional albedos [column, closure]."""
+
+    ids: list[str]
+    grid: LightGrid
+    table: _core.ClosureTable
+    albedo: np.ndarray
+
+
+@functools.lru_cache(maxsize=2)
+def closures(kind: str) -> Closures:
+    """The closures of that kind; made at the first call, which takes a second or two."""
+    chosen = tuple(lobe for lobe in lobes.DICTIONARY if lobe.side == kind)
+    grid, fine = light_grid(), light_grid(*FINE)
+    mu_o = view_cosines()
+    albedo = _albedos(chosen, mu_o, fine)
+    table = _core.ClosureTable(_sample(chosen, mu_o, grid), grid.solid_angle, albedo)
+    return Closures([lobe.id for lobe in chosen], grid, table, albedo)
+
+
+def _sample(chosen, mu_o, grid: LightGrid) -> np.ndarray:
+    """Values [column, closure, light]."""
+    shape = (len(mu_o), len(grid.solid_angle))
+    args = (mu_o[:, None, None], grid.mu[None, :, None], grid.dphi[None, None, :])
+    return np.stack([lobe.evaluate(*args).reshape(shape) for lobe in chosen], axis=1)
+
+
+def _albedos(chosen, mu_o, grid: LightGrid) -> np.ndarray:
+    """Directional albedos [column, closure]."""
+    rows = []
+    for cosine in mu_o:
+        values = [lobe.evaluate(cosine, grid.mu[:, None], grid.dphi[None, :]).ravel() for lobe in chosen]
+        rows.append(np.array(values) @ grid.solid_angle)
+    return np.array(rows)

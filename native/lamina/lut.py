@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lookup table that a bake makes and a node group reads."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .atomic import write_atomically
+from .errors import LutError
+
+SCHEMA = 1
+COLUMNS = 64
+TAU_ROWS = 33
+TAU_BEND = 0.5
+
+
+def column_angles() -> np.ndarray:
+    """View angles theta_o of the columns in radians, shape (64,): from the normal to grazing."""
+    return np.linspace(0.0, 0.5 * math.pi, COLUMNS)
+
+
+def tau_rows(largest: float) -> np.ndarray:
+    """Thicknesses of a varying layer's rows, shape (33,): uniform in t = tau / (tau + 0.5), the last row
+    at `largest`. Thin layers change fastest and so have the most rows."""
+    t = np.linspace(0.0, largest / (largest + TAU_BEND), TAU_ROWS)
+    rows = TAU_BEND * t / (1.0 - t)
+    rows[-1] = largest
+    return rows
+
+
+@dataclass(frozen=True, eq=False)
+class Lut:
+    """Closure weights over the view angle, and the header that says what they are.
+
+    `weights`: float32, shape (sides, closures, tau rows, 64 columns, 3). `header`: a JSON object with
+    schema, stack, stack_hash, quality, seed, sides, axes, closures (lobe ids, see lamina.lobes, and
+    "transparent" for the unscattered light of a sheet) and report."""
+
+    header: dict
+    weights: np.ndarray
+    seconds: float = 0.0
+
+    @property
+    def report(self) -> dict:
+        """How good the table is: fit_error (mean relative L2 error of the slices), worst_slice,
+        albedo_error, energy_error and more, see lamina.bake; and the `seconds` that the bake took, which
+        are not saved, so that equal bakes are equal bytes."""
+        return {**self.header["report"], "seconds": self.seconds}
+
+    @property
+    def closures(self) -> list[str]:
+        return self.header["closures"]
+
+    def image(self) -> np.ndarray:
+        """The weights as an image, float32, shape (height, 64, 4), bottom row first: one strip of tau rows
+        for each closure of each side, alpha 1."""
+        sides, closures, rows, columns, _ = self.weights.shape
+        texels = np.ones((sides * closures * rows, columns, 4), np.float32)
+        texels[:, :, :3] = self.weights.reshape(-1, columns, 3)
+        return texels
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes the table as .npz, whole or not at all. Raises OSError."""
+        header = np.frombuffer(json.dumps(self.header, sort_keys=True).encode(), np.uint8)
+        write_atomically(path, lambda file: _write_npz(file, header=header, weights=self.weights))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> Lut:
+        """Reads a table. Raises LutError for a file that is truncated, foreign, or of a newer schema, and
+        OSError when it cannot be opened."""
+        with Path(path).open("rb") as file:
+            try:
+                with np.load(file, allow_pickle=False) as archive:
+                    header = json.loads(bytes(archive["header"]))
+                    weights = archive["weights"]
+            except (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, zipfile.BadZipFile):
+                raise LutError(f"{path}: not a whole Lamina lookup table") from None
+        problem = _problem(header, weights)
+        if problem:
+            raise LutError(f"{path}: {problem}")
+        return cls(header, weights)
+
+
+def _write_npz(file, **arrays) -> None:
+    """Like numpy.savez, with fixed times inside, so that equal tables are equal bytes."""
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
+        for name, array in arrays.items():
+            entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
+            with archive.open(entry, "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+
+
+def _problem(header, weights) -> str:
+    """What is wrong with a table, in words, or ''."""
+    if not isinstance(header, dict) or not isinstance(header.get("schema"), int):
+        return "not a Lamina lookup table"
+    if header["schema"] > SCHEMA:
+        return f"schema {header['schema']} needs a newer Lamina, which reads up to {SCHEMA}"
+    try:
+        shape = (len(header["sides"]), len(header["closures"]), header["axes"]["tau"]["count"],
+                 header["axes"]["view"]["count"], 3)
+        complete = all(key in header for key in ("stack", "stack_hash", "quality", "seed", "report"))
+    except (KeyError, TypeError):
+        return "the header of the lookup table is incomplete"
+    if not complete:
+        return "the header of the lookup table is incomplete"
+    if weights.dtype != np.float32 or weights.shape != shape:
+        return f"weights are {weights.dtype} {weights.shape}: the header says float32 {shape}"
+    if not np.all(np.isfinite(weights)) or weights.min(initial=0.0) < 0.0:
+        return "weights are negative or not finite"
+    return ""

@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The layer stack: what the panel edits, batches read, the solver solves, and a bake is named after."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from .atomic import write_atomically
+from .errors import StackError
+from .fields import channel, channel_count, to_plain
+from .layers import BASES, Base, HalfSpace, Medium
+from .phase import PHASES, HenyeyGreenstein
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom.
+
+    Raises StackError when a value is out of range, channels disagree, or there is nothing in it."""
+
+    layers: Sequence[Medium]
+    base: Base | None = None
+
+    def __init__(self, layers: Sequence[Medium] = (), base: Base | None = None):
+        layers = list(layers)
+        if layers and base is None and isinstance(layers[-1], tuple(BASES.values())):
+            base = layers.pop()
+        checked = tuple(_check_layer(layer, f"layers[{i}]") for i, layer in enumerate(layers))
+        object.__setattr__(self, "layers", checked)
+        object.__setattr__(self, "base", _check_base(base))
+        if not checked and base is None:
+            raise StackError("layers = []: a stack must hold at least one layer or a base")
+        varying = [i for i, layer in enumerate(checked) if layer.varying]
+        if len(varying) > 1:
+            raise StackError(f"layers[{varying[1]}].varying = true: only one layer may vary")
+        if varying and max(self.optics(varying[0], c)[1] for c in range(self.channels)) == math.inf:
+            raise StackError(f"layers[{varying[0]}].tau = inf: a varying layer needs a largest thickness")
+        channel_count(self._quantities())
+
+    @property
+    def channels(self) -> int:
+        """Number of channels: 1 when every quantity is a single number."""
+        return channel_count(self._quantities())
+
+    @property
+    def varying(self) -> int | None:
+        """Index of the layer whose thickness is an input, if any."""
+        return next((i for i, layer in enumerate(self.layers) if layer.varying), None)
+
+    @property
+    def hash(self) -> str:
+        """Name of the stack's content: SHA-256 of the canonical form, hexadecimal."""
+        return hashlib.sha256(self.canonical().encode()).hexdigest()
+
+    def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
+        """(albedo, tau) of a layer in one channel."""
+        medium = self.layers[layer]
+        if medium.albedo is not None:
+            return channel(medium.albedo, channel_index), channel(medium.tau, channel_index)
+        sigma_s = channel(medium.sigma_s, channel_index)
+        sigma_t = sigma_s + channel(medium.sigma_a, channel_index)
+        if sigma_t == 0.0:
+            return 0.0, 0.0
+        return sigma_s / sigma_t, sigma_t * channel(medium.thickness, channel_index)
+
+    def canonical(self) -> str:
+        """The one text for all stacks that are optically the same layer by layer: albedo and tau of each
+        channel, names left out, keys sorted."""
+        channels = range(self.channels)
+        layers = []
+        for index, layer in enumerate(self.layers):
+            optics = [self.optics(index, c) for c in channels]
+            layers.append({
+                "kind": layer.kind,
+                "albedo": [to_plain(albedo) for albedo, _ in optics],
+                "tau": [to_plain(tau) for _, tau in optics],
+                "phase": _spread(_phase_json(layer.phase), self.channels),
+                "varying": layer.varying,
+            })
+        base = None if self.base is None else _spread(_base_json(self.base), self.channels)
+        return json.dumps({"schema": SCHEMA, "layers": layers, "base": base}, sort_keys=True)
+
+    def to_json(self) -> dict:
+        """A plain object for json.dump; from_json reads it back."""
+        layers = []
+        for layer in self.layers:
+            entry = {"kind": layer.kind}
+            if layer.name:
+                entry["name"] = layer.name
+            for form in Medium.forms:
+                for quantity in form:
+                    value = getattr(layer, quantity.name)
+                    if value is not None:
+                        entry[quantity.name] = to_plain(value)
+            entry["phase"] = _phase_json(layer.phase)
+            if layer.varying:
+                entry["varying"] = True
+            layers.append(entry)
+        base = None if self.base is None else _base_json(self.base)
+        return {"schema": SCHEMA, "layers": layers, "base": base}
+
+    @classmethod
+    def from_json(cls, data) -> Stack:
+        """Reads what to_json wrote, or what a person did. Raises StackError."""
+        _check_keys(data, {"schema", "layers", "base"}, "stack", required={"schema", "layers"})
+        schema = data["schema"]
+        if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
+            raise StackError(f"schema = {schema!r}: must be {SCHEMA}")
+        if schema > SCHEMA:
+            raise StackError(f"schema = {schema}: must be at most {SCHEMA}; this stack needs a newer Lamina")
+        if not isinstance(data["layers"], list):
+            raise StackError(f"layers = {data['layers']!r}: must be a list, top layer first")
+        layers = []
+        for index, entry in enumerate(data["layers"]):
+            path = f"layers[{index}]"
+            kind = _kind(entry, path)
+            last = index == len(data["layers"]) - 1
+            if kind in BASES and last and data.get("base") is None:
+                layers.append(_read_base(entry, path))
+            elif kind in BASES:
+                raise StackError(f"{path}.kind = '{kind}': a base can only stand at the bottom")
+            elif kind == Medium.kind:
+                layers.append(_read_medium(entry, path))
+            else:
+                raise StackError(f"{path}.kind = {kind!r}: must be 'medium', or a base at the bottom")
+        base = data.get("base")
+        return cls(layers, None if base is None else _read_base(base, "base"))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> Stack:
+        """Reads a stack's JSON file. Raises StackError, with the file's name, and OSError."""
+        try:
+            data = json.loads(Path(path).read_text(encoding="utf-8"))
+        except (json.JSONDecodeError, UnicodeDecodeError) as error:
+            raise StackError(f"{path}: not a JSON file ({error})") from None
+        try:
+            return cls.from_json(data)
+        except StackError as error:
+            raise StackError(f"{path}: {error}") from None
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes the stack as JSON; the file appears whole or not at all."""
+        text = json.dumps(self.to_json(), indent=2) + "\n"
+        write_atomically(path, lambda file: file.write(text.encode()))
+
+    def _quantities(self):
+        """(path, value) of everything that may have channels."""
+        for index, layer in enumerate(self.layers):
+            for form in Medium.forms:
+                for quantity in form:
+                    yield f"layers[{index}].{quantity.name}", getattr(layer, quantity.name)
+            yield from _fields_of(layer.phase, f"layers[{index}].phase")
+        if self.base is not None:
+            yield from _fields_of(self.base, "base")
+            if isinstance(self.base, HalfSpace):
+                yield from _fields_of(self.base.phase, "base.phase")
+
+
+def phase_in_channel(phase, index: int) -> tuple[str, float]:
+    """(kind, g) of a phase function in one channel, as the core takes them."""
+    return phase.kind, channel(phase.g, index) if isinstance(phase, HenyeyGreenstein) else 0.0
+
+
+def _fields_of(thing, path):
+    for quantity in thing.fields:
+        yield f"{path}.{quantity.name}", getattr(thing, quantity.name)
+
+
+def _checked(thing, path):
+    values = {q.name: q.check(getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
+    return replace(thing, **values)
+
+
+def _check_phase(phase, path):
+    if not isinstance(phase, tuple(PHASES.values())):
+        raise StackError(f"{path} = {phase!r}: must be a phase function")
+    return _checked(phase, path)
+
+
+def _check_layer(layer, path: str) -> Medium:
+    if isinstance(layer, tuple(BASES.values())):
+        raise StackError(f"{path}.kind = '{layer.kind}': a base can only stand at the bottom")
+    if not isinstance(layer, Medium):
+        raise StackError(f"{path} = {layer!r}: must be a layer")
+    given = [form for form in Medium.forms if any(getattr(layer, q.name) is not None for q in form)]
+    names = " or ".join(", ".join(q.name for q in form) for form in Medium.forms)
+    if len(given) != 1:
+        raise StackError(f"{path} has {'two forms' if given else 'no coefficients'}: must have either {names}")
+    values = {}
+    for quantity in given[0]:
+        value = getattr(layer, quantity.name)
+        if value is None:
+            raise StackError(f"{path}.{quantity.name} is missing: must have either {names}")
+        values[quantity.name] = quantity.check(value, f"{path}.{quantity.name}")
+    if not isinstance(layer.varying, bool):
+        raise StackError(f"{path}.varying = {layer.varying!r}: must be true or false")
+    if not isinstance(layer.name, str):
+        raise StackError(f"{path}.name = {layer.name!r}: must be a text")
+    return replace(layer, phase=_check_phase(layer.phase, f"{path}.phase"), **values)
+
+
+def _check_base(base):
+    if base is None:
+        return None
+    if not isinstance(base, tuple(BASES.values())):
+        raise StackError(f"base = {base!r}: must be a base or none")
+    base = _checked(base, "base")
+    if isinstance(base, HalfSpace):
+        base = replace(base, phase=_check_phase(base.phase, "base.phase"))
+    return base
+
+
+def _phase_json(phase) -> dict:
+    return {"kind": phase.kind, **{q.name: to_plain(getattr(phase, q.name)) for q in phase.fields}}
+
+
+def _base_json(base) -> dict:
+    entry = {"kind": base.kind, **{q.name: to_plain(getattr(base, q.name)) for q in base.fields}}
+    if isinstance(base, HalfSpace):
+        entry["phase"] = _phase_json(base.phase)
+    return entry
+
+
+def _spread(entry: dict, channels: int) -> dict:
+    """The entry with every number repeated for each channel."""
+    spread = {}
+    for key, value in entry.items():
+        if isinstance(value, dict):
+            spread[key] = _spread(value, channels)
+        elif key == "kind" or isinstance(value, list):
+            spread[key] = value
+        else:
+            spread[key] = [value] * channels
+    return spread
+
+
+def _check_keys(entry, allowed: set[str], path: str, required: set[str] = frozenset()) -> None:
+    if not isinstance(entry, Mapping):
+        raise StackError(f"{path} = {entry!r}: must be a JSON object")
+    for key in entry:
+        if key not in allowed:
+            raise StackError(f"{path}.{key}: unknown key; known are {', '.join(sorted(allowed))}")
+    for key in sorted(required):
+        if key not in entry:
+            raise StackError(f"{path}.{key} is missing: must be given")
+
+
+def _kind(entry, path: str) -> str:
+    if not isinstance(entry, Mapping):
+        raise StackError(f"{path} = {entry!r}: must be a JSON object")
+    if "kind" not in entry:
+        raise StackError(f"{path}.kind is missing: must be given")
+    return entry["kind"]
+
+
+def _read_phase(entry, path: str):
+    kind = _kind(entry, path)
+    if not isinstance(kind, str) or kind not in PHASES:
+        raise StackError(f"{path}.kind = {kind!r}: must be one of {', '.join(PHASES)}")
+    names = {q.name for q in PHASES[kind].fields}
+    _check_keys(entry, {"kind", *names}, path, required=names)
+    return PHASES[kind](**{name: entry[name] for name in names})
+
+
+def _read_medium(entry, path: str) -> Medium:
+    names = {q.name for form in Medium.forms for q in form}
+    _check_keys(entry, {"kind", "name", "phase", "varying", *names}, path)
+    values = {key: value for key, value in entry.items() if key not in ("kind", "phase")}
+    if "phase" in entry:
+        values["phase"] = _read_phase(entry["phase"], f"{path}.phase")
+    return Medium(**values)
+
+
+def _read_base(entry, path: str):
+    kind = _kind(entry, path)
+    if not isinstance(kind, str) or kind not in BASES:
+        raise StackError(f"{path}.kind = {kind!r}: must be one of {', '.join(BASES)}")
+    names = {q.name for q in BASES[kind].fields}
+    optional = {"phase"} if kind == HalfSpace.kind else set()
+    _check_keys(entry, {"kind", *names, *optional}, path, required=names)
+    values = {name: entry[name] for name in names}
+    if "phase" in entry:
+        values["phase"] = _read_phase(entry["phase"], f"{path}.phase")
+    return BASES[kind](**values)
