@@ -55,7 +55,8 @@ class ClosureTable {
       const std::size_t column = k % columns;
       const Eigen::Map<const Eigen::VectorXd> slice(data + k * static_cast<std::size_t>(solid_angle_.size()),
                                                     solid_angle_.size());
-      result[k] = slice_target(static_cast<int>(column), grams_[column], values_[column], solid_angle_, slice, exact[k]);
+      result[k] =
+          slice_target(static_cast<int>(column), grams_[column], values_[column], solid_angle_, slice, exact[k]);
     });
     return result;
   }

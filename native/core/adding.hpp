@@ -15,8 +15,7 @@ inline ScatteringFunction join(const ScatteringFunction& above, const Scattering
   // T2 R1' (1 - R2 R1')^-1 = T2 (1 - R1' R2)^-1 R1'.
   const DirectionOperator upward = between * above.reflect_below;
   return {above.reflect_above + above.transmit.transposed() * (below.reflect_above * downward),
-          below.transmit * downward,
-          below.reflect_below + below.transmit * (upward * below.transmit.transposed())};
+          below.transmit * downward, below.reflect_below + below.transmit * (upward * below.transmit.transposed())};
 }
 
 }  // namespace lamina

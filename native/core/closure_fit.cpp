@@ -203,9 +203,8 @@ class Selector {
 
   Selection run() {
     const auto wanted = static_cast<std::size_t>(options_.closures);
-    const std::size_t most =
-        std::min<std::size_t>({wanted + static_cast<std::size_t>(std::max(0, options_.overshoot)), kMaxClosures,
-                               candidates_.size()});
+    const std::size_t most = std::min<std::size_t>(
+        {wanted + static_cast<std::size_t>(std::max(0, options_.overshoot)), kMaxClosures, candidates_.size()});
     refit();
     bool enough = reached_target();
     while (!enough && chosen_.size() < wanted && add_best()) enough = reached_target();
@@ -226,9 +225,7 @@ class Selector {
   }
 
  private:
-  [[nodiscard]] bool reached_target() const {
-    return !chosen_.empty() && score_.mean_error < options_.target_error;
-  }
+  [[nodiscard]] bool reached_target() const { return !chosen_.empty() && score_.mean_error < options_.target_error; }
 
   [[nodiscard]] double penalty(std::span<const int> set) const {
     double product = 1.0;
@@ -246,10 +243,8 @@ class Selector {
     std::array<int, kMaxClosures + 1> buffer{};
     std::copy(chosen_.begin(), chosen_.end(), buffer.begin());
     std::size_t count = chosen_.size();
-    if (replaced < 0)
-      buffer[count++] = closure;
-    else
-      buffer[static_cast<std::size_t>(replaced)] = closure;
+    if (replaced < 0) buffer[count++] = closure;
+    else buffer[static_cast<std::size_t>(replaced)] = closure;
     return score(std::span<const int>(buffer.data(), count), replaced);
   }
 
@@ -264,7 +259,8 @@ class Selector {
     for (std::size_t s = 0; s < targets_.size(); ++s) {
       const SliceTarget& target = targets_[s];
       for (Index k = 0; k < x.size(); ++k) x[k] = k < fits_[s].size() && k != changed ? fits_[s][k] : 0.0;
-      const double error2 = fit_unit_norm(grams_[static_cast<std::size_t>(target.column)], target, set, options_.fit, x);
+      const double error2 =
+          fit_unit_norm(grams_[static_cast<std::size_t>(target.column)], target, set, options_.fit, x);
       sum2 += target.weight * error2;
       sum += target.weight * std::sqrt(error2);
       worst2 = std::max(worst2, error2);
@@ -398,7 +394,8 @@ SliceTarget slice_target(int column, const ColumnGram& gram, const Eigen::Ref<co
   target.norm2 = weighted.dot(slice);
   target.albedo = albedo < 0.0 ? weighted.sum() : albedo;
   target.rhs = values * weighted;
-  for (Index k = 0; k < target.rhs.size(); ++k) target.rhs[k] = gram.scale[k] > 0.0 ? target.rhs[k] / gram.scale[k] : 0.0;
+  for (Index k = 0; k < target.rhs.size(); ++k)
+    target.rhs[k] = gram.scale[k] > 0.0 ? target.rhs[k] / gram.scale[k] : 0.0;
   return target;
 }
 
@@ -416,9 +413,10 @@ double fit_slice(const ColumnGram& gram, const SliceTarget& target, std::span<co
 }
 
 Selection select_closures(std::span<const ColumnGram> grams, std::span<const SliceTarget> targets,
-                          const SelectionOptions& options, std::span<const int> candidates,
-                          std::span<const int> fixed, const ParallelFor& parallel_for) {
-  if (options.closures < 1 || options.closures > kMaxClosures || fixed.size() > static_cast<std::size_t>(options.closures))
+                          const SelectionOptions& options, std::span<const int> candidates, std::span<const int> fixed,
+                          const ParallelFor& parallel_for) {
+  if (options.closures < 1 || options.closures > kMaxClosures ||
+      fixed.size() > static_cast<std::size_t>(options.closures))
     throw std::invalid_argument("select_closures: number of closures out of range");
   return Selector(grams, targets, options, candidates, fixed, parallel_for).run();
 }

@@ -46,12 +46,12 @@ struct FitOptions {
 };
 
 struct SelectionOptions {
-  int closures = 6;            ///< how many to choose, at most `kMaxClosures`
-  double target_error = 0.0;   ///< stop earlier when the mean relative error is below this
-  double worst_share = 0.05;   ///< share of the worst slice's squared error in the objective
-  int overshoot = 2;           ///< closures added beyond `closures`, then eliminated again
-  int swap_passes = 2;         ///< rounds of exchanging one closure for a better one
-  std::vector<double> penalty; ///< D or empty: factor (>= 1) on the objective for choosing a noisy or slow closure
+  int closures = 6;             ///< how many to choose, at most `kMaxClosures`
+  double target_error = 0.0;    ///< stop earlier when the mean relative error is below this
+  double worst_share = 0.05;    ///< share of the worst slice's squared error in the objective
+  int overshoot = 2;            ///< closures added beyond `closures`, then eliminated again
+  int swap_passes = 2;          ///< rounds of exchanging one closure for a better one
+  std::vector<double> penalty;  ///< D or empty: factor (>= 1) on the objective for choosing a noisy or slow closure
   FitOptions fit;
 };
 

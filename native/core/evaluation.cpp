@@ -27,9 +27,7 @@ struct Targets {
     mu = Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
   }
 
-  Eigen::Index find(double cosine) const {
-    return std::lower_bound(mu.begin(), mu.end(), cosine) - mu.begin();
-  }
+  Eigen::Index find(double cosine) const { return std::lower_bound(mu.begin(), mu.end(), cosine) - mu.begin(); }
 };
 
 Eigen::MatrixXd kernel_of(const ScatteringFunction& s, Side side, Path path) {
@@ -65,8 +63,8 @@ class SingleScattering {
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t layer = side == Side::kTop ? k : count - 1 - k;
       const TruncatedMedium& medium = solution.media()[layer];
-      terms_.push_back({medium.tau, depth, 0.25 / pi * medium.single_scattering_albedo(),
-                        &solution.stack().layers[layer].phase});
+      terms_.push_back(
+          {medium.tau, depth, 0.25 / pi * medium.single_scattering_albedo(), &solution.stack().layers[layer].phase});
       depth += medium.tau;
     }
     whole_ = depth;
@@ -81,12 +79,12 @@ class SingleScattering {
     for (const Term& term : terms_) {
       if (path_ == Path::kReflect) {
         const double reach = std::isinf(term.before) ? 0.0 : std::exp(-term.before * (1.0 / mu_o + 1.0 / mu_i));
-        sum += term.weight * reach * term.phase->evaluate(sines - mu_o * mu_i) *
-               single_reflection(mu_o, mu_i, term.tau);
+        sum +=
+            term.weight * reach * term.phase->evaluate(sines - mu_o * mu_i) * single_reflection(mu_o, mu_i, term.tau);
       } else if (!std::isinf(whole_)) {
         const double after = whole_ - term.before - term.tau;
-        sum += term.weight * std::exp(-term.before / mu_i - after / mu_o) *
-               term.phase->evaluate(sines + mu_o * mu_i) * single_transmission(mu_o, mu_i, term.tau);
+        sum += term.weight * std::exp(-term.before / mu_i - after / mu_o) * term.phase->evaluate(sines + mu_o * mu_i) *
+               single_transmission(mu_o, mu_i, term.tau);
       }
     }
     return sum;

@@ -164,8 +164,8 @@ ScatteringFunction multiple_on(const Directions& directions, const MultipleScatt
   s.transmit.delta.setZero();
   const Eigen::VectorXd outer = parity_factor(order, directions.mu) * directions.scale.array();
   const Eigen::MatrixXd& carry = directions.interpolation;
-  const Eigen::MatrixXd shape = outer.asDiagonal() * symmetric(directions.mu, medium.tau, single_reflection) *
-                                outer.asDiagonal();
+  const Eigen::MatrixXd shape =
+      outer.asDiagonal() * symmetric(directions.mu, medium.tau, single_reflection) * outer.asDiagonal();
   s.reflect_above.kernel = (carry * multiple.reflect * carry.transpose()).cwiseProduct(shape);
   s.reflect_below.kernel = s.reflect_above.kernel;
   s.transmit.kernel = (carry * multiple.transmit * carry.transpose()).cwiseProduct(shape);

@@ -29,7 +29,6 @@ class HomogeneousModes {
   };
   Layer layer(double tau) const;
 
-
  private:
   Eigen::MatrixXd even_;  // U
   Eigen::MatrixXd odd_;   // V

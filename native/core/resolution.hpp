@@ -6,9 +6,9 @@ namespace lamina {
 
 /// How finely a solve discretises directions, and by what it is judged afterwards.
 struct Resolution {
-  int nodes = 32;                  ///< quadrature nodes in a hemisphere
+  int nodes = 32;                   ///< quadrature nodes in a hemisphere
   double azimuth_tolerance = 3e-5;  ///< orders are added until what they add falls below this share
-  double tolerance = 1e-3;         ///< largest admitted estimate of the relative pointwise error
+  double tolerance = 1e-3;          ///< largest admitted estimate of the relative pointwise error
 
   int moments() const { return 2 * nodes; }
 };

@@ -19,9 +19,7 @@ constexpr double kThinnest = 1e-6;
 /// Orders solved between two looks at convergence; fixed, so that results do not depend on threads.
 constexpr int kBlock = 4;
 
-bool scatters_repeatedly(const TruncatedMedium& medium) {
-  return medium.albedo > 0.0 && medium.tau > kThinnest;
-}
+bool scatters_repeatedly(const TruncatedMedium& medium) { return medium.albedo > 0.0 && medium.tau > kThinnest; }
 
 /// The smallest phase value over the azimuth, for light turned back between two directions.
 double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double turn) {
@@ -36,9 +34,7 @@ double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double 
 }  // namespace
 
 Solution::Solution(Stack stack, const Resolution& resolution, ThreadPool& pool)
-    : stack_(std::move(stack)),
-      resolution_(resolution),
-      quadrature_(std::make_shared<Quadrature>(resolution.nodes)) {
+    : stack_(std::move(stack)), resolution_(resolution), quadrature_(std::make_shared<Quadrature>(resolution.nodes)) {
   for (std::size_t i = 0; i < stack_.layers.size(); ++i) {
     modes_.push_back(std::make_shared<Modes>());
   }
@@ -119,12 +115,11 @@ double Solution::share_of_order(int order) const {
           continue;
         }
         const PhaseFunction& phase = stack_.layers[layer].phase;
-        const double sines =
-            order % 2 == 0 ? 1.0 : std::sqrt((1.0 - mu[i] * mu[i]) * (1.0 - mu[j] * mu[j]));
+        const double sines = order % 2 == 0 ? 1.0 : std::sqrt((1.0 - mu[i] * mu[i]) * (1.0 - mu[j] * mu[j]));
         const double back = quarter * least_phase(phase, mu[i], mu[j], -1.0) + 0.1 * mean.reflect(i, j);
         const double on = quarter * least_phase(phase, mu[i], mu[j], 1.0) + 0.1 * mean.transmit(i, j);
-        share = std::max({share, std::abs(wave.reflect(i, j)) * sines / back,
-                          std::abs(wave.transmit(i, j)) * sines / on});
+        share =
+            std::max({share, std::abs(wave.reflect(i, j)) * sines / back, std::abs(wave.transmit(i, j)) * sines / on});
       }
     }
   }
@@ -150,8 +145,7 @@ ScatteringFunction Solution::joined(const Directions& directions, int order) con
 ScatteringFunction Solution::without_single(const Directions& directions, int order) const {
   const bool base_reflects = stack_.base.kind == Base::Kind::kLambert && order == 0 && stack_.base.reflectance > 0;
   if (media_.size() == 1 && !base_reflects) {
-    ScatteringFunction alone =
-        multiple_on(directions, multiple_[static_cast<std::size_t>(order)][0], media_[0], order);
+    ScatteringFunction alone = multiple_on(directions, multiple_[static_cast<std::size_t>(order)][0], media_[0], order);
     if (stack_.base.kind == Base::Kind::kLambert) {
       alone.transmit.kernel.setZero();
     }
@@ -187,8 +181,7 @@ Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
     constexpr double kExact = 1e-9;
     constexpr double kEnergy = 5e-7;
     const bool sound = checks.quadrature < kExact && checks.phase < kEnergy && checks.energy < kEnergy &&
-                       checks.reciprocity < kEnergy && checks.negativity < tolerance &&
-                       checks.resolution < tolerance;
+                       checks.reciprocity < kEnergy && checks.negativity < tolerance && checks.resolution < tolerance;
     if (sound) {
       return solution;
     }
@@ -196,10 +189,9 @@ Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
     if (finer.nodes == resolution.nodes) {
       std::ostringstream message;
       message << "the stack cannot be resolved: with " << resolution.nodes
-              << " nodes per hemisphere the errors are quadrature " << checks.quadrature << ", phase "
-              << checks.phase << ", energy " << checks.energy << ", reciprocity " << checks.reciprocity
-              << ", negativity " << checks.negativity << ", resolution " << checks.resolution
-              << " (allowed " << tolerance << ")";
+              << " nodes per hemisphere the errors are quadrature " << checks.quadrature << ", phase " << checks.phase
+              << ", energy " << checks.energy << ", reciprocity " << checks.reciprocity << ", negativity "
+              << checks.negativity << ", resolution " << checks.resolution << " (allowed " << tolerance << ")";
       throw std::runtime_error(message.str());
     }
     resolution = finer;

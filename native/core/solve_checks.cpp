@@ -21,8 +21,8 @@ double tail_share(const Eigen::MatrixXd& table, const Quadrature& quadrature) {
   }
   const Eigen::MatrixXd coefficients = analysis * table * analysis.transpose();
   const double whole = coefficients.norm();
-  const double tail = std::hypot(coefficients.bottomRows(kTail).norm(),
-                                 coefficients.topRightCorner(n - kTail, kTail).norm());
+  const double tail =
+      std::hypot(coefficients.bottomRows(kTail).norm(), coefficients.topRightCorner(n - kTail, kTail).norm());
   return whole > 0.0 ? tail / whole : 0.0;
 }
 

@@ -64,7 +64,7 @@ def slices(solved: SolvedRows, kind: str, grid: LightGrid, step: Callable[[float
     for side in solved.sides:
         # What a viewer sees through a sheet came in on the other side.
         source = side if kind == "reflection" else {"top": "bottom", "bottom": "top"}[side]
-        for index, function in enumerate(solved.functions):
+        for function in solved.functions:
             step(len(values) / total, f"Evaluating {kind} {len(values) + 1} of {total}")
             brdf = function.grid(path, mu_o, grid.mu, grid.dphi, side=source)
             weighted = brdf * grid.mu[None, :, None, None]
@@ -76,8 +76,8 @@ def slices(solved: SolvedRows, kind: str, grid: LightGrid, step: Callable[[float
                 albedo = function.transmittance(mu_o, side, parts=True)[0]
             albedos.append(albedo.T)
     shape = (len(solved.sides), len(solved.functions))
-    values, albedos = np.array(values), np.array(albedos)
-    return Slices(values.reshape(*shape, *values.shape[1:]), np.maximum(albedos, 0.0).reshape(*shape, *albedos.shape[1:]))
+    values, albedos = np.array(values), np.maximum(albedos, 0.0)
+    return Slices(values.reshape(*shape, *values.shape[1:]), albedos.reshape(*shape, *albedos.shape[1:]))
 
 
 def direct_light(solved: SolvedRows) -> np.ndarray:

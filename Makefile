@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# make demo | test | bench | lint | wheel | extension | clean     Each sets up what is missing, then runs.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+MAKEFLAGS += --no-builtin-rules
+
+# bpy 4.5 LTS runs on Python 3.11 only.
+PYTHON ?= $(shell for p in python3.11 python3 python; do \
+	$$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null && echo $$p && break; done)
+# Blender's newer releases run on other Pythons; the extension holds a wheel for each one found here.
+OTHER_PYTHONS := $(shell for p in python3.13 python3.14; do $$p -c 'import venv' 2>/dev/null && echo $$p; done)
+
+VENV := .venv
+RUN := $(VENV)/bin/python
+SCENE ?= all
+QUALITY ?= small
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
+NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name '*.json' -o -name CMakeLists.txt) \
+	CMakeLists.txt pyproject.toml
+ADDON_SOURCES := $(shell find addon -type f -not -name '*.pyc')
+EXTENSION := dist/lamina-$(VERSION).zip
+
+.PHONY: demo test bench lint wheel extension clean readme
+.DEFAULT_GOAL := demo
+
+demo: build/stamps/extension
+	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY)
+
+test: lint build/stamps/extension
+	$(RUN) -m pytest tests/core tests/lamina
+	$(RUN) -m pytest tests/addon
+	$(RUN) -m pytest tests/cycles
+
+lint: build/stamps/wheel
+	$(RUN) -m ruff check .
+	tools/lint_cpp.sh $(VENV)/bin
+
+bench: build/stamps/extension build/stamps/bench
+	$(RUN) bench/run.py
+
+readme: build/stamps/wheel
+	$(RUN) tools/readme_tables.py
+
+wheel: build/stamps/wheel
+
+extension: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/wheel-$(p))
+	$(RUN) tools/build_extension.py build/wheels/*.whl --output dist
+
+clean:
+	rm -rf build dist
+
+build/stamps/system: tools/install_system_packages.sh
+	@if [ -z "$(PYTHON)" ]; then echo "lamina: no Python 3.11 found, which bpy 4.5 LTS needs" >&2; exit 1; fi
+	@tools/install_system_packages.sh $(PYTHON)
+	@mkdir -p $(@D) && touch $@
+
+build/stamps/venv: requirements.txt build/stamps/system
+	@echo "Installing Blender as a Python module and the tools into $(VENV) (400 MB, once)"
+	@test -x $(RUN) || $(PYTHON) -m venv $(VENV)
+	@$(RUN) -m pip install --quiet --disable-pip-version-check -r requirements.txt
+	@touch $@
+
+build/stamps/wheel: build/stamps/venv $(NATIVE_SOURCES)
+	@echo "Building Lamina's native wheel (about a minute)"
+	@rm -f build/wheels/lamina-*-cp311-*.whl
+	@$(RUN) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation -w build/wheels .
+	@$(RUN) -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall \
+		build/wheels/lamina-$(VERSION)-cp311-*.whl
+	@touch $@
+
+build/stamps/wheel-%: build/stamps/system $(NATIVE_SOURCES)
+	@echo "Building Lamina's native wheel for $*"
+	@test -x build/venv-$*/bin/python || $* -m venv build/venv-$*
+	@build/venv-$*/bin/python -m pip install --quiet --disable-pip-version-check \
+		scikit-build-core==1.1.2 pybind11==3.1.0 ninja==1.13.0
+	@build/venv-$*/bin/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+		-w build/wheels .
+	@touch $@
+
+build/stamps/extension: build/stamps/wheel $(ADDON_SOURCES) tools/build_extension.py
+	@echo "Building the Blender extension"
+	@$(RUN) tools/build_extension.py build/wheels/lamina-$(VERSION)-cp311-*.whl --output dist
+	@touch $@
+
+build/stamps/bench: build/stamps/venv $(NATIVE_SOURCES)
+	@echo "Building the core's benchmarks"
+	@cmake -S . -B build/native-bench -DLAMINA_BENCH=ON -DCMAKE_BUILD_TYPE=Release >/dev/null
+	@cmake --build build/native-bench --parallel 2 >/dev/null
+	@touch $@
