@@ -216,45 +216,14 @@ def fresnel_ggx(ior: float, roughness: float = 1.0) -> Lobe:
     return Lobe(name, "reflection", evaluate, node)
 
 
-def refraction(ior: float, roughness: float = 1.0) -> Lobe:
-    """Refraction BSDF, distribution GGX: light from below through a rough boundary, no Fresnel."""
-    alpha = roughness**2
-
-    def evaluate(mu_o, mu_i, dphi):
-        g = _Geometry(mu_o, mu_i, dphi, below=True)
-        # Half vector of refraction (Walter et al. 2007, eq. 16), turned to the viewer's side.
-        sign = -1.0 if ior > 1.0 else 1.0
-        half_x = sign * (g.sin_o + ior * g.light_x)
-        half_y = sign * ior * g.light_y
-        half_z = sign * (g.mu_o + ior * g.light_z)
-        length2 = half_x**2 + half_y**2 + half_z**2
-        cos_o = (half_x * g.sin_o + half_z * g.mu_o) / np.sqrt(length2)
-        cos_i = (half_x * g.light_x + half_y * g.light_y + half_z * g.light_z) / np.sqrt(length2)
-        stretched = (half_x**2 + half_y**2) / alpha**2 + half_z**2
-        density = (length2 / stretched) ** 2 / (np.pi * alpha * alpha)
-        masking = 1.0 + _smith_lambda(g.sin_o, 0.0, g.mu_o, alpha, alpha)
-        masking = masking + _smith_lambda(g.light_x, g.light_y, g.light_z, alpha, alpha)
-        jacobian = ior * ior * np.abs(cos_o * cos_i) / length2
-        return density * jacobian / (g.mu_o * masking)
-
-    name = f"refraction_{_number(ior)}" + (f"_{_number(roughness)}" if roughness != 1.0 else "")
-    node = NodeRecipe(
-        "ShaderNodeBsdfRefraction",
-        inputs={"Roughness": roughness, "IOR": ior},
-        enums={"distribution": "GGX"},
-        invert_ior_on_backface=True,
-    )
-    return Lobe(name, "transmission", evaluate, node)
-
-
 # --- Toon ---------------------------------------------------------------------------------------
 
 
 def _toon(cosine, size: float, smooth: float):
     """A cone of half-angle `size`, then a linear ramp of width `smooth` (both over pi/2)."""
     inner, ramp = max(size, 1e-5) * np.pi / 2, smooth * np.pi / 2
-    angle = np.arccos(np.clip(cosine, 0.0, 1.0))
-    intensity = (angle < inner).astype(float) if ramp == 0 else np.clip(1.0 - (angle - inner) / ramp, 0.0, 1.0)
+    beyond = np.arccos(np.clip(cosine, 0.0, 1.0)) - inner
+    intensity = np.where(beyond < 0.0, 1.0, np.clip(1.0 - beyond / ramp, 0.0, 1.0) if ramp > 0.0 else 0.0)
     solid_angle = 2.0 * np.pi * (1.0 - np.cos(min(inner + ramp, np.pi / 2)))
     return np.where(cosine >= 0.0, intensity / solid_angle, 0.0)
 
@@ -309,32 +278,59 @@ def sheen_ashikhmin(sigma: float) -> Lobe:
 
 # --- The dictionary -----------------------------------------------------------------------------
 
+# Found by backward elimination from 360 closures on random slabs (g from -.5 to .88, with and without a
+# Lambertian base): the loss against all of them is .1 points of error at six closures a material.
+# Refraction BSDFs are left out on purpose: under a lamp Cycles evaluates them for half vectors that it
+# never samples, so that a rough one loses up to half of its light under a sky.
 DICTIONARY: tuple[Lobe, ...] = (
     diffuse(),
-    diffuse("N+R"),
-    diffuse("N+I"),
+    diffuse(("tilt", -15.0)),
+    diffuse(("tilt", 15.0)),
+    fresnel_ggx(1.003),
+    fresnel_ggx(1.01),
     fresnel_ggx(1.03),
-    fresnel_ggx(2.0),
+    fresnel_ggx(1.06),
+    fresnel_ggx(1.1),
+    fresnel_ggx(1.3),
+    fresnel_ggx(1.7),
+    fresnel_ggx(3.0),
+    fresnel_ggx(2.0, roughness=0.7),
     ggx(1.0),
-    ggx(0.85),
-    ggx(0.7, 0.5),
-    ggx(0.7, -0.5),
+    ggx(1.0, anisotropy=0.3),
+    ggx(0.9, anisotropy=0.5),
+    ggx(0.7, anisotropy=0.5),
     sheen_ashikhmin(0.6),
-    toon(0.01, 0.75, "N+I"),
-    toon(0.3, 0.3, ("tilt", -30.0)),
+    sheen_ashikhmin(0.7),
+    toon(0.01, 0.55, "I"),
+    toon(0.01, 1.0, "I"),
+    toon(0.15, 0.5, "N+I"),
+    toon(0.15, 0.2, ("tilt", 60.0)),
+    toon(0.6, 0.3, ("tilt", 15.0)),
+    toon(0.75, 0.25, ("tilt", -60.0)),
+    toon(0.01, 0.75),
+    toon(0.3, 0.6),
+    toon(0.5, 0.5),
     toon(0.6, 0.3),
+    toon(0.75, 0.25),
+    toon(0.8, 0.1),
+    toon(0.9, 0.1),
+    toon(1.0, 0.0),
     toon_glossy(0.5, 0.35),
+    toon_glossy(0.8, 0.2),
     translucent(),
+    translucent("I"),
     translucent("N+I"),
-    refraction(3.0),
-    refraction(1.3),
-    refraction(0.7, 0.8),
+    translucent(("tilt", -75.0)),
+    translucent(("tilt", 15.0)),
+    translucent(("tilt", 60.0)),
+    translucent(("tilt", 85.0)),
 )
+
+_BY_ID = {lobe.id: lobe for lobe in DICTIONARY}
 
 
 def by_id(lobe_id: str) -> Lobe:
     """The lobe of that id; KeyError with the id when there is none."""
-    for lobe in DICTIONARY:
-        if lobe.id == lobe_id:
-            return lobe
-    raise KeyError(f"closure {lobe_id!r}: not in the dictionary")
+    if lobe_id not in _BY_ID:
+        raise KeyError(f"closure {lobe_id!r}: not in the dictionary")
+    return _BY_ID[lobe_id]

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How fast and how noisy the baked material renders, beside Cycles' own materials and the volume slab.
+
+    python bench/render_bench.py [--size 128] [--repeats 5] [--extension ZIP] [--out build/bench/render.json]
+
+The view of the slab demo without its sky, under the same sun and sky. Every round renders each body in
+turn; times are of the process's CPU, all threads together, so that a busy machine falsifies them least:
+(many samples) - (few samples), which takes the start of a render off. Ratios are within a round, the
+median over rounds counts. Noise is the relative standard deviation of a pixel at SAMPLES samples, from
+two seeds.
+"""
+
+import argparse
+import json
+import math
+import os
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "demo_scenes"))
+
+import extension  # noqa: E402
+
+SAMPLES = 32  # at which noise is given
+MANY, FEW = 64, 4  # samples of the two timed renders
+BASE_COLOUR = (0.8, 0.8, 0.8, 1.0)
+PRINCIPLED = "Principled"
+
+
+def principled(**inputs):
+    """A Principled BSDF; inputs by socket name, _ for a space."""
+    return _single_node("ShaderNodeBsdfPrincipled", {"Base Color": BASE_COLOUR, **_named(inputs)})
+
+
+def diffuse():
+    return _single_node("ShaderNodeBsdfDiffuse", {"Color": BASE_COLOUR})
+
+
+def scenes(stack):
+    """{name: scene}, the LUT of the baked one."""
+    from slab import scene
+
+    baked, lut = extension.bake("baked", stack)
+    bodies = {
+        "Lamina, baked": ("baked", baked),
+        PRINCIPLED: ("baked", principled()),
+        "Principled, coat and sheen": ("baked", principled(Coat_Weight=1.0, Sheen_Weight=1.0)),
+        "Diffuse": ("baked", diffuse()),
+        "Volume slab": ("volume", None),
+    }
+    return {name: scene.build(stack, *body) for name, body in bodies.items()}, lut
+
+
+def prepare(stage, size):
+    """Unbiased settings and a picture cropped to the slab: sky pixels would cost next to nothing."""
+    from slab import scene, view
+
+    scene.set_quality(stage, size, MANY)
+    rows = np.flatnonzero(view.pixels(size).region.all(axis=1))
+    stage.render.use_border = stage.render.use_crop_to_border = True
+    stage.render.border_min_x, stage.render.border_max_x = 0.0, 1.0
+    stage.render.border_min_y, stage.render.border_max_y = 0.0, (size - rows[0]) / size
+
+
+def measure(stages, repeats, say):
+    """{name: (CPU seconds of each round, pixels, relative noise)}."""
+    seconds, noise, pixels = {name: [] for name in stages}, {}, {}
+    for name, stage in stages.items():
+        noise[name], pixels[name] = _noise(stage)
+    for k in range(repeats):
+        for name, stage in stages.items():
+            many, few = (_seconds(stage, samples, k) for samples in (MANY, FEW))
+            seconds[name].append(many - few)
+        say(f"round {k + 1} of {repeats}")
+    return {name: (np.array(seconds[name]), pixels[name], noise[name]) for name in stages}
+
+
+def table(measured):
+    """A list of rows (dicts), in the order of `measured`."""
+    reference = measured[PRINCIPLED]
+    rows = []
+    for name, (seconds, pixels, noise) in measured.items():
+        ratios = seconds / reference[0]
+        rows.append({
+            "material": name,
+            "million_samples_per_cpu_second": pixels * (MANY - FEW) / float(np.median(seconds)) / 1e6,
+            "time_over_principled": float(np.median(ratios)),
+            "time_over_principled_least": float(ratios.min()),
+            "time_over_principled_most": float(ratios.max()),
+            "noise": noise,
+            # Noise falls with the root of the samples.
+            "time_to_equal_noise_over_principled": float(np.median(ratios)) * (noise / reference[2]) ** 2,
+        })
+    return rows
+
+
+def show(rows):
+    """The rows as text."""
+    lines = [
+        f"{'':28} {'M samples/':>11} {'time over':>22} {'noise at':>12} {'time over Principled':>21}",
+        f"{'':28} {'CPU-second':>11} {'Principled (range)':>22} {SAMPLES:4} samples {'at equal noise':>21}",
+    ]
+    for row in rows:
+        spread = f"{row['time_over_principled_least']:.2f}..{row['time_over_principled_most']:.2f}"
+        lines.append(
+            f"{row['material']:28} {row['million_samples_per_cpu_second']:11.2f} "
+            f"{row['time_over_principled']:8.2f} {'(' + spread + ')':>13} {row['noise']:12.1%} "
+            f"{row['time_to_equal_noise_over_principled']:21.2f}"
+        )
+    return "\n".join(lines)
+
+
+def main(argv=None):
+    parser = argparse.ArgumentParser(description="Time and noise of the baked material in Cycles.")
+    parser.add_argument("--size", type=int, default=128)
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "bench" / "render.json")
+    arguments = parser.parse_args(argv)
+    try:
+        zip_path = arguments.extension or extension.newest_zip(ROOT / "dist")
+        with extension.isolate(), extension.installed(zip_path):
+            from slab import scene
+
+            stack = scene.load_stack()
+            stages, lut = scenes(stack)
+            for stage in stages.values():
+                prepare(stage, arguments.size)
+            rows = table(measure(stages, arguments.repeats, lambda text: print(text, flush=True)))
+    except extension.ExtensionMissingError as error:
+        print(f"render_bench: {error}", file=sys.stderr)
+        return 1
+    facts = {
+        "samples": SAMPLES, "size": arguments.size, "repeats": arguments.repeats, "stack": stack,
+        "closures": lut.report["closures"], "fit_error": lut.report["fit_error"], "rows": rows,
+    }
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    partial = arguments.out.with_suffix(".part")
+    partial.write_text(json.dumps(facts, indent=2) + "\n", encoding="utf-8")
+    os.replace(partial, arguments.out)
+    print(show(rows))
+    print(f"{lut.report['closures']} closures, fit error {lut.report['fit_error']:.2%}; wrote {arguments.out}")
+    return 0
+
+
+def _noise(stage):
+    """(relative standard deviation of a pixel's luminance at SAMPLES, rms; number of pixels)."""
+    import cycles_render
+
+    stage.cycles.samples = SAMPLES
+    # Green stands for luminance; seeds far apart from those of the timed renders.
+    first, second = (cycles_render.render(stage, seed)[0][..., 1] for seed in (1001, 1002))
+    relative = (first - second) / ((first + second) / 2.0)
+    return math.sqrt(np.mean(relative**2) / 2.0), first.size
+
+
+def _seconds(stage, samples, seed):
+    import cycles_render
+
+    stage.cycles.samples = samples
+    start = time.process_time()
+    cycles_render.render(stage, seed)
+    return time.process_time() - start
+
+
+def _single_node(kind, inputs):
+    import bpy
+
+    material = bpy.data.materials.new(kind)
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    node = tree.nodes.new(kind)
+    for name, value in inputs.items():
+        node.inputs[name].default_value = value
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def _named(inputs):
+    return {name.replace("_", " "): value for name, value in inputs.items()}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""make bench: all benchmarks in turn, printed as tables and kept as JSON in build/bench.
+
+    python bench/run.py [solver|doubling|bake|fit|render ...]
+"""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+OUT = ROOT / "build/bench"
+DOUBLING = ROOT / "build/native-bench/native/bench/bench_doubling"
+
+
+def solver():
+    import solver_bench
+
+    return solver_bench.measure()
+
+
+def doubling():
+    done = subprocess.run([DOUBLING], check=True, capture_output=True, text=True)
+    return [json.loads(line) for line in done.stdout.splitlines() if line]
+
+
+def bake():
+    import bake_bench
+
+    return bake_bench.measure()
+
+
+def fit():
+    import fit_bench
+
+    return fit_bench.measure()
+
+
+def render():
+    # In a process of its own: bpy neither likes company nor leaves politely.
+    subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
+    return None
+
+
+BENCHES = {
+    "solver": (solver, "Slab solve, CPU time, against other codes (error: largest, mu >= .05)"),
+    "doubling": (doubling, "Doubling step against the rate of matrix products, one thread"),
+    "bake": (bake, "Bake, wall clock, all threads"),
+    "fit": (fit, "Closure fit, relative L2 errors of the slices"),
+    "render": (render, "Rendering in Cycles"),
+}
+
+
+def table(rows):
+    """Rows of dicts as text columns; keys of the first row that has them, in order."""
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    cells = [keys] + [[_cell(row.get(key, "")) for key in keys] for row in rows]
+    widths = [max(len(line[k]) for line in cells) for k in range(len(keys))]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+                     for line in cells)
+
+
+def _cell(value):
+    if isinstance(value, float):
+        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+    return "-" if value is None else str(value)
+
+
+def main(names):
+    unknown = [name for name in names if name not in BENCHES]
+    if unknown:
+        print(f"bench: {unknown[0]}: must be one of {', '.join(BENCHES)}", file=sys.stderr)
+        return 2
+    OUT.mkdir(parents=True, exist_ok=True)
+    for name in names or BENCHES:
+        work, title = BENCHES[name]
+        print(f"\n{title}", flush=True)
+        rows = work()
+        if rows is not None:
+            (OUT / f"{name}.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+            print(table(rows), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
