@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render the demos: `python demo_scenes/make_demo.py [SCENE|all] [--quality tiny|small|final]`.
+
+A scene is a folder here with a demo.py, whose run(out, quality, stack_path, say) renders it, writes its
+files and returns (files, verdict, whether all is well). Exit code 0: all is well; 1: it is not.
+"""
+
+import argparse
+import importlib
+import sys
+import time
+from pathlib import Path
+
+import extension
+
+HERE = Path(__file__).resolve().parent
+QUALITIES = ("tiny", "small", "final")
+
+
+def scenes():
+    """Names of the scenes that can be rendered."""
+    return sorted(path.parent.name for path in HERE.glob("*/demo.py"))
+
+
+def make(names, quality="small", zip_path=None, out=HERE / "out", stack_path=None, say=print):
+    """Render the scenes `names` with the extension of `zip_path`, in a Blender profile of its own.
+
+    Yields (files, verdict, whether all is well) for each. Raises extension.ExtensionMissingError.
+    """
+    zip_path = zip_path or extension.newest_zip(HERE.parent / "dist")
+    out.mkdir(parents=True, exist_ok=True)
+    with extension.isolate(), extension.installed(zip_path):
+        for name in names:
+            yield importlib.import_module(f"{name}.demo").run(out, quality, stack_path, say)
+
+
+def main(argv=None):
+    parser = argparse.ArgumentParser(description="Render demo scenes and check them against the truth.")
+    parser.add_argument("scene", nargs="?", default="all", choices=["all", *scenes()])
+    parser.add_argument("--quality", choices=QUALITIES, default="small")
+    parser.add_argument("--stack", type=Path, help="a stack JSON in place of the scene's own")
+    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
+    parser.add_argument("--out", type=Path, default=HERE / "out")
+    arguments = parser.parse_args(argv)
+    start = time.perf_counter()
+    lines, all_well = [], True
+
+    def say(text):
+        print(f"[{time.perf_counter() - start:5.0f} s] {text}", flush=True)
+
+    names = scenes() if arguments.scene == "all" else [arguments.scene]
+    try:
+        for files, verdict, well in make(
+            names, arguments.quality, arguments.extension, arguments.out, arguments.stack, say
+        ):
+            lines.append(f"{' and '.join(_short(path) for path in files)}: {verdict}")
+            all_well = all_well and well
+    except (extension.ExtensionMissingError, ValueError, OSError, RuntimeError) as error:
+        print(f"make_demo: {error}", file=sys.stderr)
+        return 1
+    print("\n".join(lines), flush=True)
+    return 0 if all_well else 1
+
+
+def _short(path):
+    path = Path(path).resolve()
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

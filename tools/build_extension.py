@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Build the Blender extension: addon/ plus wheels -> dist/lamina-<version>.zip.
+
+    python tools/build_extension.py WHEEL... [--output dist]
+
+Needs the bpy wheel: Blender's own `blender_ext.py` builds and validates the archive. Wheels for
+several Pythons and platforms may go into one archive; Blender installs the one that fits.
+"""
+
+import argparse
+import importlib.util
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PLATFORMS = (
+    # (start of the wheel's platform tag, its end, Blender's name)
+    ("manylinux", "x86_64", "linux-x64"),
+    ("linux", "x86_64", "linux-x64"),
+    ("manylinux", "aarch64", "linux-arm64"),
+    ("win_amd64", "", "windows-x64"),
+    ("win_arm64", "", "windows-arm64"),
+    ("macosx", "arm64", "macos-arm64"),
+    ("macosx", "x86_64", "macos-x64"),
+)
+
+
+def blender_ext():
+    """Path of Blender's extension tool inside the installed bpy."""
+    spec = importlib.util.find_spec("bpy")
+    if spec is None:
+        raise SystemExit("build_extension: bpy is not installed in this Python")
+    for folder in spec.submodule_search_locations:
+        for tool in Path(folder).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"):
+            return tool
+    raise SystemExit("build_extension: this bpy has no blender_ext.py (Blender 4.2 or newer is needed)")
+
+
+def platform_of(wheel):
+    """Blender's platform name for a wheel; refuses wheels of other platforms."""
+    tag = wheel.stem.split("-")[-1].split(".")[0]
+    for start, end, platform in PLATFORMS:
+        if tag.startswith(start) and tag.endswith(end):
+            return platform
+    raise SystemExit(f"build_extension: {wheel.name}: Blender has no platform {tag}")
+
+
+def check(wheel, version):
+    """Refuse files that are not wheels of this version of lamina."""
+    parts = wheel.stem.split("-")
+    if wheel.suffix != ".whl" or not wheel.is_file() or len(parts) < 5:
+        raise SystemExit(f"build_extension: {wheel}: not a wheel")
+    if parts[0] != "lamina" or parts[1] != version:
+        raise SystemExit(f"build_extension: {wheel.name}: must be lamina {version}, as the manifest says")
+
+
+def manifest_with(text, wheels):
+    """The manifest's text with its platforms and wheels, before the first table."""
+    names = ", ".join(f'"{name}"' for name in sorted({platform_of(wheel) for wheel in wheels}))
+    files = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in sorted(wheels))
+    head, bracket, tables = text.partition("[permissions]")
+    return f"{head}platforms = [{names}]\nwheels = [\n{files}]\n\n{bracket}{tables}" if wheels else text
+
+
+def build(wheels, output):
+    """Build and validate the archive; returns its path."""
+    source = ROOT / "addon"
+    text = (source / "blender_manifest.toml").read_text(encoding="utf-8")
+    manifest = tomllib.loads(text)
+    for wheel in wheels:
+        check(wheel, manifest["version"])
+    archive = output / f"lamina-{manifest['version']}.zip"
+    output.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="lamina-extension-") as scratch:
+        folder = Path(scratch, "lamina")
+        shutil.copytree(source, folder, ignore=shutil.ignore_patterns("__pycache__", "*.pyc", ".*"))
+        (folder / "wheels").mkdir()
+        for wheel in wheels:
+            shutil.copy2(wheel, folder / "wheels")
+        (folder / "blender_manifest.toml").write_text(manifest_with(text, wheels), encoding="utf-8")
+        if (ROOT / "LICENSE").is_file():
+            shutil.copy2(ROOT / "LICENSE", folder)
+        _run("build", "--source-dir", str(folder), "--output-filepath", str(archive))
+    _run("validate", str(archive))
+    return archive
+
+
+def _run(*arguments):
+    command = [sys.executable, str(blender_ext()), *arguments]
+    finished = subprocess.run(command, capture_output=True, text=True)
+    if finished.returncode != 0:
+        raise SystemExit(f"build_extension: {arguments[0]} failed:\n{finished.stdout}{finished.stderr}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("wheels", nargs="*", type=Path, help="wheels of lamina, one per Python and platform")
+    parser.add_argument("--output", type=Path, default=ROOT / "dist", help="folder of the archive")
+    arguments = parser.parse_args()
+    print(build(arguments.wheels, arguments.output))
+
+
+if __name__ == "__main__":
+    main()

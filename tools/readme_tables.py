@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Write the README's tables from what make bench measured: python tools/readme_tables.py
+
+Reads build/bench/*.json; a table whose file is missing stays as it is, and is named. The accuracy table
+is computed here, from tests/data/reference_cases.json."""
+
+import json
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+BENCH = ROOT / "build/bench"
+README = ROOT / "README.md"
+
+
+def markdown(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines += ["| " + " | ".join(cells) + " |" for cells in rows]
+    return "\n".join(lines)
+
+
+def percent(value, digits=2):
+    return "-" if value is None else f"{100 * value:.{digits}f} %"
+
+
+def accuracy():
+    import lamina
+
+    data = json.loads((ROOT / "tests/data/reference_cases.json").read_text(encoding="utf-8"))
+    rows = []
+    for case in data["cases"]:
+        if case["kind"] != "flux" or case.get("ior", 1) != 1:
+            continue
+        layers = [lamina.Stack.from_json({"schema": 1, "layers": [{"kind": "medium", **layer}]}).layers[0]
+                  for layer in case["layers"]]
+        solved = lamina.solve(lamina.Stack(layers))
+        mu0 = "diffuse" if case["mu0"] == "lambert" else case["mu0"]
+        reflected = float(solved.reflectance(mu0)[0])
+        diffuse, direct = (float(part[0]) for part in solved.transmittance(mu0, parts=True))
+        through = diffuse if case.get("T_is") == "diffuse" else diffuse + direct
+        known = [(reflected, case["R"])] + ([(through, case["T"])] if case["T"] is not None else [])
+        worst = max(abs(ours - theirs) for ours, theirs in known)
+        rows.append([case["id"], case["source"].split(";")[0].split(",")[0], f"{reflected:.6f}",
+                     f"{case['R']:.6f}", f"{worst:.1e}"])
+    return markdown(["case", "source", "R", "published R", "largest error of R and T"], rows)
+
+
+def solver(rows):
+    timed = [row for row in rows if "cpu_ms" in row]
+    return markdown(["code", "CPU time", "times Lamina's", "largest error"],
+                    [[row["name"], f"{row['cpu_ms']:.1f} ms", f"{row['times_lamina']:.0f}", percent(row["error"], 3)]
+                     for row in timed])
+
+
+def doubling(rows):
+    return markdown(["nodes per hemisphere", "GFlop/s", "matrix products, GFlop/s", "share"],
+                    [[str(row["nodes"]), f"{row['join_gflops']:.1f}", f"{row['dgemm_gflops']:.1f}",
+                      percent(row["share"], 0)] for row in rows])
+
+
+def bake(rows):
+    return markdown(["stack", "quality", "time", "fit error", "closures"],
+                    [[row["stack"], row["quality"], f"{row['ms']:.0f} ms", percent(row.get("fit_error")),
+                      str(row.get("closures", "-"))] for row in rows])
+
+
+def fit(rows):
+    return markdown(["stacks", "quality", "mean", "worst slice", "albedo", "transmission", "closures"],
+                    [[row["stack"], row["quality"], percent(row["mean"]), percent(row["worst"]),
+                      f"{row['albedo']:.0e}", percent(row["transmission"], 1), f"{row['closures']:.1f}"]
+                     for row in rows if row["stack"].startswith("all ")])
+
+
+def render(report):
+    rows = report["rows"]
+    return markdown(["material", "time / Principled", "noise at equal samples", "time at equal noise / Principled"],
+                    [[row["material"], f"{row['time_over_principled']:.2f}", percent(row["noise"], 1),
+                      f"{row['time_to_equal_noise_over_principled']:.2f}"] for row in rows])
+
+
+TABLES = {"solver": solver, "doubling": doubling, "bake": bake, "fit": fit, "render": render}
+
+
+def main():
+    text = README.read_text(encoding="utf-8")
+    tables = {"accuracy": accuracy()}
+    for name, make in TABLES.items():
+        path = BENCH / f"{name}.json"
+        if path.exists():
+            tables[name] = make(json.loads(path.read_text(encoding="utf-8")))
+        else:
+            print(f"readme: {path} is missing: run make bench; its table stays as it is", file=sys.stderr)
+    for name, table in tables.items():
+        pattern = rf"(<!-- table:{name} -->\n).*?(<!-- end -->)"
+        text, count = re.subn(pattern, lambda m, t=table: m[1] + t + "\n" + m[2], text, flags=re.DOTALL)
+        if count != 1:
+            print(f"readme: no place for the table {name}", file=sys.stderr)
+            return 1
+    README.write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
