@@ -29,7 +29,7 @@ demo: build/stamps/extension
 
 test: lint build/stamps/extension
 	$(RUN) -m pytest tests/core tests/lamina
-	$(RUN) -m pytest tests/addon
+	LAMINA_WHEELS=build/wheels $(RUN) -m pytest tests/addon
 	$(RUN) -m pytest tests/cycles
 
 lint: build/stamps/wheel

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "closure_fit.hpp"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -15,166 +14,6 @@ namespace lamina {
 namespace {
 
 using Eigen::Index;
-using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxClosures, kMaxClosures>;
-using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxClosures, 1>;
-
-// Closures of unit norm: a diagonal this much heavier keeps nearly equal closures from cancelling.
-constexpr double kRidge = 1e-11;
-constexpr double kGradientTolerance = 1e-10;
-
-// Active-set solver on a problem of at most kMaxClosures unknowns, without allocation.
-class ActiveSet {
- public:
-  ActiveSet(const SmallMatrix& gram, const SmallVector& rhs) : gram_(gram), rhs_(rhs), size_(rhs.size()) {}
-
-  void solve(SmallVector& x) {
-    count_ = 0;
-    for (Index k = 0; k < size_; ++k) {
-      passive_[static_cast<std::size_t>(k)] = x[k] > 0.0;
-      if (!(x[k] > 0.0)) x[k] = 0.0;
-    }
-    const double tolerance = kGradientTolerance * rhs_.cwiseAbs().maxCoeff();
-    move_to_optimum_of_passive_set(x);
-    // Each pass lowers the objective, so no passive set comes back; the bound guards against round-off.
-    for (Index pass = 0; pass < 3 * size_ + 10; ++pass) {
-      const Index entering = steepest(x, tolerance);
-      if (entering < 0) return;
-      passive_[static_cast<std::size_t>(entering)] = true;
-      move_to_optimum_of_passive_set(x);
-      if (!passive_[static_cast<std::size_t>(entering)]) return;
-    }
-  }
-
- private:
-  // The active unknown whose growth lowers the objective fastest; -1 at the optimum.
-  [[nodiscard]] Index steepest(const SmallVector& x, double tolerance) const {
-    Index best = -1;
-    double best_gradient = tolerance;
-    for (Index k = 0; k < size_; ++k) {
-      if (passive_[static_cast<std::size_t>(k)] || gram_(k, k) <= 0.0) continue;
-      const double gradient = rhs_[k] - gram_.col(k).dot(x);
-      if (gradient > best_gradient) {
-        best_gradient = gradient;
-        best = k;
-      }
-    }
-    return best;
-  }
-
-  // Steps towards the unconstrained optimum, dropping unknowns that reach zero on the way.
-  void move_to_optimum_of_passive_set(SmallVector& x) {
-    for (;;) {
-      if (!solve_passive()) return;
-      double step = 1.0;
-      for (Index i = 0; i < count_; ++i) {
-        const double from = x[index_[static_cast<std::size_t>(i)]];
-        if (optimum_[i] <= 0.0) step = std::min(step, from / (from - optimum_[i]));
-      }
-      bool dropped = false;
-      for (Index i = 0; i < count_; ++i) {
-        const Index k = index_[static_cast<std::size_t>(i)];
-        const bool reaches_zero = optimum_[i] <= 0.0 && x[k] <= step * (x[k] - optimum_[i]) * (1.0 + 1e-12);
-        x[k] = reaches_zero ? 0.0 : std::max(0.0, x[k] + step * (optimum_[i] - x[k]));
-        if (reaches_zero) {
-          passive_[static_cast<std::size_t>(k)] = false;
-          dropped = true;
-        }
-      }
-      if (!dropped) return;
-    }
-  }
-
-  // Cholesky on the passive rows; false when the passive set is empty.
-  bool solve_passive() {
-    count_ = 0;
-    for (Index k = 0; k < size_; ++k)
-      if (passive_[static_cast<std::size_t>(k)]) index_[static_cast<std::size_t>(count_++)] = k;
-    if (count_ == 0) return false;
-    optimum_.resize(count_);
-    factor_.resize(count_, count_);
-    for (Index j = 0; j < count_; ++j) {
-      const Index column = index_[static_cast<std::size_t>(j)];
-      for (Index i = j; i < count_; ++i) factor_(i, j) = gram_(index_[static_cast<std::size_t>(i)], column);
-      factor_(j, j) *= 1.0 + kRidge;
-      optimum_[j] = rhs_[column];
-    }
-    factorise();
-    for (Index i = 0; i < count_; ++i) {
-      double sum = optimum_[i];
-      for (Index j = 0; j < i; ++j) sum -= factor_(i, j) * optimum_[j];
-      optimum_[i] = sum * inverse_diagonal_[i];
-    }
-    for (Index i = count_; i-- > 0;) {
-      double sum = optimum_[i];
-      for (Index j = i + 1; j < count_; ++j) sum -= factor_(j, i) * optimum_[j];
-      optimum_[i] = sum * inverse_diagonal_[i];
-    }
-    return true;
-  }
-
-  // In place, lower triangle; a plain loop beats a general routine at these sizes.
-  void factorise() {
-    inverse_diagonal_.resize(count_);
-    for (Index j = 0; j < count_; ++j) {
-      double pivot = factor_(j, j);
-      const double floor = kRidge * std::max(pivot, 1e-300);
-      for (Index k = 0; k < j; ++k) pivot -= factor_(j, k) * factor_(j, k);
-      const double inverse = 1.0 / std::sqrt(std::max(pivot, floor));
-      inverse_diagonal_[j] = inverse;
-      for (Index i = j + 1; i < count_; ++i) {
-        double sum = factor_(i, j);
-        for (Index k = 0; k < j; ++k) sum -= factor_(i, k) * factor_(j, k);
-        factor_(i, j) = sum * inverse;
-      }
-    }
-  }
-
-  const SmallMatrix& gram_;
-  const SmallVector& rhs_;
-  Index size_;
-  Index count_ = 0;
-  std::array<bool, kMaxClosures> passive_{};
-  std::array<Index, kMaxClosures> index_{};
-  SmallMatrix factor_;
-  SmallVector optimum_;
-  SmallVector inverse_diagonal_;
-};
-
-// Solves one slice in the unit-norm closures; `x` is warm start and result.  Returns the squared
-// relative error of the mixture *after* it is scaled to the exact albedo.
-double fit_unit_norm(const ColumnGram& gram, const SliceTarget& target, std::span<const int> chosen,
-                     const FitOptions& options, SmallVector& x) {
-  const auto size = static_cast<Index>(chosen.size());
-  if (!(target.norm2 > 0.0)) {
-    x.setZero(size);
-    return 0.0;
-  }
-  SmallMatrix matrix(size, size);
-  SmallVector rhs(size);
-  SmallVector albedo(size);
-  for (Index j = 0; j < size; ++j) {
-    const Index column = chosen[static_cast<std::size_t>(j)];
-    for (Index i = 0; i < size; ++i) matrix(i, j) = gram.gram(chosen[static_cast<std::size_t>(i)], column);
-    rhs[j] = target.rhs[column];
-    albedo[j] = gram.albedo[column];
-  }
-  SmallMatrix plain = matrix;
-  const SmallVector plain_rhs = rhs;
-  // The albedo row, weighted relative to the slice: lambda (a.x - A)^2 with lambda = W norm2 / A^2.
-  const bool has_albedo = target.albedo > 0.0;
-  if (has_albedo) {
-    const double lambda = options.albedo_weight * target.norm2 / (target.albedo * target.albedo);
-    matrix.noalias() += lambda * albedo * albedo.transpose();
-    rhs += lambda * target.albedo * albedo;
-  }
-  ActiveSet(matrix, rhs).solve(x);
-  if (has_albedo) {
-    const double reached = albedo.dot(x);
-    if (reached > 0.0) x *= target.albedo / reached;
-  }
-  const double squared = target.norm2 - 2.0 * plain_rhs.dot(x) + x.dot(plain * x);
-  return std::max(0.0, squared / target.norm2);
-}
 
 // The objective of a set of closures over all slices.
 struct Score {
@@ -362,55 +201,6 @@ class Selector {
 };
 
 }  // namespace
-
-void nnls(const Eigen::Ref<const Eigen::MatrixXd>& gram, const Eigen::Ref<const Eigen::VectorXd>& rhs,
-          Eigen::Ref<Eigen::VectorXd> x) {
-  if (rhs.size() > kMaxClosures) throw std::invalid_argument("nnls: more unknowns than kMaxClosures");
-  const SmallMatrix small_gram = gram;
-  const SmallVector small_rhs = rhs;
-  SmallVector small_x = x;
-  ActiveSet(small_gram, small_rhs).solve(small_x);
-  x = small_x;
-}
-
-ColumnGram column_gram(const Eigen::Ref<const Eigen::MatrixXd>& values,
-                       const Eigen::Ref<const Eigen::VectorXd>& solid_angle) {
-  ColumnGram result;
-  const Eigen::MatrixXd weighted = values * solid_angle.asDiagonal();
-  result.gram.noalias() = weighted * values.transpose();
-  result.scale = result.gram.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse = (result.scale.array() > 0.0).select(result.scale.cwiseInverse(), 0.0);
-  result.gram = inverse.asDiagonal() * result.gram * inverse.asDiagonal();
-  result.albedo = (values * solid_angle).cwiseProduct(inverse);
-  return result;
-}
-
-SliceTarget slice_target(int column, const ColumnGram& gram, const Eigen::Ref<const Eigen::MatrixXd>& values,
-                         const Eigen::Ref<const Eigen::VectorXd>& solid_angle,
-                         const Eigen::Ref<const Eigen::VectorXd>& slice, double albedo) {
-  SliceTarget target;
-  target.column = column;
-  const Eigen::VectorXd weighted = slice.cwiseProduct(solid_angle);
-  target.norm2 = weighted.dot(slice);
-  target.albedo = albedo < 0.0 ? weighted.sum() : albedo;
-  target.rhs = values * weighted;
-  for (Index k = 0; k < target.rhs.size(); ++k)
-    target.rhs[k] = gram.scale[k] > 0.0 ? target.rhs[k] / gram.scale[k] : 0.0;
-  return target;
-}
-
-double fit_slice(const ColumnGram& gram, const SliceTarget& target, std::span<const int> chosen,
-                 Eigen::Ref<Eigen::VectorXd> weights, const FitOptions& options) {
-  if (chosen.size() > static_cast<std::size_t>(kMaxClosures))
-    throw std::invalid_argument("fit_slice: more closures than kMaxClosures");
-  SmallVector x = SmallVector::Zero(static_cast<Index>(chosen.size()));
-  const double squared = fit_unit_norm(gram, target, chosen, options, x);
-  for (Index k = 0; k < x.size(); ++k) {
-    const double scale = gram.scale[chosen[static_cast<std::size_t>(k)]];
-    weights[k] = scale > 0.0 ? x[k] / scale : 0.0;
-  }
-  return std::sqrt(squared);
-}
 
 Selection select_closures(std::span<const ColumnGram> grams, std::span<const SliceTarget> targets,
                           const SelectionOptions& options, std::span<const int> candidates, std::span<const int> fixed,

@@ -12,10 +12,8 @@ import numpy as np
 from . import _core, lobes
 from .lut import column_angles
 
-LIGHT_COSINES = 32
-LIGHT_AZIMUTHS = 24
-# Closures with edges need a finer grid for their albedos.
-FINE = (128, 96)
+# Nodes of the light grid (cosines, azimuths): the smallest whose fit error is within 2 % of its true value.
+LIGHT_NODES = {"preview": (16, 12), "final": (24, 16)}
 # Grazing columns are sampled a little above the horizon, where slices are still defined.
 LOWEST_COSINE = 6e-3
 
@@ -36,7 +34,7 @@ class LightGrid:
     solid_angle: np.ndarray
 
 
-def light_grid(cosines: int = LIGHT_COSINES, azimuths: int = LIGHT_AZIMUTHS) -> LightGrid:
+def light_grid(cosines: int, azimuths: int) -> LightGrid:
     """Gauss-Legendre in the cosine and in the azimuth."""
     x, wx = np.polynomial.legendre.leggauss(cosines)
     y, wy = np.polynomial.legendre.leggauss(azimuths)
@@ -56,15 +54,21 @@ class Closures:
     albedo: np.ndarray
 
 
-@functools.lru_cache(maxsize=2)
-def closures(kind: str) -> Closures:
-    """The closures of that kind; made at the first call, which takes a second or two."""
+@functools.lru_cache(maxsize=4)
+def closures(kind: str, quality: str) -> Closures:
+    """The closures of that kind; made at the first call, which takes about a second."""
     chosen = tuple(lobe for lobe in lobes.DICTIONARY if lobe.side == kind)
-    grid, fine = light_grid(), light_grid(*FINE)
-    mu_o = view_cosines()
-    albedo = _albedos(chosen, mu_o, fine)
-    table = _core.ClosureTable(_sample(chosen, mu_o, grid), grid.solid_angle, albedo)
+    grid = light_grid(*LIGHT_NODES[quality])
+    albedo = _albedos(kind)
+    table = _core.ClosureTable(_sample(chosen, view_cosines(), grid), grid.solid_angle, albedo)
     return Closures([lobe.id for lobe in chosen], grid, table, albedo)
+
+
+@functools.lru_cache(maxsize=2)
+def _albedos(kind: str) -> np.ndarray:
+    """Directional albedos [column, closure], on a grid of their own: closures with edges need a finer one."""
+    chosen = [lobe for lobe in lobes.DICTIONARY if lobe.side == kind]
+    return np.stack([lobes.directional_albedo(lobe, view_cosines()) for lobe in chosen], axis=1)
 
 
 def _sample(chosen, mu_o, grid: LightGrid) -> np.ndarray:
@@ -72,12 +76,3 @@ def _sample(chosen, mu_o, grid: LightGrid) -> np.ndarray:
     shape = (len(mu_o), len(grid.solid_angle))
     args = (mu_o[:, None, None], grid.mu[None, :, None], grid.dphi[None, None, :])
     return np.stack([lobe.evaluate(*args).reshape(shape) for lobe in chosen], axis=1)
-
-
-def _albedos(chosen, mu_o, grid: LightGrid) -> np.ndarray:
-    """Directional albedos [column, closure]."""
-    rows = []
-    for cosine in mu_o:
-        values = [lobe.evaluate(cosine, grid.mu[:, None], grid.dphi[None, :]).ravel() for lobe in chosen]
-        rows.append(np.array(values) @ grid.solid_angle)
-    return np.array(rows)

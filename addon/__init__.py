@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamina: physically right layered materials for Cycles. The only part of Lamina that knows Blender."""
+
+import bpy
+
+from . import (
+    bake_job,
+    command_line,
+    migration,
+    native,
+    operators,
+    panel,
+    preferences,
+    properties,
+)
+
+PARTS = (properties, migration, bake_job, operators, panel, command_line)
+
+
+def register():
+    native.load()
+    bpy.utils.register_class(preferences.LaminaPreferences)
+    for part in PARTS:
+        part.register()
+
+
+def unregister():
+    for part in reversed(PARTS):
+        part.unregister()
+    bpy.utils.unregister_class(preferences.LaminaPreferences)

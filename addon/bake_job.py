@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes: blocking as a plain function, or in a worker thread that the main thread polls.
+
+The worker sees a stack and numbers, never Blender data. What runs, and why the last bake of a
+material failed, lives here for the session and is never written to the .blend.
+"""
+
+import logging
+import threading
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import messages, native, node_group, preferences, stack_io
+
+log = logging.getLogger(__package__)
+
+_running = None
+_failures = {}
+
+
+class Job:
+    """One bake in a worker thread. `fraction` and `text` follow it; `lut` or `error` is there at its end."""
+
+    def __init__(self, stack, quality, threads, seed=0):
+        self.fraction, self.text = 0.0, "Starting"
+        self.lut, self.error = None, None
+        self._stop = threading.Event()
+        self._arguments = {"quality": quality, "seed": seed, "threads": threads}
+        self._stack = stack
+        self._bake = native.require().bake
+        self._thread = threading.Thread(target=self._run, name="lamina bake", daemon=True)
+        self._thread.start()
+
+    def cancel(self):
+        self._stop.set()
+
+    @property
+    def cancelling(self):
+        return self._stop.is_set()
+
+    @property
+    def done(self):
+        return not self._thread.is_alive()
+
+    def wait(self, seconds=None):
+        self._thread.join(seconds)
+
+    def _run(self):
+        try:
+            self.lut = self._bake(
+                self._stack, progress=self._progress, cancel=self._stop.is_set, **self._arguments
+            )
+        except BaseException as error:  # Whatever happened is told on the main thread.
+            self.error = error
+
+    def _progress(self, fraction, text=""):
+        self.fraction, self.text = fraction, text or self.text
+
+
+class MaterialJob(Job):
+    """A job that knows which material its LUT is for, even when that is renamed meanwhile."""
+
+    def __init__(self, material, quality, threads):
+        self.uid, self.quality = material.session_uid, quality
+        super().__init__(stack_io.to_stack(material), quality, threads)
+
+    def material(self):
+        """The material, or None when it has been deleted."""
+        return next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
+
+    def finish(self):
+        """Put the finished LUT into its material; main thread only. Returns the material or None.
+
+        Raises what the bake raised; then, and after a cancel, the material is as it was.
+        """
+        material = self.material()
+        if self.error is not None:
+            raise self.error
+        if material is None or self.cancelling:
+            return None
+        apply(material, self.lut)
+        return material
+
+
+def bake_material(material, quality=None, threads=None, progress=None, cancel=None):
+    """Bake the material's stack and build its node group; returns the LUT. Blocks.
+
+    `progress(fraction, text)` and `cancel() -> bool` as in lamina.bake. On any error the material
+    keeps its earlier bake. Raises lamina.StackError, SolveError, Cancelled, NativeMissingError,
+    UnknownClosureError.
+    """
+    lamina = native.require()
+    lut = lamina.bake(
+        stack_io.to_stack(material),
+        quality=quality or material.lamina.quality,
+        progress=progress,
+        cancel=cancel,
+        threads=preferences.threads() if threads is None else threads,
+    )
+    apply(material, lut)
+    return lut
+
+
+def apply(material, lut):
+    """Build the material's node group from a finished LUT and note its report."""
+    node_group.build(material, lut)
+    _note_report(material.lamina.result, lut)
+    clear_failure(material)
+
+
+def start(material, quality=None):
+    """Start a bake in the background; one at a time. Raises like bake_material, before it starts."""
+    global _running
+    _running = MaterialJob(material, quality or material.lamina.quality, preferences.threads())
+    return _running
+
+
+def running():
+    """The running job, or None."""
+    return _running
+
+
+def running_for(material):
+    return _running if _running is not None and _running.uid == material.session_uid else None
+
+
+def forget():
+    """The running job has been dealt with."""
+    global _running
+    _running = None
+
+
+def stop():
+    """Cancel the running job and wait for its thread."""
+    if _running is not None:
+        _running.cancel()
+        _running.wait()
+        forget()
+
+
+def note_failure(material, error):
+    """Keep the sentence for the panel, until the stack changes or a bake succeeds. Returns it."""
+    if not messages.expected(error):
+        log.error("bake of %s failed", material.name, exc_info=error)
+    text = messages.sentence(error, material)
+    _failures[material.session_uid] = (repr(stack_io.to_dict(material)), text)
+    return text
+
+
+def failure(material):
+    """Why the last bake of the material's present stack failed, or ''."""
+    stack, text = _failures.get(material.session_uid, ("", ""))
+    return text if text and stack == repr(stack_io.to_dict(material)) else ""
+
+
+def clear_failure(material):
+    _failures.pop(material.session_uid, None)
+
+
+def state(material):
+    """'none' before the first bake, 'fresh', 'stale' (the stack has changed since), or 'invalid'."""
+    result = material.lamina.result
+    if not result.stack_hash or material.lamina.node_group is None:
+        return "none"
+    try:
+        return "fresh" if stack_io.to_stack(material).hash == result.stack_hash else "stale"
+    except ValueError:
+        return "invalid"
+
+
+def _note_report(result, lut):
+    header, report = lut.header, lut.report
+    worst = report.get("worst_slice") or {}
+    transmission, tau = report.get("fit_error_transmission"), worst.get("tau")
+    result.stack_hash = header["stack_hash"]
+    result.quality = header["quality"]
+    result.fit_error = report["fit_error"]
+    result.fit_error_transmission = -1.0 if transmission is None else transmission
+    result.worst_error = worst.get("error", 0.0)
+    result.worst_mu = worst.get("mu_o", 1.0)
+    result.worst_channel = int(worst.get("channel", 0))
+    result.worst_side = str(worst.get("side", "top"))
+    result.worst_tau = tau if tau is not None and header["axes"]["tau"]["count"] > 1 else -1.0
+    result.albedo_error = report["albedo_error"]
+    result.energy_error = report["energy_error"]
+    result.closures = int(report["closures"])
+    result.seconds = report["seconds"]
+
+
+@persistent
+def _on_load(*_):
+    stop()
+    _failures.clear()
+
+
+def register():
+    bpy.app.handlers.load_pre.append(_on_load)
+
+
+def unregister():
+    stop()
+    _failures.clear()
+    if _on_load in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_on_load)

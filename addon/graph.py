@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small words to write a shader graph with: nodes placed on a grid, in labelled frames."""
+
+COLUMN = 190.0
+ROW = 44.0
+
+
+class Graph:
+    """Adds nodes to a node tree and remembers them, so that a half-built graph can be taken back."""
+
+    def __init__(self, tree):
+        self.tree = tree
+        self.created = []
+        self.frame = None
+
+    def begin_frame(self, label, colour):
+        """Nodes added from now on belong to a new frame."""
+        self.frame = None
+        self.frame = self._new("NodeFrame", label)
+        self.frame.label_size = 18
+        self.frame.use_custom_color = True
+        self.frame.color = colour
+        self.frame.shrink = True
+
+    def end_frame(self):
+        self.frame = None
+
+    def node(self, kind, column, row, label="", folded=True):
+        node = self._new(kind, label)
+        node.location = (column * COLUMN, -row * ROW)
+        node.hide = folded
+        if self.frame is not None:
+            node.parent = self.frame
+        return node
+
+    def math(self, operation, column, row, label, *values, clamp=False):
+        """A scalar operation; each value is a number or an output socket. Returns the output socket."""
+        node = self.node("ShaderNodeMath", column, row, label)
+        node.operation = operation
+        node.use_clamp = clamp
+        self._feed(node, values)
+        return node.outputs[0]
+
+    def vector(self, operation, column, row, label, *values):
+        """A vector operation; values as in `math`. Returns its output, a number for a dot or a length."""
+        node = self.node("ShaderNodeVectorMath", column, row, label)
+        node.operation = operation
+        self._feed(node, values)
+        return node.outputs["Value" if operation in ("DOT_PRODUCT", "LENGTH") else "Vector"]
+
+    def scale(self, column, row, label, vector, factor):
+        node = self.node("ShaderNodeVectorMath", column, row, label)
+        node.operation = "SCALE"
+        self.link(vector, node.inputs[0])
+        self.set(node.inputs["Scale"], factor)
+        return node.outputs["Vector"]
+
+    def link(self, output, target):
+        self.tree.links.new(output, target)
+
+    def set(self, target, value):
+        """Link an output socket to `target`, or set its number."""
+        if hasattr(value, "is_output"):
+            self.link(value, target)
+        else:
+            target.default_value = value
+
+    def remove_created(self):
+        """Take back everything that was added, frames last."""
+        for node in reversed(self.created):
+            self.tree.nodes.remove(node)
+        self.created.clear()
+
+    def _feed(self, node, values):
+        for target, value in zip(node.inputs, values, strict=False):
+            self.set(target, value)
+
+    def _new(self, kind, label):
+        node = self.tree.nodes.new(kind)
+        self.created.append(node)
+        node.label = label
+        node.select = False
+        return node

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Plain functions that edit the layer list of a material. The top layer is first, as light meets it."""
+
+from . import bake_job, migration, node_group, preferences
+
+COPIED = (
+    "kind", "mode", "albedo", "tau", "tau_per_channel", "tau_rgb", "infinite",
+    "sigma_s", "sigma_a", "thickness", "phase", "g",
+)  # fmt: skip
+
+
+def add_stack(material):
+    """Give `material` a first stack: a thin layer over the colour that the material already shows."""
+    settings = material.lamina
+    migration.start(material)
+    if not settings.layers:
+        layer = settings.layers.add()
+        layer.name = "Dust"
+    settings.active_index = 0
+    settings.quality = preferences.default_quality()
+    settings.base.kind = "lambert"
+    settings.base.reflectance = _shown_colour(material)
+
+
+def remove_stack(material):
+    """Take layers, node group and image away from `material`; its other nodes stay."""
+    node_group.remove(material)
+    bake_job.clear_failure(material)
+    material.property_unset("lamina")
+
+
+def add_layer(material):
+    """Put a new layer on top of the active one and select it. Returns it."""
+    settings = material.lamina
+    layer = settings.layers.add()
+    layer.name = unique_name(material, "Layer")
+    return _place_last(settings, max(settings.active_index, 0))
+
+
+def remove_layer(material):
+    """Remove the active layer; the one that takes its place becomes active."""
+    settings = material.lamina
+    settings.layers.remove(settings.active_index)
+    settings.active_index = max(0, min(settings.active_index, len(settings.layers) - 1))
+
+
+def duplicate_layer(material):
+    """Put a copy of the active layer below it, select it and return it. The copy does not vary: one may."""
+    settings = material.lamina
+    index = settings.active_index
+    copy, source = settings.layers.add(), settings.layers[index]
+    for name in COPIED:
+        setattr(copy, name, getattr(source, name))
+    copy.name = unique_name(material, source.name)
+    return _place_last(settings, index + 1)
+
+
+def move_layer(material, direction):
+    """Move the active layer 'UP' or 'DOWN'. Returns whether it could."""
+    settings = material.lamina
+    index = settings.active_index
+    target = index + (-1 if direction == "UP" else 1)
+    if not 0 <= target < len(settings.layers):
+        return False
+    settings.layers.move(index, target)
+    settings.active_index = target
+    return True
+
+
+def active_layer(material):
+    """The selected layer, or None."""
+    settings = material.lamina
+    index = settings.active_index
+    return settings.layers[index] if 0 <= index < len(settings.layers) else None
+
+
+def unique_name(material, wanted):
+    """`wanted`, or `wanted` with the next free number as Blender writes them."""
+    taken = {layer.name for layer in material.lamina.layers}
+    stem = wanted[:-4] if wanted[-4:-3] == "." and wanted[-3:].isdigit() else wanted
+    if wanted not in taken:
+        return wanted
+    number = 1
+    while f"{stem}.{number:03d}" in taken:
+        number += 1
+    return f"{stem}.{number:03d}"
+
+
+def _place_last(settings, target):
+    last = len(settings.layers) - 1
+    target = min(target, last)
+    settings.layers.move(last, target)
+    settings.active_index = target
+    return settings.layers[target]
+
+
+def _shown_colour(material):
+    """Base colour of the material's Principled BSDF, or its viewport colour."""
+    if material.node_tree is not None:
+        for node in material.node_tree.nodes:
+            if node.type == "BSDF_PRINCIPLED" and not node.inputs[0].is_linked:
+                return tuple(min(max(value, 0.0), 1.0) for value in node.inputs[0].default_value[:3])
+    return tuple(min(max(value, 0.0), 1.0) for value in material.diffuse_color[:3])

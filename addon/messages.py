@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Errors as one sentence that an artist can act on."""
+
+import re
+
+from . import native
+
+WORDS = {
+    "tau": "optical thickness",
+    "phase.g": "anisotropy",
+    "phase.kind": "phase function",
+    "phase": "phase function",
+    "sigma_s": "scattering",
+    "sigma_a": "absorption",
+}
+
+_LAYER = re.compile(r"^layers\[(\d+)\](?:\.([\w.]+))?(\[(\d)\])?(.*)$", re.DOTALL)
+_BASE = re.compile(r"^base(?:\.([\w.]+))?(\[(\d)\])?(.*)$", re.DOTALL)
+_CHANNELS = ("red", "green", "blue")
+
+
+class RefusedError(ValueError):
+    """Something that Lamina will not do; str() is one sentence for the user."""
+
+
+def expected(error):
+    """Whether `error` is one of those whose text is already a sentence for the user."""
+    if isinstance(error, RefusedError | native.NativeMissingError | OSError):
+        return True
+    if not native.available():
+        return False
+    lamina = native.require()
+    return isinstance(error, lamina.StackError | lamina.LutError | lamina.SolveError)
+
+
+def sentence(error, material=None):
+    """One line for the panel or the terminal; a layer is named as the panel names it."""
+    text = " ".join(str(error).split())
+    if isinstance(error, OSError) and error.strerror:
+        text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    if not expected(error):
+        return f"{type(error).__name__}: {text}" if text else type(error).__name__
+    return text if material is None else in_panel_words(text, material)
+
+
+def in_panel_words(text, material):
+    """'layers[2].phase.g = 1.2: ...' -> 'Layer 3 "Varnish", anisotropy = 1.2: ...'."""
+    match = _LAYER.match(text)
+    if match:
+        index, field, _, channel, rest = match.groups()
+        name = _layer_name(material, int(index))
+        return f"Layer {int(index) + 1}{name}{_field(field, channel)}{rest}"
+    match = _BASE.match(text)
+    if match and match.group(0)[4:5] in ("", ".", "[", " ", ":"):
+        field, _, channel, rest = match.groups()
+        return f"Base{_field(field, channel)}{rest}"
+    return text
+
+
+def percent(share, digits=1):
+    """'4.1 %', or '< 0.1 %' for what would round to nothing."""
+    number = 100.0 * share
+    smallest = 10.0**-digits
+    return f"< {smallest:g} %" if 0.0 < number < 0.5 * smallest else f"{number:.{digits}f} %"
+
+
+def layer_index(text):
+    """Which layer a sentence of lamina speaks of, or None."""
+    match = _LAYER.match(text)
+    return int(match.group(1)) if match else None
+
+
+def wrapped(text, width):
+    """Lines of at most `width` characters: Blender's labels do not wrap."""
+    lines, line = [], ""
+    for word in text.split():
+        if line and len(line) + 1 + len(word) > width:
+            lines.append(line)
+            line = word
+        else:
+            line = f"{line} {word}".strip()
+    return [*lines, line] if line else lines
+
+
+def _layer_name(material, index):
+    layers = material.lamina.layers
+    return f" “{layers[index].name}”" if index < len(layers) else ""
+
+
+def _field(field, channel):
+    if not field:
+        return ""
+    words = WORDS.get(field, field.replace("_", " "))
+    return f", {words}" + (f" ({_CHANNELS[int(channel)]})" if channel and int(channel) < 3 else "")

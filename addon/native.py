@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The door to the `lamina` package: either the imported package or one sentence that says why not.
+
+Nothing else in the add-on imports `lamina`, so that enabling the add-on works without it.
+"""
+
+import importlib
+import importlib.util
+import sys
+import sysconfig
+from pathlib import Path
+
+REQUIRED = ("Stack", "bake", "lobes")
+
+_package = None
+_reason = "Lamina's native module has not been loaded yet"
+
+
+class NativeMissingError(RuntimeError):
+    """The `lamina` package cannot be used here; str() is the one-sentence reason."""
+
+
+def load():
+    """Import `lamina`, or keep the reason. Called at every enabling, so that a new wheel is picked up."""
+    global _package, _reason
+    importlib.invalidate_caches()
+    try:
+        package = importlib.import_module("lamina")
+        package.lobes = importlib.import_module("lamina.lobes")
+        for name in REQUIRED:
+            getattr(package, name)
+    except Exception as error:  # A broken wheel may raise anything; enabling must survive it.
+        _package, _reason = None, _explain(error)
+    else:
+        _package, _reason = package, ""
+
+
+def available():
+    return _package is not None
+
+
+def reason():
+    """One sentence, or '' when `lamina` is there."""
+    return _reason
+
+
+def require():
+    """The `lamina` package. Raises NativeMissingError."""
+    if _package is None:
+        raise NativeMissingError(_reason)
+    return _package
+
+
+def _explain(error):
+    here = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    found = _compiled_files()
+    if isinstance(error, ImportError) and found is not None:
+        suffix = sysconfig.get_config_var("EXT_SUFFIX") or ""
+        if not found:
+            return f"Lamina's native module is missing from its package: reinstall the extension for {here}"
+        if not any(name.endswith(suffix) or ".abi3." in name for name in found):
+            return f"Lamina's native module {found[0]} was built for another Python; this Blender runs {here}"
+    if found is None:
+        return f"Lamina's native module is not installed for {here}: install the extension made for it"
+    return f"Lamina's native module does not load: {_one_line(error)}"
+
+
+def _compiled_files():
+    """Names of the compiled modules beside `lamina`, or None when there is no such package."""
+    try:
+        spec = importlib.util.find_spec("lamina")
+    except (ImportError, ValueError):
+        return None
+    if spec is None or not spec.submodule_search_locations:
+        return None
+    folders = [Path(folder) for folder in spec.submodule_search_locations]
+    return sorted(file.name for folder in folders for file in folder.glob("_core*") if file.is_file())
+
+
+def _one_line(error):
+    return " ".join(f"{type(error).__name__}: {error}".split())

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""When an operator may act on the material that the context shows."""
+
+from .. import bake_job, migration, native
+
+
+def material_of(context):
+    """The material of the Properties editor, or that of the active object."""
+    material = getattr(context, "material", None)
+    if material is None and getattr(context, "object", None) is not None:
+        material = context.object.active_material
+    return material
+
+
+def can_edit(cls, context):
+    """A material of this file. Sets the reason otherwise."""
+    material = material_of(context)
+    if material is None:
+        cls.poll_message_set("No active material")
+        return False
+    if not material.is_editable:
+        cls.poll_message_set("The material is linked from another file: edit it there, or make it local")
+        return False
+    if migration.is_from_the_future(material):
+        cls.poll_message_set("The layers were made by a newer version of Lamina")
+        return False
+    return True
+
+
+def has_stack(cls, context):
+    if not can_edit(cls, context):
+        return False
+    if not material_of(context).lamina.enabled:
+        cls.poll_message_set("The material has no Lamina layers")
+        return False
+    return True
+
+
+def has_layer(cls, context):
+    if not has_stack(cls, context):
+        return False
+    if not material_of(context).lamina.layers:
+        cls.poll_message_set("There is no layer")
+        return False
+    return True
+
+
+def has_native(cls):
+    if not native.available():
+        cls.poll_message_set(native.reason())
+        return False
+    return True
+
+
+def is_idle(cls):
+    if bake_job.running() is not None:
+        cls.poll_message_set("A bake is running")
+        return False
+    return True

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add a layer."""
+
+import bpy
+
+from .. import layer_list
+from . import common
+
+
+class LAMINA_OT_layer_add(bpy.types.Operator):
+    bl_idname = "lamina.layer_add"
+    bl_label = "Add Layer"
+    bl_description = "Add a layer above the selected one"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_stack(cls, context)
+
+    def execute(self, context):
+        layer_list.add_layer(common.material_of(context))
+        return {"FINISHED"}

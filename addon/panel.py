@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Lamina panel in the Material tab: Layers, Base, Bake, Result."""
+
+import math
+
+import bpy
+
+from . import bake_job, layer_list, messages, migration, native, node_group, properties, stack_io
+from .messages import percent
+
+CHANNELS = ("red", "green", "blue")
+
+
+class LAMINA_UL_layers(bpy.types.UIList):
+    """Top layer first, as light meets it: colour, name, thickness."""
+
+    def draw_item(self, _context, layout, _data, layer, _icon, _active, _property, index=0):
+        row = layout.row(align=True)
+        icon = "ERROR" if _error_layer(layer.id_data) == index else "MATFLUID"
+        row.prop(layer, "name", text="", emboss=False, icon=icon)
+        facts = row.row(align=True)
+        facts.alignment = "RIGHT"
+        facts.label(text=_thickness_text(layer), icon="TEXTURE" if layer.varying else "NONE")
+        if layer.mode == "optical":
+            swatch = row.row(align=True)
+            swatch.ui_units_x = 1.2
+            swatch.prop(layer, "albedo", text="")
+
+
+class LAMINA_MT_stack(bpy.types.Menu):
+    bl_label = "Layer Stack"
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.operator("lamina.layer_duplicate", icon="DUPLICATE")
+        layout.separator()
+        layout.operator("lamina.stack_import", text="Import Stack...", icon="IMPORT")
+        layout.operator("lamina.stack_export", text="Export Stack...", icon="EXPORT")
+        layout.separator()
+        layout.operator("lamina.remove_stack", icon="X")
+
+
+class MaterialPanel:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    COMPAT_ENGINES = {"CYCLES"}
+
+    @classmethod
+    def poll(cls, context):
+        if context.material is None or context.engine not in cls.COMPAT_ENGINES:
+            return False
+        return cls.wanted(context.material)
+
+    @classmethod
+    def wanted(cls, material):
+        return material.lamina.enabled and not migration.is_from_the_future(material)
+
+
+class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
+    bl_label = "Lamina"
+
+    @classmethod
+    def wanted(cls, material):
+        return material.grease_pencil is None
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        if not native.available():
+            _sentence(context, layout, native.reason(), "ERROR")
+        if migration.is_from_the_future(material):
+            _sentence(context, layout, "Made by a newer version of Lamina: update Lamina to edit it")
+        elif not material.is_editable:
+            _sentence(context, layout, "Linked from another file: edit the layers there", "LINKED")
+        elif not material.lamina.enabled:
+            layout.operator("lamina.add_stack", icon="ADD")
+
+
+class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
+    bl_label = "Layers"
+    bl_parent_id = "LAMINA_PT_main"
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        settings = material.lamina
+        layout.active = material.is_editable
+        row = layout.row()
+        row.template_list("LAMINA_UL_layers", "", settings, "layers", settings, "active_index", rows=5)
+        column = row.column(align=True)
+        column.operator("lamina.layer_add", text="", icon="ADD")
+        column.operator("lamina.layer_remove", text="", icon="REMOVE")
+        column.separator()
+        column.menu("LAMINA_MT_stack", text="", icon="DOWNARROW_HLT")
+        column.separator()
+        column.operator("lamina.layer_move", text="", icon="TRIA_UP").direction = "UP"
+        column.operator("lamina.layer_move", text="", icon="TRIA_DOWN").direction = "DOWN"
+        layer = layer_list.active_layer(material)
+        if layer is not None:
+            draw_layer(layout, layer)
+
+
+class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
+    bl_label = "Base"
+    bl_parent_id = "LAMINA_PT_main"
+
+    def draw(self, context):
+        layout, base = self.layout, context.material.lamina.base
+        layout.active = context.material.is_editable
+        _split(layout)
+        layout.prop(base, "kind", text="Below")
+        if base.kind == "lambert":
+            layout.prop(base, "reflectance")
+        elif base.kind == "half-space":
+            layout.prop(base, "albedo")
+            _draw_phase(layout, base)
+
+
+class LAMINA_PT_bake(MaterialPanel, bpy.types.Panel):
+    bl_label = "Bake"
+    bl_parent_id = "LAMINA_PT_main"
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        row = layout.row()
+        row.prop(material.lamina, "quality", expand=True)
+        job = bake_job.running_for(material)
+        if job is not None:
+            _draw_progress(layout, job)
+            return
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("lamina.bake", text=_bake_label(material), icon="RENDER_STILL")
+        failure = bake_job.failure(material) or _stack_error(material)
+        if failure:
+            _sentence(context, layout, failure, "ERROR", alert=True)
+
+
+class LAMINA_PT_result(MaterialPanel, bpy.types.Panel):
+    bl_label = "Result"
+    bl_parent_id = "LAMINA_PT_main"
+
+    @classmethod
+    def wanted(cls, material):
+        return super().wanted(material) and bool(material.lamina.result.stack_hash)
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        _draw_state(layout, context, material)
+        if material.lamina.node_group is not None and not node_group.is_connected(material):
+            row = layout.row()
+            row.label(text="Not connected to the output", icon="UNLINKED")
+            row.operator("lamina.connect", text="Connect")
+        column = layout.column(align=True)
+        for name, value in result_lines(material.lamina.result):
+            split = column.split(factor=0.4)
+            label = split.row()
+            label.alignment = "RIGHT"
+            label.label(text=name)
+            split.label(text=value)
+
+
+def draw_layer(layout, layer):
+    """The fields of one layer. Labels are short: the editor is narrow; tooltips say the rest."""
+    if len(properties.LAYER_KINDS) > 1:
+        layout.prop(layer, "kind")
+    layout.row().prop(layer, "mode", expand=True)
+    column = _split(layout.column())
+    amount = "Largest" if layer.varying else "Thickness"
+    if layer.mode == "optical":
+        column.prop(layer, "albedo")
+        if layer.tau_per_channel and not layer.infinite:
+            _rgb_column(column, layer, "tau_rgb", f"{amount} τ")
+        else:
+            _with_infinity(column, layer, "tau", f"{amount} τ")
+        if not layer.infinite:
+            column.prop(layer, "tau_per_channel")
+    else:
+        _rgb_column(column, layer, "sigma_s", "Scattering")
+        _rgb_column(column, layer, "sigma_a", "Absorption")
+        _with_infinity(column, layer, "thickness", f"{amount} mm")
+    column.prop(layer, "varying", text="Varying")
+    _draw_phase(column, layer)
+
+
+def result_lines(result):
+    """(name, value) for each line of the result box."""
+    lines = [("Fit Error", f"{percent(result.fit_error)} mean, {percent(result.worst_error)} worst")]
+    angle = math.degrees(math.acos(min(max(result.worst_mu, 0.0), 1.0)))
+    place = [f"{angle:.0f}° view", CHANNELS[min(max(result.worst_channel, 0), 2)]]
+    if result.worst_side == "bottom":
+        place.append("back side")
+    if result.worst_tau >= 0.0:
+        place.append(f"τ {result.worst_tau:.2g}")
+    lines.append(("Worst At", ", ".join(place)))
+    if result.fit_error_transmission >= 0.0:
+        lines.append(("Transmission", f"{percent(result.fit_error_transmission)} mean fit error"))
+    lines.append(("Albedo Error", percent(result.albedo_error, 2)))
+    lines.append(("Energy Error", percent(result.energy_error, 2)))
+    lines.append(("Closures", str(result.closures)))
+    lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
+    return lines
+
+
+def _draw_phase(layout, owner):
+    layout.prop(owner, "phase", text="Phase")
+    if owner.phase == "hg":
+        layout.prop(owner, "g", slider=True)
+
+
+def _draw_progress(layout, job):
+    row = layout.row(align=True)
+    row.scale_y = 1.4
+    text = "Cancelling" if job.cancelling else f"{job.fraction:.0%}  {job.text}"
+    row.progress(factor=job.fraction, text=text)
+    row.operator("lamina.bake_cancel", text="", icon="CANCEL")
+
+
+def _draw_state(layout, context, material):
+    state = bake_job.state(material) if native.available() else "unknown"
+    if state == "fresh":
+        layout.label(text="Up to date", icon="CHECKMARK")
+    elif state == "stale":
+        layout.label(text="Out of date: the layers have changed", icon="FILE_REFRESH")
+    elif state == "invalid":
+        _sentence(context, layout, "Out of date: the layers cannot be baked as they are", "ERROR")
+    elif state == "none":
+        _sentence(context, layout, "The node group of the last bake is gone: bake again", "ERROR")
+
+
+def _bake_label(material):
+    return "Bake Again" if material.lamina.result.stack_hash else "Bake"
+
+
+def _stack_error(material):
+    """What is wrong with the layers as they are now, or ''."""
+    if not native.available():
+        return ""
+    try:
+        stack_io.to_stack(material)
+    except ValueError as error:
+        return messages.sentence(error, material)
+    return ""
+
+
+def _error_layer(material):
+    """Index of the layer that the stack's error speaks of, or None."""
+    if not native.available():
+        return None
+    try:
+        stack_io.to_stack(material)
+    except ValueError as error:
+        return messages.layer_index(str(error))
+    return None
+
+
+def _thickness_text(layer):
+    if layer.infinite:
+        return "∞"
+    if layer.mode == "coefficients":
+        return f"{stack_io.shortest(layer.thickness):g} mm"
+    tau = max(layer.tau_rgb) if layer.tau_per_channel else layer.tau
+    return f"τ {stack_io.shortest(tau):g}"
+
+
+def _with_infinity(layout, layer, name, text):
+    """A number with its infinity switch, lined up with the properties above and below."""
+    split = layout.split(factor=0.4)
+    split.use_property_split = False
+    label = split.row()
+    label.alignment = "RIGHT"
+    label.label(text=text)
+    row = split.row(align=True)
+    value = row.row(align=True)
+    value.active = not layer.infinite
+    value.prop(layer, name, text="")
+    switch = row.row(align=True)
+    switch.ui_units_x = 1.6
+    switch.prop(layer, "infinite", text="∞", toggle=True)
+
+
+def _rgb_column(layout, layer, name, text):
+    column = layout.column(align=True)
+    for index, channel in enumerate("RGB"):
+        column.prop(layer, name, index=index, text=f"{text} {channel}" if index == 0 else channel)
+
+
+def _split(layout):
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout
+
+
+def _sentence(context, layout, text, icon="INFO", alert=False):
+    """A sentence on as many lines as the panel's width asks for."""
+    scale = context.preferences.system.ui_scale
+    width = max(int((context.region.width / scale - 70.0) / 6.4), 20)
+    column = layout.column(align=True)
+    column.alert = alert
+    for number, line in enumerate(messages.wrapped(text, width)):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1")
+
+
+CLASSES = (
+    LAMINA_UL_layers,
+    LAMINA_MT_stack,
+    LAMINA_PT_main,
+    LAMINA_PT_layers,
+    LAMINA_PT_base,
+    LAMINA_PT_bake,
+    LAMINA_PT_result,
+)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is set once per user: threads and the quality that new materials start with."""
+
+import bpy
+
+from . import native
+
+QUALITIES = (
+    ("preview", "Preview", "Fast and coarse: to find the look"),
+    ("final", "Final", "Accurate: for the render"),
+)
+
+
+class LaminaPreferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+
+    threads: bpy.props.IntProperty(
+        name="Threads",
+        description="Threads that a bake may use; 0 uses all of the machine",
+        default=0,
+        min=0,
+        max=1024,
+    )
+    default_quality: bpy.props.EnumProperty(
+        name="Quality of New Materials",
+        description="Bake quality that a material starts with",
+        items=QUALITIES,
+        default="final",
+    )
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
+        if not native.available():
+            column.label(text=native.reason(), icon="ERROR")
+        column.prop(self, "threads", text="Threads (0 = All)")
+        column.prop(self, "default_quality")
+
+
+def threads():
+    entry = bpy.context.preferences.addons.get(__package__)
+    return entry.preferences.threads if entry and entry.preferences else 0
+
+
+def default_quality():
+    entry = bpy.context.preferences.addons.get(__package__)
+    return entry.preferences.default_quality if entry and entry.preferences else "final"

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The archive: it builds, Blender validates, installs and enables it, wheels included.
+
+LAMINA_WHEELS may name a folder of real wheels; then the installed extension must bake with them.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import conftest
+import pytest
+
+TOOL = conftest.ROOT / "tools" / "build_extension.py"
+VERSION = tomllib.loads((conftest.ROOT / "addon" / "blender_manifest.toml").read_text())["version"]
+TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
+
+# What the installed extension says of itself, in a process of its own.
+SCRIPT = """
+import json, os, sys
+from pathlib import Path
+import bpy, numpy
+if sys.argv[2] == "alone":  # without the lamina that this Python has installed
+    sys.path[:] = [path for path in sys.path if not (Path(path) / "lamina").is_dir()]
+    sys.meta_path[:] = [one for one in sys.meta_path if "lamina" not in getattr(type(one), "__module__", "")]
+try:
+    done = bpy.ops.extensions.package_install_files(
+        filepath=sys.argv[1], repo="user_default", enable_on_install=True)
+    module = "bl_ext.user_default.lamina"
+    addon = sys.modules.get(module)
+    facts = {"done": list(done), "enabled": module in bpy.context.preferences.addons}
+    facts["file"] = addon.__file__
+    facts["reason"] = addon.native.reason()
+    facts["lamina"] = getattr(addon.native._package, "__file__", "")
+    facts["cli"] = addon.command_line.main(["list"])
+    if not facts["reason"]:
+        material = bpy.data.materials.new("Dusty")
+        with bpy.context.temp_override(material=material):
+            bpy.ops.lamina.add_stack()
+            material.lamina.quality = "preview"
+            facts["bake"] = list(bpy.ops.lamina.bake())
+    bpy.ops.preferences.addon_disable(module=module)
+    facts["left"] = hasattr(bpy.types.Material, "lamina")
+    print("FACTS " + json.dumps(facts), flush=True)
+finally:
+    os._exit(0)
+"""
+
+
+def build(output, *wheels):
+    command = [sys.executable, str(TOOL), *map(str, wheels), "--output", str(output)]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def install(archive, resources, how="alone"):
+    """Install the archive into an empty user folder; what the extension says of itself."""
+    environment = dict(os.environ, BLENDER_USER_RESOURCES=str(resources))
+    command = [sys.executable, "-c", SCRIPT, str(archive), how]
+    finished = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120)
+    lines = [line for line in finished.stdout.splitlines() if line.startswith("FACTS ")]
+    assert lines, finished.stdout + finished.stderr
+    return json.loads(lines[0][6:]), finished.stderr
+
+
+def stub_wheel(folder, python=TAG, platform="manylinux_2_34_x86_64", version=VERSION, name="lamina"):
+    """A wheel that Blender installs: an empty package with the right names around it."""
+    path = folder / f"{name}-{version}-{python}-{python}-{platform}.whl"
+    info = f"{name}-{version}.dist-info"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("lamina/__init__.py", "")
+        archive.writestr("lamina/from_the_wheel.txt", "")
+        archive.writestr(f"{info}/METADATA", f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+        archive.writestr(f"{info}/WHEEL", f"Wheel-Version: 1.0\nTag: {python}-{python}-{platform}\n")
+        archive.writestr(f"{info}/RECORD", "")
+    return path
+
+
+def manifest_of(archive):
+    with zipfile.ZipFile(archive) as opened:
+        names = opened.namelist()
+        text = opened.read(next(name for name in names if name.endswith("blender_manifest.toml"))).decode()
+    return tomllib.loads(text), names
+
+
+def test_the_archive_holds_the_addon_and_the_wheels(tmp_path):
+    wheels = [stub_wheel(tmp_path), stub_wheel(tmp_path, "cp313"), stub_wheel(tmp_path, platform="win_amd64")]
+    finished = build(tmp_path / "dist", *wheels)
+    assert finished.returncode == 0, finished.stderr
+    archive = tmp_path / "dist" / f"lamina-{VERSION}.zip"
+    assert finished.stdout.strip() == str(archive)
+    manifest, names = manifest_of(archive)
+    assert sorted(manifest["wheels"]) == sorted(f"./wheels/{wheel.name}" for wheel in wheels)
+    assert manifest["platforms"] == ["linux-x64", "windows-x64"]
+    assert manifest["id"] == "lamina" and manifest["license"] == ["SPDX:GPL-3.0-or-later"]
+    assert manifest["blender_version_min"] == "4.2.0" and manifest["permissions"]["files"]
+    sources = {file.name for file in (conftest.ROOT / "addon").glob("*.py")}
+    assert sources <= {Path(name).name for name in names}
+    assert not [name for name in names if "__pycache__" in name or name.endswith(".pyc")]
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"name": "numpy"}, "must be lamina"),
+        ({"version": "99.0.0"}, f"must be lamina {VERSION}"),
+        ({"platform": "any"}, "Blender has no platform any"),
+        ({"platform": "musllinux_1_2_x86_64"}, "Blender has no platform"),
+    ],
+)
+def test_wrong_wheels_do_not_slip_in(tmp_path, changes, sentence):
+    finished = build(tmp_path / "dist", stub_wheel(tmp_path, **changes))
+    assert finished.returncode != 0 and sentence in finished.stderr
+    assert "Traceback" not in finished.stderr and not list(tmp_path.glob("dist/*.zip"))
+
+
+def test_blender_installs_enables_and_disables_it(tmp_path):
+    finished = build(tmp_path, stub_wheel(tmp_path))
+    assert finished.returncode == 0, finished.stderr
+    resources = tmp_path / "user"
+    facts, error = install(tmp_path / f"lamina-{VERSION}.zip", resources, "with the installed lamina")
+    assert facts["done"] == ["FINISHED"] and facts["enabled"] and not facts["left"]
+    assert Path(facts["file"]).is_relative_to(resources)
+    assert list(resources.rglob("site-packages/lamina/from_the_wheel.txt"))
+    assert "Traceback" not in error
+
+
+def test_without_a_wheel_it_is_enabled_and_says_so(tmp_path):
+    finished = build(tmp_path)
+    assert finished.returncode == 0, finished.stderr
+    facts, error = install(tmp_path / f"lamina-{VERSION}.zip", tmp_path / "user")
+    assert facts["enabled"] and "Traceback" not in error
+    assert "is not installed for Python" in facts["reason"] and facts["cli"] == 1
+
+
+@pytest.mark.skipif("LAMINA_WHEELS" not in os.environ, reason="LAMINA_WHEELS names no folder of wheels")
+def test_the_real_archive_bakes(tmp_path):
+    wheels = sorted(Path(os.environ["LAMINA_WHEELS"]).glob("lamina-*.whl"))
+    assert wheels
+    finished = build(tmp_path, *wheels)
+    assert finished.returncode == 0, finished.stderr
+    facts, _ = install(tmp_path / f"lamina-{VERSION}.zip", tmp_path / "user")
+    assert facts["reason"] == "" and facts["bake"] == ["FINISHED"]
+    assert Path(facts["lamina"]).is_relative_to(tmp_path), "from the archive's own wheel"

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sentences, migration, and the panel's text."""
+
+import bpy
+import pytest
+
+SENTENCES = {
+    "layers[0].phase.g = 1.2: must lie in (-1, 1)": "Layer 1 “Dust”, anisotropy = 1.2: must lie in (-1, 1)",
+    "layers[0].albedo[1] = 2: must lie in [0, 1]": "Layer 1 “Dust”, albedo (green) = 2: must lie in [0, 1]",
+    "layers[7].tau = -1: must not be negative": "Layer 8, optical thickness = -1: must not be negative",
+    "layers[0]: an infinite layer must be the last": "Layer 1 “Dust”: an infinite layer must be the last",
+    "base.reflectance[2] = 3: must lie in [0, 1]": "Base, reflectance (blue) = 3: must lie in [0, 1]",
+    "schema = 9: this version reads up to 1": "schema = 9: this version reads up to 1",
+    "baseline: odd": "baseline: odd",
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), SENTENCES.items())
+def test_layers_are_named_as_in_the_panel(addon, material, text, expected):
+    assert addon.messages.in_panel_words(text, material) == expected
+
+
+def test_what_goes_wrong_in_the_stack_is_told_in_the_panel(addon, lamina, material):
+    addon.layer_list.add_layer(material)
+    material.lamina.layers[0].infinite = True
+    try:
+        lamina.Stack.from_json(addon.stack_io.to_dict(material))
+    except lamina.StackError as error:
+        text = addon.messages.sentence(error, material)
+        assert text.startswith("Layer ") and "\n" not in text
+        assert addon.panel._stack_error(material) == text
+    else:
+        assert addon.panel._stack_error(material) == ""
+
+
+def test_wrapped(addon):
+    lines = addon.messages.wrapped("one two three four", 9)
+    assert lines == ["one two", "three", "four"]
+    assert addon.messages.wrapped("", 10) == []
+    assert addon.messages.wrapped("unbreakable", 3) == ["unbreakable"]
+
+
+def test_old_files_are_brought_up_to_date_step_by_step(addon, material):
+    done = []
+    steps = {1: lambda one: done.append((1, one.name)), 2: lambda one: done.append((2, one.name))}
+    assert addon.migration.migrate(material, steps, schema=3)
+    assert done == [(1, "Bronze"), (2, "Bronze")] and material.lamina.schema == 3
+    assert not addon.migration.migrate(material, steps, schema=3)
+
+
+def test_files_from_the_future_are_left_alone(addon, material, call):
+    material.lamina.schema = addon.properties.SCHEMA + 1
+    assert not addon.migration.migrate(material)
+    with pytest.raises(RuntimeError, match="newer version"):
+        call(bpy.ops.lamina.layer_add, material)
+
+
+def test_materials_without_layers_are_not_touched(addon):
+    plain = bpy.data.materials.new("Plain")
+    addon.migration.migrate_all()
+    assert not plain.lamina.enabled and plain.lamina.schema == 0
+
+
+def test_register_twice_leaves_nothing_behind(addon):
+    addon.unregister()
+    assert not hasattr(bpy.types.Material, "lamina")
+    for handlers in (bpy.app.handlers.load_post, bpy.app.handlers.load_pre):
+        assert not [one for one in handlers if "lamina" in one.__module__]
+    assert not [name for name in dir(bpy.types) if name.startswith("LAMINA_")]
+    addon.register()
+    assert hasattr(bpy.types.Material, "lamina")
