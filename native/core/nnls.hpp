@@ -17,8 +17,7 @@ namespace lamina {
 inline constexpr int kMaxClosures = 24;
 
 /// Matrices and vectors of at most kMaxClosures rows that live on the stack.
-using SmallMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxClosures, kMaxClosures>;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxClosures, kMaxClosures>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxClosures, 1>;
 
 // Closures of unit norm: a diagonal this much heavier keeps nearly equal closures from cancelling.
