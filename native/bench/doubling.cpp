@@ -35,10 +35,9 @@ int main() {
   const Eigen::MatrixXd b = Eigen::MatrixXd::Random(kGemm, kGemm);
   Eigen::MatrixXd c(kGemm, kGemm);
   for (const int nodes : {32, 64, 128}) {
-    const Quadrature quadrature(nodes);
-    const Directions directions(quadrature, Eigen::VectorXd());
+    const Directions directions = DirectionSet({1.0}, nodes, 1.0).in_medium(1.0, Eigen::VectorXd());
     const TruncatedMedium medium(Medium{0.9, 1.0, PhaseFunction(HenyeyGreenstein{0.75})}, 2 * nodes);
-    const HomogeneousModes::Layer solved = HomogeneousModes(medium, 0, quadrature).layer(medium.tau);
+    const HomogeneousModes::Layer solved = HomogeneousModes(medium, 0, directions).layer(medium.tau);
     ScatteringFunction layer = ScatteringFunction::empty(directions);
     layer.reflect_above.kernel = layer.reflect_below.kernel = solved.reflect;
     layer.transmit.kernel = solved.transmit;

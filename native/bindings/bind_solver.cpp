@@ -19,36 +19,47 @@ py::array_t<double> shaped(std::vector<double> values, std::vector<py::ssize_t> 
   return py::array_t<double>(std::move(shape), storage->data(), owner);
 }
 
-Medium make_medium(double albedo, double tau, const std::string& phase, double g) {
-  PhaseFunction::Kind kind;
-  if (phase == "hg") {
-    kind = HenyeyGreenstein{g};
-  } else if (phase == "rayleigh") {
-    kind = Rayleigh{};
-  } else if (phase == "isotropic") {
-    kind = Isotropic{};
-  } else {
-    throw py::value_error("phase.kind = '" + phase + "': unknown");
+Medium make_medium(double albedo, double tau, const std::string& phase, const py::args& parameters) {
+  return {albedo, tau, make_phase(phase, parameters)};
+}
+
+Facets make_facets(double alpha, const std::string& distribution, bool correlated) {
+  if (distribution != "ggx" && distribution != "beckmann") {
+    throw py::value_error("distribution = '" + distribution + "': must be 'ggx' or 'beckmann'");
   }
-  return {albedo, tau, PhaseFunction(kind)};
+  return {alpha, distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann, correlated};
 }
 
 }  // namespace
 
 void lamina::bind_solver(py::module_& module) {
-  py::class_<Medium>(module, "Medium")
-      .def(py::init(&make_medium), py::arg("albedo"), py::arg("tau"), py::arg("phase"), py::arg("g") = 0.0);
+  py::class_<Medium>(module, "Medium").def(py::init(&make_medium), py::arg("albedo"), py::arg("tau"), py::arg("phase"));
+
+  py::class_<Interface>(module, "Interface")
+      .def(py::init([](double ior, double alpha, const std::string& distribution, bool correlated, bool compensate) {
+             return Interface{ior, make_facets(alpha, distribution, correlated), compensate};
+           }),
+           py::arg("ior"), py::arg("alpha") = 0.0, py::arg("distribution") = "ggx", py::arg("correlated") = true,
+           py::arg("compensate") = true);
+
+  py::class_<Base>(module, "Base")
+      .def_static("none", [] { return Base{}; })
+      .def_static("lambert",
+                  [](double reflectance) { return Base{.kind = Base::Kind::kLambert, .reflectance = reflectance}; })
+      .def_static(
+          "conductor",
+          [](double eta, double k, double alpha, const std::string& distribution, bool correlated, bool compensate) {
+            return Base{.kind = Base::Kind::kConductor,
+                        .ior = {eta, k},
+                        .facets = make_facets(alpha, distribution, correlated),
+                        .compensate = compensate};
+          },
+          py::arg("eta"), py::arg("k"), py::arg("alpha") = 0.0, py::arg("distribution") = "ggx",
+          py::arg("correlated") = true, py::arg("compensate") = true);
 
   py::class_<Stack>(module, "Stack")
-      .def(py::init([](std::vector<Medium> layers, std::optional<double> lambert) {
-             Stack stack;
-             stack.layers = std::move(layers);
-             if (lambert) {
-               stack.base = {Base::Kind::kLambert, *lambert};
-             }
-             return stack;
-           }),
-           py::arg("layers"), py::arg("lambert") = py::none());
+      .def(py::init([](std::vector<Layer> layers, const Base& base) { return Stack{std::move(layers), base}; }),
+           py::arg("layers"), py::arg("base") = Base{});
 
   py::class_<SolveChecks>(module, "SolveChecks")
       .def_readonly("quadrature", &SolveChecks::quadrature)
@@ -63,6 +74,7 @@ void lamina::bind_solver(py::module_& module) {
 
   py::class_<Fluxes>(module, "Fluxes")
       .def_readonly("reflected", &Fluxes::reflected)
+      .def_readonly("mirrored", &Fluxes::mirrored)
       .def_readonly("transmitted", &Fluxes::transmitted)
       .def_readonly("direct", &Fluxes::direct);
 
@@ -70,9 +82,13 @@ void lamina::bind_solver(py::module_& module) {
   py::class_<Solution>(module, "Solution")
       .def_property_readonly("nodes", [](const Solution& s) { return s.resolution().nodes; })
       .def_property_readonly("orders", &Solution::orders)
+      .def_property_readonly(
+          "node_cosines",
+          [](const Solution& s) -> Eigen::VectorXd { return s.directions(Eigen::VectorXd()).front().mu; })
+      .def_property_readonly(
+          "node_weights",
+          [](const Solution& s) -> Eigen::VectorXd { return s.directions(Eigen::VectorXd()).front().weight; })
       .def_property_readonly("checks", &Solution::checks)
-      .def_property_readonly("node_cosines", [](const Solution& s) { return s.quadrature().mu; })
-      .def_property_readonly("node_weights", [](const Solution& s) { return s.quadrature().weight; })
       .def("with_thickness", &Solution::with_thickness, py::arg("layer"), py::arg("tau"), py::arg("pool"), unlocked)
       .def(
           "grid",
@@ -98,18 +114,19 @@ void lamina::bind_solver(py::module_& module) {
             return shaped(std::move(values), {mu_o.size()});
           },
           py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"))
-      .def("fluxes", &lamina::fluxes, py::arg("side"), py::arg("mu"), unlocked)
-      .def("diffuse_fluxes", &diffuse_fluxes, py::arg("side"), unlocked);
+      .def("fluxes", &lamina::fluxes, py::arg("side"), py::arg("mu"), py::arg("pool"), unlocked)
+      .def("diffuse_fluxes", &diffuse_fluxes, py::arg("side"), py::arg("pool"), unlocked);
 
   module.def("solve", &lamina::solve, py::arg("stack"), py::arg("tolerance"), py::arg("pool"), unlocked);
   module.def(
       "solve_at",
-      [](const Stack& stack, int nodes, double azimuth_tolerance, ThreadPool& pool) {
+      [](const Stack& stack, int nodes, double azimuth_tolerance, ThreadPool& pool, double thinnest) {
         Resolution resolution;
         resolution.nodes = nodes;
         resolution.azimuth_tolerance = azimuth_tolerance;
+        resolution.thinnest = thinnest;
         return Solution(stack, resolution, pool);
       },
-      py::arg("stack"), py::arg("nodes"), py::arg("azimuth_tolerance"), py::arg("pool"), unlocked,
-      "Solves at a stated resolution, without refinement; the checks tell what it is worth.");
+      py::arg("stack"), py::arg("nodes"), py::arg("azimuth_tolerance"), py::arg("pool"), py::arg("thinnest") = 1.0,
+      unlocked, "Solves at a stated resolution, without refinement; the checks tell what it is worth.");
 }

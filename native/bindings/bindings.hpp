@@ -2,10 +2,19 @@
 #pragma once
 #include <pybind11/pybind11.h>
 
+#include <string>
+
+#include "phase/phase.hpp"
+
 namespace lamina {
 
 void bind_threads(pybind11::module_& module);
+void bind_phase(pybind11::module_& module);
 void bind_solver(pybind11::module_& module);
 void bind_fit(pybind11::module_& module);
+
+/// A phase function from its kind and that kind's parameters. Throws ValueError for an unknown kind and
+/// TypeError for other parameters than it has.
+PhaseFunction make_phase(const std::string& kind, const pybind11::tuple& parameters);
 
 }  // namespace lamina

@@ -22,6 +22,7 @@ PYBIND11_MODULE(_core, module) {
     throw pybind11::import_error("Lamina's compiled core needs a processor with AVX2 and FMA");
   }
   lamina::bind_threads(module);
+  lamina::bind_phase(module);
   lamina::bind_solver(module);
   lamina::bind_fit(module);
 }

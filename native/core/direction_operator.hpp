@@ -41,10 +41,11 @@ inline DirectionOperator resolvent(const DirectionOperator& a) {
   const Eigen::Index targets = a.delta.size() - nodes;
   DirectionOperator result;
   result.nodes = nodes;
-  result.delta = (1.0 - a.delta.array()).inverse();
+  // Light that a mirror pair keeps for ever (total reflection on both sides, nothing between) never entered.
+  result.delta = (a.delta.array() < 1.0).select((1.0 - a.delta.array()).inverse(), 1.0);
   result.kernel = a.kernel * result.delta.asDiagonal();
   Eigen::MatrixXd system = -a.kernel.topLeftCorner(nodes, nodes);
-  system.diagonal() += (1.0 - a.delta.head(nodes).array()).matrix();
+  system.diagonal() += result.delta.head(nodes).cwiseInverse();
   result.kernel.topRows(nodes) = system.partialPivLu().solve(result.kernel.topRows(nodes).eval());
   if (targets > 0) {
     auto rest = result.kernel.bottomRows(targets);

@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
+#include "assembly.hpp"
 #include "single_scattering.hpp"
 
 namespace lamina {
@@ -41,72 +43,111 @@ Eigen::MatrixXd kernel_of(const ScatteringFunction& s, Side side, Path path) {
 }
 
 /// For each azimuth order, the part of pi f that is smooth, between all targets.
-std::vector<Eigen::MatrixXd> smooth_orders(const Solution& solution, Side side, Path path,
-                                           const Eigen::VectorXd& targets, ThreadPool& pool) {
-  const Directions directions(solution.quadrature(), targets);
-  std::vector<Eigen::MatrixXd> orders(static_cast<std::size_t>(solution.orders()));
+std::vector<Eigen::MatrixXd> smooth_orders(const Assembly& assembly, Side side, Path path, Eigen::Index targets,
+                                           ThreadPool& pool) {
+  std::vector<Eigen::MatrixXd> orders(static_cast<std::size_t>(assembly.solution().orders()));
   pool.run(orders.size(), [&](std::size_t m) {
-    const ScatteringFunction rest = solution.without_single(directions, static_cast<int>(m));
-    orders[m] = kernel_of(rest, side, path).bottomRightCorner(targets.size(), targets.size());
+    const ScatteringFunction rest = assembly.without_single(static_cast<int>(m));
+    orders[m] = kernel_of(rest, side, path).bottomRightCorner(targets, targets);
   });
   return orders;
 }
 
-/// Light scattered once by a medium, attenuated by the layers that it passes, with the true phase function.
+/// Light scattered once, by a medium with its true phase function or by the facets of a rough boundary: it
+/// arrives at either face of the layer and leaves by either, on the paths of the delta field.
 class SingleScattering {
  public:
-  SingleScattering(const Solution& solution, Side side, Path path) : path_(path) {
-    const std::size_t count = solution.media().size();
-    const bool closed = solution.stack().base.kind != Base::Kind::kNone;
-    dark_ = closed && (path == Path::kTransmit || side == Side::kBottom);
-    double depth = 0.0;
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t layer = side == Side::kTop ? k : count - 1 - k;
-      const TruncatedMedium& medium = solution.media()[layer];
-      terms_.push_back(
-          {medium.tau, depth, 0.25 / pi * medium.single_scattering_albedo(), &solution.stack().layers[layer].phase});
-      depth += medium.tau;
+  SingleScattering(const Assembly& assembly, Side side, Path path) {
+    const Solution& solution = assembly.solution();
+    const bool leaves_above = (side == Side::kTop) == (path == Path::kReflect);
+    const auto term = [&](std::size_t layer) {
+      const Directions& here = assembly.directions()[layer];
+      const auto& above = assembly.deltas().from_above[layer];
+      const auto& below = assembly.deltas().from_below[layer];
+      const auto& in = side == Side::kTop ? above : below;
+      const auto& out = leaves_above ? above : below;
+      const Eigen::Index count = here.targets;
+      return Term{here.mu.tail(count), in.down.tail(count), in.up.tail(count), out.down.tail(count),
+                  out.up.tail(count)};
+    };
+    for (const Solution::Scatterer& scatterer : solution.scatterers()) {
+      Medium medium{term(scatterer.layer), scatterer.medium.tau,
+                    0.25 / pi * scatterer.medium.single_scattering_albedo() / (scatterer.ior * scatterer.ior),
+                    &scatterer.phase};
+      media_.push_back(std::move(medium));
     }
-    whole_ = depth;
+    for (const Solution::Boundary& boundary : solution.boundaries()) {
+      const std::size_t below = std::min(boundary.layer + 1, assembly.directions().size() - 1);
+      const Directions& beyond = assembly.directions()[below];
+      facets_.push_back({term(boundary.layer), beyond.mu.tail(beyond.targets),
+                         assembly.directions()[boundary.layer].ior, beyond.ior, boundary.surface.get()});
+    }
   }
 
-  double operator()(double mu_o, double mu_i, double dphi) const {
-    if (dark_) {
-      return 0.0;
-    }
-    const double sines = std::sqrt((1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i)) * std::cos(dphi);
+  double operator()(Eigen::Index o, Eigen::Index i, double dphi) const {
     double sum = 0.0;
-    for (const Term& term : terms_) {
-      if (path_ == Path::kReflect) {
-        const double reach = std::isinf(term.before) ? 0.0 : std::exp(-term.before * (1.0 / mu_o + 1.0 / mu_i));
-        sum +=
-            term.weight * reach * term.phase->evaluate(sines - mu_o * mu_i) * single_reflection(mu_o, mu_i, term.tau);
-      } else if (!std::isinf(whole_)) {
-        const double after = whole_ - term.before - term.tau;
-        sum += term.weight * std::exp(-term.before / mu_i - after / mu_o) * term.phase->evaluate(sines + mu_o * mu_i) *
-               single_transmission(mu_o, mu_i, term.tau);
+    const double cosine = std::cos(dphi);
+    for (const Medium& m : media_) {
+      const double mu_o = m.at.mu[o];
+      const double mu_i = m.at.mu[i];
+      const double sines = std::sqrt((1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i)) * cosine;
+      const double turned = m.at.out_down[o] * m.at.in_down[i] + m.at.out_up[o] * m.at.in_up[i];
+      const double passed = m.at.out_down[o] * m.at.in_up[i] + m.at.out_up[o] * m.at.in_down[i];
+      if (turned > 0.0) {
+        sum += m.weight * turned * m.phase->evaluate(sines - mu_o * mu_i) * single_reflection(mu_o, mu_i, m.tau);
       }
+      if (passed > 0.0) {
+        sum += m.weight * passed * m.phase->evaluate(sines + mu_o * mu_i) * single_transmission(mu_o, mu_i, m.tau);
+      }
+    }
+    for (const Facet& f : facets_) {
+      const auto share = [](double a, double b, auto value) { return a * b > 0.0 ? a * b * value() : 0.0; };
+      const RoughSurface& surface = *f.surface;
+      const double above = 1.0 / (f.ior_above * f.ior_above);
+      const double below = 1.0 / (f.ior_below * f.ior_below);
+      const double through = 1.0 / (f.ior_above * f.ior_below);
+      sum += share(f.at.out_down[o], f.at.in_down[i],
+                   [&] { return above * surface.reflection_above(f.at.mu[o], f.at.mu[i], dphi); });
+      sum += share(f.at.out_up[o], f.at.in_up[i],
+                   [&] { return below * surface.reflection_below(f.mu_below[o], f.mu_below[i], dphi); });
+      sum += share(f.at.out_up[o], f.at.in_down[i],
+                   [&] { return through * surface.transmission(f.mu_below[o], f.at.mu[i], dphi); });
+      sum += share(f.at.out_down[o], f.at.in_up[i],
+                   [&] { return through * surface.transmission(f.mu_below[i], f.at.mu[o], dphi); });
     }
     return sum;
   }
 
  private:
+  /// Cosines of the targets where the layer begins, and what the delta field brings there and takes away.
   struct Term {
+    Eigen::VectorXd mu;
+    Eigen::VectorXd in_down;
+    Eigen::VectorXd in_up;
+    Eigen::VectorXd out_down;
+    Eigen::VectorXd out_up;
+  };
+  struct Medium {
+    Term at;
     double tau;
-    double before;  // optical depth that light crosses before it enters this layer
     double weight;
     const PhaseFunction* phase;
   };
-  Path path_;
-  bool dark_ = false;
-  double whole_ = 0.0;
-  std::vector<Term> terms_;
+  struct Facet {
+    Term at;
+    Eigen::VectorXd mu_below;
+    double ior_above;
+    double ior_below;
+    const RoughSurface* surface;
+  };
+  std::vector<Medium> media_;
+  std::vector<Facet> facets_;
 };
 
 /// Lagrange's interpolation on six neighbouring knots of a uniform grid in the angle, for lists too long
 /// to be targets themselves.
 struct AngleTable {
-  static constexpr Eigen::Index kKnots = 161;
+  static constexpr Eigen::Index kKnots = 241;
   static constexpr Eigen::Index kStencil = 6;
 
   static Eigen::VectorXd cosines() {
@@ -139,28 +180,38 @@ struct AngleTable {
   }
 };
 
-Fluxes fluxes_on(const Solution& solution, Side side, const Directions& directions) {
-  ScatteringFunction s = solution.joined(directions, 0);
+/// Fluxes for beams from all nodes (live in the first medium) and targets, as powers for unit radiance
+/// times scale: at targets relative to the incident flux, at nodes with one factor of scale left.
+Fluxes fluxes_on(const Assembly& assembly, Side side) {
+  const Solution& solution = assembly.solution();
+  const std::vector<Directions>& directions = assembly.directions();
+  ScatteringFunction s = assembly.joined(0);
   if (side == Side::kBottom) {
     s = s.reversed();
   }
-  // A target's kernel lacks its own scale: sum over nodes of pi f (2 mu w) remains.
-  const Eigen::Index nodes = directions.nodes;
-  const Eigen::VectorXd sums = directions.scale.head(nodes);
+  const Directions& entry = side == Side::kTop ? directions.front() : directions.back();
+  const Directions& exit = side == Side::kTop ? directions.back() : directions.front();
+  // The flux of scaled radiance is its product with C = n scale.
+  const auto flux = [](const Directions& where) {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(where.nodes);
+    all.head(where.live) = where.ior * where.scale.head(where.live);
+    return all;
+  };
+  const Eigen::VectorXd own = entry.ior * entry.spread(entry.scale);
   Fluxes result;
-  result.reflected = s.reflect_above.kernel.leftCols(nodes) * sums;
-  const Eigen::VectorXd passed = s.transmit.kernel.topRows(nodes).transpose() * sums;
+  result.reflected = s.reflect_above.kernel.leftCols(entry.nodes) * flux(entry);
+  result.mirrored = s.reflect_above.delta.cwiseProduct(own);
+  const Eigen::VectorXd passed = s.transmit.kernel.topRows(entry.nodes).transpose() * flux(exit);
   // The direct beam of the true, not the truncated, thickness; the rest counts as scattered.
-  double tau = 0.0;
-  for (const Medium& medium : solution.stack().layers) {
-    tau += medium.tau;
+  Eigen::VectorXd longer = Eigen::VectorXd::Zero(own.size());
+  for (const Solution::Scatterer& scatterer : solution.scatterers()) {
+    const Directions& here = directions[scatterer.layer];
+    const double tau = std::get<Medium>(solution.stack().layers[scatterer.layer]).tau;
+    const double shortened = std::isinf(tau) ? 0.0 : tau - scatterer.medium.tau;
+    longer += here.spread((shortened * here.mu.cwiseInverse()).eval());
   }
-  const bool open = solution.stack().base.kind == Base::Kind::kNone;
-  result.direct = Eigen::VectorXd::Zero(directions.size());
-  if (open) {
-    result.direct = direct_transmissions(directions.mu, tau);
-  }
-  result.transmitted = passed + (s.transmit.delta - result.direct).cwiseProduct(directions.scale);
+  result.direct = s.transmit.delta.cwiseProduct((-longer.array()).exp().matrix()).cwiseProduct(own);
+  result.transmitted = passed + s.transmit.delta.cwiseProduct(own) - result.direct;
   return result;
 }
 
@@ -169,16 +220,16 @@ Fluxes fluxes_on(const Solution& solution, Side side, const Directions& directio
 std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
                                   const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
   const Targets targets({&mu_o, &mu_i});
-  const std::vector<Eigen::MatrixXd> orders = smooth_orders(solution, side, path, targets.mu, pool);
-  const SingleScattering single(solution, side, path);
+  const Assembly assembly(solution, targets.mu, pool);
+  const std::vector<Eigen::MatrixXd> orders = smooth_orders(assembly, side, path, targets.mu.size(), pool);
+  const SingleScattering single(assembly, side, path);
   Eigen::MatrixXd waves(static_cast<Eigen::Index>(orders.size()), dphi.size());
   for (Eigen::Index m = 0; m < waves.rows(); ++m) {
     waves.row(m) = (m == 0 ? 1.0 : 2.0) / pi * (static_cast<double>(m) * dphi.array()).cos();
   }
   std::vector<double> values(static_cast<std::size_t>(mu_o.size() * mu_i.size() * dphi.size()));
   pool.run(static_cast<std::size_t>(mu_o.size()), [&](std::size_t row) {
-    const double cosine_o = mu_o[static_cast<Eigen::Index>(row)];
-    const Eigen::Index o = targets.find(cosine_o);
+    const Eigen::Index o = targets.find(mu_o[static_cast<Eigen::Index>(row)]);
     Eigen::MatrixXd coefficients(mu_i.size(), waves.rows());
     for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
       const Eigen::Index column = targets.find(mu_i[i]);
@@ -191,7 +242,7 @@ std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path
     slice.noalias() = coefficients * waves;
     for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
       for (Eigen::Index p = 0; p < dphi.size(); ++p) {
-        slice(i, p) += single(cosine_o, mu_i[i], dphi[p]);
+        slice(i, p) += single(o, targets.find(mu_i[i]), dphi[p]);
       }
     }
   });
@@ -202,9 +253,15 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
                                     const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
   const Targets exact({&mu_o, &mu_i});
   const bool tabulate = exact.mu.size() > AngleTable::kKnots;
+  const Assembly assembly(solution, exact.mu, pool);
+  std::optional<Assembly> table;
+  if (tabulate) {
+    table.emplace(solution, AngleTable::cosines(), pool);
+  }
+  const Assembly& smooth = tabulate ? *table : assembly;
   const std::vector<Eigen::MatrixXd> orders =
-      smooth_orders(solution, side, path, tabulate ? AngleTable::cosines() : exact.mu, pool);
-  const SingleScattering single(solution, side, path);
+      smooth_orders(smooth, side, path, smooth.directions().front().targets, pool);
+  const SingleScattering single(assembly, side, path);
   std::vector<double> values(static_cast<std::size_t>(mu_o.size()));
   constexpr std::size_t kChunk = 1024;
   pool.run((values.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
@@ -231,31 +288,39 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
       for (std::size_t m = 0; m < orders.size(); ++m) {
         sum += (m == 0 ? 1.0 : 2.0) * std::cos(static_cast<double>(m) * dphi[point]) * read(orders[m]);
       }
-      values[k] = sum / pi + single(o, i, dphi[point]);
+      values[k] = sum / pi + single(exact.find(o), exact.find(i), dphi[point]);
     }
   });
   return values;
 }
 
-Fluxes fluxes(const Solution& solution, Side side, const Eigen::VectorXd& mu) {
-  const Directions directions(solution.quadrature(), mu);
-  Fluxes result = fluxes_on(solution, side, directions);
-  result.reflected = result.reflected.tail(mu.size()).eval();
-  result.transmitted = result.transmitted.tail(mu.size()).eval();
-  result.direct = result.direct.tail(mu.size()).eval();
+Fluxes fluxes(const Solution& solution, Side side, const Eigen::VectorXd& mu, ThreadPool& pool) {
+  // In parts: every target is joined with every other.
+  constexpr Eigen::Index kPart = 96;
+  Fluxes result;
+  const auto parts = [](Fluxes& f) { return std::array{&f.reflected, &f.mirrored, &f.transmitted, &f.direct}; };
+  for (Eigen::VectorXd* part : parts(result)) {
+    part->resize(mu.size());
+  }
+  for (Eigen::Index first = 0; first < mu.size(); first += kPart) {
+    const Eigen::Index count = std::min(kPart, mu.size() - first);
+    Fluxes some = fluxes_on(Assembly(solution, mu.segment(first, count), pool), side);
+    for (std::size_t k = 0; k < parts(result).size(); ++k) {
+      parts(result)[k]->segment(first, count) = parts(some)[k]->tail(count);
+    }
+  }
   return result;
 }
 
-Fluxes diffuse_fluxes(const Solution& solution, Side side) {
-  const Directions directions(solution.quadrature(), Eigen::VectorXd());
-  Fluxes result = fluxes_on(solution, side, directions);
-  // Nodes carry one factor of the scale already.
-  const auto total = [&](const Eigen::VectorXd& by_node) {
-    return Eigen::VectorXd::Constant(1, by_node.dot(directions.scale)).eval();
-  };
-  result.reflected = total(result.reflected);
-  result.transmitted = total(result.transmitted);
-  result.direct = total(result.direct.cwiseProduct(directions.scale));
+Fluxes diffuse_fluxes(const Solution& solution, Side side, ThreadPool& pool) {
+  const Assembly assembly(solution, Eigen::VectorXd(), pool);
+  const std::vector<Directions>& directions = assembly.directions();
+  const Directions& entry = side == Side::kTop ? directions.front() : directions.back();
+  Fluxes result = fluxes_on(assembly, side);
+  const Eigen::VectorXd flux = entry.scale / entry.ior;
+  for (Eigen::VectorXd* part : {&result.reflected, &result.mirrored, &result.transmitted, &result.direct}) {
+    *part = Eigen::VectorXd::Constant(1, part->head(entry.live).dot(flux));
+  }
   return result;
 }
 

@@ -22,13 +22,14 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
 
 /// Hemispherical fluxes for a beam from each direction, relative to the incident flux.
 struct Fluxes {
-  Eigen::VectorXd reflected;
+  Eigen::VectorXd reflected;    ///< without the mirror image
+  Eigen::VectorXd mirrored;     ///< the mirror image of the beam
   Eigen::VectorXd transmitted;  ///< without the unscattered beam
   Eigen::VectorXd direct;       ///< the unscattered beam
 };
-Fluxes fluxes(const Solution& solution, Side side, const Eigen::VectorXd& mu);
+Fluxes fluxes(const Solution& solution, Side side, const Eigen::VectorXd& mu, ThreadPool& pool);
 
 /// The same for uniform diffuse light.
-Fluxes diffuse_fluxes(const Solution& solution, Side side);
+Fluxes diffuse_fluxes(const Solution& solution, Side side, ThreadPool& pool);
 
 }  // namespace lamina

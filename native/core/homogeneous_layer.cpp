@@ -41,17 +41,29 @@ Eigen::MatrixXd symmetric(const Eigen::VectorXd& mu, double tau, Shape shape) {
   return values;
 }
 
+/// Nodes that serve several media integrate the phase function's moments almost, but not quite exactly;
+/// what is missing from the normalisation, r = 1 - p w, is added as the smooth symmetric r_i + r_j - r.w.
+Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen::VectorXd& root) {
+  const double whole = root.squaredNorm();
+  const Eigen::VectorXd missing = (root - scattered * root).cwiseQuotient(root) / whole;
+  const double mean = missing.dot(root.cwiseAbs2()) / whole;
+  const Eigen::Index n = root.size();
+  return root.asDiagonal() *
+         (missing.replicate(1, n) + missing.transpose().replicate(n, 1) - Eigen::MatrixXd::Constant(n, n, mean)) *
+         root.asDiagonal();
+}
+
 }  // namespace
 
-HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Quadrature& quadrature) {
-  const Eigen::Index n = quadrature.mu.size();
+HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions) {
+  const Eigen::Index n = directions.live;
   const int count = static_cast<int>(medium.moments.size());
-  const Eigen::MatrixXd legendre = associated_legendre(order, count, quadrature.mu);
+  const Eigen::MatrixXd legendre = associated_legendre(order, count, directions.mu.head(n));
   const Eigen::VectorXd weights = phase_weights(medium, order);
 
   // A and B: out-scattering less in-scattering, by the parity of l - m.
-  const Eigen::VectorXd root = quadrature.weight.cwiseSqrt();
-  const Eigen::VectorXd steep = quadrature.mu.cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd root = directions.weight.cwiseSqrt();
+  const Eigen::VectorXd steep = directions.mu.head(n).cwiseSqrt().cwiseInverse();
   const auto transfer = [&](Eigen::Index parity) {
     const Eigen::Index terms = (legendre.rows() - parity + 1) / 2;
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n, n);
@@ -64,6 +76,9 @@ HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, con
         out.row(k) = medium.albedo * weights[l] * in.row(k);
       }
       matrix.noalias() -= in.transpose() * out;
+      if (order == 0 && parity == 0) {
+        matrix -= medium.albedo * normalising_share(in.transpose() * out / medium.albedo, root);
+      }
     }
     return (steep.asDiagonal() * matrix * steep.asDiagonal()).eval();
   };
@@ -99,8 +114,8 @@ HomogeneousModes::Layer HomogeneousModes::layer(double tau) const {
     const double slope = std::tanh(k * h);
     tangent[i] = k * slope;
     cotangent[i] = slope / k;
-    const double hyperbolic = std::cosh(std::min(k * h, 350.0));
-    attenuation[i] = 1.0 / (hyperbolic * hyperbolic);
+    const double hyperbolic = std::cosh(k * h);
+    attenuation[i] = 1.0 / hyperbolic / hyperbolic;
   }
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
   const Eigen::MatrixXd g = identity + odd_ * tangent.asDiagonal() * odd_.transpose();
@@ -137,13 +152,13 @@ PhaseKernel::PhaseKernel(const TruncatedMedium& medium, int order, const Eigen::
 }
 
 MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const TruncatedMedium& medium,
-                                       const PhaseKernel& phase, int order, const Quadrature& quadrature) {
-  layer.transmit.diagonal() -= direct_transmissions(quadrature.mu, medium.tau);
-  const Eigen::VectorXd scale = (2.0 * quadrature.mu.array() * quadrature.weight.array()).sqrt();
-  const Eigen::VectorXd inner = parity_factor(order, quadrature.mu).inverse();
-  const Eigen::VectorXd outer = inner.cwiseQuotient(scale);
-  const Eigen::MatrixXd shape = symmetric(quadrature.mu, medium.tau, single_reflection);
-  const Eigen::MatrixXd passing = symmetric(quadrature.mu, medium.tau, single_transmission);
+                                       const PhaseKernel& phase, int order, const Directions& directions) {
+  const Eigen::VectorXd mu = directions.mu.head(directions.live);
+  layer.transmit.diagonal() -= direct_transmissions(mu, medium.tau);
+  const Eigen::VectorXd inner = parity_factor(order, mu).inverse();
+  const Eigen::VectorXd outer = inner.cwiseQuotient(directions.scale.head(directions.live));
+  const Eigen::MatrixXd shape = symmetric(mu, medium.tau, single_reflection);
+  const Eigen::MatrixXd passing = symmetric(mu, medium.tau, single_transmission);
   const double quarter = 0.25 * medium.albedo;
   const auto remainder = [&](const Eigen::MatrixXd& all, const Eigen::MatrixXd& phases,
                              const Eigen::MatrixXd& single) -> Eigen::MatrixXd {
@@ -151,49 +166,81 @@ MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const Trun
                                  quarter * (inner.asDiagonal() * phases.cwiseProduct(single) * inner.asDiagonal());
     return rest.cwiseQuotient(shape);
   };
-  return {remainder(layer.reflect, phase.reflect, shape), remainder(layer.transmit, phase.transmit, passing)};
+  MultipleScattering multiple{remainder(layer.reflect, phase.reflect, shape),
+                              remainder(layer.transmit, phase.transmit, passing), Eigen::VectorXd()};
+  if (order == 0) {
+    const Eigen::VectorXd scale = directions.scale.head(directions.live);
+    const Eigen::VectorXd scattered = ((layer.reflect + layer.transmit) * scale).cwiseQuotient(scale);
+    const Eigen::VectorXd removed = (1.0 - direct_transmissions(mu, medium.tau).array()).matrix();
+    multiple.survival = scattered.cwiseQuotient(removed);
+  }
+  return multiple;
 }
 
 Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau) {
   return mu.unaryExpr([tau](double cosine) { return direct_transmission(cosine, tau); });
 }
 
-ScatteringFunction multiple_on(const Directions& directions, const MultipleScattering& multiple,
-                               const TruncatedMedium& medium, int order) {
-  ScatteringFunction s = ScatteringFunction::empty(directions);
-  s.transmit.delta.setZero();
+/// Sums over nodes of interpolated kernels miss the energy balance by some 1e-6 at targets. The share of the removed
+/// light that survives is known at the nodes, smooth, and 1 where nothing is absorbed: factors that restore it.
+static Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
+                                      const LayerKernels& kernels, const TruncatedMedium& medium) {
+  const LayerKernels once = single_on(directions, medium, 0);
+  const Eigen::VectorXd flux = directions.scale.head(directions.live);
+  const auto sums = [&](const LayerKernels& k) -> Eigen::VectorXd {
+    return ((k.reflect + k.transmit).bottomRows(directions.targets).leftCols(directions.live) * flux)
+        .cwiseQuotient(directions.scale.tail(directions.targets));
+  };
+  const Eigen::VectorXd repeated = sums(kernels);
+  const Eigen::VectorXd removed =
+      (1.0 - direct_transmissions(directions.mu.tail(directions.targets), medium.tau).array()).matrix();
+  const Eigen::VectorXd wanted =
+      (directions.interpolation.bottomRows(directions.targets) * multiple.survival).cwiseProduct(removed) - sums(once);
+  constexpr double kLargest = 1e-2;  // more would be a failure of the nodes, not of interpolation
+  return (repeated.array() > 0.0)
+      .select((wanted.array() / repeated.array()).max(1.0 - kLargest).min(1.0 + kLargest), 1.0)
+      .matrix();
+}
+
+LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
+                         const TruncatedMedium& medium, int order) {
   const Eigen::VectorXd outer = parity_factor(order, directions.mu) * directions.scale.array();
   const Eigen::MatrixXd& carry = directions.interpolation;
   const Eigen::MatrixXd shape =
       outer.asDiagonal() * symmetric(directions.mu, medium.tau, single_reflection) * outer.asDiagonal();
-  s.reflect_above.kernel = (carry * multiple.reflect * carry.transpose()).cwiseProduct(shape);
-  s.reflect_below.kernel = s.reflect_above.kernel;
-  s.transmit.kernel = (carry * multiple.transmit * carry.transpose()).cwiseProduct(shape);
-  return s;
+  LayerKernels kernels{(carry * multiple.reflect * carry.transpose()).cwiseProduct(shape),
+                       (carry * multiple.transmit * carry.transpose()).cwiseProduct(shape)};
+  if (order == 0 && directions.targets > 0 && multiple.survival.size() > 0) {
+    const Eigen::VectorXd factors = energy_factors(directions, multiple, kernels, medium);
+    for (Eigen::MatrixXd* kernel : {&kernels.reflect, &kernels.transmit}) {
+      auto out = kernel->bottomLeftCorner(directions.targets, directions.live);
+      auto in = kernel->topRightCorner(directions.live, directions.targets);
+      out = factors.asDiagonal() * out;
+      in = in * factors.asDiagonal();
+    }
+  }
+  return kernels;
 }
 
-ScatteringFunction single_on(const Directions& directions, const TruncatedMedium& medium, int order) {
-  ScatteringFunction s = ScatteringFunction::empty(directions);
-  s.transmit.delta.setZero();
+LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, int order) {
   const PhaseKernel phase(medium, order, directions.mu);
   const auto kernel = [&](const Eigen::MatrixXd& phases, const Eigen::MatrixXd& shape) -> Eigen::MatrixXd {
     return 0.25 * medium.albedo *
            (directions.scale.asDiagonal() * phases.cwiseProduct(shape) * directions.scale.asDiagonal());
   };
-  s.reflect_above.kernel = kernel(phase.reflect, symmetric(directions.mu, medium.tau, single_reflection));
-  s.reflect_below.kernel = s.reflect_above.kernel;
-  s.transmit.kernel = kernel(phase.transmit, symmetric(directions.mu, medium.tau, single_transmission));
-  return s;
+  return {kernel(phase.reflect, symmetric(directions.mu, medium.tau, single_reflection)),
+          kernel(phase.transmit, symmetric(directions.mu, medium.tau, single_transmission))};
 }
 
 ScatteringFunction layer_on(const Directions& directions, const MultipleScattering& multiple,
                             const TruncatedMedium& medium, int order) {
-  ScatteringFunction s = single_on(directions, medium, order);
-  const ScatteringFunction rest = multiple_on(directions, multiple, medium, order);
-  s.reflect_above.kernel += rest.reflect_above.kernel;
-  s.reflect_below.kernel += rest.reflect_below.kernel;
-  s.transmit.kernel += rest.transmit.kernel;
-  s.transmit.delta = direct_transmissions(directions.mu, medium.tau);
+  const LayerKernels once = single_on(directions, medium, order);
+  const LayerKernels rest = multiple_on(directions, multiple, medium, order);
+  ScatteringFunction s = ScatteringFunction::nothing(directions.size(), directions.nodes);
+  s.reflect_above.kernel = directions.spread((once.reflect + rest.reflect).eval());
+  s.reflect_below.kernel = s.reflect_above.kernel;
+  s.transmit.kernel = directions.spread((once.transmit + rest.transmit).eval());
+  s.transmit.delta = directions.spread(direct_transmissions(directions.mu, medium.tau));
   return s;
 }
 

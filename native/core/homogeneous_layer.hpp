@@ -2,8 +2,8 @@
 #pragma once
 #include <Eigen/Core>
 
+#include "directions.hpp"
 #include "medium.hpp"
-#include "quadrature.hpp"
 #include "scattering_function.hpp"
 
 namespace lamina {
@@ -21,7 +21,7 @@ namespace lamina {
 /// which has no growing exponential and no special case.
 class HomogeneousModes {
  public:
-  HomogeneousModes(const TruncatedMedium& medium, int order, const Quadrature& quadrature);
+  HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions);
 
   struct Layer {
     Eigen::MatrixXd reflect;   ///< R = R', symmetric scaling
@@ -41,6 +41,7 @@ class HomogeneousModes {
 struct MultipleScattering {
   Eigen::MatrixXd reflect;
   Eigen::MatrixXd transmit;
+  Eigen::VectorXd survival;  ///< order 0: share of the light taken out of a beam that leaves the layer again
 };
 
 /// The moments of the phase function in one azimuth order between directions: sum over l of
@@ -53,13 +54,19 @@ struct PhaseKernel {
 };
 
 MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const TruncatedMedium& medium,
-                                       const PhaseKernel& phase, int order, const Quadrature& quadrature);
+                                       const PhaseKernel& phase, int order, const Directions& directions);
 
-/// The three parts of a layer's scattering function on any directions: multiple scattering, carried there
-/// by interpolation; single scattering, in closed form; the direct part.
-ScatteringFunction multiple_on(const Directions& directions, const MultipleScattering& multiple,
-                               const TruncatedMedium& medium, int order);
-ScatteringFunction single_on(const Directions& directions, const TruncatedMedium& medium, int order);
+/// Kernels of a layer between the live nodes and targets of its medium, scaled; not yet spread.
+struct LayerKernels {
+  Eigen::MatrixXd reflect;
+  Eigen::MatrixXd transmit;
+};
+
+/// The parts of a layer's scattering function on any directions: multiple scattering, carried there by
+/// interpolation; single scattering, in closed form; the direct part.
+LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
+                         const TruncatedMedium& medium, int order);
+LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, int order);
 Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau);
 
 /// All three together.

@@ -4,29 +4,26 @@
 
 namespace lamina {
 
-/// Gauss-Legendre nodes and weights on (0, 1), nodes ascending: a hemisphere's cosines ("double Gauss").
+/// Gauss-Legendre nodes and weights on (low, high), nodes ascending.
 struct Quadrature {
   Eigen::VectorXd mu;
   Eigen::VectorXd weight;
 
-  explicit Quadrature(int count);
+  explicit Quadrature(int count, double low = 0.0, double high = 1.0);
 
-  /// The largest error of the moments int mu^k dmu = 1/(k+1), k < 2 count.
+  double low() const { return low_; }
+  double high() const { return high_; }
+
+  /// The largest error of the moments int x^k dx, k < 2 count, x in (0, 1) across the range.
   double moment_error() const;
-};
 
-/// The directions of one solve or one look-up: the quadrature's nodes, over which integrals run, then
-/// extra *targets*, where functions are wanted but which no integral sees (Nystrom's interpolation).
-/// `scale` is sqrt(2 mu w) at nodes and 1 at targets: with it, the kernels pi * BRDF of reciprocal layers
-/// become symmetric matrices whose products are the integrals.
-struct Directions {
-  Eigen::VectorXd mu;
-  Eigen::VectorXd scale;
-  Eigen::Index nodes = 0;
-  Eigen::MatrixXd interpolation;  ///< polynomial interpolation from the nodes to all directions
+  /// Row of polynomial interpolation from the nodes to any point.
+  Eigen::RowVectorXd interpolate(double point) const;
 
-  Directions(const Quadrature& quadrature, const Eigen::VectorXd& targets);
-  Eigen::Index size() const { return mu.size(); }
+ private:
+  double low_;
+  double high_;
+  Eigen::VectorXd barycentric_;
 };
 
 }  // namespace lamina

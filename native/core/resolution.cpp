@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <stdexcept>
 
 namespace lamina {
 namespace {
@@ -16,9 +18,25 @@ int rounded_up(double nodes) { return static_cast<int>(std::ceil(nodes / kStep))
 
 Resolution choose_resolution(const Stack& stack, double tolerance) {
   double peak = 0.0;
-  for (const Medium& medium : stack.layers) {
-    if (medium.albedo > 0.0 && medium.tau > 0.0) {
-      peak = std::max(peak, medium.phase.peak());
+  double thinnest = 1.0;
+  for (const Layer& layer : stack.layers) {
+    const auto* medium = std::get_if<Medium>(&layer);
+    if (medium == nullptr || medium->albedo == 0.0 || medium->tau == 0.0) {
+      continue;
+    }
+    peak = std::max(peak, medium->phase.peak());
+    if (medium->tau > kThinnestRepeated) {
+      thinnest = std::min(thinnest, medium->tau);
+    }
+    // What the finest nodes leave of the peak shows in the aureole, and spoils the faint light elsewhere.
+    constexpr double kUnresolved = 1e-5;
+    const double rest = medium->albedo * std::abs(medium->phase.moment(2 * kMostNodes));
+    if (rest > kUnresolved) {
+      std::ostringstream message;
+      message << "the stack cannot be resolved: the peak of a phase function is too sharp, its moment "
+              << 2 * kMostNodes << " is " << rest << ", must be below " << kUnresolved
+              << " (Henyey-Greenstein: |g| up to .964)";
+      throw std::runtime_error(message.str());
     }
   }
   // Measured: 32 nodes hold 1e-4 for peaks up to .8, and thin layers down to tau = .001 within 1e-3;
@@ -27,6 +45,7 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
   const double peaked = peak > 0.0 ? std::log(1e-3 * tolerance) / (2.0 * std::log(peak)) : 0.0;
   Resolution resolution;
   resolution.nodes = std::clamp(rounded_up(std::max(smooth, peaked)), 16, kMostNodes);
+  resolution.thinnest = thinnest;
   resolution.tolerance = tolerance;
   resolution.azimuth_tolerance = 0.03 * tolerance;
   return resolution;

@@ -7,14 +7,20 @@ namespace lamina {
 /// How finely a solve discretises directions, and by what it is judged afterwards.
 struct Resolution {
   int nodes = 32;                   ///< quadrature nodes in a hemisphere
+  double thinnest = 1.0;            ///< least optical thickness that the nodes must resolve
   double azimuth_tolerance = 3e-5;  ///< orders are added until what they add falls below this share
   double tolerance = 1e-3;          ///< largest admitted estimate of the relative pointwise error
 
   int moments() const { return 2 * nodes; }
 };
 
+/// Layers thinner than this are held to scatter once: the rest is a share of their thickness times its
+/// logarithm.
+inline constexpr double kThinnestRepeated = 1e-9;
+
 /// Directions enough for the stack's phase functions: Gauss nodes on a half-range integrate the products
 /// of the first 2n moments, and |chi_2n| is what the truncation of the forward peak must make good.
+/// Throws std::runtime_error where no admitted number of nodes is enough.
 /// `tolerance` is the relative pointwise error wanted for cosines >= .05.
 Resolution choose_resolution(const Stack& stack, double tolerance);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "direction_operator.hpp"
-#include "quadrature.hpp"
+#include "directions.hpp"
 
 namespace lamina {
 
@@ -14,11 +14,15 @@ struct ScatteringFunction {
 
   ScatteringFunction reversed() const { return {reflect_below, transmit.transposed(), reflect_above}; }
 
+  /// Absorbs everything.
+  static ScatteringFunction nothing(Eigen::Index size, Eigen::Index nodes) {
+    return {DirectionOperator::zero(size, nodes), DirectionOperator::zero(size, nodes),
+            DirectionOperator::zero(size, nodes)};
+  }
+
   /// Nothing there: light passes unchanged.
   static ScatteringFunction empty(const Directions& directions) {
-    ScatteringFunction s{DirectionOperator::zero(directions.size(), directions.nodes),
-                         DirectionOperator::zero(directions.size(), directions.nodes),
-                         DirectionOperator::zero(directions.size(), directions.nodes)};
+    ScatteringFunction s = nothing(directions.size(), directions.nodes);
     s.transmit.delta.setOnes();
     return s;
   }
@@ -26,10 +30,10 @@ struct ScatteringFunction {
   /// A Lambert surface seen from above; nothing comes through. Its kernel is the same for all
   /// directions, so only azimuth order 0 has any.
   static ScatteringFunction lambert(double reflectance, int order, const Directions& directions) {
-    ScatteringFunction s = empty(directions);
-    s.transmit.delta.setZero();
+    ScatteringFunction s = nothing(directions.size(), directions.nodes);
     if (order == 0) {
-      s.reflect_above.kernel = reflectance * directions.scale * directions.scale.transpose();
+      s.reflect_above.kernel =
+          directions.spread((reflectance * directions.scale * directions.scale.transpose()).eval());
     }
     return s;
   }

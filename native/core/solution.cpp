@@ -3,23 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
-
-#include "adding.hpp"
-#include "single_scattering.hpp"
+#include <string>
 
 namespace lamina {
 namespace {
 
-/// Below this thickness multiple scattering is less than 1e-5 of single scattering (it grows like
-/// tau log tau), and rounding would show instead.
-constexpr double kThinnest = 1e-6;
-
 /// Orders solved between two looks at convergence; fixed, so that results do not depend on threads.
 constexpr int kBlock = 4;
 
-bool scatters_repeatedly(const TruncatedMedium& medium) { return medium.albedo > 0.0 && medium.tau > kThinnest; }
+/// Where repeated scattering is less than single scattering by so much, rounding would show instead.
+bool scatters_repeatedly(const TruncatedMedium& medium) {
+  constexpr double kFaintest = 1e-7;
+  return medium.albedo > kFaintest && medium.tau > kThinnestRepeated;
+}
 
 /// The smallest phase value over the azimuth, for light turned back between two directions.
 double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double turn) {
@@ -34,90 +31,103 @@ double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double 
 }  // namespace
 
 Solution::Solution(Stack stack, const Resolution& resolution, ThreadPool& pool)
-    : stack_(std::move(stack)), resolution_(resolution), quadrature_(std::make_shared<Quadrature>(resolution.nodes)) {
-  for (std::size_t i = 0; i < stack_.layers.size(); ++i) {
-    modes_.push_back(std::make_shared<Modes>());
+    : stack_(std::move(stack)),
+      resolution_(resolution),
+      set_(std::make_shared<DirectionSet>(refractive_indices(stack_), resolution.nodes, resolution.thinnest)) {
+  const std::vector<double> indices = refractive_indices(stack_);
+  for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
+    if (const auto* medium = std::get_if<Medium>(&stack_.layers[layer])) {
+      scatterers_.push_back({layer, indices[layer], TruncatedMedium(*medium, resolution.moments()), medium->phase});
+      native_directions_.push_back(set_->in_medium(indices[layer], Eigen::VectorXd()));
+      modes_.push_back(std::make_shared<Modes>());
+    }
   }
   solve(pool);
 }
 
 Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& pool) const {
   Solution other = *this;
-  other.stack_.layers.at(layer).tau = tau;
+  Medium& medium = std::get<Medium>(other.stack_.layers.at(layer));
+  medium.tau = tau;
+  for (Scatterer& scatterer : other.scatterers_) {
+    if (scatterer.layer == layer) {
+      scatterer.medium = TruncatedMedium(medium, resolution_.moments());
+    }
+  }
   other.solve(pool);
+  other.require_sound();
   return other;
 }
 
 void Solution::solve(ThreadPool& pool) {
   multiple_.clear();
-  media_.clear();
   checks_ = SolveChecks{};
-  checks_.quadrature = quadrature_->moment_error();
-  for (const Medium& medium : stack_.layers) {
-    media_.emplace_back(medium, resolution_.moments());
-  }
-  const std::size_t layers = media_.size();
+  checks_.quadrature = set_->moment_error();
+  const std::size_t media = scatterers_.size();
   for (int first = 0; first < resolution_.moments(); first += kBlock) {
     const int last = std::min(first + kBlock, resolution_.moments());
-    multiple_.resize(static_cast<std::size_t>(last), std::vector<MultipleScattering>(layers));
+    multiple_.resize(static_cast<std::size_t>(last), std::vector<MultipleScattering>(media));
     for (const auto& modes : modes_) {
       modes->resize(std::max(modes->size(), static_cast<std::size_t>(last)));
     }
-    std::vector<SolveChecks> found(layers * static_cast<std::size_t>(last - first));
+    std::vector<SolveChecks> found(media * static_cast<std::size_t>(last - first));
     pool.run(found.size(), [&](std::size_t task) {
-      solve_layer(first + static_cast<int>(task / layers), task % layers, found[task]);
+      solve_medium(first + static_cast<int>(task / media), task % media, found[task]);
     });
     for (const SolveChecks& checks : found) {
       checks_.worsen(checks);
     }
-    if (share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
+    if (last >= fewest_orders() &&
+        share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
       break;
     }
   }
+  add_boundaries(pool);
 }
 
-void Solution::solve_layer(int order, std::size_t layer, SolveChecks& checks) {
-  const TruncatedMedium& medium = media_[layer];
-  MultipleScattering& multiple = multiple_[static_cast<std::size_t>(order)][layer];
+void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& checks) {
+  const TruncatedMedium& medium = scatterers_[scatterer].medium;
+  const Directions& directions = native_directions_[scatterer];
+  MultipleScattering& multiple = multiple_[static_cast<std::size_t>(order)][scatterer];
   if (!scatters_repeatedly(medium)) {
-    const Eigen::Index n = quadrature_->mu.size();
-    multiple = {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
+    const Eigen::Index n = directions.live;
+    multiple = {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd()};
     return;
   }
-  std::unique_ptr<HomogeneousModes>& modes = (*modes_[layer])[static_cast<std::size_t>(order)];
+  std::unique_ptr<HomogeneousModes>& modes = (*modes_[scatterer])[static_cast<std::size_t>(order)];
   if (!modes) {
-    modes = std::make_unique<HomogeneousModes>(medium, order, *quadrature_);
+    modes = std::make_unique<HomogeneousModes>(medium, order, directions);
   }
-  const PhaseKernel phase(medium, order, quadrature_->mu);
+  const PhaseKernel phase(medium, order, directions.mu);
   const HomogeneousModes::Layer solved = modes->layer(medium.tau);
-  multiple = multiple_scattering(solved, medium, phase, order, *quadrature_);
+  multiple = multiple_scattering(solved, medium, phase, order, directions);
   if (order == 0) {
-    checks = check_layer(solved, multiple, phase, medium, *quadrature_);
+    checks = check_layer(solved, multiple, phase, medium, directions, *set_);
   }
 }
 
-/// The largest share that an order has of the least that a layer sends anywhere: light scattered once
+/// The largest share that an order has of the least that a medium sends anywhere: light scattered once
 /// plus a part of the mean of the rest.
 double Solution::share_of_order(int order) const {
   constexpr double kGrazing = 0.04;  // below it, values are not promised
-  const Eigen::VectorXd& mu = quadrature_->mu;
   double share = 0.0;
-  for (std::size_t layer = 0; layer < media_.size(); ++layer) {
-    if (!scatters_repeatedly(media_[layer])) {
+  for (std::size_t k = 0; k < scatterers_.size(); ++k) {
+    const Scatterer& scatterer = scatterers_[k];
+    if (!scatters_repeatedly(scatterer.medium)) {
       continue;
     }
-    const MultipleScattering& mean = multiple_.front()[layer];
-    const MultipleScattering& wave = multiple_[static_cast<std::size_t>(order)][layer];
-    const double quarter = 0.25 * media_[layer].single_scattering_albedo();
+    const Eigen::VectorXd& mu = native_directions_[k].mu;
+    const MultipleScattering& mean = multiple_.front()[k];
+    const MultipleScattering& wave = multiple_[static_cast<std::size_t>(order)][k];
+    const double quarter = 0.25 * scatterer.medium.single_scattering_albedo();
     for (Eigen::Index j = 0; j < mu.size(); ++j) {
       for (Eigen::Index i = 0; i <= j; ++i) {
-        if (mu[i] < kGrazing) {
+        if (mu[i] < kGrazing || mu[j] < kGrazing) {
           continue;
         }
-        const PhaseFunction& phase = stack_.layers[layer].phase;
         const double sines = order % 2 == 0 ? 1.0 : std::sqrt((1.0 - mu[i] * mu[i]) * (1.0 - mu[j] * mu[j]));
-        const double back = quarter * least_phase(phase, mu[i], mu[j], -1.0) + 0.1 * mean.reflect(i, j);
-        const double on = quarter * least_phase(phase, mu[i], mu[j], 1.0) + 0.1 * mean.transmit(i, j);
+        const double back = quarter * least_phase(scatterer.phase, mu[i], mu[j], -1.0) + 0.1 * mean.reflect(i, j);
+        const double on = quarter * least_phase(scatterer.phase, mu[i], mu[j], 1.0) + 0.1 * mean.transmit(i, j);
         share =
             std::max({share, std::abs(wave.reflect(i, j)) * sines / back, std::abs(wave.transmit(i, j)) * sines / on});
       }
@@ -126,73 +136,77 @@ double Solution::share_of_order(int order) const {
   return share;
 }
 
-ScatteringFunction Solution::joined(const Directions& directions, int order) const {
-  ScatteringFunction whole = ScatteringFunction::empty(directions);
-  bool first = true;
-  const auto append = [&](const ScatteringFunction& layer) {
-    whole = first ? layer : join(whole, layer);
-    first = false;
-  };
-  for (std::size_t layer = 0; layer < media_.size(); ++layer) {
-    append(layer_on(directions, multiple_[static_cast<std::size_t>(order)][layer], media_[layer], order));
+std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) const {
+  std::vector<Directions> all;
+  for (const double ior : refractive_indices(stack_)) {
+    all.push_back(set_->in_medium(ior, targets));
   }
-  if (stack_.base.kind == Base::Kind::kLambert) {
-    append(ScatteringFunction::lambert(stack_.base.reflectance, order, directions));
-  }
-  return whole;
+  return all;
 }
 
-ScatteringFunction Solution::without_single(const Directions& directions, int order) const {
-  const bool base_reflects = stack_.base.kind == Base::Kind::kLambert && order == 0 && stack_.base.reflectance > 0;
-  if (media_.size() == 1 && !base_reflects) {
-    ScatteringFunction alone = multiple_on(directions, multiple_[static_cast<std::size_t>(order)][0], media_[0], order);
-    if (stack_.base.kind == Base::Kind::kLambert) {
-      alone.transmit.kernel.setZero();
+/// What lies beneath a rough boundary shows its azimuth orders through lobes, also those of light scattered
+/// once; and lobes that meet lobes need orders by their width.
+int Solution::fewest_orders() const {
+  const std::vector<double> indices = refractive_indices(stack_);
+  double variance = 0.0;
+  int rough = 0;
+  for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
+    const auto* interface = std::get_if<Interface>(&stack_.layers[layer]);
+    if (interface != nullptr && interface->is_rough(indices[layer])) {
+      variance += interface->facets.alpha * interface->facets.alpha;
+      ++rough;
     }
-    return alone;
   }
-  ScatteringFunction rest = joined(directions, order);
-  rest.transmit.delta.setZero();
-  for (std::size_t layer = 0; layer < media_.size(); ++layer) {
-    ScatteringFunction single = single_on(directions, media_[layer], order);
-    Eigen::VectorXd above = Eigen::VectorXd::Ones(directions.size());
-    Eigen::VectorXd below = above;
-    for (std::size_t other = 0; other < media_.size(); ++other) {
-      if (other != layer) {
-        Eigen::VectorXd& side = other < layer ? above : below;
-        side = side.cwiseProduct(direct_transmissions(directions.mu, media_[other].tau));
+  if (rough == 0) {
+    return 0;
+  }
+  int orders = 0;
+  for (const Scatterer& scatterer : scatterers_) {
+    for (int m = 0; m < resolution_.moments(); ++m) {
+      if (scatterer.medium.albedo * std::abs(scatterer.medium.moments[static_cast<std::size_t>(m)]) >
+          resolution_.azimuth_tolerance) {
+        orders = std::max(orders, m + 1);
       }
     }
-    if (stack_.base.kind == Base::Kind::kLambert) {
-      below.setZero();
-    }
-    rest.reflect_above.kernel -= above.asDiagonal() * single.reflect_above.kernel * above.asDiagonal();
-    rest.reflect_below.kernel -= below.asDiagonal() * single.reflect_below.kernel * below.asDiagonal();
-    rest.transmit.kernel -= below.asDiagonal() * single.transmit.kernel * above.asDiagonal();
   }
-  return rest;
+  if (stack_.base.kind == Base::Kind::kConductor) {
+    variance += stack_.base.facets.alpha * stack_.base.facets.alpha;
+    ++rough;
+  }
+  return rough > 1 ? std::max(orders, orders_for(std::sqrt(variance))) : orders;
+}
+
+void Solution::add_boundaries(ThreadPool& pool) {
+  boundaries_.clear();
+  const std::vector<double> indices = refractive_indices(stack_);
+  for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
+    const auto* interface = std::get_if<Interface>(&stack_.layers[layer]);
+    if (interface != nullptr && interface->is_rough(indices[layer])) {
+      boundaries_.push_back({layer, std::make_shared<RoughSurface>(*interface, *set_, indices[layer], orders(), pool)});
+    }
+  }
+  if (stack_.base.kind == Base::Kind::kConductor && stack_.base.facets.alpha > 0.0) {
+    boundaries_.push_back(
+        {stack_.layers.size(), std::make_shared<RoughSurface>(stack_.base, *set_, indices.back(), orders(), pool)});
+  }
+}
+
+void Solution::require_sound() const {
+  const std::string problem = checks_.problem(resolution_.tolerance);
+  if (!problem.empty()) {
+    throw std::runtime_error("the stack cannot be resolved with " + std::to_string(resolution_.nodes) +
+                             " nodes per hemisphere: " + problem);
+  }
 }
 
 Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
   Resolution resolution = choose_resolution(stack, tolerance);
   while (true) {
     Solution solution(stack, resolution, pool);
-    const SolveChecks& checks = solution.checks();
-    constexpr double kExact = 1e-9;
-    constexpr double kEnergy = 5e-7;
-    const bool sound = checks.quadrature < kExact && checks.phase < kEnergy && checks.energy < kEnergy &&
-                       checks.reciprocity < kEnergy && checks.negativity < tolerance && checks.resolution < tolerance;
-    if (sound) {
-      return solution;
-    }
     const Resolution finer = refined(resolution);
-    if (finer.nodes == resolution.nodes) {
-      std::ostringstream message;
-      message << "the stack cannot be resolved: with " << resolution.nodes
-              << " nodes per hemisphere the errors are quadrature " << checks.quadrature << ", phase " << checks.phase
-              << ", energy " << checks.energy << ", reciprocity " << checks.reciprocity << ", negativity "
-              << checks.negativity << ", resolution " << checks.resolution << " (allowed " << tolerance << ")";
-      throw std::runtime_error(message.str());
+    if (solution.checks().problem(tolerance).empty() || finer.nodes == resolution.nodes) {
+      solution.require_sound();
+      return solution;
     }
     resolution = finer;
   }

@@ -3,52 +3,73 @@
 #include <memory>
 #include <vector>
 
+#include "directions.hpp"
 #include "homogeneous_layer.hpp"
-#include "quadrature.hpp"
 #include "resolution.hpp"
-#include "scattering_function.hpp"
+#include "rough_surface.hpp"
 #include "solve_checks.hpp"
 #include "stack.hpp"
 #include "thread_pool.hpp"
 
 namespace lamina {
 
-/// The solved layers of one channel: for each azimuth order what multiple scattering adds in each layer,
+/// The solved layers of one channel: for each azimuth order what multiple scattering adds in each medium,
 /// from which the stack's scattering function follows for any directions.
 class Solution {
  public:
   Solution(Stack stack, const Resolution& resolution, ThreadPool& pool);
 
-  /// The same stack with another thickness of one layer; the modes, which do not depend on it, are shared.
+  /// The same stack with another thickness of one medium. The modes, which do not depend on it, are shared
+  /// and may grow: not for several threads at once.
   Solution with_thickness(std::size_t layer, double tau, ThreadPool& pool) const;
 
   const Stack& stack() const { return stack_; }
-  const Quadrature& quadrature() const { return *quadrature_; }
   const Resolution& resolution() const { return resolution_; }
   const SolveChecks& checks() const { return checks_; }
-  const std::vector<TruncatedMedium>& media() const { return media_; }
+  /// Throws std::runtime_error, with the numbers, when a check misses the tolerance.
+  void require_sound() const;
   int orders() const { return static_cast<int>(multiple_.size()); }
 
-  /// The whole stack in one azimuth order.
-  ScatteringFunction joined(const Directions& directions, int order) const;
+  /// A medium among the stack's layers.
+  struct Scatterer {
+    std::size_t layer;  ///< which of the stack's layers it is
+    double ior;         ///< refractive index there
+    TruncatedMedium medium;
+    PhaseFunction phase;
+  };
+  const std::vector<Scatterer>& scatterers() const { return scatterers_; }
 
-  /// The same without light that was scattered just once, by a medium: smooth in azimuth. Direct light
-  /// is left out too.
-  ScatteringFunction without_single(const Directions& directions, int order) const;
+  /// A rough boundary: number of its layer (that of the base is one past the layers), and its operators.
+  struct Boundary {
+    std::size_t layer;
+    std::shared_ptr<const RoughSurface> surface;
+  };
+  const std::vector<Boundary>& boundaries() const { return boundaries_; }
+
+  /// The directions of all media between the layers, top first (one more than layers), for targets in air.
+  std::vector<Directions> directions(const Eigen::VectorXd& targets) const;
+
+  const MultipleScattering& multiple(int order, std::size_t scatterer) const {
+    return multiple_[static_cast<std::size_t>(order)][scatterer];
+  }
 
  private:
   using Modes = std::vector<std::unique_ptr<HomogeneousModes>>;  // by order
 
   void solve(ThreadPool& pool);
-  void solve_layer(int order, std::size_t layer, SolveChecks& checks);
+  void solve_medium(int order, std::size_t scatterer, SolveChecks& checks);
   double share_of_order(int order) const;
+  int fewest_orders() const;
+  void add_boundaries(ThreadPool& pool);
 
   Stack stack_;
   Resolution resolution_;
-  std::shared_ptr<const Quadrature> quadrature_;
-  std::vector<TruncatedMedium> media_;
-  std::vector<std::shared_ptr<Modes>> modes_;              // by layer
-  std::vector<std::vector<MultipleScattering>> multiple_;  // by order, layer
+  std::shared_ptr<const DirectionSet> set_;
+  std::vector<Scatterer> scatterers_;
+  std::vector<Directions> native_directions_;              // by scatterer, without targets
+  std::vector<std::shared_ptr<Modes>> modes_;              // by scatterer
+  std::vector<std::vector<MultipleScattering>> multiple_;  // by order, scatterer
+  std::vector<Boundary> boundaries_;
   SolveChecks checks_;
 };
 

@@ -3,27 +3,47 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "legendre.hpp"
 
 namespace lamina {
 namespace {
 
-/// Share of the highest three Legendre coefficients, in either cosine, of a table over the nodes: where
-/// the coefficients have not decayed, polynomials through the nodes do not represent the function.
-double tail_share(const Eigen::MatrixXd& table, const Quadrature& quadrature) {
-  constexpr Eigen::Index kTail = 3;
-  const int n = static_cast<int>(quadrature.mu.size());
-  const Eigen::VectorXd x = 2.0 * quadrature.mu.array() - 1.0;
-  Eigen::MatrixXd analysis = associated_legendre(0, n, x) * quadrature.weight.asDiagonal();
+/// Legendre coefficients over one range of nodes, in both cosines.
+Eigen::MatrixXd coefficients(const Eigen::MatrixXd& table, const Quadrature& range) {
+  const int n = static_cast<int>(range.mu.size());
+  const Eigen::VectorXd x = 2.0 * (range.mu.array() - range.low()) / (range.high() - range.low()) - 1.0;
+  Eigen::MatrixXd analysis = associated_legendre(0, n, x) * range.weight.asDiagonal();
   for (int k = 0; k < n; ++k) {
     analysis.row(k) *= std::sqrt(2.0 * k + 1.0);
   }
-  const Eigen::MatrixXd coefficients = analysis * table * analysis.transpose();
-  const double whole = coefficients.norm();
-  const double tail =
-      std::hypot(coefficients.bottomRows(kTail).norm(), coefficients.topRightCorner(n - kTail, kTail).norm());
-  return whole > 0.0 ? tail / whole : 0.0;
+  return analysis * table * analysis.transpose();
+}
+
+/// Share of the highest three coefficients of what repeated scattering adds, in all that the layer sends:
+/// where they have not decayed, polynomials through the nodes do not represent the function.
+double tail_share(const Eigen::MatrixXd& repeated, const Eigen::MatrixXd& all, const Eigen::Index live,
+                  const DirectionSet& set) {
+  constexpr Eigen::Index kTail = 3;
+  double worst = 0.0;
+  Eigen::Index first = 0;
+  for (const DirectionSet::Range& range : set.ranges()) {
+    const Eigen::Index n = range.nodes.mu.size();
+    if (first + n > live) {
+      break;
+    }
+    if (n <= kTail) {
+      return 1.0;
+    }
+    const Eigen::MatrixXd of_repeated = coefficients(repeated.block(first, first, n, n), range.nodes);
+    const double whole = coefficients(all.block(first, first, n, n), range.nodes).norm();
+    const double tail =
+        std::hypot(of_repeated.bottomRows(kTail).norm(), of_repeated.topRightCorner(n - kTail, kTail).norm());
+    worst = std::max(worst, whole > 0.0 ? tail / whole : 0.0);
+    first += n;
+  }
+  return worst;
 }
 
 }  // namespace
@@ -39,10 +59,29 @@ void SolveChecks::worsen(const SolveChecks& other) {
   resolution = worse(resolution, other.resolution);
 }
 
+std::string SolveChecks::problem(double tolerance) const {
+  constexpr double kExact = 1e-9;
+  constexpr double kEnergy = 5e-7;
+  std::ostringstream text;
+  const auto judge = [&](const char* name, double error, double allowed) {
+    if (!(error < allowed)) {
+      text << (text.tellp() > 0 ? ", " : "") << name << " error " << error << " (allowed " << allowed << ")";
+    }
+  };
+  judge("quadrature", quadrature, kExact);
+  judge("phase", phase, 0.1 * tolerance);
+  judge("energy", energy, kEnergy);
+  judge("reciprocity", reciprocity, kEnergy);
+  judge("negativity", negativity, tolerance);
+  judge("resolution", resolution, tolerance);
+  return text.str();
+}
+
 SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScattering& multiple,
-                        const PhaseKernel& phase, const TruncatedMedium& medium, const Quadrature& quadrature) {
+                        const PhaseKernel& phase, const TruncatedMedium& medium, const Directions& directions,
+                        const DirectionSet& set) {
   SolveChecks checks;
-  const Eigen::VectorXd scale = (2.0 * quadrature.mu.array() * quadrature.weight.array()).sqrt();
+  const Eigen::VectorXd scale = directions.scale.head(directions.live);
   const Eigen::VectorXd arriving =
       ((layer.reflect + layer.transmit) * scale).cwiseQuotient(scale);  // R + T by incidence
   // Albedo 1 loses nothing; else no more may come out than went in.
@@ -50,7 +89,7 @@ SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScat
   checks.energy = medium.albedo == 1.0 ? std::max(created, -(arriving.array() - 1.0).minCoeff()) : created;
   checks.energy = std::max(checks.energy, 0.0);
 
-  const Eigen::VectorXd norm = 0.5 * ((phase.reflect + phase.transmit) * quadrature.weight);
+  const Eigen::VectorXd norm = 0.5 * ((phase.reflect + phase.transmit) * directions.weight);
   checks.phase = (norm.array() - 1.0).abs().maxCoeff();
 
   const auto asymmetry = [](const Eigen::MatrixXd& m) {
@@ -58,10 +97,15 @@ SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScat
   };
   checks.reciprocity = std::max(asymmetry(layer.reflect), asymmetry(layer.transmit));
 
-  const double largest = std::max(multiple.reflect.maxCoeff(), multiple.transmit.maxCoeff());
+  // Repeated scattering may be lost in rounding where single scattering is all: both are judged together.
+  const double quarter = 0.25 * medium.albedo;
+  const Eigen::MatrixXd turned = multiple.reflect + quarter * phase.reflect;
+  const Eigen::MatrixXd passed = multiple.transmit + quarter * phase.transmit;
+  const double largest = std::max(turned.maxCoeff(), passed.maxCoeff());
   const double smallest = std::min(multiple.reflect.minCoeff(), multiple.transmit.minCoeff());
   checks.negativity = largest > 0.0 ? std::max(0.0, -smallest / largest) : 0.0;
-  checks.resolution = std::max(tail_share(multiple.reflect, quadrature), tail_share(multiple.transmit, quadrature));
+  checks.resolution = std::max(tail_share(multiple.reflect, turned, directions.live, set),
+                               tail_share(multiple.transmit, passed, directions.live, set));
   return checks;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <string>
+
 #include "homogeneous_layer.hpp"
-#include "quadrature.hpp"
 
 namespace lamina {
 
@@ -15,10 +16,14 @@ struct SolveChecks {
   double resolution = 0.0;   ///< estimate of the relative error from the directions' discretisation
 
   void worsen(const SolveChecks& other);
+
+  /// The checks that fail, with their numbers, or nothing. `tolerance`: relative pointwise error wanted.
+  std::string problem(double tolerance) const;
 };
 
 /// Checks of one layer from its azimuthal mean (order 0).
 SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScattering& multiple,
-                        const PhaseKernel& phase, const TruncatedMedium& medium, const Quadrature& quadrature);
+                        const PhaseKernel& phase, const TruncatedMedium& medium, const Directions& directions,
+                        const DirectionSet& set);
 
 }  // namespace lamina

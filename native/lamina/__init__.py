@@ -5,13 +5,25 @@ from .bake import bake
 from .errors import Cancelled, LutError, SolveError, StackError
 from .layers import Black, HalfSpace, Lambert, Medium
 from .lut import Lut
-from .phase import HenyeyGreenstein, Isotropic, Rayleigh
+from .phase import (
+    CornetteShanks,
+    DoubleHenyeyGreenstein,
+    Draine,
+    HenyeyGreenstein,
+    Isotropic,
+    Mixture,
+    Rayleigh,
+    Tabulated,
+)
 from .solve import ScatteringFunction, solve
 from .stack import Stack
 
 __all__ = [
     "Black",
     "Cancelled",
+    "CornetteShanks",
+    "DoubleHenyeyGreenstein",
+    "Draine",
     "HalfSpace",
     "HenyeyGreenstein",
     "Isotropic",
@@ -19,11 +31,13 @@ __all__ = [
     "Lut",
     "LutError",
     "Medium",
+    "Mixture",
     "Rayleigh",
     "ScatteringFunction",
     "SolveError",
     "Stack",
     "StackError",
+    "Tabulated",
     "bake",
     "solve",
 ]

@@ -35,8 +35,15 @@ def main(argv: list[str] | None = None) -> int:
         return _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error), FAILED)
 
 
+class _Parser(argparse.ArgumentParser):
+    """Says in one sentence what is wrong with the words of a call."""
+
+    def error(self, message: str):
+        self.exit(BAD_INPUT, f"lamina: {message}; see {self.prog} --help\n")
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m lamina", description="Layered materials as lookup tables.")
+    parser = _Parser(prog="python -m lamina", description="Layered materials as lookup tables.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     command = commands.add_parser("bake", help="bake a stack's JSON file into a lookup table")
     command.add_argument("stack", metavar="STACK.json")

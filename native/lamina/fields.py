@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from .errors import StackError
@@ -31,7 +31,7 @@ class Field:
         if isinstance(value, str) and value == "inf":
             value = math.inf
         if isinstance(value, numbers.Real) and not isinstance(value, bool):
-            return self._check_number(float(value), path)
+            return self._check_number(_to_float(value, path), path)
         if hasattr(value, "tolist"):
             value = value.tolist()
             if not isinstance(value, list):
@@ -43,7 +43,7 @@ class Field:
             for index, item in enumerate(items):
                 if isinstance(item, bool) or not isinstance(item, numbers.Real):
                     raise StackError(f"{path}[{index}] = {item!r}: must be a number")
-            return tuple(self._check_number(float(x), f"{path}[{i}]") for i, x in enumerate(items))
+            return tuple(self._check_number(_to_float(x, path), f"{path}[{i}]") for i, x in enumerate(items))
         raise StackError(f"{path} = {value!r}: must be a number or one number a channel")
 
     def _check_number(self, number: float, path: str) -> float:
@@ -51,8 +51,15 @@ class Field:
             return number
         inside = self.low < number < self.high if self.open_ended else self.low <= number <= self.high
         if not math.isfinite(number) or not inside:
-            raise StackError(f"{path} = {number:g}: {self.rule}")
+            raise StackError(f"{path} = {repr(number).removesuffix('.0')}: {self.rule}")
         return number + 0.0  # -0.0 and 0.0 are one value
+
+
+def _to_float(number: numbers.Real, path: str) -> float:
+    try:
+        return float(number)
+    except OverflowError:
+        raise StackError(f"{path}: must be a number that fits into 64 bits") from None
 
 
 def channel_count(values: Sequence[tuple[str, float | tuple[float, ...]]]) -> int:
@@ -78,3 +85,46 @@ def to_plain(value: float | tuple[float, ...]):
     if isinstance(value, tuple):
         return [to_plain(item) for item in value]
     return "inf" if value == math.inf else value
+
+
+def check_table(value, path: str, low: float, high: float, rule: str, most: int):
+    """A list of 1 to `most` numbers in [low, high] as a tuple of floats, or a list of such lists, one a channel,
+    as a tuple of tuples.
+
+    Raises StackError, naming `path`, for anything else."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if not isinstance(value, list | tuple) or not 1 <= len(value) <= most:
+        count = f" has {len(value)} entries" if isinstance(value, list | tuple) else f" = {value!r}"
+        raise StackError(f"{path}{count}: must be a list of 1 to {most} numbers, or one list a channel")
+    rows = [row.tolist() if hasattr(row, "tolist") else row for row in value]
+    if isinstance(rows[0], list | tuple):
+        for index, row in enumerate(rows):
+            if not isinstance(row, list | tuple) or (row and isinstance(row[0], list | tuple)):
+                raise StackError(f"{path}[{index}]: must be a list of numbers")
+        return tuple(check_table(row, f"{path}[{i}]", low, high, rule, most) for i, row in enumerate(rows))
+    number = Field(path, low, high, rule)
+    for index, item in enumerate(rows):
+        if isinstance(item, bool) or not isinstance(item, numbers.Real):
+            raise StackError(f"{path}[{index}] = {item!r}: must be a number")
+    return tuple(number.check(item, f"{path}[{index}]") for index, item in enumerate(rows))
+
+
+def check_keys(entry, allowed: set[str], path: str, required: set[str] = frozenset()) -> None:
+    """Raises StackError unless `entry` is a JSON object with all required and no other than allowed keys."""
+    if not isinstance(entry, Mapping):
+        raise StackError(f"{path} = {entry!r}: must be a JSON object")
+    for key in entry:
+        if key not in allowed:
+            raise StackError(f"{path}.{key}: unknown key; known are {', '.join(sorted(allowed))}")
+    for key in sorted(required):
+        if key not in entry:
+            raise StackError(f"{path}.{key} is missing: must be given")
+
+
+def read_kind(entry, path: str) -> str:
+    """The entry's "kind". Raises StackError when there is none."""
+    if not isinstance(entry, Mapping):
+        raise StackError(f"{path} = {entry!r}: must be a JSON object")
+    if "kind" not in entry:
+        raise StackError(f"{path}.kind is missing: must be given")
+    return entry["kind"]

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,6 +34,14 @@ def tau_rows(largest: float) -> np.ndarray:
     rows = TAU_BEND * t / (1.0 - t)
     rows[-1] = largest
     return rows
+
+
+# What reading a damaged archive, or one of something else, may raise.
+_DAMAGE = (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, RuntimeError, RecursionError,
+           NotImplementedError, zipfile.BadZipFile, zlib.error)
+# What the panel and report() read.
+_REPORT = ("fit_error", "worst_slice", "fit_error_transmission", "albedo_error", "energy_error", "closures",
+           "solver", "tau_rows")
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +89,7 @@ class Lut:
                 with np.load(file, allow_pickle=False) as archive:
                     header = json.loads(bytes(archive["header"]))
                     weights = archive["weights"]
-            except (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, zipfile.BadZipFile):
+            except _DAMAGE:
                 raise LutError(f"{path}: not a whole Lamina lookup table") from None
         problem = _problem(header, weights)
         if problem:
@@ -107,6 +116,7 @@ def _problem(header, weights) -> str:
         shape = (len(header["sides"]), len(header["closures"]), header["axes"]["tau"]["count"],
                  header["axes"]["view"]["count"], 3)
         complete = all(key in header for key in ("stack", "stack_hash", "quality", "seed", "report"))
+        complete = complete and all(key in header["report"] for key in _REPORT)
     except (KeyError, TypeError):
         return "the header of the lookup table is incomplete"
     if not complete:

@@ -11,10 +11,11 @@ from . import _core
 from .errors import SolveError
 from .fields import channel
 from .layers import HalfSpace, Lambert
-from .stack import Stack, phase_in_channel
+from .stack import Stack
 
 TOLERANCE = {"preview": 1e-2, "final": 1e-3}
 _SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
+_PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
 
 
 def solve(stack: Stack, quality: str = "final", threads: int = 0) -> ScatteringFunction:
@@ -26,15 +27,22 @@ def solve(stack: Stack, quality: str = "final", threads: int = 0) -> ScatteringF
     by the adding equations (van de Hulst 1963), truncation of the forward peak with exact single
     scattering (Nakajima and Tanaka 1988)."""
     tolerance = tolerance_of(quality)
-    pool = _core.ThreadPool(threads)
+    pool = thread_pool(threads)
     solved: dict = {}
     channels = []
     for index in range(stack.channels):
-        key, layers, lambert = core_stack(stack, index)
+        key, layers, base = core_stack(stack, index)
         if key not in solved:
-            solved[key] = _solve_channel(_core.Stack(layers, lambert), tolerance, pool)
+            solved[key] = _solve_channel(_core.Stack(layers, base), tolerance, pool)
         channels.append(solved[key])
     return ScatteringFunction(stack, channels, pool)
+
+
+def thread_pool(threads: int) -> _core.ThreadPool:
+    """The core's pool of that many threads, 0 for all hardware threads. Raises ValueError."""
+    if isinstance(threads, bool) or not isinstance(threads, int) or not 0 <= threads <= 1024:
+        raise ValueError(f"threads = {threads!r}: must be a whole number from 0 (all) to 1024")
+    return _core.ThreadPool(threads)
 
 
 def tolerance_of(quality: str) -> float:
@@ -45,19 +53,20 @@ def tolerance_of(quality: str) -> float:
 
 
 def core_stack(stack: Stack, index: int):
-    """(key, media, Lambert reflectance or None) of one channel, as the core takes them; channels with
-    the same key are the same problem."""
+    """(key, layers, base) of one channel, as the core takes them; channels with the same key are the same
+    problem."""
     entries = []
     for number, layer in enumerate(stack.layers):
-        entries.append((*stack.optics(number, index), *phase_in_channel(layer.phase, index)))
+        entries.append((*stack.optics(number, index), *layer.phase.in_channel(index)))
     if isinstance(stack.base, HalfSpace):
-        entries.append((channel(stack.base.albedo, index), math.inf, *phase_in_channel(stack.base.phase, index)))
+        entries.append((channel(stack.base.albedo, index), math.inf, *stack.base.phase.in_channel(index)))
     if isinstance(stack.base, Lambert):
         lambert = channel(stack.base.reflectance, index)
     else:
         # Black is a Lambert surface that reflects nothing; an endless medium lets nothing reach its end.
         lambert = None if stack.base is None else 0.0
-    return (tuple(entries), lambert), [_core.Medium(*entry) for entry in entries], lambert
+    base = _core.Base.none() if lambert is None else _core.Base.lambert(lambert)
+    return (tuple(entries), lambert), [_core.Medium(*entry) for entry in entries], base
 
 
 def _solve_channel(core: _core.Stack, tolerance: float, pool) -> _core.Solution:
@@ -121,9 +130,10 @@ class ScatteringFunction:
         """BRDF (`path` "reflect") or BTDF ("transmit") on a product grid, shape (o, i, dphi, channels)."""
         lists = [np.atleast_1d(_cosines(mu_o, "mu_o")), np.atleast_1d(_cosines(mu_i, "mu_i"))]
         azimuths = np.atleast_1d(_finite(dphi, "dphi"))
-        where = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}[path]
+        if path not in _PATHS:
+            raise ValueError(f"path = {path!r}: must be 'reflect' or 'transmit'")
         return self._by_channel(
-            lambda s: s.grid(_side(side), where, *lists, azimuths, self._pool))
+            lambda s: s.grid(_side(side), _PATHS[path], *lists, azimuths, self._pool))
 
     def reflectance(self, mu0, side: str = "top") -> np.ndarray:
         """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light.
@@ -159,13 +169,13 @@ class ScatteringFunction:
             if mu0 != "diffuse":
                 raise ValueError(f"mu0 = {mu0!r}: must be a cosine in (0, 1] or 'diffuse'")
             def call(s):
-                f = s.diffuse_fluxes(where)
-                return np.array([f.reflected[0], f.transmitted[0], f.direct[0]])
+                f = s.diffuse_fluxes(where, self._pool)
+                return np.array([f.reflected[0] + f.mirrored[0], f.transmitted[0], f.direct[0]])
         else:
             cosines = _cosines(mu0, "mu0")
             def call(s):
-                f = s.fluxes(where, np.ascontiguousarray(cosines, dtype=float).ravel())
-                return np.array([f.reflected, f.transmitted, f.direct]).reshape(3, *cosines.shape)
+                f = s.fluxes(where, np.ascontiguousarray(cosines, dtype=float).ravel(), self._pool)
+                return np.array([f.reflected + f.mirrored, f.transmitted, f.direct]).reshape(3, *cosines.shape)
         return tuple(self._by_channel(call))
 
 

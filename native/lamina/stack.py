@@ -7,15 +7,15 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from .atomic import write_atomically
 from .errors import StackError
-from .fields import channel, channel_count, to_plain
+from .fields import channel, channel_count, check_keys, read_kind, to_plain
 from .layers import BASES, Base, HalfSpace, Medium
-from .phase import PHASES, HenyeyGreenstein
+from .phase import check_phase, read_phase
 
 SCHEMA = 1
 
@@ -30,6 +30,8 @@ class Stack:
     base: Base | None = None
 
     def __init__(self, layers: Sequence[Medium] = (), base: Base | None = None):
+        if not isinstance(layers, Sequence) or isinstance(layers, str):
+            raise StackError(f"layers = {layers!r}: must be a list, top layer first")
         layers = list(layers)
         if layers and base is None and isinstance(layers[-1], tuple(BASES.values())):
             base = layers.pop()
@@ -82,10 +84,10 @@ class Stack:
                 "kind": layer.kind,
                 "albedo": [to_plain(albedo) for albedo, _ in optics],
                 "tau": [to_plain(tau) for _, tau in optics],
-                "phase": _spread(_phase_json(layer.phase), self.channels),
+                "phase": layer.phase.canonical(self.channels),
                 "varying": layer.varying,
             })
-        base = None if self.base is None else _spread(_base_json(self.base), self.channels)
+        base = None if self.base is None else _base_canonical(self.base, self.channels)
         return json.dumps({"schema": SCHEMA, "layers": layers, "base": base}, sort_keys=True)
 
     def to_json(self) -> dict:
@@ -100,7 +102,7 @@ class Stack:
                     value = getattr(layer, quantity.name)
                     if value is not None:
                         entry[quantity.name] = to_plain(value)
-            entry["phase"] = _phase_json(layer.phase)
+            entry["phase"] = layer.phase.to_json()
             if layer.varying:
                 entry["varying"] = True
             layers.append(entry)
@@ -110,7 +112,7 @@ class Stack:
     @classmethod
     def from_json(cls, data) -> Stack:
         """Reads what to_json wrote, or what a person did. Raises StackError."""
-        _check_keys(data, {"schema", "layers", "base"}, "stack", required={"schema", "layers"})
+        check_keys(data, {"schema", "layers", "base"}, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
             raise StackError(f"schema = {schema!r}: must be {SCHEMA}")
@@ -121,11 +123,12 @@ class Stack:
         layers = []
         for index, entry in enumerate(data["layers"]):
             path = f"layers[{index}]"
-            kind = _kind(entry, path)
+            kind = read_kind(entry, path)
+            is_base = isinstance(kind, str) and kind in BASES
             last = index == len(data["layers"]) - 1
-            if kind in BASES and last and data.get("base") is None:
+            if is_base and last and data.get("base") is None:
                 layers.append(_read_base(entry, path))
-            elif kind in BASES:
+            elif is_base:
                 raise StackError(f"{path}.kind = '{kind}': a base can only stand at the bottom")
             elif kind == Medium.kind:
                 layers.append(_read_medium(entry, path))
@@ -139,7 +142,7 @@ class Stack:
         """Reads a stack's JSON file. Raises StackError, with the file's name, and OSError."""
         try:
             data = json.loads(Path(path).read_text(encoding="utf-8"))
-        except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        except (ValueError, RecursionError) as error:
             raise StackError(f"{path}: not a JSON file ({error})") from None
         try:
             return cls.from_json(data)
@@ -157,16 +160,11 @@ class Stack:
             for form in Medium.forms:
                 for quantity in form:
                     yield f"layers[{index}].{quantity.name}", getattr(layer, quantity.name)
-            yield from _fields_of(layer.phase, f"layers[{index}].phase")
+            yield from layer.phase.quantities(f"layers[{index}].phase")
         if self.base is not None:
             yield from _fields_of(self.base, "base")
             if isinstance(self.base, HalfSpace):
-                yield from _fields_of(self.base.phase, "base.phase")
-
-
-def phase_in_channel(phase, index: int) -> tuple[str, float]:
-    """(kind, g) of a phase function in one channel, as the core takes them."""
-    return phase.kind, channel(phase.g, index) if isinstance(phase, HenyeyGreenstein) else 0.0
+                yield from self.base.phase.quantities("base.phase")
 
 
 def _fields_of(thing, path):
@@ -177,12 +175,6 @@ def _fields_of(thing, path):
 def _checked(thing, path):
     values = {q.name: q.check(getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
     return replace(thing, **values)
-
-
-def _check_phase(phase, path):
-    if not isinstance(phase, tuple(PHASES.values())):
-        raise StackError(f"{path} = {phase!r}: must be a phase function")
-    return _checked(phase, path)
 
 
 def _check_layer(layer, path: str) -> Medium:
@@ -204,7 +196,7 @@ def _check_layer(layer, path: str) -> Medium:
         raise StackError(f"{path}.varying = {layer.varying!r}: must be true or false")
     if not isinstance(layer.name, str):
         raise StackError(f"{path}.name = {layer.name!r}: must be a text")
-    return replace(layer, phase=_check_phase(layer.phase, f"{path}.phase"), **values)
+    return replace(layer, phase=check_phase(layer.phase, f"{path}.phase"), **values)
 
 
 def _check_base(base):
@@ -214,79 +206,45 @@ def _check_base(base):
         raise StackError(f"base = {base!r}: must be a base or none")
     base = _checked(base, "base")
     if isinstance(base, HalfSpace):
-        base = replace(base, phase=_check_phase(base.phase, "base.phase"))
+        base = replace(base, phase=check_phase(base.phase, "base.phase"))
     return base
-
-
-def _phase_json(phase) -> dict:
-    return {"kind": phase.kind, **{q.name: to_plain(getattr(phase, q.name)) for q in phase.fields}}
 
 
 def _base_json(base) -> dict:
     entry = {"kind": base.kind, **{q.name: to_plain(getattr(base, q.name)) for q in base.fields}}
     if isinstance(base, HalfSpace):
-        entry["phase"] = _phase_json(base.phase)
+        entry["phase"] = base.phase.to_json()
     return entry
 
 
-def _spread(entry: dict, channels: int) -> dict:
-    """The entry with every number repeated for each channel."""
-    spread = {}
-    for key, value in entry.items():
-        if isinstance(value, dict):
-            spread[key] = _spread(value, channels)
-        elif key == "kind" or isinstance(value, list):
-            spread[key] = value
-        else:
-            spread[key] = [value] * channels
-    return spread
-
-
-def _check_keys(entry, allowed: set[str], path: str, required: set[str] = frozenset()) -> None:
-    if not isinstance(entry, Mapping):
-        raise StackError(f"{path} = {entry!r}: must be a JSON object")
-    for key in entry:
-        if key not in allowed:
-            raise StackError(f"{path}.{key}: unknown key; known are {', '.join(sorted(allowed))}")
-    for key in sorted(required):
-        if key not in entry:
-            raise StackError(f"{path}.{key} is missing: must be given")
-
-
-def _kind(entry, path: str) -> str:
-    if not isinstance(entry, Mapping):
-        raise StackError(f"{path} = {entry!r}: must be a JSON object")
-    if "kind" not in entry:
-        raise StackError(f"{path}.kind is missing: must be given")
-    return entry["kind"]
-
-
-def _read_phase(entry, path: str):
-    kind = _kind(entry, path)
-    if not isinstance(kind, str) or kind not in PHASES:
-        raise StackError(f"{path}.kind = {kind!r}: must be one of {', '.join(PHASES)}")
-    names = {q.name for q in PHASES[kind].fields}
-    _check_keys(entry, {"kind", *names}, path, required=names)
-    return PHASES[kind](**{name: entry[name] for name in names})
+def _base_canonical(base, channels: int) -> dict:
+    """The base with every quantity repeated for each channel."""
+    entry = {"kind": base.kind}
+    for quantity in base.fields:
+        value = getattr(base, quantity.name)
+        entry[quantity.name] = [to_plain(channel(value, c)) for c in range(channels)]
+    if isinstance(base, HalfSpace):
+        entry["phase"] = base.phase.canonical(channels)
+    return entry
 
 
 def _read_medium(entry, path: str) -> Medium:
     names = {q.name for form in Medium.forms for q in form}
-    _check_keys(entry, {"kind", "name", "phase", "varying", *names}, path)
+    check_keys(entry, {"kind", "name", "phase", "varying", *names}, path)
     values = {key: value for key, value in entry.items() if key not in ("kind", "phase")}
     if "phase" in entry:
-        values["phase"] = _read_phase(entry["phase"], f"{path}.phase")
+        values["phase"] = read_phase(entry["phase"], f"{path}.phase")
     return Medium(**values)
 
 
 def _read_base(entry, path: str):
-    kind = _kind(entry, path)
+    kind = read_kind(entry, path)
     if not isinstance(kind, str) or kind not in BASES:
         raise StackError(f"{path}.kind = {kind!r}: must be one of {', '.join(BASES)}")
     names = {q.name for q in BASES[kind].fields}
     optional = {"phase"} if kind == HalfSpace.kind else set()
-    _check_keys(entry, {"kind", *names, *optional}, path, required=names)
+    check_keys(entry, {"kind", *names, *optional}, path, required=names)
     values = {name: entry[name] for name in names}
     if "phase" in entry:
-        values["phase"] = _read_phase(entry["phase"], f"{path}.phase")
+        values["phase"] = read_phase(entry["phase"], f"{path}.phase")
     return BASES[kind](**values)

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <utility>
 #include <variant>
 
-#include "henyey_greenstein.hpp"
-#include "isotropic.hpp"
-#include "rayleigh.hpp"
+#include "mixture.hpp"
 
 namespace lamina {
 
 /// A phase function p(cos), azimuthally symmetric. Stored values are 4 pi times the normalised density,
 /// so that the mean over the sphere is 1. Each kind offers
 ///   evaluate(cosine)  4 pi p, cosine = w_in . w_out with both along the direction of travel;
-///   moment(l)         chi_l = mean of P_l(cosine) p, chi_0 = 1, chi_1 = mean cosine;
-///   peak()            q in [0, 1) with |chi_l| <= q^l in the limit: how slowly the moments fall.
+///   moment(l)         chi_l = mean of P_l(cosine) p, chi_0 = 1, chi_1 = mean cosine, l up to kMostMoments;
+///   peak()            q in [0, 1) with |chi_l| <= q^l in the limit: how slowly the moments fall;
+///   sample(u)         the cosine for a uniform u in [0, 1), distributed exactly as pdf.
 class PhaseFunction {
  public:
-  using Kind = std::variant<Isotropic, HenyeyGreenstein, Rayleigh>;
+  using Kind = std::variant<Isotropic, HenyeyGreenstein, Rayleigh, DoubleHenyeyGreenstein, Draine, CornetteShanks,
+                            Tabulated, Mixture>;
 
   PhaseFunction() = default;
-  PhaseFunction(Kind kind) : kind_(kind) {}
+  PhaseFunction(Kind kind) : kind_(std::move(kind)) {}
 
   double evaluate(double cosine) const {
     return std::visit([&](const auto& p) { return p.evaluate(cosine); }, kind_);
@@ -29,6 +30,12 @@ class PhaseFunction {
   double peak() const {
     return std::visit([](const auto& p) { return p.peak(); }, kind_);
   }
+  double sample(double u) const {
+    return std::visit([&](const auto& p) { return p.sample(u); }, kind_);
+  }
+
+  /// Density of sample() over the cosine; over solid angle it is this / 2 pi.
+  double pdf(double cosine) const { return 0.5 * evaluate(cosine); }
 
  private:
   Kind kind_;

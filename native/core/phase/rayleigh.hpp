@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cmath>
 
 namespace lamina {
 
@@ -8,6 +9,9 @@ struct Rayleigh {
   double evaluate(double cosine) const { return 0.75 * (1.0 + cosine * cosine); }
   double moment(int order) const { return order == 0 ? 1.0 : order == 2 ? 0.1 : 0.0; }
   double peak() const { return 0.0; }
+
+  /// The root of cos^3 + 3 cos + 4 = 8 u.
+  double sample(double u) const { return 2.0 * std::sinh(std::asinh(4.0 * u - 2.0) / 3.0); }
 };
 
 }  // namespace lamina

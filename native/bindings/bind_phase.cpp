@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <vector>
+
+#include "bindings.hpp"
+
+namespace py = pybind11;
+
+namespace {
+
+using namespace lamina;
+
+double number(const py::tuple& parameters, std::size_t index) { return parameters[index].cast<double>(); }
+
+std::vector<double> numbers(const py::tuple& parameters, std::size_t index) {
+  return parameters[index].cast<std::vector<double>>();
+}
+
+void expect_count(const std::string& kind, const py::tuple& parameters, std::size_t count) {
+  if (parameters.size() != count) {
+    throw py::type_error("phase.kind = '" + kind + "': takes " + std::to_string(count) + " parameters, not " +
+                         std::to_string(parameters.size()));
+  }
+}
+
+SinglePhase make_single(const std::string& kind, const py::tuple& parameters) {
+  const auto takes = [&](std::size_t count) { expect_count(kind, parameters, count); };
+  // These two have no parameters; any given are left alone, so that one call can serve every kind with a g.
+  if (kind == "isotropic") {
+    return Isotropic{};
+  }
+  if (kind == "rayleigh") {
+    return Rayleigh{};
+  }
+  if (kind == "hg") {
+    takes(1);
+    return HenyeyGreenstein{number(parameters, 0)};
+  }
+  if (kind == "double-hg") {
+    takes(3);
+    return DoubleHenyeyGreenstein(number(parameters, 0), number(parameters, 1), number(parameters, 2));
+  }
+  if (kind == "draine") {
+    takes(2);
+    return Draine(number(parameters, 0), number(parameters, 1));
+  }
+  if (kind == "cornette-shanks") {
+    takes(1);
+    return CornetteShanks(number(parameters, 0));
+  }
+  if (kind == "moments") {
+    takes(1);
+    return Tabulated::from_moments(numbers(parameters, 0));
+  }
+  if (kind == "samples") {
+    takes(2);
+    return Tabulated::from_samples(numbers(parameters, 0), numbers(parameters, 1));
+  }
+  throw py::value_error("phase.kind = '" + kind + "': unknown");
+}
+
+/// Each parameter is a pair (share, (kind, parameters...)).
+Mixture make_mixture(const py::tuple& parameters) {
+  std::vector<Mixture::Part> parts;
+  for (const py::handle& parameter : parameters) {
+    const auto [share, phase] = parameter.cast<std::pair<double, py::tuple>>();
+    const py::tuple rest = phase[py::slice(1, static_cast<py::ssize_t>(phase.size()), 1)];
+    parts.push_back({share, make_single(phase[0].cast<std::string>(), rest)});
+  }
+  return Mixture(std::move(parts));
+}
+
+}  // namespace
+
+PhaseFunction lamina::make_phase(const std::string& kind, const py::tuple& parameters) {
+  if (kind == "mixture") {
+    return PhaseFunction(make_mixture(parameters));
+  }
+  return std::visit([](const auto& single) { return PhaseFunction(single); }, make_single(kind, parameters));
+}
+
+void lamina::bind_phase(py::module_& module) {
+  py::class_<PhaseFunction>(module, "PhaseFunction", "A phase function, by kind and parameters.")
+      .def(py::init([](const std::string& kind, const py::args& parameters) { return make_phase(kind, parameters); }),
+           py::arg("kind"))
+      .def("evaluate", py::vectorize(&PhaseFunction::evaluate), py::arg("cosine"), "4 pi p(cosine): the mean is 1.")
+      .def("moment", py::vectorize(&PhaseFunction::moment), py::arg("order"), "The Legendre moment chi_order.")
+      .def("sample", py::vectorize(&PhaseFunction::sample), py::arg("u"), "The cosine for u in [0, 1).")
+      .def("pdf", py::vectorize(&PhaseFunction::pdf), py::arg("cosine"), "Density of sample over the cosine.")
+      .def_property_readonly("peak", &PhaseFunction::peak);
+}

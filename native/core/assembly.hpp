@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "delta_field.hpp"
+#include "solution.hpp"
+
+namespace lamina {
+
+/// A solved stack put together for a list of target directions in air: its layers' scattering functions on
+/// all nodes and targets, joined on demand.
+class Assembly {
+ public:
+  Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool);
+
+  const Solution& solution() const { return solution_; }
+  /// Of the media between the layers, top first: one more than layers.
+  const std::vector<Directions>& directions() const { return directions_; }
+  /// Light that no medium and no rough boundary has scattered; by layer, the base last.
+  const DeltaField& deltas() const { return deltas_; }
+
+  /// The whole stack in one azimuth order. Lobes of rough boundaries between two targets are left out.
+  ScatteringFunction joined(int order) const;
+
+  /// The same without light that was scattered just once, by a medium or a rough boundary, and without
+  /// delta parts: smooth in azimuth.
+  ScatteringFunction without_single(int order) const;
+
+ private:
+  std::vector<ScatteringFunction> layers(int order, bool kernels) const;
+
+  const Solution& solution_;
+  std::vector<Directions> directions_;
+  std::vector<std::vector<ScatteringFunction>> surfaces_;  // by rough boundary, order
+  DeltaField deltas_;
+};
+
+}  // namespace lamina

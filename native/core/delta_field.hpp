@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "scattering_function.hpp"
+
+namespace lamina {
+
+/// What light that was not scattered by any medium does inside a stack: for each layer and direction, how
+/// much of a beam from outside arrives at the layer's top going down and at its bottom going up, all
+/// mirror reflections included. By reciprocity the same numbers carry light from the layer out.
+struct DeltaField {
+  struct Arrival {
+    Eigen::VectorXd down;  ///< at the top of the layer
+    Eigen::VectorXd up;    ///< at its bottom
+  };
+  std::vector<Arrival> from_above;  ///< by layer, for a beam from above the stack
+  std::vector<Arrival> from_below;
+
+  DeltaField() = default;
+  /// Of the layers' own delta parts, top first.
+  explicit DeltaField(const std::vector<ScatteringFunction>& layers);
+};
+
+}  // namespace lamina

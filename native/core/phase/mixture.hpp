@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <algorithm>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "cornette_shanks.hpp"
+#include "double_henyey_greenstein.hpp"
+#include "draine.hpp"
+#include "henyey_greenstein.hpp"
+#include "isotropic.hpp"
+#include "moment_decay.hpp"
+#include "rayleigh.hpp"
+#include "tabulated.hpp"
+
+namespace lamina {
+
+/// Phase functions of one sort of particles.
+using SinglePhase =
+    std::variant<Isotropic, HenyeyGreenstein, Rayleigh, DoubleHenyeyGreenstein, Draine, CornetteShanks, Tabulated>;
+
+/// Several sorts of particles in one medium: a sum weighted by each sort's share of the scattering
+/// coefficient. Shares are not negative; they are scaled to sum to 1.
+class Mixture {
+ public:
+  struct Part {
+    double share;
+    SinglePhase phase;
+  };
+
+  explicit Mixture(std::vector<Part> parts) : parts_(std::move(parts)) {
+    double whole = 0.0;
+    for (const Part& part : parts_) {
+      whole += part.share;
+    }
+    for (Part& part : parts_) {
+      part.share /= whole;
+    }
+  }
+
+  double evaluate(double cosine) const {
+    return sum([cosine](const auto& phase) { return phase.evaluate(cosine); });
+  }
+  double moment(int order) const {
+    return sum([order](const auto& phase) { return phase.moment(order); });
+  }
+  double peak() const { return measured_peak(*this); }
+
+  /// One number chooses the sort of particle and, stretched, the cosine.
+  double sample(double u) const {
+    double rest = u;
+    const Part* chosen = nullptr;
+    double within = 0.0;
+    for (const Part& part : parts_) {
+      if (part.share <= 0.0) {
+        continue;
+      }
+      chosen = &part;
+      within = std::min(rest / part.share, 1.0);
+      if (rest <= part.share) {
+        break;
+      }
+      rest -= part.share;
+    }
+    return std::visit([within](const auto& phase) { return phase.sample(within); }, chosen->phase);
+  }
+
+ private:
+  template <typename Value>
+  double sum(const Value& value) const {
+    double total = 0.0;
+    for (const Part& part : parts_) {
+      total += part.share * std::visit(value, part.phase);
+    }
+    return total;
+  }
+
+  std::vector<Part> parts_;
+};
+
+}  // namespace lamina

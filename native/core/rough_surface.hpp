@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "lobe_operator.hpp"
+#include "scattering_function.hpp"
+#include "stack.hpp"
+
+namespace lamina {
+
+/// A rough boundary, between two dielectrics or of a conductor, as operators of all azimuth orders.
+///
+/// What single-scattering facets lose to shadowing is given back in proportion to the loss of the
+/// directions on both sides (Kulla and Conty, SIGGRAPH 2017 course), so that a dielectric boundary absorbs
+/// nothing; without compensation it stays lost.
+class RoughSurface {
+ public:
+  RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool);
+  RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool);
+
+  /// All orders on directions with targets. Lobes between two targets are left out, see LobeOperator; what
+  /// is given back is smooth and there.
+  std::vector<ScatteringFunction> on(const Directions& above, const Directions& below, ThreadPool& pool) const;
+
+  /// BRDF and BTDF of the lobes in closed form, for directions in the media at the boundary.
+  double reflection_above(double mu_o, double mu_i, double dphi) const;
+  double reflection_below(double mu_o, double mu_i, double dphi) const;
+  /// From above to below, divided by the square of the index below: the same in both senses.
+  double transmission(double mu_below, double mu_above, double dphi) const;
+
+ private:
+  using Lobe = LobeOperator::Lobe;
+
+  Lobe reflect_above_;
+  Lobe transmit_;                        // empty for a conductor
+  Lobe reflect_below_;                   // empty for a conductor
+  std::vector<LobeOperator> operators_;  // R, then T and R'
+  std::optional<LobeOperator> perfect_;  // of a conductor to be compensated: facets that reflect everything
+  double mean_fresnel_ = 1.0;
+  bool compensate_ = true;
+};
+
+/// Azimuth orders and nodes that products of lobes of this width need.
+int orders_for(double alpha);
+
+}  // namespace lamina
