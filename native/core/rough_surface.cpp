@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
+#include <stdexcept>
 
 namespace lamina {
 namespace {
@@ -13,17 +15,23 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using std::numbers::pi;
 
-/// Fine nodes of the first range; a refracted lobe is narrower than its facets by the step of the index.
-int fine_nodes(const Facets& facets, double index_step) {
-  constexpr double kAcross = 5.0;
-  constexpr int kMost = 320;
-  const double width = facets.alpha * std::clamp(2.0 * index_step, 0.2, 1.0);
-  return std::min(kMost, static_cast<int>(std::ceil(kAcross / width)));
+/// Angle over which a lobe varies: a refracted one is narrower than its facets by the step of the index.
+double lobe_width(const Facets& facets, double ior_above, double ior_below) {
+  return facets.alpha * std::abs(ior_above - ior_below) / std::max(ior_above, ior_below);
 }
 
-int azimuth_samples(const Facets& facets, int orders) {
+/// Fine nodes of the first range, and azimuths: some across the lobe.
+int fine_nodes(double width) {
+  constexpr double kDensity = 3.5;
+  constexpr int kMost = 400;
+  return std::min(kMost, static_cast<int>(std::ceil(kDensity / width)));
+}
+
+int azimuth_samples(double width, int orders) {
+  constexpr double kDensity = 12.0;
   constexpr int kFewest = 64;
-  return std::max({kFewest, 4 * orders, static_cast<int>(std::ceil(12.0 / facets.alpha))});
+  constexpr int kMost = 2048;
+  return std::max({kFewest, 4 * orders, std::min(kMost, static_cast<int>(std::ceil(kDensity / width)))});
 }
 
 /// C = n scale of all directions, 1 at targets, 0 where there is none.
@@ -37,8 +45,31 @@ VectorXd leaving_flux(const MatrixXd& matrix, const Directions& out) {
 /// What of the incident flux, C_i, is missing; rounding does not count as a gain.
 VectorXd lost_flux(const Directions& in, const VectorXd& kept) { return (common_scale(in) - kept).cwiseMax(0.0); }
 
+/// The largest relative gain of flux at any node that is not grazing: facets cannot gain, only nodes too coarse
+/// for their lobes can.
+double gain(const Directions& in, const VectorXd& kept) {
+  constexpr double kGrazing = 0.04;
+  double worst = 0.0;
+  for (Eigen::Index k = 0; k < in.live; ++k) {
+    if (in.mu[k] >= kGrazing) {
+      worst = std::max(worst, kept[k] / (in.ior * in.scale[k]) - 1.0);
+    }
+  }
+  return worst;
+}
+
 double node_sum(const VectorXd& values, const Directions& directions) {
   return values.head(directions.nodes).dot(common_scale(directions).head(directions.nodes));
+}
+
+void require_no_gain(double gained) {
+  constexpr double kAllowed = 1e-4;
+  if (gained > kAllowed) {
+    std::ostringstream message;
+    message << "the stack cannot be resolved: at the finest nodes a rough boundary gains " << gained
+            << " of its flux (allowed " << kAllowed << "); its alpha or its step of index is too small";
+    throw std::runtime_error(message.str());
+  }
 }
 
 ArrayXd one_azimuth(double dphi) { return ArrayXd::Constant(1, std::cos(dphi)); }
@@ -61,8 +92,9 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
   transmit_ = [=](double below, double above, const ArrayXd& cosines) -> ArrayXd {
     return pi * ior_above * ior_below * dielectric_transmission(facets, ior_above, ior_below, above, below, cosines);
   };
-  const DirectionSet fine = set.finer(fine_nodes(facets, std::abs(ior_below - ior_above)));
-  const AzimuthTransform azimuth(azimuth_samples(facets, orders), orders);
+  const double width = lobe_width(facets, ior_above, ior_below);
+  const DirectionSet fine = set.finer(fine_nodes(width));
+  const AzimuthTransform azimuth(azimuth_samples(width, orders), orders);
   operators_.emplace_back(reflect_above_, azimuth, set, fine, ior_above, ior_above, pool);
   operators_.emplace_back(transmit_, azimuth, set, fine, ior_below, ior_above, pool);
   operators_.emplace_back(reflect_below_, azimuth, set, fine, ior_below, ior_below, pool);
@@ -76,14 +108,14 @@ RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, doubl
   reflect_above_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
     return pi * conductor_reflection(facets, ratio, o, i, cosines);
   };
-  const DirectionSet fine = set.finer(fine_nodes(facets, 1.0));
-  const AzimuthTransform azimuth(azimuth_samples(facets, orders), orders);
+  const DirectionSet fine = set.finer(fine_nodes(facets.alpha));
+  const AzimuthTransform azimuth(azimuth_samples(facets.alpha, orders), orders);
   operators_.emplace_back(reflect_above_, azimuth, set, fine, ior_above, ior_above, pool);
   if (compensate_) {
     mean_fresnel_ = mean_conductor_fresnel(ratio);
     perfect_.emplace([=](double o, double i,
                          const ArrayXd& cosines) -> ArrayXd { return pi * mirror_reflection(facets, o, i, cosines); },
-                     AzimuthTransform(azimuth_samples(facets, 1), 1), set, fine, ior_above, ior_above, pool);
+                     AzimuthTransform(azimuth_samples(facets.alpha, 1), 1), set, fine, ior_above, ior_above, pool);
   }
 }
 
@@ -98,7 +130,9 @@ std::vector<ScatteringFunction> RoughSurface::on(const Directions& above, const 
   MatrixXd& mean_above = orders.front().reflect_above.kernel;
   if (operators_.size() == 1) {
     if (perfect_) {
-      const VectorXd lost = lost_flux(above, leaving_flux(perfect_->on(above, above, pool).front(), above));
+      const VectorXd kept = leaving_flux(perfect_->on(above, above, pool).front(), above);
+      require_no_gain(gain(above, kept));
+      const VectorXd lost = lost_flux(above, kept);
       const double loss = node_sum(lost, above);
       if (loss > 0.0) {
         // Reflected again and again, each time with the mean reflectance, until it gets out.
@@ -115,11 +149,14 @@ std::vector<ScatteringFunction> RoughSurface::on(const Directions& above, const 
     orders[m].transmit.kernel = std::move(passed[m]);
     orders[m].reflect_below.kernel = std::move(returned[m]);
   }
+  MatrixXd& through = orders.front().transmit.kernel;
+  MatrixXd& mean_below = orders.front().reflect_below.kernel;
+  const VectorXd kept_above = leaving_flux(mean_above, above) + leaving_flux(through, below);
+  const VectorXd kept_below = leaving_flux(mean_below, below) + leaving_flux(through.transpose(), above);
+  require_no_gain(std::max(gain(above, kept_above), gain(below, kept_below)));
   if (compensate_) {
-    MatrixXd& through = orders.front().transmit.kernel;
-    MatrixXd& mean_below = orders.front().reflect_below.kernel;
-    const VectorXd up = lost_flux(above, leaving_flux(mean_above, above) + leaving_flux(through, below));
-    const VectorXd down = lost_flux(below, leaving_flux(mean_below, below) + leaving_flux(through.transpose(), above));
+    const VectorXd up = lost_flux(above, kept_above);
+    const VectorXd down = lost_flux(below, kept_below);
     const double loss = node_sum(up, above) + node_sum(down, below);
     if (loss > 0.0) {
       mean_above += up * up.transpose() / loss;

@@ -189,6 +189,11 @@ void Solution::add_boundaries(ThreadPool& pool) {
     boundaries_.push_back(
         {stack_.layers.size(), std::make_shared<RoughSurface>(stack_.base, *set_, indices.back(), orders(), pool)});
   }
+  // Once now, so that lobes too narrow to be resolved are refused here and not when values are wanted.
+  const std::vector<Directions> here = directions(Eigen::VectorXd());
+  for (const Boundary& boundary : boundaries_) {
+    boundary.surface->on(here[boundary.layer], here[std::min(boundary.layer + 1, here.size() - 1)], pool);
+  }
 }
 
 void Solution::require_sound() const {

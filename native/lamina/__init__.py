@@ -3,7 +3,7 @@
 
 from .bake import bake
 from .errors import Cancelled, LutError, SolveError, StackError
-from .layers import Black, HalfSpace, Lambert, Medium
+from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
 from .phase import (
     CornetteShanks,
@@ -21,11 +21,13 @@ from .stack import Stack
 __all__ = [
     "Black",
     "Cancelled",
+    "Conductor",
     "CornetteShanks",
     "DoubleHenyeyGreenstein",
     "Draine",
     "HalfSpace",
     "HenyeyGreenstein",
+    "Interface",
     "Isotropic",
     "Lambert",
     "Lut",

@@ -13,6 +13,7 @@ import numpy as np
 from . import _core, lobes
 from .closure_table import Closures, closures, view_cosines
 from .errors import Cancelled, StackError
+from .layers import Conductor, Interface
 from .lut import COLUMNS, SCHEMA, Lut
 from .slices import Slices, SolvedRows, direct_light, slices, solve_rows
 from .solve import thread_pool, tolerance_of
@@ -56,6 +57,11 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     tolerance_of(quality)
     if stack.channels not in (1, 3):
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
+    for index, layer in enumerate(stack.layers):
+        if isinstance(layer, Interface):
+            raise StackError(f"layers[{index}].kind = 'interface': cannot be baked yet, only solved")
+    if isinstance(stack.base, Conductor):
+        raise StackError("base.kind = 'conductor': cannot be baked yet, only solved")
     started = time.perf_counter()
     step = _stepper(progress, cancel)
     solved = solve_rows(stack, quality, threads, _part(step, 0.0, 0.3))

@@ -42,6 +42,50 @@ class Medium:
     )
 
 
+DISTRIBUTIONS = ("ggx", "beckmann")
+
+
+@dataclass(frozen=True)
+class Interface:
+    """A boundary between two dielectrics. `ior`: absolute refractive index of all that lies below it, down to
+    the next interface, [1, 4]; above the first one is air, and a sheet seen from both sides ends with one of
+    ior 1. `alpha`: microfacet width, [0, 1], 0 is smooth. `compensate`: give back the energy that facets
+    which scatter once lose to shadowing. `correlated`: height-correlated masking, else the product of both
+    directions' (the older form that some renderers use)."""
+
+    ior: Channels
+    alpha: float = 0.0
+    distribution: str = "ggx"
+    compensate: bool = True
+    correlated: bool = True
+    name: str = ""
+
+    kind = "interface"
+    fields = (Field("ior", 1.0, 4.0, "must lie in [1, 4]"), Field("alpha", 0.0, 1.0, UNIT))
+    choices = {"distribution": DISTRIBUTIONS, "compensate": (True, False), "correlated": (True, False)}
+    varying = False
+
+
+@dataclass(frozen=True)
+class Conductor:
+    """A metal of complex refractive index `eta` + i `k` (one a channel); facets as of an Interface."""
+
+    eta: Channels
+    k: Channels
+    alpha: float = 0.0
+    distribution: str = "ggx"
+    compensate: bool = True
+    correlated: bool = True
+
+    kind = "conductor"
+    fields = (
+        Field("eta", 1e-3, 100.0, "must lie in [0.001, 100]"),
+        Field("k", 0.0, 100.0, "must lie in [0, 100]"),
+        Field("alpha", 0.0, 1.0, UNIT),
+    )
+    choices = Interface.choices
+
+
 @dataclass(frozen=True)
 class Lambert:
     """An ideally diffuse surface of the given reflectance, [0, 1]."""
@@ -50,6 +94,7 @@ class Lambert:
 
     kind = "lambert"
     fields = (Field("reflectance", 0.0, 1.0, UNIT),)
+    choices = {}
 
 
 @dataclass(frozen=True)
@@ -58,6 +103,7 @@ class Black:
 
     kind = "black"
     fields = ()
+    choices = {}
 
 
 @dataclass(frozen=True)
@@ -69,7 +115,8 @@ class HalfSpace:
 
     kind = "half-space"
     fields = (Field("albedo", 0.0, 1.0, UNIT),)
+    choices = {}
 
 
-BASES = {cls.kind: cls for cls in (Lambert, Black, HalfSpace)}
-Base = Lambert | Black | HalfSpace
+BASES = {cls.kind: cls for cls in (Lambert, Black, HalfSpace, Conductor)}
+Base = Lambert | Black | HalfSpace | Conductor

@@ -10,7 +10,7 @@ import numpy as np
 from . import _core
 from .errors import SolveError
 from .fields import channel
-from .layers import HalfSpace, Lambert
+from .layers import Conductor, HalfSpace, Interface, Lambert
 from .stack import Stack
 
 TOLERANCE = {"preview": 1e-2, "final": 1e-3}
@@ -57,16 +57,29 @@ def core_stack(stack: Stack, index: int):
     problem."""
     entries = []
     for number, layer in enumerate(stack.layers):
-        entries.append((*stack.optics(number, index), *layer.phase.in_channel(index)))
+        if isinstance(layer, Interface):
+            entries.append((_core.Interface, (channel(layer.ior, index), *_facets(layer, index))))
+        else:
+            entries.append((_core.Medium, (*stack.optics(number, index), *layer.phase.in_channel(index))))
     if isinstance(stack.base, HalfSpace):
-        entries.append((channel(stack.base.albedo, index), math.inf, *stack.base.phase.in_channel(index)))
-    if isinstance(stack.base, Lambert):
-        lambert = channel(stack.base.reflectance, index)
-    else:
+        endless = (channel(stack.base.albedo, index), math.inf, *stack.base.phase.in_channel(index))
+        entries.append((_core.Medium, endless))
+    base = (_core.Base.none, ())
+    if isinstance(stack.base, Conductor):
+        metal = (channel(stack.base.eta, index), channel(stack.base.k, index), *_facets(stack.base, index))
+        base = (_core.Base.conductor, metal)
+    elif stack.base is not None:
         # Black is a Lambert surface that reflects nothing; an endless medium lets nothing reach its end.
-        lambert = None if stack.base is None else 0.0
-    base = _core.Base.none() if lambert is None else _core.Base.lambert(lambert)
-    return (tuple(entries), lambert), [_core.Medium(*entry) for entry in entries], base
+        reflectance = stack.base.reflectance if isinstance(stack.base, Lambert) else 0.0
+        base = (_core.Base.lambert, (channel(reflectance, index),))
+    make, arguments = base
+    return (tuple(entries), base), [kind(*values) for kind, values in entries], make(*arguments)
+
+
+def _facets(surface: Interface | Conductor, index: int) -> tuple:
+    """Microfacet parameters in one channel, as the core takes them."""
+    alpha = channel(surface.alpha, index)
+    return alpha, surface.distribution, surface.correlated, surface.compensate
 
 
 def _solve_channel(core: _core.Stack, tolerance: float, pool) -> _core.Solution:

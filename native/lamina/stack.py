@@ -8,13 +8,13 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
 
 from .atomic import write_atomically
 from .errors import StackError
 from .fields import channel, channel_count, check_keys, read_kind, to_plain
-from .layers import BASES, Base, HalfSpace, Medium
+from .layers import BASES, Base, HalfSpace, Interface, Medium
 from .phase import check_phase, read_phase
 
 SCHEMA = 1
@@ -26,10 +26,10 @@ class Stack:
 
     Raises StackError when a value is out of range, channels disagree, or there is nothing in it."""
 
-    layers: Sequence[Medium]
+    layers: Sequence[Medium | Interface]
     base: Base | None = None
 
-    def __init__(self, layers: Sequence[Medium] = (), base: Base | None = None):
+    def __init__(self, layers: Sequence[Medium | Interface] = (), base: Base | None = None):
         if not isinstance(layers, Sequence) or isinstance(layers, str):
             raise StackError(f"layers = {layers!r}: must be a list, top layer first")
         layers = list(layers)
@@ -79,6 +79,9 @@ class Stack:
         channels = range(self.channels)
         layers = []
         for index, layer in enumerate(self.layers):
+            if isinstance(layer, Interface):
+                layers.append(_canonical(layer, self.channels))
+                continue
             optics = [self.optics(index, c) for c in channels]
             layers.append({
                 "kind": layer.kind,
@@ -87,7 +90,7 @@ class Stack:
                 "phase": layer.phase.canonical(self.channels),
                 "varying": layer.varying,
             })
-        base = None if self.base is None else _base_canonical(self.base, self.channels)
+        base = None if self.base is None else _canonical(self.base, self.channels)
         return json.dumps({"schema": SCHEMA, "layers": layers, "base": base}, sort_keys=True)
 
     def to_json(self) -> dict:
@@ -97,6 +100,9 @@ class Stack:
             entry = {"kind": layer.kind}
             if layer.name:
                 entry["name"] = layer.name
+            if isinstance(layer, Interface):
+                layers.append({**entry, **_plain(layer)})
+                continue
             for form in Medium.forms:
                 for quantity in form:
                     value = getattr(layer, quantity.name)
@@ -106,7 +112,7 @@ class Stack:
             if layer.varying:
                 entry["varying"] = True
             layers.append(entry)
-        base = None if self.base is None else _base_json(self.base)
+        base = None if self.base is None else _plain(self.base)
         return {"schema": SCHEMA, "layers": layers, "base": base}
 
     @classmethod
@@ -132,8 +138,10 @@ class Stack:
                 raise StackError(f"{path}.kind = '{kind}': a base can only stand at the bottom")
             elif kind == Medium.kind:
                 layers.append(_read_medium(entry, path))
+            elif kind == Interface.kind:
+                layers.append(_read(Interface, entry, path, {"name"}))
             else:
-                raise StackError(f"{path}.kind = {kind!r}: must be 'medium', or a base at the bottom")
+                raise StackError(f"{path}.kind = {kind!r}: must be 'medium', 'interface', or a base at the bottom")
         base = data.get("base")
         return cls(layers, None if base is None else _read_base(base, "base"))
 
@@ -157,6 +165,9 @@ class Stack:
     def _quantities(self):
         """(path, value) of everything that may have channels."""
         for index, layer in enumerate(self.layers):
+            if isinstance(layer, Interface):
+                yield from _fields_of(layer, f"layers[{index}]")
+                continue
             for form in Medium.forms:
                 for quantity in form:
                     yield f"layers[{index}].{quantity.name}", getattr(layer, quantity.name)
@@ -174,14 +185,23 @@ def _fields_of(thing, path):
 
 def _checked(thing, path):
     values = {q.name: q.check(getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
+    for name, allowed in thing.choices.items():
+        value = getattr(thing, name)
+        if type(value) is not type(allowed[0]) or value not in allowed:
+            words = " or ".join(json.dumps(choice) for choice in allowed)
+            raise StackError(f"{path}.{name} = {value!r}: must be {words}")
     return replace(thing, **values)
 
 
-def _check_layer(layer, path: str) -> Medium:
+def _check_layer(layer, path: str) -> Medium | Interface:
     if isinstance(layer, tuple(BASES.values())):
         raise StackError(f"{path}.kind = '{layer.kind}': a base can only stand at the bottom")
-    if not isinstance(layer, Medium):
+    if not isinstance(layer, Medium | Interface):
         raise StackError(f"{path} = {layer!r}: must be a layer")
+    if not isinstance(layer.name, str):
+        raise StackError(f"{path}.name = {layer.name!r}: must be a text")
+    if isinstance(layer, Interface):
+        return _checked(layer, path)
     given = [form for form in Medium.forms if any(getattr(layer, q.name) is not None for q in form)]
     names = " or ".join(", ".join(q.name for q in form) for form in Medium.forms)
     if len(given) != 1:
@@ -194,8 +214,6 @@ def _check_layer(layer, path: str) -> Medium:
         values[quantity.name] = quantity.check(value, f"{path}.{quantity.name}")
     if not isinstance(layer.varying, bool):
         raise StackError(f"{path}.varying = {layer.varying!r}: must be true or false")
-    if not isinstance(layer.name, str):
-        raise StackError(f"{path}.name = {layer.name!r}: must be a text")
     return replace(layer, phase=check_phase(layer.phase, f"{path}.phase"), **values)
 
 
@@ -210,21 +228,24 @@ def _check_base(base):
     return base
 
 
-def _base_json(base) -> dict:
-    entry = {"kind": base.kind, **{q.name: to_plain(getattr(base, q.name)) for q in base.fields}}
-    if isinstance(base, HalfSpace):
-        entry["phase"] = base.phase.to_json()
+def _plain(thing) -> dict:
+    """JSON form of a base or an interface; choices that are the usual ones are left out."""
+    entry = {"kind": thing.kind, **{q.name: to_plain(getattr(thing, q.name)) for q in thing.fields}}
+    entry.update({name: getattr(thing, name) for name, allowed in thing.choices.items()
+                  if getattr(thing, name) != allowed[0]})
+    if isinstance(thing, HalfSpace):
+        entry["phase"] = thing.phase.to_json()
     return entry
 
 
-def _base_canonical(base, channels: int) -> dict:
-    """The base with every quantity repeated for each channel."""
-    entry = {"kind": base.kind}
-    for quantity in base.fields:
-        value = getattr(base, quantity.name)
+def _canonical(thing, channels: int) -> dict:
+    """The same with every quantity repeated for each channel, and all choices."""
+    entry = {"kind": thing.kind, **{name: getattr(thing, name) for name in thing.choices}}
+    for quantity in thing.fields:
+        value = getattr(thing, quantity.name)
         entry[quantity.name] = [to_plain(channel(value, c)) for c in range(channels)]
-    if isinstance(base, HalfSpace):
-        entry["phase"] = base.phase.canonical(channels)
+    if isinstance(thing, HalfSpace):
+        entry["phase"] = thing.phase.canonical(channels)
     return entry
 
 
@@ -241,10 +262,16 @@ def _read_base(entry, path: str):
     kind = read_kind(entry, path)
     if not isinstance(kind, str) or kind not in BASES:
         raise StackError(f"{path}.kind = {kind!r}: must be one of {', '.join(BASES)}")
-    names = {q.name for q in BASES[kind].fields}
-    optional = {"phase"} if kind == HalfSpace.kind else set()
-    check_keys(entry, {"kind", *names, *optional}, path, required=names)
-    values = {name: entry[name] for name in names}
-    if "phase" in entry:
-        values["phase"] = read_phase(entry["phase"], f"{path}.phase")
-    return BASES[kind](**values)
+    values = dict(entry)
+    phase = values.pop("phase", None) if kind == HalfSpace.kind else None
+    base = _read(BASES[kind], values, path)
+    return base if phase is None else replace(base, phase=read_phase(phase, f"{path}.phase"))
+
+
+def _read(cls, entry, path: str, optional: set[str] = frozenset()):
+    """An interface or a base from its JSON object; what has a usual value may be left out."""
+    names = {quantity.name for quantity in cls.fields}
+    usual = {field.name for field in fields(cls) if field.default is not MISSING}
+    allowed = {"kind", *names, *cls.choices, *optional}
+    check_keys(entry, allowed, path, required=names - usual)
+    return cls(**{key: value for key, value in entry.items() if key != "kind"})
