@@ -6,6 +6,7 @@ import bpy
 from . import (
     bake_job,
     command_line,
+    live,
     migration,
     native,
     operators,
@@ -14,7 +15,7 @@ from . import (
     properties,
 )
 
-PARTS = (properties, migration, bake_job, operators, panel, command_line)
+PARTS = (properties, migration, bake_job, live, operators, panel, command_line)
 
 
 def register():

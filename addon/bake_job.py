@@ -20,13 +20,15 @@ _failures = {}
 
 
 class Job:
-    """One bake in a worker thread. `fraction` and `text` follow it; `lut` or `error` is there at its end."""
+    """One bake in a worker thread; `more` goes to lamina.bake.
 
-    def __init__(self, stack, quality, threads, seed=0):
+    `fraction` and `text` follow it; `lut` or `error` is there at its end."""
+
+    def __init__(self, stack, quality, threads, seed=0, **more):
         self.fraction, self.text = 0.0, "Starting"
         self.lut, self.error = None, None
         self._stop = threading.Event()
-        self._arguments = {"quality": quality, "seed": seed, "threads": threads}
+        self._arguments = {"quality": quality, "seed": seed, "threads": threads, **more}
         self._stack = stack
         self._bake = native.require().bake
         self._thread = threading.Thread(target=self._run, name="lamina bake", daemon=True)
@@ -61,9 +63,9 @@ class Job:
 class MaterialJob(Job):
     """A job that knows which material its LUT is for, even when that is renamed meanwhile."""
 
-    def __init__(self, material, quality, threads):
+    def __init__(self, material, quality, threads, **more):
         self.uid, self.quality = material.session_uid, quality
-        super().__init__(stack_io.to_stack(material), quality, threads)
+        super().__init__(stack_io.to_stack(material), quality, threads, **more)
 
     def material(self):
         """The material, or None when it has been deleted."""
@@ -102,9 +104,13 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
     return lut
 
 
-def apply(material, lut):
-    """Build the material's node group from a finished LUT and note its report."""
-    node_group.build(material, lut)
+def apply(material, lut, in_place=False):
+    """Build the material's node group from a finished LUT and note its report.
+
+    With `in_place`, a group of the same layout just gets a new picture.
+    """
+    if not (in_place and node_group.update(material, lut)):
+        node_group.build(material, lut)
     _note_report(material.lamina.result, lut)
     clear_failure(material)
 

@@ -17,6 +17,8 @@ from .messages import RefusedError
 
 TAU_HALF = 0.5  # t = tau / (tau + TAU_HALF), scaled to 1 at the largest tau
 
+MOST_LABEL, SCALE_LABEL = "at most the baked one", "rows"
+
 ANGLE_COLOUR = (0.16, 0.24, 0.34)
 NORMAL_COLOUR = (0.20, 0.20, 0.36)
 ROW_COLOUR = (0.18, 0.30, 0.24)
@@ -134,14 +136,31 @@ def _row(graph, lut, inputs, backfacing, rows, height):
         side = graph.math("MULTIPLY", 2.4, 8.2, "bottom side's strips", backfacing, strips * rows / height)
     if rows == 1:
         return graph.math("ADD", 3.4, 8.2, "v", side, 0.0)
-    largest = largest_tau(lut)
-    last = 1.0 if math.isinf(largest) else largest / (largest + TAU_HALF)
+    most, scale = _thickness_scale(lut, rows, height)
     tau = graph.math("MAXIMUM", -0.6, 7, "thickness", inputs.outputs["Thickness"], 0.0)
-    tau = graph.math("MINIMUM", 0.4, 7, "at most the baked one", tau, min(largest, 1.0e30))
+    tau = graph.math("MINIMUM", 0.4, 7, MOST_LABEL, tau, most)
     shifted = graph.math("ADD", 0.4, 8.2, "tau + 1/2", tau, TAU_HALF)
     share = graph.math("DIVIDE", 1.4, 7, "tau / (tau + 1/2)", tau, shifted)
-    row = graph.math("MULTIPLY", 2.4, 7, "rows", share, (rows - 1) / height / last if last else 0.0)
+    row = graph.math("MULTIPLY", 2.4, 7, SCALE_LABEL, share, scale)
     return graph.math("ADD", 3.4, 7, "v", row, side)
+
+
+def _thickness_scale(lut, rows, height):
+    """(largest thickness that the table holds, factor from tau / (tau + 1/2) to v)."""
+    largest = largest_tau(lut)
+    last = 1.0 if math.isinf(largest) else largest / (largest + TAU_HALF)
+    return min(largest, 1.0e30), (rows - 1) / height / last if last else 0.0
+
+
+def rescale(tree, lut):
+    """Make a drawn tree read the thickness axis of another table of the same layout."""
+    rows = lut.header["axes"]["tau"]["count"]
+    if rows > 1:
+        most, scale = _thickness_scale(lut, rows, lut_image.height_of(lut))
+        values = {MOST_LABEL: most, SCALE_LABEL: scale}
+        for node in tree.nodes:
+            if node.type == "MATH" and node.label in values:
+                node.inputs[1].default_value = values[node.label]
 
 
 class _Directions:

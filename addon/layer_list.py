@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plain functions that edit the layer list of a material. The top layer is first, as light meets it."""
 
-from . import bake_job, migration, node_group, preferences
+from . import bake_job, changes, migration, node_group, preferences
 
 COPIED = (
     "kind", "mode", "albedo", "tau", "tau_per_channel", "tau_rgb", "infinite",
@@ -42,6 +42,7 @@ def remove_layer(material):
     settings = material.lamina
     settings.layers.remove(settings.active_index)
     settings.active_index = max(0, min(settings.active_index, len(settings.layers) - 1))
+    changes.tell(material)
 
 
 def duplicate_layer(material):
@@ -64,6 +65,7 @@ def move_layer(material, direction):
         return False
     settings.layers.move(index, target)
     settings.active_index = target
+    changes.tell(material)
     return True
 
 
@@ -91,6 +93,7 @@ def _place_last(settings, target):
     target = min(target, last)
     settings.layers.move(last, target)
     settings.active_index = target
+    changes.edited(settings)
     return settings.layers[target]
 
 

@@ -5,6 +5,8 @@ Artists wire the group, add their own nodes, use it in other materials: a rebuil
 inside the group and its image, and nothing else. The old content stays until the new one stands.
 """
 
+import json
+
 import bpy
 
 from . import closure_graph, lut_image, native
@@ -46,6 +48,7 @@ def build(material, lut):
     _settle_thickness(group, tau)
     _replace_images(old_images, image)
     group["lamina_stack_hash"] = lut.header["stack_hash"]
+    group["lamina_layout"] = _layout(lut)
     group["lamina_largest_tau"] = -1.0 if tau is None else min(tau, LARGEST)
     if is_new:
         for node in group_nodes(material):  # nodes of the group that this copied material still shared
@@ -57,6 +60,38 @@ def build(material, lut):
     _place(material)
     _follow_thickness(group, old_tau, tau)
     return group
+
+
+def update(material, lut):
+    """Give the material's own group the picture of `lut`, with nodes and links untouched.
+
+    Returns False, with nothing changed, when there is no such group or it was drawn for another layout.
+    """
+    group = material.lamina.node_group
+    if group is None or not group.is_editable or _is_shared(material, group):
+        return False
+    drawn, wanted = _parse(group.get("lamina_layout")), _parse(_layout(lut))
+    if not drawn or {**drawn, "drawn": None} != {**wanted, "drawn": None}:
+        return False
+    images = _images(group.nodes)
+    if not images or not set(wanted["drawn"]) <= set(drawn["drawn"]):
+        return False
+    tau, old_tau = closure_graph.largest_tau(lut), group.get("lamina_largest_tau")
+    if tau is not None and old_tau != min(tau, LARGEST):
+        closure_graph.rescale(group, lut)
+        _settle_thickness(group, tau)
+        group["lamina_largest_tau"] = min(tau, LARGEST)
+        _follow_thickness(group, old_tau, tau)
+    _replace_images(images, lut_image.create(f"Lamina {material.name}", lut))
+    group["lamina_stack_hash"] = lut.header["stack_hash"]
+    return True
+
+
+def closures(material):
+    """The closures of the last bake, in the order of their strips, or None."""
+    group = material.lamina.node_group
+    layout = _parse(group.get("lamina_layout")) if group is not None else None
+    return layout["closures"] if layout else None
 
 
 def recipe_source():
@@ -128,10 +163,32 @@ def remove(material):
 def _own_group(material):
     """(group, whether it is new). A group that a copied material still shares is left to its first owner."""
     group = material.lamina.node_group
-    others = (other for other in bpy.data.materials if other != material and other.lamina.node_group == group)
-    if group is not None and group.is_editable and not any(others):
+    if group is not None and group.is_editable and not _is_shared(material, group):
         return group, False
     return bpy.data.node_groups.new(f"Lamina {material.name}", "ShaderNodeTree"), True
+
+
+def _is_shared(material, group):
+    return any(other != material and other.lamina.node_group == group for other in bpy.data.materials)
+
+
+def _layout(lut):
+    """What the group's nodes depend on, as text: a table of the same layout needs new pixels only."""
+    axes = lut.header["axes"]
+    layout = {
+        "closures": lut.header["closures"],
+        "drawn": closure_graph.used_closures(lut),
+        "sides": lut.header["sides"],
+        "size": [axes["view"]["count"], axes["tau"]["count"]],
+    }
+    return json.dumps(layout)
+
+
+def _parse(layout):
+    try:
+        return json.loads(layout) if layout else None
+    except ValueError:
+        return None
 
 
 def _place(material):
@@ -206,7 +263,8 @@ def _images(nodes):
 def _replace_images(old_images, image):
     """Give the new image the old one's place everywhere, then remove the old one.
 
-    A new datablock instead of new pixels: undo then brings the old pixels back too.
+    A new datablock instead of new pixels: undo then brings the old pixels back too, and Cycles, which reads
+    a datablock once and keeps what it has read, sees them (measured with persistent data, bpy 4.5).
     """
     for old in old_images:
         if old.library is None and old != image:

@@ -123,6 +123,7 @@ class LAMINA_PT_bake(MaterialPanel, bpy.types.Panel):
         layout, material = self.layout, context.material
         row = layout.row()
         row.prop(material.lamina, "quality", expand=True)
+        row.prop(material.lamina, "live", toggle=True, icon="PLAY" if not material.lamina.live else "PAUSE")
         job = bake_job.running_for(material)
         if job is not None:
             _draw_progress(layout, job)

@@ -17,6 +17,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from . import changes
 from .preferences import QUALITIES
 
 SCHEMA = 1
@@ -45,6 +46,7 @@ def _rgb(name, default, description, largest=1.0, **options):
         default=(default,) * 3,
         min=0.0,
         max=largest,
+        update=changes.edited,
         options=set(),
         **options,
     )
@@ -56,6 +58,7 @@ def _phase():
         description="How a particle spreads the light that it scatters",
         items=PHASES,
         default="hg",
+        update=changes.edited,
         options=set(),
     )
 
@@ -69,6 +72,7 @@ def _anisotropy():
         max=0.99,
         step=1,
         precision=3,
+        update=changes.edited,
         options=set(),
     )
 
@@ -79,6 +83,7 @@ def _varying_changed(layer, _context):
         for other in layer.id_data.lamina.layers:
             if other != layer and other.varying:
                 other.varying = False
+    changes.edited(layer)
 
 
 class LaminaLayer(bpy.types.PropertyGroup):
@@ -86,7 +91,11 @@ class LaminaLayer(bpy.types.PropertyGroup):
         name="Name", description="Name of this layer, for you", default="Layer", options=set()
     )
     kind: EnumProperty(
-        name="Kind", description="What this layer is made of", items=LAYER_KINDS, options=set()
+        name="Kind",
+        description="What this layer is made of",
+        items=LAYER_KINDS,
+        update=changes.edited,
+        options=set(),
     )
     mode: EnumProperty(
         name="Given By",
@@ -99,6 +108,7 @@ class LaminaLayer(bpy.types.PropertyGroup):
                 "By scattering and absorption per millimetre, and thickness",
             ),
         ),
+        update=changes.edited,
         options=set(),
     )
     albedo: _rgb(
@@ -113,11 +123,13 @@ class LaminaLayer(bpy.types.PropertyGroup):
         soft_max=20.0,
         step=10,
         precision=3,
+        update=changes.edited,
         options=set(),
     )
     tau_per_channel: BoolProperty(
         name="Per Channel",
         description="Give red, green and blue an optical thickness of their own",
+        update=changes.edited,
         options=set(),
     )
     tau_rgb: _rgb(
@@ -132,6 +144,7 @@ class LaminaLayer(bpy.types.PropertyGroup):
     infinite: BoolProperty(
         name="Infinite",
         description="This layer has no bottom; nothing below it is seen",
+        update=changes.edited,
         options=set(),
     )
     sigma_s: _rgb(
@@ -161,6 +174,7 @@ class LaminaLayer(bpy.types.PropertyGroup):
         soft_max=10.0,
         step=10,
         precision=4,
+        update=changes.edited,
         options=set(),
     )
     phase: _phase()
@@ -176,7 +190,12 @@ class LaminaLayer(bpy.types.PropertyGroup):
 
 class LaminaBase(bpy.types.PropertyGroup):
     kind: EnumProperty(
-        name="Base", description="What lies below the layers", items=BASES, default="lambert", options=set()
+        name="Base",
+        description="What lies below the layers",
+        items=BASES,
+        default="lambert",
+        update=changes.edited,
+        options=set(),
     )
     reflectance: _rgb(
         "Reflectance", 0.5, "Share of the light that the surface reflects, per channel", subtype="COLOR"
@@ -214,6 +233,12 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     base: PointerProperty(type=LaminaBase)
     quality: EnumProperty(
         name="Quality", description="How exactly to bake", items=QUALITIES, default="final", options=set()
+    )
+    live: BoolProperty(
+        name="Live",
+        description="Bake again at preview quality whenever a layer changes, and show it at once",
+        update=lambda settings, _context: changes.switched(settings),
+        options=set(),
     )
     result: PointerProperty(type=LaminaResult)
     node_group: PointerProperty(type=bpy.types.NodeTree, description="What the bake keeps up to date")

@@ -9,7 +9,7 @@ Blender keeps float32. Numbers are written as the shortest decimal that is the s
 import math
 import struct
 
-from . import migration, native
+from . import changes, migration, native
 from .messages import RefusedError
 
 JSON_SCHEMA = 1
@@ -49,6 +49,7 @@ def assign(material, data):
         _write(settings.layers.add(), values)
     _write(settings.base, base)
     settings.active_index = 0
+    changes.tell(material)
 
 
 def assign_stack(material, stack):

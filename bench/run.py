@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """make bench: all benchmarks in turn, printed as tables and kept as JSON in build/bench.
 
-    python bench/run.py [solver|doubling|bake|fit|render ...]
+    python bench/run.py [solver|doubling|bake|fit|live|render ...]
 """
 
 import json
@@ -37,6 +37,12 @@ def fit():
     return fit_bench.measure()
 
 
+def live():
+    import live_bench
+
+    return live_bench.measure()
+
+
 def render():
     # In a process of its own: bpy neither likes company nor leaves politely.
     subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
@@ -48,6 +54,7 @@ BENCHES = {
     "doubling": (doubling, "Doubling step against the rate of matrix products, one thread"),
     "bake": (bake, "Bake, wall clock, all threads"),
     "fit": (fit, "Closure fit, relative L2 errors of the slices"),
+    "live": (live, "Live editing, wall clock from a changed property to updated pixels (limit 33 ms)"),
     "render": (render, "Rendering in Cycles"),
 }
 

@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import bake_job, messages, native
+from .. import bake_job, live, messages, native
 from . import common
 
 INTERVAL = 0.1  # seconds between two looks at the worker
@@ -22,6 +22,7 @@ class LAMINA_OT_bake(bpy.types.Operator):
     def execute(self, context):
         """Bake and wait for it: scripts, and everything under `blender -b`."""
         material = common.material_of(context)
+        live.leave(material)
         try:
             bake_job.bake_material(material)
         except Exception as error:
@@ -32,6 +33,7 @@ class LAMINA_OT_bake(bpy.types.Operator):
         if bpy.app.background:
             return self.execute(context)
         material = common.material_of(context)
+        live.leave(material)
         try:
             self._job = bake_job.start(material)
         except Exception as error:

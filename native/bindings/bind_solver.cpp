@@ -5,6 +5,7 @@
 
 #include "bindings.hpp"
 #include "evaluation.hpp"
+#include "slice_evaluation.hpp"
 #include "solution.hpp"
 
 namespace py = pybind11;
@@ -28,6 +29,27 @@ Facets make_facets(double alpha, const std::string& distribution, bool correlate
     throw py::value_error("distribution = '" + distribution + "': must be 'ggx' or 'beckmann'");
   }
   return {alpha, distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann, correlated};
+}
+
+/// (values [sight, solution, view, light], albedo [sight, solution, view], direct, alike): see evaluate_slices.
+py::tuple slices(const std::vector<const Solution*>& solutions, const std::vector<std::pair<Side, Path>>& sights,
+                 SliceGrid grid, ThreadPool& pool) {
+  std::vector<Sight> wanted;
+  for (const auto& [viewer, path] : sights) {
+    wanted.push_back({viewer, path});
+  }
+  const auto tables = static_cast<py::ssize_t>(sights.size());
+  const auto count = static_cast<py::ssize_t>(solutions.size());
+  const py::ssize_t views = grid.view_mu.size();
+  py::array_t<double> values({tables, count, views, static_cast<py::ssize_t>(grid.lights())});
+  py::array_t<double> albedo({tables, count, views});
+  py::array_t<double> direct({tables, count, views});
+  const SliceSinks sinks{values.mutable_data(), albedo.mutable_data(), direct.mutable_data()};
+  {
+    const py::gil_scoped_release release;
+    evaluate_slices(solutions, wanted, grid, sinks, pool);
+  }
+  return py::make_tuple(values, albedo, direct);
 }
 
 }  // namespace
@@ -117,7 +139,16 @@ void lamina::bind_solver(py::module_& module) {
       .def("fluxes", &lamina::fluxes, py::arg("side"), py::arg("mu"), py::arg("pool"), unlocked)
       .def("diffuse_fluxes", &diffuse_fluxes, py::arg("side"), py::arg("pool"), unlocked);
 
+  module.def(
+      "slices",
+      [](const std::vector<const Solution*>& solutions, const std::vector<std::pair<Side, Path>>& sights,
+         const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi,
+         ThreadPool& pool) { return slices(solutions, sights, SliceGrid{mu_o, mu_i, dphi}, pool); },
+      py::arg("solutions"), py::arg("sights"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"));
+
   module.def("solve", &lamina::solve, py::arg("stack"), py::arg("tolerance"), py::arg("pool"), unlocked);
+  module.def("solve_roughly", &lamina::solve_roughly, py::arg("stack"), py::arg("tolerance"), py::arg("nodes"),
+             py::arg("pool"), unlocked);
   module.def(
       "solve_at",
       [](const Stack& stack, int nodes, double azimuth_tolerance, ThreadPool& pool, double thinnest) {

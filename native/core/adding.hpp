@@ -18,4 +18,10 @@ inline ScatteringFunction join(const ScatteringFunction& above, const Scattering
           below.transmit * downward, below.reflect_below + below.transmit * (upward * below.transmit.transposed())};
 }
 
+/// The same over something opaque, of which only its reflection `below` matters: just R.
+inline DirectionOperator join_opaque(const ScatteringFunction& above, const DirectionOperator& below) {
+  const DirectionOperator between = resolvent(above.reflect_below * below);
+  return above.reflect_above + above.transmit.transposed() * (below * (between * above.transmit));
+}
+
 }  // namespace lamina

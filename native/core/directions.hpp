@@ -23,6 +23,7 @@ struct Directions {
   Eigen::Index nodes = 0;  ///< of the whole stack, live or not
   Eigen::Index live = 0;   ///< nodes that exist in this medium; they come first
   Eigen::Index targets = 0;
+  Eigen::Index views = -1;        ///< how many of the targets are views, the rest being lights; -1: each is both
   Eigen::VectorXd mu;             ///< of the live nodes, then of the targets
   Eigen::VectorXd weight;         ///< of the live nodes
   Eigen::VectorXd scale;          ///< as mu

@@ -164,7 +164,9 @@ MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const Trun
                              const Eigen::MatrixXd& single) -> Eigen::MatrixXd {
     const Eigen::MatrixXd rest = outer.asDiagonal() * all * outer.asDiagonal() -
                                  quarter * (inner.asDiagonal() * phases.cwiseProduct(single) * inner.asDiagonal());
-    return rest.cwiseQuotient(shape);
+    // Reciprocity holds but for rounding, which the division makes visible in thin layers.
+    const Eigen::MatrixXd smooth = rest.cwiseQuotient(shape);
+    return 0.5 * (smooth + smooth.transpose());
   };
   MultipleScattering multiple{remainder(layer.reflect, phase.reflect, shape),
                               remainder(layer.transmit, phase.transmit, passing), Eigen::VectorXd()};
@@ -181,24 +183,21 @@ Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau) {
   return mu.unaryExpr([tau](double cosine) { return direct_transmission(cosine, tau); });
 }
 
-/// Sums over nodes of interpolated kernels miss the energy balance by some 1e-6 at targets. The share of the removed
-/// light that survives is known at the nodes, smooth, and 1 where nothing is absorbed: factors that restore it.
-static Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
-                                      const LayerKernels& kernels, const TruncatedMedium& medium) {
-  const LayerKernels once = single_on(directions, medium, 0);
-  const Eigen::VectorXd flux = directions.scale.head(directions.live);
-  const auto sums = [&](const LayerKernels& k) -> Eigen::VectorXd {
-    return ((k.reflect + k.transmit).bottomRows(directions.targets).leftCols(directions.live) * flux)
+Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
+                               const TruncatedMedium& medium, const Eigen::MatrixXd& once,
+                               const Eigen::MatrixXd& repeated) {
+  const auto sums = [&](const Eigen::MatrixXd& kernel) -> Eigen::VectorXd {
+    return (kernel.transpose() * directions.scale.head(directions.live))
         .cwiseQuotient(directions.scale.tail(directions.targets));
   };
-  const Eigen::VectorXd repeated = sums(kernels);
+  const Eigen::VectorXd all = sums(repeated);
   const Eigen::VectorXd removed =
       (1.0 - direct_transmissions(directions.mu.tail(directions.targets), medium.tau).array()).matrix();
   const Eigen::VectorXd wanted =
       (directions.interpolation.bottomRows(directions.targets) * multiple.survival).cwiseProduct(removed) - sums(once);
   constexpr double kLargest = 1e-2;  // more would be a failure of the nodes, not of interpolation
-  return (repeated.array() > 0.0)
-      .select((wanted.array() / repeated.array()).max(1.0 - kLargest).min(1.0 + kLargest), 1.0)
+  return (all.array() > 0.0)
+      .select((wanted.array() / all.array()).max(1.0 - kLargest).min(1.0 + kLargest), 1.0)
       .matrix();
 }
 
@@ -211,7 +210,11 @@ LayerKernels multiple_on(const Directions& directions, const MultipleScattering&
   LayerKernels kernels{(carry * multiple.reflect * carry.transpose()).cwiseProduct(shape),
                        (carry * multiple.transmit * carry.transpose()).cwiseProduct(shape)};
   if (order == 0 && directions.targets > 0 && multiple.survival.size() > 0) {
-    const Eigen::VectorXd factors = energy_factors(directions, multiple, kernels, medium);
+    const auto to_targets = [&](const LayerKernels& k) -> Eigen::MatrixXd {
+      return (k.reflect + k.transmit).topRightCorner(directions.live, directions.targets);
+    };
+    const Eigen::VectorXd factors =
+        energy_factors(directions, multiple, medium, to_targets(single_on(directions, medium, 0)), to_targets(kernels));
     for (Eigen::MatrixXd* kernel : {&kernels.reflect, &kernels.transmit}) {
       auto out = kernel->bottomLeftCorner(directions.targets, directions.live);
       auto in = kernel->topRightCorner(directions.live, directions.targets);

@@ -66,6 +66,13 @@ struct LayerKernels {
 /// interpolation; single scattering, in closed form; the direct part.
 LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
                          const TruncatedMedium& medium, int order);
+/// Sums over nodes of interpolated kernels miss the energy balance by some 1e-6 at targets. The share of the removed
+/// light that survives is known at the nodes, smooth, and 1 where nothing is absorbed: factors that restore it, by
+/// target, for what multiple_on says between targets and nodes in order 0. Of `once` and `repeated`, the kernels of
+/// single and multiple scattering, [node, target], reflection and transmission summed.
+Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
+                               const TruncatedMedium& medium, const Eigen::MatrixXd& once,
+                               const Eigen::MatrixXd& repeated);
 LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, int order);
 Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau);
 

@@ -15,14 +15,15 @@ struct ScatteringFunction {
   ScatteringFunction reversed() const { return {reflect_below, transmit.transposed(), reflect_above}; }
 
   /// Absorbs everything.
-  static ScatteringFunction nothing(Eigen::Index size, Eigen::Index nodes) {
-    return {DirectionOperator::zero(size, nodes), DirectionOperator::zero(size, nodes),
-            DirectionOperator::zero(size, nodes)};
+  static ScatteringFunction nothing(Eigen::Index size, Eigen::Index nodes,
+                                    Eigen::Index views = DirectionOperator::kAllTargets) {
+    return {DirectionOperator::zero(size, nodes, views), DirectionOperator::zero(size, nodes, views),
+            DirectionOperator::zero(size, nodes, views)};
   }
 
   /// Nothing there: light passes unchanged.
   static ScatteringFunction empty(const Directions& directions) {
-    ScatteringFunction s = nothing(directions.size(), directions.nodes);
+    ScatteringFunction s = nothing(directions.size(), directions.nodes, directions.views);
     s.transmit.delta.setOnes();
     return s;
   }
@@ -30,7 +31,7 @@ struct ScatteringFunction {
   /// A Lambert surface seen from above; nothing comes through. Its kernel is the same for all
   /// directions, so only azimuth order 0 has any.
   static ScatteringFunction lambert(double reflectance, int order, const Directions& directions) {
-    ScatteringFunction s = nothing(directions.size(), directions.nodes);
+    ScatteringFunction s = nothing(directions.size(), directions.nodes, directions.views);
     if (order == 0) {
       s.reflect_above.kernel =
           directions.spread((reflectance * directions.scale * directions.scale.transpose()).eval());

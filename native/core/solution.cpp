@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -215,6 +216,15 @@ Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
     }
     resolution = finer;
   }
+}
+
+Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPool& pool) {
+  Resolution resolution = choose_resolution(stack, tolerance);
+  resolution.nodes = nodes;
+  resolution.tolerance = std::numeric_limits<double>::infinity();
+  Solution solution(stack, resolution, pool);
+  solution.require_sound();
+  return solution;
 }
 
 }  // namespace lamina

@@ -77,4 +77,7 @@ class Solution {
 /// Throws std::runtime_error, with the numbers, when the finest resolution does not satisfy it either.
 Solution solve(const Stack& stack, double tolerance, ThreadPool& pool);
 
+/// The same on that many nodes, however large the errors of discretisation: for a quick look.
+Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPool& pool);
+
 }  // namespace lamina

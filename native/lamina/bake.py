@@ -5,17 +5,18 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from . import _core, lobes
-from .closure_table import Closures, closures, view_cosines
+from .closure_table import LIGHT_NODES, Closures, light_grid, view_cosines
+from .closure_table import closures as closures_of
 from .errors import Cancelled, StackError
 from .layers import Conductor, Interface
 from .lut import COLUMNS, SCHEMA, Lut
-from .slices import Slices, SolvedRows, direct_light, slices, solve_rows
+from .slices import Slices, SolvedRows, slices, solve_rows
 from .solve import thread_pool, tolerance_of
 from .stack import Stack
 
@@ -44,17 +45,29 @@ Progress = Callable[[float, str], None]
 
 
 def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress | None = None,
-         cancel: Callable[[], bool] | None = None, threads: int = 0) -> Lut:
+         cancel: Callable[[], bool] | None = None, threads: int = 0,
+         closures: Sequence[str] | None = None, row_stride: int = 1, nodes: int | None = None) -> Lut:
     """Bakes a stack into a lookup table for Cycles. The same arguments give the same bytes, whatever
     `threads` (0: all hardware threads).
 
     `progress(fraction, text)` is told how far it is, 0 to 1; `cancel()` is asked often, and Cancelled is
-    raised when it says yes. `seed` is for stacks that need Monte Carlo; none do yet.
+    raised when it says yes. `seed` is for stacks that need Monte Carlo; none do yet. `closures`, lobe ids
+    such as an earlier table's, are fitted as they are, in that order, instead of a choice of the best: tables
+    of one layout follow each other while a stack is edited. A kind of which they hold none, or one that must
+    not be mixed in a sheet, is chosen.
+    `row_stride` > 1 solves just every so many rows of a varying layer's thickness and interpolates those
+    between: for pictures while a slider moves, off by some per cent, more for dark bases seen at grazing.
+    `nodes` overrides the solver's choice of nodes per hemisphere and its promise, for such pictures too.
     The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2
     error over solid angle relative to the slice's norm; `worst_slice`; `albedo_error`, the worst relative
     error of a directional albedo; `energy_error`, the solver's; `slice_errors`, of each slice.
     Raises SolveError, StackError (channels), ValueError."""
     tolerance_of(quality)
+    if row_stride < 1:
+        raise ValueError(f"row_stride = {row_stride}: must be at least 1")
+    if nodes is not None and not 8 <= nodes <= 160:
+        raise ValueError(f"nodes = {nodes}: must lie in [8, 160]")
+    given = _by_kind(closures or ())
     if stack.channels not in (1, 3):
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
     for index, layer in enumerate(stack.layers):
@@ -64,18 +77,17 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
         raise StackError("base.kind = 'conductor': cannot be baked yet, only solved")
     started = time.perf_counter()
     step = _stepper(progress, cancel)
-    solved = solve_rows(stack, quality, threads, _part(step, 0.0, 0.3))
+    solved = solve_rows(stack, quality, threads, _part(step, 0.0, 0.3), row_stride, nodes)
     pool = thread_pool(threads)
-    reflection = _fit("reflection", solved, quality, pool, _part(step, 0.3, 0.7 if solved.is_sheet else 1.0))
-    parts = [reflection]
+    seen = slices(solved, light_grid(*LIGHT_NODES[quality]), pool, _part(step, 0.3, 0.7))
+    parts = [_fit(kind, solved, seen.kinds[kind], given[kind], quality, pool, _part(step, 0.7, 1.0))
+             for kind in seen.kinds]
     if solved.is_sheet:
-        parts.append(_fit("transmission", solved, quality, pool, _part(step, 0.7, 1.0)))
-        parts.append(_Fit(["transparent"], direct_light(solved)[:, None], None, None))
+        parts.append(_Fit(["transparent"], seen.direct[:, None], None, None))
     step(1.0, "Done")
     weights = np.concatenate([part.weights for part in parts], axis=1)  # [side, closure, row, channel, column]
-    weights = np.moveaxis(weights, 3, 4)
+    weights = np.moveaxis(_all_rows(weights, solved, 2), 3, 4)
     weights = np.ascontiguousarray(np.broadcast_to(weights, (*weights.shape[:4], 3)), np.float32)
-    varying = solved.tau != [None]
     header = {
         "schema": SCHEMA,
         "stack": json.loads(stack.canonical()),
@@ -86,10 +98,10 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
         "axes": {
             "view": {"count": COLUMNS, "parameter": "theta_o/(pi/2)"},
             "tau": {
-                "count": len(solved.tau),
-                "values": [tau for tau in solved.tau if tau is not None],
+                "count": max(1, len(solved.axis)),
+                "values": solved.axis,
                 "layer": stack.varying,
-                "parameter": "t = tau/(tau+0.5), scaled so that the last row is the largest tau" if varying else "",
+                "parameter": "t = tau/(tau+0.5), scaled so that the last row is the largest tau" if solved.axis else "",
             },
         },
         "closures": [name for part in parts for name in part.closures],
@@ -106,12 +118,15 @@ class _Fit:
         self.closures, self.weights, self.errors, self.albedo_errors = closures, weights, errors, albedo_errors
 
 
-def _fit(kind: str, solved: SolvedRows, quality: str, pool, step: Progress) -> _Fit:
-    basis = closures(kind, quality)
-    wanted = slices(solved, kind, basis.grid, _part(step, 0.0, 0.5))
-    step(0.5, f"Choosing closures for {kind}")
-    chosen = _choose(basis, wanted, kind, EFFORT[quality], _sound(basis, solved), pool)
-    step(0.9, f"Fitting {kind}")
+def _fit(kind: str, solved: SolvedRows, wanted: Slices, given: list[str], quality: str, pool, step: Progress) -> _Fit:
+    basis = closures_of(kind, quality)
+    sound = _sound(basis, solved)
+    if given and {basis.ids.index(name) for name in given} <= set(sound):
+        basis, chosen = basis.only(given), list(range(len(given)))
+    else:
+        step(0.0, f"Choosing closures for {kind}")
+        chosen = _choose(basis, wanted, kind, EFFORT[quality], sound, pool)
+    step(0.5, f"Fitting {kind}")
     targets, exact = _targets(basis, wanted, pool)
     weights, errors = basis.table.fit(targets, chosen, pool)
     reached = np.einsum("sck,ck->sc", weights.astype(np.float32), basis.albedo[:, chosen])
@@ -123,6 +138,24 @@ def _fit(kind: str, solved: SolvedRows, quality: str, pool, step: Progress) -> _
         np.where(exact > 0.0, errors, np.nan).reshape(*shape, columns),
         albedo_errors.reshape(*shape, columns),
     )
+
+
+def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
+    """Given closures by kind. Raises ValueError for one that is not in the dictionary, twice there, or too many."""
+    given: dict[str, list[str]] = {"reflection": [], "transmission": []}
+    for name in ids:
+        if name == "transparent":
+            continue  # unscattered light has its closure whether asked for or not
+        try:
+            given[lobes.by_id(name).side].append(name)
+        except KeyError:
+            raise ValueError(f"closures: {name!r} is not in the dictionary") from None
+    for kind, names in given.items():
+        if len(set(names)) < len(names):
+            raise ValueError(f"closures = {list(ids)}: one is given twice")
+        if len(names) > _core.MAX_CLOSURES:
+            raise ValueError(f"closures: {len(names)} for {kind}, at most {_core.MAX_CLOSURES} can be fitted")
+    return given
 
 
 def _targets(basis: Closures, wanted: Slices, pool):
@@ -162,12 +195,13 @@ def _report(parts: list[_Fit], solved: SolvedRows) -> dict:
     reflection, through = fitted[0], fitted[1] if len(fitted) > 1 else None
     albedo = max(float(part.albedo_errors[..., stated].max()) for part in fitted)
     functions = solved.functions
+    through_errors = None if through is None else _all_rows(np.nan_to_num(through.errors), solved, 1).round(6).tolist()
     return {
         "fit_error": _mean(reflection.errors[..., stated]),
         "worst_slice": _worst(reflection.errors, stated, solved),
-        "slice_errors": np.nan_to_num(reflection.errors).round(6).tolist(),
+        "slice_errors": _all_rows(np.nan_to_num(reflection.errors), solved, 1).round(6).tolist(),
         "fit_error_transmission": None if through is None else _mean(through.errors[..., stated]),
-        "slice_errors_transmission": None if through is None else np.nan_to_num(through.errors).round(6).tolist(),
+        "slice_errors_transmission": through_errors,
         "albedo_error": albedo,
         "energy_error": max(f.checks["energy"] for f in functions),
         "closures": sum(len(part.closures) for part in parts),
@@ -176,8 +210,21 @@ def _report(parts: list[_Fit], solved: SolvedRows) -> dict:
             "orders": max(f.orders for f in functions),
             "resolution_error": max(f.checks["resolution"] for f in functions),
         },
-        "tau_rows": len(solved.tau),
+        "tau_rows": max(1, len(solved.axis)),
+        "tau_rows_solved": len(solved.rows),
     }
+
+
+def _all_rows(values: np.ndarray, solved: SolvedRows, axis: int) -> np.ndarray:
+    """Values of the solved rows as values of all rows, linear in between."""
+    wanted = np.arange(len(solved.axis))
+    if len(solved.rows) >= len(wanted):
+        return values
+    after = np.clip(np.searchsorted(solved.rows, wanted), 1, None)
+    rows = np.array(solved.rows)
+    shape = [-1 if k == axis else 1 for k in range(values.ndim)]
+    share = ((wanted - rows[after - 1]) / (rows[after] - rows[after - 1])).reshape(shape)
+    return (1.0 - share) * values.take(after - 1, axis) + share * values.take(after, axis)
 
 
 def _mean(errors: np.ndarray) -> float:

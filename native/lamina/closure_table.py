@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,6 +53,12 @@ class Closures:
     grid: LightGrid
     table: _core.ClosureTable
     albedo: np.ndarray
+    kind: str
+    quality: str
+
+    def only(self, ids: Iterable[str]) -> Closures:
+        """Just these, in that order: a fit with closures that are known needs no inner products with others."""
+        return _only(self.kind, self.quality, tuple(ids))
 
 
 @functools.lru_cache(maxsize=4)
@@ -61,7 +68,16 @@ def closures(kind: str, quality: str) -> Closures:
     grid = light_grid(*LIGHT_NODES[quality])
     albedo = _albedos(kind)
     table = _core.ClosureTable(_sample(chosen, view_cosines(), grid), grid.solid_angle, albedo)
-    return Closures([lobe.id for lobe in chosen], grid, table, albedo)
+    return Closures([lobe.id for lobe in chosen], grid, table, albedo, kind, quality)
+
+
+@functools.lru_cache(maxsize=8)
+def _only(kind: str, quality: str, ids: tuple[str, ...]) -> Closures:
+    chosen, grid = [lobes.by_id(name) for name in ids], light_grid(*LIGHT_NODES[quality])
+    whole = closures(kind, quality)
+    albedo = np.ascontiguousarray(whole.albedo[:, [whole.ids.index(name) for name in ids]])
+    table = _core.ClosureTable(_sample(chosen, view_cosines(), grid), grid.solid_angle, albedo)
+    return Closures(list(ids), grid, table, albedo, kind, quality)
 
 
 @functools.lru_cache(maxsize=2)

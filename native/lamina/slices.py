@@ -9,10 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import _core
 from .closure_table import LightGrid, view_cosines
 from .lut import tau_rows
 from .solve import ScatteringFunction, solve
 from .stack import Stack
+
+SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
+PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
+# Between two looks at whether to stop; enough to keep all threads busy.
+ROWS_AT_ONCE = 4
 
 
 @dataclass(frozen=True)
@@ -25,63 +31,77 @@ class Slices:
 
 
 @dataclass(frozen=True)
-class SolvedRows:
-    """A stack solved for each thickness of its varying layer; one row when none varies."""
+class Seen:
+    """The slices of each kind, "reflection" and for sheets "transmission", and the unscattered transmittance
+    [side, row, channel, column], 0 where there is none."""
 
+    kinds: dict[str, Slices]
+    direct: np.ndarray
+
+
+@dataclass(frozen=True)
+class SolvedRows:
+    """A stack solved for thicknesses of its varying layer; one row when none varies.
+
+    `axis`: the table's thicknesses, all rows; `rows`: which of them were solved; `tau`: their thicknesses."""
+
+    axis: list[float]
+    rows: list[int]
     tau: list[float | None]
     functions: list[ScatteringFunction]
     sides: list[str]
     is_sheet: bool
 
 
-def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, str], None]) -> SolvedRows:
-    """Solves all rows; `step(fraction, text)` is called before each and may raise to stop."""
+def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, str], None],
+               stride: int = 1, nodes: int | None = None) -> SolvedRows:
+    """Solves every `stride`-th row and the last; `step(fraction, text)` is called before each and may raise
+    to stop."""
     step(0.0, "Solving the stack")
-    full = solve(stack, quality, threads)
+    full = solve(stack, quality, threads, nodes)
     # Seen from below, the sheet is the reversed stack; where that is the same stack, one side serves both.
     symmetric = Stack(tuple(reversed(stack.layers)), stack.base).canonical() == stack.canonical()
     is_sheet = stack.base is None
     sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
     if stack.varying is None:
-        return SolvedRows([None], [full], sides, is_sheet)
+        return SolvedRows([], [0], [None], [full], sides, is_sheet)
     taus = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
     largest = max(taus)
-    rows = [float(tau) for tau in tau_rows(largest)]
+    axis = [float(tau) for tau in tau_rows(largest)]
+    rows = sorted({*range(0, len(axis), stride), len(axis) - 1})
     functions = []
-    for index, tau in enumerate(rows):
-        step(index / len(rows), f"Solving thickness {index + 1} of {len(rows)}")
-        share = tau / largest if largest > 0.0 else 0.0
+    for count, row in enumerate(rows):
+        step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
+        share = axis[row] / largest if largest > 0.0 else 0.0
         functions.append(full.with_thickness(stack.varying, [share * t for t in taus]))
-    return SolvedRows(rows, functions, sides, is_sheet)
+    return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)
 
 
-def slices(solved: SolvedRows, kind: str, grid: LightGrid, step: Callable[[float, str], None]) -> Slices:
-    """Evaluates "reflection" or "transmission" as a viewer on each side sees it."""
-    mu_o = view_cosines()
-    path = {"reflection": "reflect", "transmission": "transmit"}[kind]
-    values, albedos = [], []
-    total = len(solved.sides) * len(solved.functions)
-    for side in solved.sides:
-        # What a viewer sees through a sheet came in on the other side.
-        source = side if kind == "reflection" else {"top": "bottom", "bottom": "top"}[side]
-        for function in solved.functions:
-            step(len(values) / total, f"Evaluating {kind} {len(values) + 1} of {total}")
-            brdf = function.grid(path, mu_o, grid.mu, grid.dphi, side=source)
-            weighted = brdf * grid.mu[None, :, None, None]
-            values.append(np.moveaxis(weighted.reshape(len(mu_o), -1, weighted.shape[-1]), -1, 0))
-            # By reciprocity the directional albedo seen at mu_o is that of a beam from mu_o.
-            if kind == "reflection":
-                albedo = function.reflectance(mu_o, side)
-            else:
-                albedo = function.transmittance(mu_o, side, parts=True)[0]
-            albedos.append(albedo.T)
-    shape = (len(solved.sides), len(solved.functions))
-    values, albedos = np.array(values), np.maximum(albedos, 0.0)
-    return Slices(values.reshape(*shape, *values.shape[1:]), albedos.reshape(*shape, *albedos.shape[1:]))
+def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> Seen:
+    """Evaluates all rows as a viewer on each side sees them; `step` is called before each few."""
+    kinds = ["reflection", "transmission"] if solved.is_sheet else ["reflection"]
+    sights = [(SIDES[side], PATHS[kind]) for kind in kinds for side in solved.sides]
+    made = []
+    for first in range(0, len(solved.functions), ROWS_AT_ONCE):
+        last = min(first + ROWS_AT_ONCE, len(solved.functions))
+        step(first / len(solved.functions), f"Evaluating thickness {first + 1} of {len(solved.functions)}")
+        made.append(_evaluate(solved.functions[first:last], sights, grid, pool))
+    values, albedo, direct = (np.concatenate([part[k] for part in made], axis=1) for k in range(3))
+    by_kind = {}
+    for number, kind in enumerate(kinds):
+        mine = slice(number * len(solved.sides), (number + 1) * len(solved.sides))
+        by_kind[kind] = Slices(values[mine], np.maximum(albedo[mine], 0.0))
+    # Unscattered light shows in the sights of transmission, which come last.
+    return Seen(by_kind, direct[-len(solved.sides):])
 
 
-def direct_light(solved: SolvedRows) -> np.ndarray:
-    """Unscattered transmittance, [side, row, channel, column]."""
-    mu_o = view_cosines()
-    rows = [[f.transmittance(mu_o, side, parts=True)[1].T for f in solved.functions] for side in solved.sides]
-    return np.array(rows)
+def _evaluate(functions: list[ScatteringFunction], sights, grid: LightGrid, pool):
+    """values [sight, row, channel, column, light], albedo and direct [sight, row, channel, column]."""
+    solutions = [solution for function in functions for solution in function.solutions]
+    distinct = list({id(solution): solution for solution in solutions}.values())
+    parts = _core.slices(distinct, sights, view_cosines(), grid.mu, grid.dphi, pool)
+    if len(distinct) < len(solutions):  # channels that are the same problem
+        place = {id(solution): k for k, solution in enumerate(distinct)}
+        parts = [part[:, [place[id(solution)] for solution in solutions]] for part in parts]
+    shape = (len(sights), len(functions), len(functions[0].solutions))
+    return [part.reshape(*shape, *part.shape[2:]) for part in parts]

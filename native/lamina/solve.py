@@ -18,9 +18,10 @@ _SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
 _PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
 
 
-def solve(stack: Stack, quality: str = "final", threads: int = 0) -> ScatteringFunction:
+def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | None = None) -> ScatteringFunction:
     """The scattering function of a stack, to a relative pointwise tolerance (cosines >= .05) of .1 %
     ("final") or 1 % ("preview"). `threads` 0 uses every hardware thread; results do not depend on it.
+    `nodes` takes that many nodes per hemisphere as they are, without a promise: for a quick look.
 
     Raises SolveError, with the numbers, when the finest resolution misses the tolerance.
     Method: discrete ordinates per azimuth order, solved by modes (Nakajima and Tanaka 1986), layers joined
@@ -33,7 +34,7 @@ def solve(stack: Stack, quality: str = "final", threads: int = 0) -> ScatteringF
     for index in range(stack.channels):
         key, layers, base = core_stack(stack, index)
         if key not in solved:
-            solved[key] = _solve_channel(_core.Stack(layers, base), tolerance, pool)
+            solved[key] = _solve_channel(_core.Stack(layers, base), tolerance, pool, nodes)
         channels.append(solved[key])
     return ScatteringFunction(stack, channels, pool)
 
@@ -82,8 +83,10 @@ def _facets(surface: Interface | Conductor, index: int) -> tuple:
     return alpha, surface.distribution, surface.correlated, surface.compensate
 
 
-def _solve_channel(core: _core.Stack, tolerance: float, pool) -> _core.Solution:
+def _solve_channel(core: _core.Stack, tolerance: float, pool, nodes: int | None) -> _core.Solution:
     try:
+        if nodes is not None:
+            return _core.solve_roughly(core, tolerance, nodes, pool)
         return _core.solve(core, tolerance, pool)
     except RuntimeError as error:
         raise SolveError(str(error)) from None

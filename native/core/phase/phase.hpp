@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <Eigen/Core>
 #include <utility>
 #include <variant>
 
@@ -23,6 +24,10 @@ class PhaseFunction {
 
   double evaluate(double cosine) const {
     return std::visit([&](const auto& p) { return p.evaluate(cosine); }, kind_);
+  }
+  /// The same for a list, in place.
+  void evaluate_all(Eigen::ArrayXd& cosines) const {
+    std::visit([&](const auto& p) { cosines = cosines.unaryExpr([&](double c) { return p.evaluate(c); }); }, kind_);
   }
   double moment(int order) const {
     return std::visit([&](const auto& p) { return p.moment(order); }, kind_);

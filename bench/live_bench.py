@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live editing: wall clock from a changed property to the updated image's pixels, all threads, in Blender.
+
+Runs as a process of its own, because of bpy: prints one JSON list. The limit to reach is 33 ms for three
+layers, RGB, over a Lambert base. Blender's own timer, which does not run in the background, would add up to
+4 ms until it looks.
+"""
+
+import importlib
+import json
+import os
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+LIMIT = 33.0
+
+
+def enable():
+    """The add-on of this clone, enabled in a Blender with a user folder of its own."""
+    resources = Path(tempfile.mkdtemp(prefix="lamina-bench-"))
+    os.environ["BLENDER_USER_RESOURCES"] = str(resources)
+    (resources / "extensions/user_default").mkdir(parents=True)
+    (resources / "extensions/user_default/lamina").symlink_to(ROOT / "addon", target_is_directory=True)
+    import bpy  # noqa: F401, I001 (its scripts hold addon_utils)
+    import addon_utils
+
+    return addon_utils.enable("bl_ext.user_default.lamina", default_set=True)
+
+
+class Stages:
+    """Adds up the time that the functions of a module take, by stage."""
+
+    def __init__(self, module, **stages):
+        self.spent = {}
+        for name, stage in stages.items():
+            setattr(module, name, self._timed(getattr(module, name), stage))
+
+    def _timed(self, function, stage):
+        def timed(*arguments, **options):
+            start = time.perf_counter()
+            try:
+                return function(*arguments, **options)
+            finally:
+                self.spent[stage] = self.spent.get(stage, 0.0) + time.perf_counter() - start
+
+        return timed
+
+
+def measure_in_blender(repeats=40):
+    addon = enable()
+    import bpy
+    from bake_bench import STACKS
+
+    solving = Stages(importlib.import_module("lamina.bake"), solve_rows="solve", slices="solve", _fit="fit")
+    rows = []
+    for name, stack in STACKS.items():
+        material = bpy.data.materials.new(name)
+        material.use_nodes = True
+        addon.stack_io.assign_stack(material, stack)
+        addon.bake_job.bake_material(material, "preview")
+        material.lamina.live = True
+        times, parts = [], {"solve": [], "fit": [], "pixels": []}
+        for step in range(repeats + 3):
+            solving.spent.clear()
+            start = time.perf_counter()
+            material.lamina.layers[0].g = 0.3 + 0.001 * step
+            addon.live.poll()
+            # In Blender the main thread is free meanwhile.
+            addon.live.running().wait()
+            before = time.perf_counter()
+            addon.live.poll()
+            end = time.perf_counter()
+            if step < 3:
+                continue
+            times.append(1e3 * (end - start))
+            parts["pixels"].append(1e3 * (end - before))
+            for stage in ("solve", "fit"):
+                parts[stage].append(1e3 * solving.spent[stage])
+        rows.append({"stack": name, "median ms": statistics.median(times),
+                     "p95 ms": statistics.quantiles(times, n=20)[-1], "min ms": min(times),
+                     **{f"{stage} ms": statistics.median(values) for stage, values in parts.items()},
+                     "of limit": statistics.median(times) / LIMIT})
+    return rows
+
+
+def measure():
+    import subprocess
+
+    done = subprocess.run([sys.executable, __file__], check=True, capture_output=True, text=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+if __name__ == "__main__":
+    print(json.dumps(measure_in_blender()))
+    sys.stdout.flush()
+    os._exit(0)  # bpy may hang at the interpreter's exit
