@@ -16,6 +16,11 @@ Assembly::Assembly(const Solution& solution, const Eigen::VectorXd& targets, Thr
   deltas_ = DeltaField(layers(0, false));
 }
 
+Assembly::Assembly(const Solution& solution, const Eigen::VectorXd& targets)
+    : solution_(solution), directions_(solution.directions(targets)) {
+  deltas_ = DeltaField(layers(0, false));
+}
+
 std::vector<ScatteringFunction> Assembly::layers(int order, bool kernels) const {
   const Stack& stack = solution_.stack();
   std::vector<ScatteringFunction> functions;
@@ -23,8 +28,11 @@ std::vector<ScatteringFunction> Assembly::layers(int order, bool kernels) const 
   std::size_t surface = 0;
   const auto rough = [&](const Directions& here) {
     functions.push_back(kernels ? surfaces_[surface][static_cast<std::size_t>(order)]
-                                : ScatteringFunction::nothing(here.size(), here.nodes));
+                                : ScatteringFunction::bare(here.size(), here.nodes));
     ++surface;
+  };
+  const auto push_smooth = [&](ScatteringFunction deltas) {
+    functions.push_back(kernels ? deltas.with_zero_kernels() : std::move(deltas));
   };
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
     const Directions& here = directions_[layer];
@@ -32,7 +40,7 @@ std::vector<ScatteringFunction> Assembly::layers(int order, bool kernels) const 
       if (interface->is_rough(here.ior)) {
         rough(here);
       } else {
-        functions.push_back(smooth_interface(here, directions_[layer + 1]));
+        push_smooth(smooth_interface(here, directions_[layer + 1]));
       }
       continue;
     }
@@ -40,7 +48,7 @@ std::vector<ScatteringFunction> Assembly::layers(int order, bool kernels) const 
     if (kernels) {
       functions.push_back(layer_on(here, solution_.multiple(order, scatterer), medium, order));
     } else {
-      ScatteringFunction direct = ScatteringFunction::nothing(here.size(), here.nodes);
+      ScatteringFunction direct = ScatteringFunction::bare(here.size(), here.nodes);
       direct.transmit.delta = here.spread(direct_transmissions(here.mu, medium.tau));
       functions.push_back(std::move(direct));
     }
@@ -49,11 +57,12 @@ std::vector<ScatteringFunction> Assembly::layers(int order, bool kernels) const 
   const Base& base = stack.base;
   const Directions& bottom = directions_.back();
   if (base.kind == Base::Kind::kLambert) {
-    functions.push_back(ScatteringFunction::lambert(kernels ? base.reflectance : 0.0, order, bottom));
+    functions.push_back(kernels ? ScatteringFunction::lambert(base.reflectance, order, bottom)
+                                : ScatteringFunction::bare(bottom.size(), bottom.nodes));
   } else if (base.kind == Base::Kind::kConductor && base.facets.alpha > 0.0) {
     rough(bottom);
   } else if (base.kind == Base::Kind::kConductor) {
-    functions.push_back(smooth_conductor(base.ior, bottom));
+    push_smooth(smooth_conductor(base.ior, bottom));
   }
   return functions;
 }

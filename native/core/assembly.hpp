@@ -12,6 +12,8 @@ namespace lamina {
 class Assembly {
  public:
   Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool);
+  /// Directions and delta field alone, for any number of targets; nothing can be joined.
+  Assembly(const Solution& solution, const Eigen::VectorXd& targets);
 
   const Solution& solution() const { return solution_; }
   /// Of the media between the layers, top first: one more than layers.

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "assembly.hpp"
 #include "single_scattering.hpp"
@@ -253,15 +252,11 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
                                     const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
   const Targets exact({&mu_o, &mu_i});
   const bool tabulate = exact.mu.size() > AngleTable::kKnots;
-  const Assembly assembly(solution, exact.mu, pool);
-  std::optional<Assembly> table;
-  if (tabulate) {
-    table.emplace(solution, AngleTable::cosines(), pool);
-  }
-  const Assembly& smooth = tabulate ? *table : assembly;
+  const Assembly smooth(solution, tabulate ? AngleTable::cosines() : exact.mu, pool);
   const std::vector<Eigen::MatrixXd> orders =
       smooth_orders(smooth, side, path, smooth.directions().front().targets, pool);
-  const SingleScattering single(assembly, side, path);
+  const Assembly all(solution, exact.mu);
+  const SingleScattering single(all, side, path);
   std::vector<double> values(static_cast<std::size_t>(mu_o.size()));
   constexpr std::size_t kChunk = 1024;
   pool.run((values.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {

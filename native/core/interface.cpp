@@ -8,7 +8,7 @@
 namespace lamina {
 
 ScatteringFunction smooth_interface(const Directions& above, const Directions& below) {
-  ScatteringFunction s = ScatteringFunction::nothing(above.size(), above.nodes);
+  ScatteringFunction s = ScatteringFunction::bare(above.size(), above.nodes);
   const Eigen::Index common = std::min(above.live, below.live);
   s.reflect_above.delta.head(above.live).tail(above.live - common).setOnes();
   s.reflect_below.delta.head(below.live).tail(below.live - common).setOnes();
@@ -27,7 +27,7 @@ ScatteringFunction smooth_interface(const Directions& above, const Directions& b
 }
 
 ScatteringFunction smooth_conductor(std::complex<double> ior, const Directions& above) {
-  ScatteringFunction s = ScatteringFunction::nothing(above.size(), above.nodes);
+  ScatteringFunction s = ScatteringFunction::bare(above.size(), above.nodes);
   const Eigen::VectorXd reflected =
       above.mu.unaryExpr([&](double mu) { return conductor_fresnel(mu, ior / above.ior); });
   s.reflect_above.delta = above.spread(reflected);

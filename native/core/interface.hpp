@@ -15,8 +15,8 @@ inline double fresnel(double mu_above, double mu_below, double ior_above, double
   return 0.5 * (s * s + p * p);
 }
 
-/// A smooth boundary: all its light stays in mirror and refracted directions. Directions that exist on one
-/// side only are totally reflected there.
+/// A smooth boundary: all its light stays in mirror and refracted directions, there are no kernels. Directions that
+/// exist on one side only are totally reflected there.
 ScatteringFunction smooth_interface(const Directions& above, const Directions& below);
 
 /// A polished conductor of complex index n + ik, absolute; nothing comes through.

@@ -21,6 +21,21 @@ struct ScatteringFunction {
             DirectionOperator::zero(size, nodes, views)};
   }
 
+  /// Delta parts alone, all zero; kernels of no size, for lists of targets too long for them.
+  static ScatteringFunction bare(Eigen::Index size, Eigen::Index nodes) {
+    const DirectionOperator none{Eigen::MatrixXd(), Eigen::VectorXd::Zero(size), nodes};
+    return {none, none, none};
+  }
+
+  /// The same with kernels that are zero.
+  ScatteringFunction with_zero_kernels() const {
+    ScatteringFunction s = *this;
+    for (DirectionOperator* part : {&s.reflect_above, &s.transmit, &s.reflect_below}) {
+      part->kernel.setZero(part->delta.size(), part->delta.size());
+    }
+    return s;
+  }
+
   /// Nothing there: light passes unchanged.
   static ScatteringFunction empty(const Directions& directions) {
     ScatteringFunction s = nothing(directions.size(), directions.nodes, directions.views);
