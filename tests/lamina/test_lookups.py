@@ -46,6 +46,14 @@ class TestAgreement:
         assert many == pytest.approx(few, rel=5e-5, abs=1e-15)
 
 
+def test_very_long_lists_cost_no_more_memory_than_their_values():
+    """Each point has cosines of its own: joining them all with each other would take 26 GB."""
+    random = np.random.default_rng(3)
+    o, i, p = random.uniform(0.05, 1.0, 20000), random.uniform(0.05, 1.0, 20000), random.uniform(0.0, 6.0, 20000)
+    solved = lamina.solve(STACKS["rgb on Lambert"])
+    assert solved.brdf(o, i, p)[:20] == pytest.approx(solved.brdf(o[:20], i[:20], p[:20]), rel=5e-5)
+
+
 def test_shapes():
     rgb, grey = lamina.solve(STACKS["rgb on Lambert"]), lamina.solve(STACKS["slab"])
     for solved, channels in ((rgb, 3), (grey, 1)):
