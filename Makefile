@@ -7,9 +7,9 @@ MAKEFLAGS += --no-builtin-rules
 
 # bpy 4.5 LTS runs on Python 3.11 only.
 PYTHON ?= $(shell for p in python3.11 python3 python; do \
-	$$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null && echo $$p && break; done)
+	$$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null && echo $$p && break; done; true)
 # Blender's newer releases run on other Pythons; the extension holds a wheel for each one found here.
-OTHER_PYTHONS := $(shell for p in python3.13 python3.14; do $$p -c 'import venv' 2>/dev/null && echo $$p; done)
+OTHER_PYTHONS := $(shell for p in python3.13 python3.14; do $$p -c 'import venv' 2>/dev/null && echo $$p; done; true)
 
 VENV := .venv
 RUN := $(VENV)/bin/python
