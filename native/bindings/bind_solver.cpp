@@ -2,6 +2,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
+#include <algorithm>
 
 #include "bindings.hpp"
 #include "evaluation.hpp"
@@ -31,7 +32,8 @@ Facets make_facets(double alpha, const std::string& distribution, bool correlate
   return {alpha, distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann, correlated};
 }
 
-/// (values [sight, solution, view, light], albedo [sight, solution, view], direct, alike): see evaluate_slices.
+/// (values [sight, solution, view, light], their lobes or None where no boundary is rough, albedo [sight, solution,
+/// view], direct, alike): see evaluate_slices.
 py::tuple slices(const std::vector<const Solution*>& solutions, const std::vector<std::pair<Side, Path>>& sights,
                  SliceGrid grid, ThreadPool& pool) {
   std::vector<Sight> wanted;
@@ -44,12 +46,16 @@ py::tuple slices(const std::vector<const Solution*>& solutions, const std::vecto
   py::array_t<double> values({tables, count, views, static_cast<py::ssize_t>(grid.lights())});
   py::array_t<double> albedo({tables, count, views});
   py::array_t<double> direct({tables, count, views});
-  const SliceSinks sinks{values.mutable_data(), albedo.mutable_data(), direct.mutable_data()};
+  const bool rough =
+      std::any_of(solutions.begin(), solutions.end(), [](const Solution* s) { return !s->boundaries().empty(); });
+  py::array_t<double> lobes({rough ? tables : 0, count, views, static_cast<py::ssize_t>(grid.lights())});
+  const SliceSinks sinks{values.mutable_data(), rough ? lobes.mutable_data() : nullptr, albedo.mutable_data(),
+                         direct.mutable_data()};
   {
     const py::gil_scoped_release release;
     evaluate_slices(solutions, wanted, grid, sinks, pool);
   }
-  return py::make_tuple(values, albedo, direct);
+  return py::make_tuple(values, rough ? py::object(lobes) : py::none(), albedo, direct);
 }
 
 }  // namespace
@@ -111,6 +117,7 @@ void lamina::bind_solver(py::module_& module) {
           "node_weights",
           [](const Solution& s) -> Eigen::VectorXd { return s.directions(Eigen::VectorXd()).front().weight; })
       .def_property_readonly("checks", &Solution::checks)
+      .def("with_reflectance", &Solution::with_reflectance, py::arg("reflectance"))
       .def("with_thickness", &Solution::with_thickness, py::arg("layer"), py::arg("tau"), py::arg("pool"), unlocked)
       .def(
           "grid",

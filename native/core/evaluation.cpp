@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "assembly.hpp"
-#include "single_scattering.hpp"
+#include "once_scattered.hpp"
 
 namespace lamina {
 namespace {
@@ -52,97 +52,6 @@ std::vector<Eigen::MatrixXd> smooth_orders(const Assembly& assembly, Side side, 
   return orders;
 }
 
-/// Light scattered once, by a medium with its true phase function or by the facets of a rough boundary: it
-/// arrives at either face of the layer and leaves by either, on the paths of the delta field.
-class SingleScattering {
- public:
-  SingleScattering(const Assembly& assembly, Side side, Path path) {
-    const Solution& solution = assembly.solution();
-    const bool leaves_above = (side == Side::kTop) == (path == Path::kReflect);
-    const auto term = [&](std::size_t layer) {
-      const Directions& here = assembly.directions()[layer];
-      const auto& above = assembly.deltas().from_above[layer];
-      const auto& below = assembly.deltas().from_below[layer];
-      const auto& in = side == Side::kTop ? above : below;
-      const auto& out = leaves_above ? above : below;
-      const Eigen::Index count = here.targets;
-      return Term{here.mu.tail(count), in.down.tail(count), in.up.tail(count), out.down.tail(count),
-                  out.up.tail(count)};
-    };
-    for (const Solution::Scatterer& scatterer : solution.scatterers()) {
-      Medium medium{term(scatterer.layer), scatterer.medium.tau,
-                    0.25 / pi * scatterer.medium.single_scattering_albedo() / (scatterer.ior * scatterer.ior),
-                    &scatterer.phase};
-      media_.push_back(std::move(medium));
-    }
-    for (const Solution::Boundary& boundary : solution.boundaries()) {
-      const std::size_t below = std::min(boundary.layer + 1, assembly.directions().size() - 1);
-      const Directions& beyond = assembly.directions()[below];
-      facets_.push_back({term(boundary.layer), beyond.mu.tail(beyond.targets),
-                         assembly.directions()[boundary.layer].ior, beyond.ior, boundary.surface.get()});
-    }
-  }
-
-  double operator()(Eigen::Index o, Eigen::Index i, double dphi) const {
-    double sum = 0.0;
-    const double cosine = std::cos(dphi);
-    for (const Medium& m : media_) {
-      const double mu_o = m.at.mu[o];
-      const double mu_i = m.at.mu[i];
-      const double sines = std::sqrt((1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i)) * cosine;
-      const double turned = m.at.out_down[o] * m.at.in_down[i] + m.at.out_up[o] * m.at.in_up[i];
-      const double passed = m.at.out_down[o] * m.at.in_up[i] + m.at.out_up[o] * m.at.in_down[i];
-      if (turned > 0.0) {
-        sum += m.weight * turned * m.phase->evaluate(sines - mu_o * mu_i) * single_reflection(mu_o, mu_i, m.tau);
-      }
-      if (passed > 0.0) {
-        sum += m.weight * passed * m.phase->evaluate(sines + mu_o * mu_i) * single_transmission(mu_o, mu_i, m.tau);
-      }
-    }
-    for (const Facet& f : facets_) {
-      const auto share = [](double a, double b, auto value) { return a * b > 0.0 ? a * b * value() : 0.0; };
-      const RoughSurface& surface = *f.surface;
-      const double above = 1.0 / (f.ior_above * f.ior_above);
-      const double below = 1.0 / (f.ior_below * f.ior_below);
-      const double through = 1.0 / (f.ior_above * f.ior_below);
-      sum += share(f.at.out_down[o], f.at.in_down[i],
-                   [&] { return above * surface.reflection_above(f.at.mu[o], f.at.mu[i], dphi); });
-      sum += share(f.at.out_up[o], f.at.in_up[i],
-                   [&] { return below * surface.reflection_below(f.mu_below[o], f.mu_below[i], dphi); });
-      sum += share(f.at.out_up[o], f.at.in_down[i],
-                   [&] { return through * surface.transmission(f.mu_below[o], f.at.mu[i], dphi); });
-      sum += share(f.at.out_down[o], f.at.in_up[i],
-                   [&] { return through * surface.transmission(f.mu_below[i], f.at.mu[o], dphi); });
-    }
-    return sum;
-  }
-
- private:
-  /// Cosines of the targets where the layer begins, and what the delta field brings there and takes away.
-  struct Term {
-    Eigen::VectorXd mu;
-    Eigen::VectorXd in_down;
-    Eigen::VectorXd in_up;
-    Eigen::VectorXd out_down;
-    Eigen::VectorXd out_up;
-  };
-  struct Medium {
-    Term at;
-    double tau;
-    double weight;
-    const PhaseFunction* phase;
-  };
-  struct Facet {
-    Term at;
-    Eigen::VectorXd mu_below;
-    double ior_above;
-    double ior_below;
-    const RoughSurface* surface;
-  };
-  std::vector<Medium> media_;
-  std::vector<Facet> facets_;
-};
-
 /// Lagrange's interpolation on six neighbouring knots of a uniform grid in the angle, for lists too long
 /// to be targets themselves.
 struct AngleTable {
@@ -179,8 +88,80 @@ struct AngleTable {
   }
 };
 
-/// Fluxes for beams from all nodes (live in the first medium) and targets, as powers for unit radiance
-/// times scale: at targets relative to the incident flux, at nodes with one factor of scale left.
+}  // namespace
+
+std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
+                                  const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
+  const Targets targets({&mu_o, &mu_i});
+  const Assembly assembly(solution, targets.mu, pool);
+  const std::vector<Eigen::MatrixXd> orders = smooth_orders(assembly, side, path, targets.mu.size(), pool);
+  const OnceScattered once(assembly, side, path);
+  const Eigen::ArrayXd cosines = dphi.array().cos();
+  Eigen::MatrixXd waves(static_cast<Eigen::Index>(orders.size()), dphi.size());
+  for (Eigen::Index m = 0; m < waves.rows(); ++m) {
+    waves.row(m) = (m == 0 ? 1.0 : 2.0) / pi * (static_cast<double>(m) * dphi.array()).cos();
+  }
+  std::vector<double> values(static_cast<std::size_t>(mu_o.size() * mu_i.size() * dphi.size()));
+  pool.run(static_cast<std::size_t>(mu_o.size()), [&](std::size_t row) {
+    const Eigen::Index o = targets.find(mu_o[static_cast<Eigen::Index>(row)]);
+    Eigen::MatrixXd coefficients(mu_i.size(), waves.rows());
+    for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
+      const Eigen::Index column = targets.find(mu_i[i]);
+      for (Eigen::Index m = 0; m < waves.rows(); ++m) {
+        coefficients(i, m) = orders[static_cast<std::size_t>(m)](o, column);
+      }
+    }
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> slice(
+        values.data() + row * static_cast<std::size_t>(mu_i.size() * dphi.size()), mu_i.size(), dphi.size());
+    slice.noalias() = coefficients * waves;
+    for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
+      slice.row(i) += once(o, targets.find(mu_i[i]), cosines).matrix().transpose();
+    }
+  });
+  return values;
+}
+
+std::vector<double> evaluate_points(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
+                                    const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
+  const Targets exact({&mu_o, &mu_i});
+  const bool tabulate = exact.mu.size() > AngleTable::kKnots;
+  const Assembly smooth(solution, tabulate ? AngleTable::cosines() : exact.mu, pool);
+  const std::vector<Eigen::MatrixXd> orders =
+      smooth_orders(smooth, side, path, smooth.directions().front().targets, pool);
+  const Assembly all(solution, exact.mu);
+  const OnceScattered once(all, side, path);
+  std::vector<double> values(static_cast<std::size_t>(mu_o.size()));
+  constexpr std::size_t kChunk = 1024;
+  pool.run((values.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    for (std::size_t k = chunk * kChunk; k < std::min(values.size(), (chunk + 1) * kChunk); ++k) {
+      const auto point = static_cast<Eigen::Index>(k);
+      const double o = mu_o[point];
+      const double i = mu_i[point];
+      const auto read = [&](const Eigen::MatrixXd& order) {
+        if (!tabulate) {
+          return order(exact.find(o), exact.find(i));
+        }
+        const AngleTable::Stencil rows = AngleTable::stencil(o);
+        const AngleTable::Stencil columns = AngleTable::stencil(i);
+        double sum = 0.0;
+        for (std::size_t a = 0; a < rows.weights.size(); ++a) {
+          for (std::size_t b = 0; b < columns.weights.size(); ++b) {
+            sum += rows.weights[a] * columns.weights[b] *
+                   order(rows.first + static_cast<Eigen::Index>(a), columns.first + static_cast<Eigen::Index>(b));
+          }
+        }
+        return sum;
+      };
+      double sum = 0.0;
+      for (std::size_t m = 0; m < orders.size(); ++m) {
+        sum += (m == 0 ? 1.0 : 2.0) * std::cos(static_cast<double>(m) * dphi[point]) * read(orders[m]);
+      }
+      values[k] = sum / pi + once(exact.find(o), exact.find(i), Eigen::ArrayXd::Constant(1, std::cos(dphi[point])))[0];
+    }
+  });
+  return values;
+}
+
 Fluxes fluxes_on(const Assembly& assembly, Side side) {
   const Solution& solution = assembly.solution();
   const std::vector<Directions>& directions = assembly.directions();
@@ -212,81 +193,6 @@ Fluxes fluxes_on(const Assembly& assembly, Side side) {
   result.direct = s.transmit.delta.cwiseProduct((-longer.array()).exp().matrix()).cwiseProduct(own);
   result.transmitted = passed + s.transmit.delta.cwiseProduct(own) - result.direct;
   return result;
-}
-
-}  // namespace
-
-std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
-                                  const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
-  const Targets targets({&mu_o, &mu_i});
-  const Assembly assembly(solution, targets.mu, pool);
-  const std::vector<Eigen::MatrixXd> orders = smooth_orders(assembly, side, path, targets.mu.size(), pool);
-  const SingleScattering single(assembly, side, path);
-  Eigen::MatrixXd waves(static_cast<Eigen::Index>(orders.size()), dphi.size());
-  for (Eigen::Index m = 0; m < waves.rows(); ++m) {
-    waves.row(m) = (m == 0 ? 1.0 : 2.0) / pi * (static_cast<double>(m) * dphi.array()).cos();
-  }
-  std::vector<double> values(static_cast<std::size_t>(mu_o.size() * mu_i.size() * dphi.size()));
-  pool.run(static_cast<std::size_t>(mu_o.size()), [&](std::size_t row) {
-    const Eigen::Index o = targets.find(mu_o[static_cast<Eigen::Index>(row)]);
-    Eigen::MatrixXd coefficients(mu_i.size(), waves.rows());
-    for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
-      const Eigen::Index column = targets.find(mu_i[i]);
-      for (Eigen::Index m = 0; m < waves.rows(); ++m) {
-        coefficients(i, m) = orders[static_cast<std::size_t>(m)](o, column);
-      }
-    }
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> slice(
-        values.data() + row * static_cast<std::size_t>(mu_i.size() * dphi.size()), mu_i.size(), dphi.size());
-    slice.noalias() = coefficients * waves;
-    for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
-      for (Eigen::Index p = 0; p < dphi.size(); ++p) {
-        slice(i, p) += single(o, targets.find(mu_i[i]), dphi[p]);
-      }
-    }
-  });
-  return values;
-}
-
-std::vector<double> evaluate_points(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
-                                    const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
-  const Targets exact({&mu_o, &mu_i});
-  const bool tabulate = exact.mu.size() > AngleTable::kKnots;
-  const Assembly smooth(solution, tabulate ? AngleTable::cosines() : exact.mu, pool);
-  const std::vector<Eigen::MatrixXd> orders =
-      smooth_orders(smooth, side, path, smooth.directions().front().targets, pool);
-  const Assembly all(solution, exact.mu);
-  const SingleScattering single(all, side, path);
-  std::vector<double> values(static_cast<std::size_t>(mu_o.size()));
-  constexpr std::size_t kChunk = 1024;
-  pool.run((values.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    for (std::size_t k = chunk * kChunk; k < std::min(values.size(), (chunk + 1) * kChunk); ++k) {
-      const auto point = static_cast<Eigen::Index>(k);
-      const double o = mu_o[point];
-      const double i = mu_i[point];
-      const auto read = [&](const Eigen::MatrixXd& order) {
-        if (!tabulate) {
-          return order(exact.find(o), exact.find(i));
-        }
-        const AngleTable::Stencil rows = AngleTable::stencil(o);
-        const AngleTable::Stencil columns = AngleTable::stencil(i);
-        double sum = 0.0;
-        for (std::size_t a = 0; a < rows.weights.size(); ++a) {
-          for (std::size_t b = 0; b < columns.weights.size(); ++b) {
-            sum += rows.weights[a] * columns.weights[b] *
-                   order(rows.first + static_cast<Eigen::Index>(a), columns.first + static_cast<Eigen::Index>(b));
-          }
-        }
-        return sum;
-      };
-      double sum = 0.0;
-      for (std::size_t m = 0; m < orders.size(); ++m) {
-        sum += (m == 0 ? 1.0 : 2.0) * std::cos(static_cast<double>(m) * dphi[point]) * read(orders[m]);
-      }
-      values[k] = sum / pi + single(exact.find(o), exact.find(i), dphi[point]);
-    }
-  });
-  return values;
 }
 
 Fluxes fluxes(const Solution& solution, Side side, const Eigen::VectorXd& mu, ThreadPool& pool) {

@@ -7,6 +7,8 @@
 
 namespace lamina {
 
+class Assembly;
+
 enum class Side { kTop, kBottom };
 enum class Path { kReflect, kTransmit };
 
@@ -28,6 +30,10 @@ struct Fluxes {
   Eigen::VectorXd direct;       ///< the unscattered beam
 };
 Fluxes fluxes(const Solution& solution, Side side, const Eigen::VectorXd& mu, ThreadPool& pool);
+
+/// For beams from all directions of an assembly, as powers for unit radiance times scale: at targets relative to
+/// the incident flux, at nodes with one factor of scale left.
+Fluxes fluxes_on(const Assembly& assembly, Side side);
 
 /// The same for uniform diffuse light.
 Fluxes diffuse_fluxes(const Solution& solution, Side side, ThreadPool& pool);

@@ -72,8 +72,6 @@ void require_no_gain(double gained) {
   }
 }
 
-ArrayXd one_azimuth(double dphi) { return ArrayXd::Constant(1, std::cos(dphi)); }
-
 }  // namespace
 
 int orders_for(double alpha) { return static_cast<int>(std::ceil(6.0 / alpha)); }
@@ -167,16 +165,16 @@ std::vector<ScatteringFunction> RoughSurface::on(const Directions& above, const 
   return orders;
 }
 
-double RoughSurface::reflection_above(double mu_o, double mu_i, double dphi) const {
-  return reflect_above_(mu_o, mu_i, one_azimuth(dphi))[0] / pi;
+ArrayXd RoughSurface::reflection_above(double mu_o, double mu_i, const ArrayXd& cosines) const {
+  return reflect_above_(mu_o, mu_i, cosines) / pi;
 }
 
-double RoughSurface::reflection_below(double mu_o, double mu_i, double dphi) const {
-  return reflect_below_ ? reflect_below_(mu_o, mu_i, one_azimuth(dphi))[0] / pi : 0.0;
+ArrayXd RoughSurface::reflection_below(double mu_o, double mu_i, const ArrayXd& cosines) const {
+  return reflect_below_ ? (reflect_below_(mu_o, mu_i, cosines) / pi).eval() : ArrayXd::Zero(cosines.size()).eval();
 }
 
-double RoughSurface::transmission(double mu_below, double mu_above, double dphi) const {
-  return transmit_ ? transmit_(mu_below, mu_above, one_azimuth(dphi))[0] / pi : 0.0;
+ArrayXd RoughSurface::transmission(double mu_below, double mu_above, const ArrayXd& cosines) const {
+  return transmit_ ? (transmit_(mu_below, mu_above, cosines) / pi).eval() : ArrayXd::Zero(cosines.size()).eval();
 }
 
 }  // namespace lamina

@@ -23,11 +23,12 @@ class RoughSurface {
   /// is given back is smooth and there.
   std::vector<ScatteringFunction> on(const Directions& above, const Directions& below, ThreadPool& pool) const;
 
-  /// BRDF and BTDF of the lobes in closed form, for directions in the media at the boundary.
-  double reflection_above(double mu_o, double mu_i, double dphi) const;
-  double reflection_below(double mu_o, double mu_i, double dphi) const;
+  /// BRDF and BTDF of the lobes in closed form, for directions in the media at the boundary, at azimuths dphi of
+  /// these cosines.
+  Eigen::ArrayXd reflection_above(double mu_o, double mu_i, const Eigen::ArrayXd& cosines) const;
+  Eigen::ArrayXd reflection_below(double mu_o, double mu_i, const Eigen::ArrayXd& cosines) const;
   /// From above to below, divided by the square of the index below: the same in both senses.
-  double transmission(double mu_below, double mu_above, double dphi) const;
+  Eigen::ArrayXd transmission(double mu_below, double mu_above, const Eigen::ArrayXd& cosines) const;
 
  private:
   using Lobe = LobeOperator::Lobe;

@@ -60,6 +60,15 @@ Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& poo
   return other;
 }
 
+Solution Solution::with_reflectance(double reflectance) const {
+  if (stack_.base.kind != Base::Kind::kLambert) {
+    throw std::invalid_argument("with_reflectance: the base is not a Lambert surface");
+  }
+  Solution other = *this;
+  other.stack_.base.reflectance = reflectance;
+  return other;
+}
+
 void Solution::solve(ThreadPool& pool) {
   multiple_.clear();
   checks_ = SolveChecks{};

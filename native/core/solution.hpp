@@ -23,6 +23,9 @@ class Solution {
   /// and may grow: not for several threads at once.
   Solution with_thickness(std::size_t layer, double tau, ThreadPool& pool) const;
 
+  /// The same stack over a Lambert surface of another reflectance, which no layer's own function depends on.
+  Solution with_reflectance(double reflectance) const;
+
   const Stack& stack() const { return stack_; }
   const Resolution& resolution() const { return resolution_; }
   const SolveChecks& checks() const { return checks_; }

@@ -88,13 +88,15 @@ class Conductor:
 
 @dataclass(frozen=True)
 class Lambert:
-    """An ideally diffuse surface of the given reflectance, [0, 1]."""
+    """An ideally diffuse surface of the given reflectance, [0, 1]. `textured`: the baked material takes it as an
+    input, of which this is the usual value."""
 
     reflectance: Channels
+    textured: bool = False
 
     kind = "lambert"
     fields = (Field("reflectance", 0.0, 1.0, UNIT),)
-    choices = {}
+    choices = {"textured": (False, True)}
 
 
 @dataclass(frozen=True)

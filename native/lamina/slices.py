@@ -24,18 +24,13 @@ ROWS_AT_ONCE = 4
 @dataclass(frozen=True)
 class Slices:
     """`values`: f * cos(theta_i) in 1/sr, [side, row, channel, column, light]; `albedo`: their exact
-    integrals, [side, row, channel, column]."""
+    integrals, [side, row, channel, column]; `lobes`: the part of the values that facets of rough boundaries
+    scatter once, or None where all are smooth; `direct`: what mirrors reflect or what passes unscattered, as
+    albedo."""
 
     values: np.ndarray
     albedo: np.ndarray
-
-
-@dataclass(frozen=True)
-class Seen:
-    """The slices of each kind, "reflection" and for sheets "transmission", and the unscattered transmittance
-    [side, row, channel, column], 0 where there is none."""
-
-    kinds: dict[str, Slices]
+    lobes: np.ndarray | None
     direct: np.ndarray
 
 
@@ -77,8 +72,9 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)
 
 
-def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> Seen:
-    """Evaluates all rows as a viewer on each side sees them; `step` is called before each few."""
+def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> dict[str, Slices]:
+    """Of each kind, "reflection" and for sheets "transmission", all rows as a viewer on each side sees them;
+    `step` is called before each few."""
     kinds = ["reflection", "transmission"] if solved.is_sheet else ["reflection"]
     sights = [(SIDES[side], PATHS[kind]) for kind in kinds for side in solved.sides]
     made = []
@@ -86,22 +82,28 @@ def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str
         last = min(first + ROWS_AT_ONCE, len(solved.functions))
         step(first / len(solved.functions), f"Evaluating thickness {first + 1} of {len(solved.functions)}")
         made.append(_evaluate(solved.functions[first:last], sights, grid, pool))
-    values, albedo, direct = (np.concatenate([part[k] for part in made], axis=1) for k in range(3))
+    values, lobes, albedo, direct = (
+        None if parts[0] is None else np.concatenate(parts, axis=1) for parts in zip(*made, strict=True))
     by_kind = {}
     for number, kind in enumerate(kinds):
         mine = slice(number * len(solved.sides), (number + 1) * len(solved.sides))
-        by_kind[kind] = Slices(values[mine], np.maximum(albedo[mine], 0.0))
-    # Unscattered light shows in the sights of transmission, which come last.
-    return Seen(by_kind, direct[-len(solved.sides):])
+        by_kind[kind] = Slices(values[mine], np.maximum(albedo[mine], 0.0), None if lobes is None else lobes[mine],
+                               direct[mine])
+    return by_kind
 
 
 def _evaluate(functions: list[ScatteringFunction], sights, grid: LightGrid, pool):
-    """values [sight, row, channel, column, light], albedo and direct [sight, row, channel, column]."""
+    """values [sight, row, channel, column, light], their lobes or None, albedo and direct [sight, row, channel,
+    column]."""
     solutions = [solution for function in functions for solution in function.solutions]
     distinct = list({id(solution): solution for solution in solutions}.values())
     parts = _core.slices(distinct, sights, view_cosines(), grid.mu, grid.dphi, pool)
-    if len(distinct) < len(solutions):  # channels that are the same problem
-        place = {id(solution): k for k, solution in enumerate(distinct)}
-        parts = [part[:, [place[id(solution)] for solution in solutions]] for part in parts]
+    place = {id(solution): k for k, solution in enumerate(distinct)}
+    every = [place[id(solution)] for solution in solutions]  # channels may be the same problem
     shape = (len(sights), len(functions), len(functions[0].solutions))
-    return [part.reshape(*shape, *part.shape[2:]) for part in parts]
+
+    def by_channel(part):
+        part = part if len(distinct) == len(solutions) else part[:, every]
+        return part.reshape(*shape, *part.shape[2:])
+
+    return [None if part is None else by_channel(part) for part in parts]

@@ -133,6 +133,12 @@ class ScatteringFunction:
             channels.append(made[key])
         return ScatteringFunction(self.stack, channels, self._pool)
 
+    def with_base_reflectance(self, reflectance: float) -> ScatteringFunction:
+        """The same layers over a Lambert surface of another reflectance, one for all channels; costs next to
+        nothing. Raises ValueError for another kind of base."""
+        made = {id(solution): solution.with_reflectance(reflectance) for solution in self._channels}
+        return ScatteringFunction(self.stack, [made[id(solution)] for solution in self._channels], self._pool)
+
     def brdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
         """BRDF in 1/sr, without mirror parts. `mu_o`, `mu_i` in (0, 1], `dphi` in radians with 0 forward
         (light keeps its azimuth); arrays broadcast. Shape: broadcast + (channels,). Raises ValueError."""

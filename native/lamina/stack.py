@@ -230,17 +230,20 @@ def _check_base(base):
 
 def _plain(thing) -> dict:
     """JSON form of a base or an interface; choices that are the usual ones are left out."""
-    entry = {"kind": thing.kind, **{q.name: to_plain(getattr(thing, q.name)) for q in thing.fields}}
-    entry.update({name: getattr(thing, name) for name, allowed in thing.choices.items()
-                  if getattr(thing, name) != allowed[0]})
+    entry = {"kind": thing.kind, **{q.name: to_plain(getattr(thing, q.name)) for q in thing.fields}, **_unusual(thing)}
     if isinstance(thing, HalfSpace):
         entry["phase"] = thing.phase.to_json()
     return entry
 
 
+def _unusual(thing) -> dict:
+    """Choices that are not the usual ones: what is new stays out of the hashes of what was before."""
+    return {name: getattr(thing, name) for name, allowed in thing.choices.items() if getattr(thing, name) != allowed[0]}
+
+
 def _canonical(thing, channels: int) -> dict:
-    """The same with every quantity repeated for each channel, and all choices."""
-    entry = {"kind": thing.kind, **{name: getattr(thing, name) for name in thing.choices}}
+    """The same with every quantity repeated for each channel."""
+    entry = {"kind": thing.kind, **_unusual(thing)}
     for quantity in thing.fields:
         value = getattr(thing, quantity.name)
         entry[quantity.name] = [to_plain(channel(value, c)) for c in range(channels)]

@@ -134,7 +134,7 @@ BAD = [
     (("base", "kind"), "mirror", "base.kind = 'mirror': must be one of lambert, black, half-space, conductor"),
     (("base", "reflectance"), 2, "base.reflectance = 2: must lie in [0, 1]"),
     (("base", "reflectance"), ..., "base.reflectance is missing: must be given"),
-    (("base", "phase"), {"kind": "isotropic"}, "base.phase: unknown key; known are kind, reflectance"),
+    (("base", "phase"), {"kind": "isotropic"}, "base.phase: unknown key; known are kind, reflectance, textured"),
 ]
 
 

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A closure of Cycles as Lamina sees it: a closed form and a node recipe.
+
+Conventions: `mu_o`, `mu_i` in (0, 1] are the cosines of viewer and light with the normal, `dphi` in
+radians is 0 when the light keeps its azimuth (forward) and pi back towards the light.  The viewer is
+at (sin theta_o, 0, cos theta_o), so the light is at (-sin theta_i cos dphi, -sin theta_i sin dphi,
++-cos theta_i): above the surface for a reflection lobe, below it for a transmission lobe.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+Normal = str | tuple[str, float]
+Evaluate = Callable[..., np.ndarray]
+
+GEOMETRIC = "N"
+INCOMING = "I"
+
+
+@dataclass(frozen=True)
+class NodeRecipe:
+    """How to build a closure out of one shader node; plain data, interpreted by the add-on.
+
+    `weight_input` takes the linear RGB weight.  `inputs` are socket values by name, `enums` are node
+    properties.  `normal` (fed into the socket `normal_input`) is "N", "I", "N+I", "N+R" (normalised
+    sums; R mirrors I at N), ("lean", share): R + share N, or ("tilt", degrees): N turned towards the
+    viewer, in the plane of incidence.  `vectors` are further sockets that take such a direction: "I" is
+    the vector Geometry.Incoming, "T" the one in the plane of incidence that is square to it.
+    `invert_ior_on_backface`: Cycles takes 1/IOR on back faces, so the graph has to feed it 1/IOR there
+    for the same lobe on both sides.
+    """
+
+    type: str
+    weight_input: str = "Color"
+    inputs: Mapping[str, object] = field(default_factory=dict)
+    enums: Mapping[str, str] = field(default_factory=dict)
+    normal: Normal = GEOMETRIC
+    normal_input: str = "Normal"
+    vectors: Mapping[str, Normal] = field(default_factory=dict)
+    invert_ior_on_backface: bool = False
+
+
+@dataclass(frozen=True)
+class Lobe:
+    """One closure of unit weight: `evaluate(mu_o, mu_i, dphi)` -> f * |cos theta_i|, broadcast, 1/sr. `narrow`:
+    so much so that integrals need directions dense about the mirror direction."""
+
+    id: str
+    side: str
+    evaluate: Evaluate = field(repr=False, compare=False)
+    node: NodeRecipe = field(repr=False, compare=False)
+    narrow: bool = False
+
+    @property
+    def leans(self) -> bool:
+        """Whether it is about another direction than the normal or its mirror image, and can cross the horizon.
+        Such a lobe's integral over all directions is 1."""
+        return self.node.normal != GEOMETRIC or self.strays
+
+    @property
+    def strays(self) -> bool:
+        """Whether Cycles samples it beyond the horizon: a lobe about the direction straight through."""
+        return self.node.type == "ShaderNodeBsdfHair"
+
+
+class Geometry:
+    """The two directions of a configuration in the frame whose z axis is the surface normal."""
+
+    def __init__(self, mu_o, mu_i, dphi, below: bool = False):
+        self.mu_o, self.mu_i, dphi = np.broadcast_arrays(*(np.asarray(x, float) for x in (mu_o, mu_i, dphi)))
+        self.sin_o = np.sqrt(np.maximum(0.0, 1.0 - self.mu_o**2))
+        self.sin_i = np.sqrt(np.maximum(0.0, 1.0 - self.mu_i**2))
+        self.light_x = -self.sin_i * np.cos(dphi)
+        self.light_y = -self.sin_i * np.sin(dphi)
+        self.light_z = -self.mu_i if below else self.mu_i
+        self.cos_between = self.sin_o * self.light_x + self.mu_o * self.light_z
+
+    def cos_half(self):
+        """Cosine between the half vector and either direction."""
+        return np.sqrt(np.maximum(0.0, 0.5 * (1.0 + self.cos_between)))
+
+    def along(self, normal: Normal):
+        """Cosine of the light with a (possibly tilted) normal, which lies in the plane of incidence."""
+        x, z = self.normal(normal)
+        return x * self.light_x + z * self.light_z
+
+    def normal(self, normal: Normal):
+        """The (x, z) components of a named normal; see `NodeRecipe`."""
+        if normal == "N":
+            return np.zeros_like(self.mu_o), np.ones_like(self.mu_o)
+        if normal == "I":
+            return self.sin_o, self.mu_o
+        if normal in ("N+I", "N+R"):
+            half_cosine = np.sqrt(0.5 * (1.0 + self.mu_o))
+            half_sine = np.sqrt(0.5 * (1.0 - self.mu_o))
+            return (half_sine if normal == "N+I" else -half_sine), half_cosine
+        if isinstance(normal, tuple) and normal[0] == "lean":
+            length = np.sqrt(self.sin_o**2 + (self.mu_o + normal[1]) ** 2)
+            return -self.sin_o / length, (self.mu_o + normal[1]) / length
+        if isinstance(normal, tuple) and normal[0] == "tilt":
+            angle = np.radians(normal[1])
+            return np.full_like(self.mu_o, np.sin(angle)), np.full_like(self.mu_o, np.cos(angle))
+        raise ValueError(f"normal = {normal!r}: must be 'N', 'I', 'N+I', 'N+R', ('lean', share) or ('tilt', degrees)")
+
+
+def number(x: float) -> str:
+    """A number as part of an id."""
+    return f"{x:g}".replace(".", "").replace("-", "m")

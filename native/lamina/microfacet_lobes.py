@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closures made of microfacets: GGX and Beckmann, with and without Fresnel's factor, and mirrors.
+
+Height-correlated Smith masking throughout, as Cycles has it.  These closures stay about the normal: Cycles
+4.5 samples tilted microfacets wrongly.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+from .lobe import INCOMING, Geometry, Lobe, NodeRecipe, number
+
+
+def _smith_lambda(x, y, z, alpha_x, alpha_y):
+    """Smith's Lambda of the GGX distribution for the direction (x, y, z)."""
+    slope2 = ((alpha_x * x) ** 2 + (alpha_y * y) ** 2) / np.maximum(z * z, 1e-300)
+    return 0.5 * (np.sqrt(1.0 + slope2) - 1.0)
+
+
+def _ggx_reflection(g: Geometry, alpha_x: float, alpha_y: float):
+    """D G2 / (4 mu_o) with height-correlated Smith masking; x is the plane of incidence.
+
+    For alpha_x = alpha_y = 1 this is mu_i / (2 pi (mu_o + mu_i)), the law of Lommel and Seeliger.
+    """
+    half_x, half_y, half_z = g.sin_o + g.light_x, g.light_y, g.mu_o + g.mu_i
+    length2 = half_x**2 + half_y**2 + half_z**2
+    stretched = (half_x / alpha_x) ** 2 + (half_y / alpha_y) ** 2 + half_z**2
+    density = (length2 / stretched) ** 2 / (np.pi * alpha_x * alpha_y)
+    masking = 1.0 + _smith_lambda(g.sin_o, 0.0, g.mu_o, alpha_x, alpha_y)
+    masking = masking + _smith_lambda(g.light_x, g.light_y, g.mu_i, alpha_x, alpha_y)
+    return density / (4.0 * g.mu_o * masking)
+
+
+def ggx(roughness: float, anisotropy: float = 0.0, name: str = "") -> Lobe:
+    """Glossy BSDF, distribution GGX (never Multiscatter), without Fresnel.
+
+    Positive `anisotropy` makes it narrow in the plane of incidence and wide across it: the tangent is
+    the incoming direction, so the lobe turns with the viewer.
+    """
+    alpha = roughness**2
+    squeeze = 1.0 - abs(anisotropy)
+    narrow, wide = alpha * squeeze, min(1.0, alpha / squeeze)  # Cycles clamps alpha to 1
+    alpha_x, alpha_y = (narrow, wide) if anisotropy > 0 else (wide, narrow)
+
+    def evaluate(mu_o, mu_i, dphi):
+        return _ggx_reflection(Geometry(mu_o, mu_i, dphi), alpha_x, alpha_y)
+
+    name = name or f"ggx_{number(roughness)}" + (f"_a{number(anisotropy)}" if anisotropy else "")
+    node = NodeRecipe(
+        "ShaderNodeBsdfAnisotropic",
+        inputs={"Roughness": roughness, "Anisotropy": anisotropy, "Rotation": 0.0},
+        enums={"distribution": "GGX"},
+        vectors={"Tangent": INCOMING} if anisotropy else {},
+    )
+    return Lobe(name, "reflection", evaluate, node, narrow=roughness < 0.65)
+
+
+def _fresnel(cosine, ior: float):
+    """Unpolarised reflectance of a dielectric of relative index `ior`; 1 beyond the critical angle."""
+    refracted2 = ior * ior - 1.0 + cosine**2
+    g = np.sqrt(np.maximum(refracted2, 0.0))
+    a = (g - cosine) / (g + cosine)
+    b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
+    return np.where(refracted2 > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)
+
+
+def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:
+    """P(n): GGX times (F - F0) / (1 - F0), a Lommel-Seeliger lobe with a forward phase function.
+
+    F depends on half the scattering angle alone.  The node is a Principled BSDF with everything but
+    its specular layer black; the tint of a coat of index 1, seen along its own normal, is a linear
+    weight without an upper limit.
+    """
+    alpha = roughness**2
+    normal_reflectance = ((ior - 1.0) / (ior + 1.0)) ** 2
+
+    def evaluate(mu_o, mu_i, dphi):
+        g = Geometry(mu_o, mu_i, dphi)
+        fresnel = (_fresnel(g.cos_half(), ior) - normal_reflectance) / (1.0 - normal_reflectance)
+        return np.maximum(fresnel, 0.0) * _ggx_reflection(g, alpha, alpha)
+
+    black = (0.0, 0.0, 0.0, 1.0)
+    node = NodeRecipe(
+        "ShaderNodeBsdfPrincipled",
+        weight_input="Coat Tint",
+        inputs={
+            "Base Color": black, "Metallic": 0.0, "Roughness": roughness, "IOR": ior,
+            "Specular IOR Level": 0.5, "Specular Tint": black, "Coat Weight": 1.0, "Coat IOR": 1.0,
+        },
+        enums={"distribution": "GGX"},
+        vectors={"Coat Normal": INCOMING},
+    )
+    name = name or f"p{number(ior)}" + (f"_{number(roughness)}" if roughness != 1.0 else "")
+    return Lobe(name, "reflection", evaluate, node, narrow=roughness < 0.65)
+
+
+def beckmann(roughness: float, name: str = "") -> Lobe:
+    """Glossy BSDF, distribution Beckmann, without Fresnel; Lambda by Walter's rational fit (2007), as in Cycles."""
+    alpha = roughness**2
+
+    def evaluate(mu_o, mu_i, dphi):
+        g = Geometry(mu_o, mu_i, dphi)
+        half_x, half_y, half_z = g.sin_o + g.light_x, g.light_y, g.mu_o + g.mu_i
+        slope2 = (half_x**2 + half_y**2) / np.maximum(half_z**2, 1e-300) / alpha**2
+        cos2 = half_z**2 / (half_x**2 + half_y**2 + half_z**2)
+        density = np.exp(-slope2) / (np.pi * alpha**2 * cos2**2)
+        masking = 1.0 + _beckmann_lambda(g.mu_o, alpha) + _beckmann_lambda(g.mu_i, alpha)
+        return density / (4.0 * g.mu_o * masking)
+
+    node = NodeRecipe(
+        "ShaderNodeBsdfAnisotropic", inputs={"Roughness": roughness, "Anisotropy": 0.0},
+        enums={"distribution": "BECKMANN"},
+    )
+    return Lobe(name or f"beckmann_{number(roughness)}", "reflection", evaluate, node, narrow=roughness < 0.65)
+
+
+def _beckmann_lambda(cosine, alpha: float):
+    a = cosine / (alpha * np.sqrt(np.maximum(1.0 - cosine**2, 1e-300)))
+    return np.where(a < 1.6, (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), 0.0)
+
+
+def mirror(roughness: float) -> NodeRecipe:
+    """Recipe of the closure that shows a mirror's light: Glossy GGX, sharp at roughness 0."""
+    return NodeRecipe(
+        "ShaderNodeBsdfAnisotropic", inputs={"Roughness": roughness, "Anisotropy": 0.0}, enums={"distribution": "GGX"}
+    )
