@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
+from . import colours, metals
 from .bake import bake
 from .errors import Cancelled, LutError, SolveError, StackError
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
@@ -41,5 +42,7 @@ __all__ = [
     "StackError",
     "Tabulated",
     "bake",
+    "colours",
+    "metals",
     "solve",
 ]
