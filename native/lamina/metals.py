@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from .errors import StackError
+from .errors import StackError, unknown
 from .fields import channel
 from .layers import Conductor
 
@@ -50,19 +50,19 @@ def names() -> list[str]:
 
 
 def conductor(name: str, alpha: float = 0.0, distribution: str = "ggx") -> Conductor:
-    """A metal of the table, at 615, 545 and 465 nm, in air. Raises KeyError for an unknown one."""
+    """A metal of the table, at 615, 545 and 465 nm, in air. Raises UnknownName, a KeyError and StackError."""
     eta, k, _ = _entry(name)
     return Conductor(eta, k, alpha, distribution)
 
 
 def source(name: str) -> str:
-    """Where a metal's indices come from. Raises KeyError for an unknown one."""
+    """Where a metal's indices come from. Raises UnknownName, a KeyError and StackError."""
     return f"{_entry(name)[2]}; at 615, 545 and 465 nm, interpolated"
 
 
 def _entry(name: str):
     if name not in METALS:
-        raise KeyError(f"metal = {name!r}: must be one of {', '.join(names())}")
+        raise unknown("metal", name, names())
     return METALS[name]
 
 
