@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 from .errors import StackError, unknown
-from .fields import channel
+from .fields import channel, channel_count, check_forms
 from .layers import Conductor
 
 WAVELENGTHS = (615.0, 545.0, 465.0)  # nm: R, G, B
@@ -74,9 +75,12 @@ def reflectance(mu: float, eta: float, k: float) -> float:
     return 0.5 * (abs(across) ** 2 + abs(along) ** 2)
 
 
-def colours_of(metal: Conductor, channels: int = 3) -> tuple[list[float], list[float]]:
-    """(facing, grazing) colours of a checked conductor: reflectances at 0 and 82 degrees, one a channel."""
-    eta, k = indices_of(metal, channels, "conductor")
+def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
+    """(facing, grazing) colours of a conductor, given in either form: its reflectances in air at 0 and 82 degrees,
+    one a channel. Raises StackError."""
+    values = check_forms(metal, "conductor")
+    channels = channel_count([(f"conductor.{name}", value) for name, value in values.items()])
+    eta, k = indices_of(replace(metal, **values), channels, "conductor")
     pairs = [(channel(eta, c), channel(k, c)) for c in range(channels)]
     return [reflectance(1.0, *pair) for pair in pairs], [reflectance(GRAZING, *pair) for pair in pairs]
 

@@ -37,6 +37,15 @@ def test_the_metals_have_the_colours_that_they_are_known_for():
         assert min(metals.colours_of(metals.conductor(light))[0]) > 0.88
 
 
+def test_colours_of_either_form():
+    facing, grazing = metals.colours_of(Conductor([0.2, 1.0], 3.0))
+    assert facing == pytest.approx([(0.8**2 + 9) / (1.2**2 + 9), 9 / 13], rel=1e-12)
+    assert metals.colours_of(Conductor(facing=0.8, grazing=0.85)) == (pytest.approx([0.8]), pytest.approx([0.85]))
+    with pytest.raises(StackError, match=r"^conductor.eta = 0: must lie in \[0.001, 100\]$"):
+        metals.colours_of(Conductor(0, 3.0))
+    assert len(grazing) == 2
+
+
 def test_measured_points():
     """Johnson and Christy (1972): gold at 616.8 nm and 582.1 nm is .21 + 3.272 i and .29 + 2.863 i."""
     red = metals.conductor("gold")
