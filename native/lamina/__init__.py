@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
+from . import colours, metals, presets
 from .bake import bake
-from .errors import Cancelled, LutError, SolveError, StackError
+from .errors import Cancelled, LutError, SolveError, StackError, UnknownName
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
 from .phase import (
@@ -40,6 +41,10 @@ __all__ = [
     "Stack",
     "StackError",
     "Tabulated",
+    "UnknownName",
     "bake",
+    "colours",
+    "metals",
+    "presets",
     "solve",
 ]

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: python -m lamina bake | report."""
+"""The command line: python -m lamina bake | report | presets."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import time
 from pathlib import Path
 
+from . import presets
 from .bake import bake
 from .errors import Cancelled, LutError, SolveError, StackError
 from .lut import Lut
@@ -56,6 +58,10 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("report", help="say what a lookup table holds and how good it is")
     command.add_argument("lut", metavar="LUT.npz")
     command.set_defaults(run=_report)
+    command = commands.add_parser("presets", help="list the library of stacks, or print one as JSON")
+    command.add_argument("id", nargs="?", metavar="ID", help="the preset to print")
+    command.add_argument("--json", action="store_true", help="the list as JSON")
+    command.set_defaults(run=_presets)
     return parser
 
 
@@ -81,6 +87,30 @@ def _bake(arguments: argparse.Namespace) -> int:
 def _report(arguments: argparse.Namespace) -> int:
     print(describe(Lut.load(arguments.lut)))
     return 0
+
+
+def _presets(arguments: argparse.Namespace) -> int:
+    if arguments.id is not None:
+        print(json.dumps(presets.load(arguments.id).to_json(), indent=2))
+        return 0
+    entries = presets.entries()
+    if arguments.json:
+        rows = [{"id": entry.id, "name": entry.name, "category": entry.category, "source": entry.source,
+                 "stack": entry.stack.to_json()} for entry in entries]
+        print(json.dumps(rows, indent=2))
+        return 0
+    rows = [(entry.id, entry.name, entry.category, _layers(entry.stack)) for entry in entries]
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    for *texts, layers in rows:
+        print("  ".join(text.ljust(width) for text, width in zip(texts, widths, strict=True)) + "  " + layers)
+    return 0
+
+
+def _layers(stack: Stack) -> str:
+    """What a stack is made of in a few words, top first."""
+    words = [layer.name or layer.kind for layer in stack.layers]
+    words.append("sheet" if stack.base is None else stack.base.kind)
+    return " / ".join(words)
 
 
 def _fail(sentence: str, code: int) -> int:

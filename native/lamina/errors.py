@@ -1,9 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The errors that Lamina raises on purpose. Each message is one sentence, fit to be shown to a user."""
 
+from __future__ import annotations
+
+import difflib
+
 
 class StackError(ValueError):
     """A stack that cannot be: names the field, its value and the allowed range."""
+
+
+class UnknownName(StackError, KeyError):  # noqa: N818 - reads as what it says
+    """A preset or metal that is not in the library; names those nearest to it."""
+
+    __str__ = Exception.__str__  # a KeyError would quote the sentence
+
+
+def unknown(what: str, name, known: list[str]) -> UnknownName:
+    """The error that says so, for a `what` called `name`."""
+    nearest = difflib.get_close_matches(str(name), known, n=3, cutoff=0.0)
+    return UnknownName(f"{what} = {name!r}: unknown; the nearest of {len(known)} are {', '.join(nearest)}")
 
 
 class LutError(ValueError):

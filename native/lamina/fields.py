@@ -15,7 +15,8 @@ Channels = float | Sequence[float]
 
 @dataclass(frozen=True)
 class Field:
-    """A quantity's name, range and the words that say so. `infinite`: infinity is allowed as well."""
+    """A quantity's name, range and the words that say so. `infinite`: infinity is allowed as well.
+    `optional`: a form is whole without it."""
 
     name: str
     low: float
@@ -23,6 +24,7 @@ class Field:
     rule: str
     open_ended: bool = False
     infinite: bool = False
+    optional: bool = False
 
     def check(self, value, path: str) -> float | tuple[float, ...]:
         """`value` as a float or a tuple of floats, one a channel.
@@ -78,6 +80,36 @@ def channel_count(values: Sequence[tuple[str, float | tuple[float, ...]]]) -> in
 def channel(value: float | tuple[float, ...], index: int) -> float:
     """One channel's value."""
     return value[index] if isinstance(value, tuple) else value
+
+
+def all_fields(thing) -> list[Field]:
+    """Every quantity that a layer or base can have, each once: those of its forms, then its others."""
+    named = {quantity.name: quantity for form in getattr(thing, "forms", ()) for quantity in form}
+    return [*named.values(), *thing.fields]
+
+
+def check_forms(thing, path: str) -> dict[str, float | tuple[float, ...]]:
+    """The checked values of the one form (a set of quantities that together say what `thing` is) in which it
+    is given.
+
+    Raises StackError for no form, two, or an incomplete one."""
+    names = [{quantity.name for quantity in form} for form in thing.forms]
+    present = {quantity.name for quantity in all_fields(thing) if getattr(thing, quantity.name) is not None}
+    present &= set().union(*names)
+    words = " or ".join(", ".join(q.name for q in form if not q.optional) for form in thing.forms)
+    if not present:
+        raise StackError(f"{path} has no coefficients: must have either {words}")
+    fitting = [form for form, known in zip(thing.forms, names, strict=True) if present <= known]
+    if not fitting:
+        raise StackError(f"{path} has two forms: must have either {words}")
+    values = {}
+    for quantity in fitting[0]:
+        value = getattr(thing, quantity.name)
+        if value is not None:
+            values[quantity.name] = quantity.check(value, f"{path}.{quantity.name}")
+        elif not quantity.optional:
+            raise StackError(f"{path}.{quantity.name} is missing: must have either {words}")
+    return values
 
 
 def to_plain(value: float | tuple[float, ...]):

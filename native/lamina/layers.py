@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from .fields import Channels, Field
-from .phase import Isotropic, Phase
+from .errors import StackError
+from .fields import Channels, Field, channel, check_forms
+from .phase import Isotropic, Phase, check_phase
 
 UNIT = "must lie in [0, 1]"
 NOT_NEGATIVE = "must lie in [0, infinity]"
@@ -18,9 +19,12 @@ class Medium:
     """A homogeneous scattering layer. Every quantity is a number or one a channel.
 
     Either `albedo` (single scattering, sigma_s / sigma_t, in [0, 1]) and `tau` (optical thickness, from 0
-    to infinity), or `sigma_s`, `sigma_a` (1/mm) and `thickness` (mm). `varying` marks the one layer whose
-    thickness becomes an input of the baked material; its tau is then the largest thickness. Values are
-    checked when the layer becomes part of a Stack."""
+    to infinity), or `sigma_s`, `sigma_a` (1/mm) and `thickness` (mm), or `color` and `tau`. `color`, in
+    [0, 1], is what the medium shows, without interfaces, under a white sky: the share of uniform diffuse
+    light that it returns as a layer without end, or, when `over` is given, as a layer of its own tau on a
+    Lambert surface of that reflectance. The stack finds the albedo that shows it. `varying` marks the one
+    layer whose thickness becomes an input of the baked material; its tau is then the largest thickness, and
+    the one that shows the colour. Values are checked when the layer becomes part of a Stack."""
 
     albedo: Channels | None = None
     tau: Channels | None = None
@@ -30,6 +34,8 @@ class Medium:
     thickness: Channels | None = None
     name: str = ""
     varying: bool = False
+    color: Channels | None = None
+    over: Channels | None = None
 
     kind = "medium"
     forms = (
@@ -39,7 +45,30 @@ class Medium:
             Field("sigma_a", 0.0, 1e12, "must lie in [0, 1e12] 1/mm"),
             Field("thickness", 0.0, math.inf, "must lie in [0, infinity] mm", infinite=True),
         ),
+        (
+            Field("color", 0.0, 1.0, UNIT),
+            Field("over", 0.0, 1.0, UNIT, optional=True),
+            Field("tau", 0.0, math.inf, NOT_NEGATIVE, infinite=True),
+        ),
     )
+    fields = ()
+
+    def checked(self, path: str) -> Medium:
+        """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
+        values = check_forms(self, path)
+        if not isinstance(self.varying, bool):
+            raise StackError(f"{path}.varying = {self.varying!r}: must be true or false")
+        return replace(self, phase=check_phase(self.phase, f"{path}.phase"), **values)
+
+    def optics(self, index: int) -> tuple[float | None, float]:
+        """(albedo, tau) of one channel; the albedo is None where it is a colour that says it."""
+        if self.tau is not None:
+            return None if self.albedo is None else channel(self.albedo, index), channel(self.tau, index)
+        sigma_s = channel(self.sigma_s, index)
+        sigma_t = sigma_s + channel(self.sigma_a, index)
+        if sigma_t == 0.0:
+            return 0.0, 0.0
+        return sigma_s / sigma_t, sigma_t * channel(self.thickness, index)
 
 
 DISTRIBUTIONS = ("ggx", "beckmann")
@@ -68,21 +97,25 @@ class Interface:
 
 @dataclass(frozen=True)
 class Conductor:
-    """A metal of complex refractive index `eta` + i `k` (one a channel); facets as of an Interface."""
+    """A metal: its complex refractive index `eta` + i `k`, or the two colours from which the stack finds it,
+    `facing`, the reflectance at normal incidence, and `grazing`, that at 82 degrees from the normal, both in
+    [0, 1] and in air. Numbers, or one a channel; facets as of an Interface."""
 
-    eta: Channels
-    k: Channels
+    eta: Channels | None = None
+    k: Channels | None = None
     alpha: float = 0.0
     distribution: str = "ggx"
     compensate: bool = True
     correlated: bool = True
+    facing: Channels | None = None
+    grazing: Channels | None = None
 
     kind = "conductor"
-    fields = (
-        Field("eta", 1e-3, 100.0, "must lie in [0.001, 100]"),
-        Field("k", 0.0, 100.0, "must lie in [0, 100]"),
-        Field("alpha", 0.0, 1.0, UNIT),
+    forms = (
+        (Field("eta", 1e-3, 100.0, "must lie in [0.001, 100]"), Field("k", 0.0, 100.0, "must lie in [0, 100]")),
+        (Field("facing", 0.0, 1.0, UNIT), Field("grazing", 0.0, 1.0, UNIT)),
     )
+    fields = (Field("alpha", 0.0, 1.0, UNIT),)
     choices = Interface.choices
 
 

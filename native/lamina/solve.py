@@ -67,7 +67,7 @@ def core_stack(stack: Stack, index: int):
         entries.append((_core.Medium, endless))
     base = (_core.Base.none, ())
     if isinstance(stack.base, Conductor):
-        metal = (channel(stack.base.eta, index), channel(stack.base.k, index), *_facets(stack.base, index))
+        metal = (*stack.indices(index), *_facets(stack.base, index))
         base = (_core.Base.conductor, metal)
     elif stack.base is not None:
         # Black is a Lambert surface that reflects nothing; an endless medium lets nothing reach its end.

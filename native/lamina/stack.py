@@ -12,9 +12,11 @@ from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
 
 from .atomic import write_atomically
+from .colours import albedos_of
 from .errors import StackError
-from .fields import channel, channel_count, check_keys, read_kind, to_plain
-from .layers import BASES, Base, HalfSpace, Interface, Medium
+from .fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
+from .layers import BASES, Base, Conductor, HalfSpace, Interface, Medium
+from .metals import indices_of
 from .phase import check_phase, read_phase
 
 SCHEMA = 1
@@ -22,14 +24,21 @@ SCHEMA = 1
 
 @dataclass(frozen=True)
 class Stack:
-    """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom.
+    """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom. `name`,
+    `category` and `source` (where the numbers come from) are texts for people; the hash leaves them out.
 
     Raises StackError when a value is out of range, channels disagree, or there is nothing in it."""
 
     layers: Sequence[Medium | Interface]
     base: Base | None = None
+    name: str = ""
+    category: str = ""
+    source: str = ""
 
-    def __init__(self, layers: Sequence[Medium | Interface] = (), base: Base | None = None):
+    texts = ("name", "category", "source")
+
+    def __init__(self, layers: Sequence[Medium | Interface] = (), base: Base | None = None, name: str = "",
+                 category: str = "", source: str = ""):
         if not isinstance(layers, Sequence) or isinstance(layers, str):
             raise StackError(f"layers = {layers!r}: must be a list, top layer first")
         layers = list(layers)
@@ -40,12 +49,18 @@ class Stack:
         object.__setattr__(self, "base", _check_base(base))
         if not checked and base is None:
             raise StackError("layers = []: a stack must hold at least one layer or a base")
+        for text, value in zip(self.texts, (name, category, source), strict=True):
+            if not isinstance(value, str):
+                raise StackError(f"{text} = {value!r}: must be a text")
+            object.__setattr__(self, text, value)
         varying = [i for i, layer in enumerate(checked) if layer.varying]
         if len(varying) > 1:
             raise StackError(f"layers[{varying[1]}].varying = true: only one layer may vary")
-        if varying and max(self.optics(varying[0], c)[1] for c in range(self.channels)) == math.inf:
+        if varying and max(checked[varying[0]].optics(c)[1] for c in range(self.channels)) == math.inf:
             raise StackError(f"layers[{varying[0]}].tau = inf: a varying layer needs a largest thickness")
-        channel_count(self._quantities())
+        object.__setattr__(self, "_albedos", self._find_albedos())
+        if isinstance(self.base, Conductor):
+            object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
 
     @property
     def channels(self) -> int:
@@ -63,15 +78,14 @@ class Stack:
         return hashlib.sha256(self.canonical().encode()).hexdigest()
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
-        """(albedo, tau) of a layer in one channel."""
-        medium = self.layers[layer]
-        if medium.albedo is not None:
-            return channel(medium.albedo, channel_index), channel(medium.tau, channel_index)
-        sigma_s = channel(medium.sigma_s, channel_index)
-        sigma_t = sigma_s + channel(medium.sigma_a, channel_index)
-        if sigma_t == 0.0:
-            return 0.0, 0.0
-        return sigma_s / sigma_t, sigma_t * channel(medium.thickness, channel_index)
+        """(albedo, tau) of a layer in one channel; the albedo that shows the layer's colour where that is given."""
+        albedo, tau = self.layers[layer].optics(channel_index)
+        return self._albedos[layer][channel_index] if albedo is None else albedo, tau
+
+    def indices(self, channel_index: int) -> tuple[float, float]:
+        """(eta, k) of a conductor base in one channel; those that show its two colours where these are given."""
+        eta, k = self._indices
+        return channel(eta, channel_index), channel(k, channel_index)
 
     def canonical(self) -> str:
         """The one text for all stacks that are optically the same layer by layer: albedo and tau of each
@@ -91,6 +105,9 @@ class Stack:
                 "varying": layer.varying,
             })
         base = None if self.base is None else _canonical(self.base, self.channels)
+        if isinstance(self.base, Conductor):
+            indices = [self.indices(c) for c in channels]
+            base["eta"], base["k"] = [eta for eta, _ in indices], [k for _, k in indices]
         return json.dumps({"schema": SCHEMA, "layers": layers, "base": base}, sort_keys=True)
 
     def to_json(self) -> dict:
@@ -103,22 +120,19 @@ class Stack:
             if isinstance(layer, Interface):
                 layers.append({**entry, **_plain(layer)})
                 continue
-            for form in Medium.forms:
-                for quantity in form:
-                    value = getattr(layer, quantity.name)
-                    if value is not None:
-                        entry[quantity.name] = to_plain(value)
+            entry.update(_given(layer))
             entry["phase"] = layer.phase.to_json()
             if layer.varying:
                 entry["varying"] = True
             layers.append(entry)
         base = None if self.base is None else _plain(self.base)
-        return {"schema": SCHEMA, "layers": layers, "base": base}
+        texts = {text: getattr(self, text) for text in self.texts if getattr(self, text)}
+        return {"schema": SCHEMA, **texts, "layers": layers, "base": base}
 
     @classmethod
     def from_json(cls, data) -> Stack:
         """Reads what to_json wrote, or what a person did. Raises StackError."""
-        check_keys(data, {"schema", "layers", "base"}, "stack", required={"schema", "layers"})
+        check_keys(data, {"schema", "layers", "base", *cls.texts}, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
             raise StackError(f"schema = {schema!r}: must be {SCHEMA}")
@@ -143,7 +157,8 @@ class Stack:
             else:
                 raise StackError(f"{path}.kind = {kind!r}: must be 'medium', 'interface', or a base at the bottom")
         base = data.get("base")
-        return cls(layers, None if base is None else _read_base(base, "base"))
+        texts = {text: data[text] for text in cls.texts if text in data}
+        return cls(layers, None if base is None else _read_base(base, "base"), **texts)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Stack:
@@ -165,21 +180,24 @@ class Stack:
     def _quantities(self):
         """(path, value) of everything that may have channels."""
         for index, layer in enumerate(self.layers):
-            if isinstance(layer, Interface):
-                yield from _fields_of(layer, f"layers[{index}]")
-                continue
-            for form in Medium.forms:
-                for quantity in form:
-                    yield f"layers[{index}].{quantity.name}", getattr(layer, quantity.name)
-            yield from layer.phase.quantities(f"layers[{index}].phase")
+            yield from _fields_of(layer, f"layers[{index}]")
+            if isinstance(layer, Medium):
+                yield from layer.phase.quantities(f"layers[{index}].phase")
         if self.base is not None:
             yield from _fields_of(self.base, "base")
             if isinstance(self.base, HalfSpace):
                 yield from self.base.phase.quantities("base.phase")
 
+    def _find_albedos(self) -> tuple[tuple[float, ...] | None, ...]:
+        """Those that show the colours of the layers that have one, by layer and channel."""
+        count = self.channels
+        return tuple(
+            albedos_of(layer, count, f"layers[{i}]") if isinstance(layer, Medium) and layer.color is not None else None
+            for i, layer in enumerate(self.layers))
+
 
 def _fields_of(thing, path):
-    for quantity in thing.fields:
+    for quantity in all_fields(thing):
         yield f"{path}.{quantity.name}", getattr(thing, quantity.name)
 
 
@@ -190,6 +208,8 @@ def _checked(thing, path):
         if type(value) is not type(allowed[0]) or value not in allowed:
             words = " or ".join(json.dumps(choice) for choice in allowed)
             raise StackError(f"{path}.{name} = {value!r}: must be {words}")
+    if hasattr(thing, "forms"):
+        values.update(check_forms(thing, path))
     return replace(thing, **values)
 
 
@@ -202,19 +222,7 @@ def _check_layer(layer, path: str) -> Medium | Interface:
         raise StackError(f"{path}.name = {layer.name!r}: must be a text")
     if isinstance(layer, Interface):
         return _checked(layer, path)
-    given = [form for form in Medium.forms if any(getattr(layer, q.name) is not None for q in form)]
-    names = " or ".join(", ".join(q.name for q in form) for form in Medium.forms)
-    if len(given) != 1:
-        raise StackError(f"{path} has {'two forms' if given else 'no coefficients'}: must have either {names}")
-    values = {}
-    for quantity in given[0]:
-        value = getattr(layer, quantity.name)
-        if value is None:
-            raise StackError(f"{path}.{quantity.name} is missing: must have either {names}")
-        values[quantity.name] = quantity.check(value, f"{path}.{quantity.name}")
-    if not isinstance(layer.varying, bool):
-        raise StackError(f"{path}.varying = {layer.varying!r}: must be true or false")
-    return replace(layer, phase=check_phase(layer.phase, f"{path}.phase"), **values)
+    return layer.checked(path)
 
 
 def _check_base(base):
@@ -228,9 +236,15 @@ def _check_base(base):
     return base
 
 
+def _given(thing) -> dict:
+    """JSON form of the quantities by which a layer or base is described."""
+    values = {quantity.name: getattr(thing, quantity.name) for quantity in all_fields(thing)}
+    return {name: to_plain(value) for name, value in values.items() if value is not None}
+
+
 def _plain(thing) -> dict:
     """JSON form of a base or an interface; choices that are the usual ones are left out."""
-    entry = {"kind": thing.kind, **{q.name: to_plain(getattr(thing, q.name)) for q in thing.fields}, **_unusual(thing)}
+    entry = {"kind": thing.kind, **_given(thing), **_unusual(thing)}
     if isinstance(thing, HalfSpace):
         entry["phase"] = thing.phase.to_json()
     return entry
@@ -253,7 +267,7 @@ def _canonical(thing, channels: int) -> dict:
 
 
 def _read_medium(entry, path: str) -> Medium:
-    names = {q.name for form in Medium.forms for q in form}
+    names = {quantity.name for quantity in all_fields(Medium)}
     check_keys(entry, {"kind", "name", "phase", "varying", *names}, path)
     values = {key: value for key, value in entry.items() if key not in ("kind", "phase")}
     if "phase" in entry:
@@ -273,7 +287,7 @@ def _read_base(entry, path: str):
 
 def _read(cls, entry, path: str, optional: set[str] = frozenset()):
     """An interface or a base from its JSON object; what has a usual value may be left out."""
-    names = {quantity.name for quantity in cls.fields}
+    names = {quantity.name for quantity in all_fields(cls)}
     usual = {field.name for field in fields(cls) if field.default is not MISSING}
     allowed = {"kind", *names, *cls.choices, *optional}
     check_keys(entry, allowed, path, required=names - usual)

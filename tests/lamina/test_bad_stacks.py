@@ -52,13 +52,13 @@ BAD = {
         "layers[0].thickness = -2: must lie in [0, infinity] mm"),
     "two forms": (
         lambda: medium(sigma_s=1.0),
-        "layers[1] has two forms: must have either albedo, tau or sigma_s, sigma_a, thickness"),
+        "layers[1] has two forms: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"),
     "no coefficients": (
         lambda: Stack([Medium()]),
-        "layers[0] has no coefficients: must have either albedo, tau or sigma_s, sigma_a, thickness"),
+        "layers[0] has no coefficients: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"),
     "tau missing": (
         lambda: Stack([Medium(albedo=0.5)]),
-        "layers[0].tau is missing: must have either albedo, tau or sigma_s, sigma_a, thickness"),
+        "layers[0].tau is missing: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"),
     "name a number": (lambda: medium(name=5), "layers[1].name = 5: must be a text"),
     "varying a number": (lambda: medium(varying=1), "layers[1].varying = 1: must be true or false"),
     "empty": (lambda: Stack([]), "layers = []: a stack must hold at least one layer or a base"),

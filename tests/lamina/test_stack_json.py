@@ -8,7 +8,7 @@ import math
 import pytest
 
 import lamina
-from lamina import Black, HalfSpace, HenyeyGreenstein, Isotropic, Lambert, Medium, Rayleigh, Stack
+from lamina import Black, Conductor, HalfSpace, HenyeyGreenstein, Isotropic, Lambert, Medium, Rayleigh, Stack
 
 STACKS = {
     "sheet": Stack([Medium(albedo=0.9, tau=2.0, phase=HenyeyGreenstein(0.75))]),
@@ -17,6 +17,9 @@ STACKS = {
     "coefficients": Stack([Medium(sigma_s=[1.0, 2.0, 3.0], sigma_a=0.1, thickness=0.5, name="flesh")], base=Black()),
     "varying": Stack([Medium(albedo=0.5, tau=3.0, varying=True, name="dust"), Medium(albedo=1, tau=math.inf)]),
     "half-space": Stack([Medium(albedo=0.5, tau=0.0, phase=Rayleigh())], base=HalfSpace(0.9, HenyeyGreenstein(-0.3))),
+    "coloured": Stack([Medium(color=[0.8, 0.4, 0.1], tau=3.0), Medium(color=0.2, over=[0.1, 0.2, 0.3], tau=1.0)],
+                      base=Conductor(facing=[0.9, 0.7, 0.4], grazing=0.92)),
+    "named": Stack([Medium(albedo=0.5, tau=1.0)], name="Fog", category="Weather", source="chosen by eye"),
     "endless channel": Stack([Medium(albedo=0.5, tau=[1.0, math.inf, 0.0])]),
 }
 
@@ -55,7 +58,9 @@ def test_hash_is_stable():
     (Stack([Medium(albedo=0.5, tau=1), Black()]), Stack([Medium(albedo=0.5, tau=1)], base=Black())),
     (Stack([Medium(albedo=-0.0, tau=1)]), Stack([Medium(albedo=0.0, tau=1)])),
     (Stack([Medium(albedo=0.5, tau="inf")]), Stack([Medium(albedo=0.5, tau=math.inf)])),
-], ids=["names", "coefficients", "channels", "base", "minus zero", "infinity"])
+    (Stack([Medium(albedo=0.5, tau=1)], name="fog", category="sky", source="me"), Stack([Medium(albedo=0.5, tau=1)])),
+    (Stack([Medium(color=0.5, tau=1)]), Stack([Medium(albedo=lamina.colours.albedo_of(0.5)[0], tau=1)])),
+], ids=["names", "coefficients", "channels", "base", "minus zero", "infinity", "texts", "colour"])
 def test_equivalent_stacks_have_one_canonical_form(one, other):
     assert one.canonical() == other.canonical() and one.hash == other.hash
 
@@ -89,6 +94,7 @@ def changed(path, value):
 
 LAYER = ("layers", 0)
 PHASE = (*LAYER, "phase")
+FORMS = "must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"
 MUST_BE_NUMBER = "must be a number or one number a channel"
 BAD = [
     (("schema",), 2, "schema = 2: must be at most 1; this stack needs a newer Lamina"),
@@ -98,7 +104,7 @@ BAD = [
     (("schema",), ..., "stack.schema is missing: must be given"),
     (("layers",), ..., "stack.layers is missing: must be given"),
     (("layers",), {}, "layers = {}: must be a list, top layer first"),
-    (("author",), "me", "stack.author: unknown key; known are base, layers, schema"),
+    (("author",), "me", "stack.author: unknown key; known are base, category, layers, name, schema, source"),
     (LAYER, 5, "layers[0] = 5: must be a JSON object"),
     ((*LAYER, "kind"), "snow", "layers[0].kind = 'snow': must be 'medium', 'interface', or a base at the bottom"),
     ((*LAYER, "kind"), ..., "layers[0].kind is missing: must be given"),
@@ -106,8 +112,8 @@ BAD = [
     ((*LAYER, "kind"), {}, "layers[0].kind = {}: must be 'medium', 'interface', or a base at the bottom"),
     (LAYER, {"kind": "black"}, "layers[0].kind = 'black': a base can only stand at the bottom"),
     (("layers", 1), {"kind": "black"}, "layers[1].kind = 'black': a base can only stand at the bottom"),
-    ((*LAYER, "thikness"), 1.0, "layers[0].thikness: unknown key; known are albedo, kind, name, phase, sigma_a, "
-                                "sigma_s, tau, thickness, varying"),
+    ((*LAYER, "thikness"), 1.0, "layers[0].thikness: unknown key; known are albedo, color, kind, name, over, "
+                                "phase, sigma_a, sigma_s, tau, thickness, varying"),
     ((*LAYER, "albedo"), 1.2, "layers[0].albedo = 1.2: must lie in [0, 1]"),
     ((*LAYER, "albedo"), -1, "layers[0].albedo = -1: must lie in [0, 1]"),
     ((*LAYER, "albedo"), math.nan, "layers[0].albedo = nan: must lie in [0, 1]"),
@@ -118,8 +124,13 @@ BAD = [
     ((*LAYER, "albedo"), [0.5, 0.5], "layers[1].albedo has 3 channels: must have 2 like layers[0].albedo"),
     ((*LAYER, "tau"), -0.5, "layers[0].tau = -0.5: must lie in [0, infinity]"),
     ((*LAYER, "tau"), [1, None, 1], "layers[0].tau[1] = None: must be a number"),
-    ((*LAYER, "tau"), ..., "layers[0].tau is missing: must have either albedo, tau or sigma_s, sigma_a, thickness"),
-    ((*LAYER, "sigma_s"), 1, "layers[0] has two forms: must have either albedo, tau or sigma_s, sigma_a, thickness"),
+    ((*LAYER, "tau"), ..., f"layers[0].tau is missing: {FORMS}"),
+    ((*LAYER, "sigma_s"), 1, f"layers[0] has two forms: {FORMS}"),
+    ((*LAYER, "color"), 0.5, f"layers[0] has two forms: {FORMS}"),
+    ((*LAYER, "over"), 0.5, f"layers[0] has two forms: {FORMS}"),
+    (("name",), 7, "name = 7: must be a text"),
+    (("category",), None, "category = None: must be a text"),
+    (("source",), ["me"], "source = ['me']: must be a text"),
     ((*LAYER, "name"), 7, "layers[0].name = 7: must be a text"),
     ((*LAYER, "varying"), "yes", "layers[0].varying = 'yes': must be true or false"),
     (PHASE, "hg", "layers[0].phase = 'hg': must be a JSON object"),

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The library of stacks that comes with Lamina: JSON files in the folder `presets`, one a material."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+from .errors import unknown
+from .stack import Stack
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A stack of the library: `id` is its file's name, `source` says where its numbers come from."""
+
+    id: str
+    stack: Stack
+
+    @property
+    def name(self) -> str:
+        return self.stack.name
+
+    @property
+    def category(self) -> str:
+        return self.stack.category
+
+    @property
+    def source(self) -> str:
+        return self.stack.source
+
+
+@cache
+def _texts() -> dict:
+    """The files by id, sorted."""
+    found = {entry.name.removesuffix(".json"): entry for entry in files(__package__).joinpath("presets").iterdir()
+             if entry.name.endswith(".json")}
+    return dict(sorted(found.items()))
+
+
+def names() -> list[str]:
+    """The ids of all presets, sorted."""
+    return list(_texts())
+
+
+@cache
+def load(id: str) -> Stack:
+    """A preset's stack. Raises UnknownName, a KeyError and StackError, when there is none of that id."""
+    if id not in _texts():
+        raise unknown("preset", id, names())
+    return Stack.from_json(json.loads(_texts()[id].read_text(encoding="utf-8")))
+
+
+def entries() -> list[Preset]:
+    """All presets, by id."""
+    return [Preset(id, load(id)) for id in names()]
