@@ -22,7 +22,12 @@ MOST_LABEL, SCALE_LABEL = "at most the baked one", "rows"
 ANGLE_COLOUR = (0.16, 0.24, 0.34)
 NORMAL_COLOUR = (0.20, 0.20, 0.36)
 ROW_COLOUR = (0.18, 0.30, 0.24)
+BASE_COLOUR = (0.34, 0.20, 0.16)
 CLOSURE_COLOUR = (0.30, 0.24, 0.16)
+
+# Strips that a textured base weighs, and the share of its light that the layers throw back to it: see
+# lamina.base_texture.
+BASE_PREFIX, THROWN_BACK = "base/", "base/thrown back"
 
 
 class UnknownClosureError(RefusedError):
@@ -32,7 +37,15 @@ class UnknownClosureError(RefusedError):
 def used_closures(lut):
     """Indices of the closures that weigh something anywhere; at least one, so that the group has a shader."""
     used = np.flatnonzero(np.any(np.asarray(lut.weights) != 0.0, axis=(0, 2, 3, 4)))
-    return [int(index) for index in used] or [0]
+    return [int(index) for index in used if lut.header["closures"][index] != THROWN_BACK] or [0]
+
+
+def base_colour(lut):
+    """The reflectance of a textured base that the stack states, RGB, or None."""
+    if THROWN_BACK not in lut.header["closures"]:
+        return None
+    reflectance = lut.header["stack"]["base"]["reflectance"]
+    return tuple(reflectance * 3 if len(reflectance) == 1 else reflectance)
 
 
 def largest_tau(lut):
@@ -61,7 +74,7 @@ def _draw(graph, lut, image, recipe_of):
     columns = lut.header["axes"]["view"]["count"]
     height = lut_image.height_of(lut)
     used = used_closures(lut)
-    recipes = [recipe_of(closures[index]) for index in used]
+    recipes = [recipe_of(closures[index].removeprefix(BASE_PREFIX)) for index in used]
 
     inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
     geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
@@ -85,23 +98,39 @@ def _draw(graph, lut, image, recipe_of):
         for wanted in (recipe.normal, *recipe.vectors.values()):
             directions.of(wanted)
 
+    def strip(index, column, line, label):
+        first_row = (index * rows + 0.5) / height
+        place = graph.vector("ADD", column, line, f"strip {index}", corner.outputs[0], (0.0, first_row, 0.0))
+        texture = graph.node("ShaderNodeTexImage", column + 1, line, label)
+        texture.image = image
+        texture.interpolation, texture.extension = "Linear", "EXTEND"
+        graph.link(place, texture.inputs[0])
+        return texture.outputs["Color"]
+
+    gain = None
+    if THROWN_BACK in closures:
+        graph.begin_frame("Base colour c, its light thrown back again and again: c / (1 - c r)", BASE_COLOUR)
+        gain = _gain(graph, inputs.outputs["Base Color"], strip(closures.index(THROWN_BACK), 7, -3, "r"))
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
     total = None
     for line, (index, recipe) in enumerate(zip(used, recipes, strict=True)):
         name = closures[index]
-        first_row = (index * rows + 0.5) / height
-        place = graph.vector("ADD", 7, line, f"strip {index}", corner.outputs[0], (0.0, first_row, 0.0))
-        texture = graph.node("ShaderNodeTexImage", 8, line, f"weight {name}")
-        texture.image = image
-        texture.interpolation, texture.extension = "Linear", "EXTEND"
-        graph.link(place, texture.inputs[0])
-        shader = _closure(graph, line, name, recipe, texture.outputs["Color"], directions, backfacing)
+        weight = strip(index, 7, line, f"weight {name}")
+        if name.startswith(BASE_PREFIX):
+            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gain)
+        shader = _closure(graph, line, name, recipe, weight, directions, backfacing)
         total = shader if total is None else _add(graph, line, total, shader)
     graph.end_frame()
 
     output = graph.node("NodeGroupOutput", 13.6, len(used) - 1, folded=False)
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
+
+
+def _gain(graph, colour, thrown_back):
+    again = graph.vector("MULTIPLY", 9.2, -3, "c r", colour, thrown_back)
+    rest = graph.vector("SUBTRACT", 10.2, -3, "1 - c r", (1.0, 1.0, 1.0), again)
+    return graph.vector("DIVIDE", 11.2, -3, "c / (1 - c r)", colour, rest)
 
 
 def _normal(graph, given, own):
@@ -189,6 +218,17 @@ class _Directions:
             twice = graph.math("MULTIPLY_ADD", 0.4, self.line, "1 + 2 N.I", self.cosine, 2.0, 1.0)
             along = graph.scale(1.4, self.line, "along N", normal, twice)
             total = graph.vector("SUBTRACT", 2.4, self.line, "N + R", along, incoming)
+        elif isinstance(wanted, tuple) and wanted[0] == "lean":
+            # R + share N = (share + 2 N.I) N - I
+            twice = graph.math("MULTIPLY_ADD", 0.4, self.line, "share + 2 N.I", self.cosine, 2.0, wanted[1])
+            along = graph.scale(1.4, self.line, "along N", normal, twice)
+            total = graph.vector("SUBTRACT", 2.4, self.line, f"R + {wanted[1]:g} N", along, incoming)
+        elif wanted == "T":
+            # N across I; where both are one, any direction square to I.
+            along = graph.scale(-0.6, self.line, "(N.I) I", incoming, self.cosine)
+            across = graph.vector("SUBTRACT", 0.4, self.line, "N across I", normal, along)
+            aside = graph.vector("CROSS_PRODUCT", 1.4, self.line, "aside", incoming, (3.0e-4, 5.0e-4, 8.0e-4))
+            total = graph.vector("ADD", 2.4, self.line, "square to I", across, aside)
         elif isinstance(wanted, tuple) and wanted[0] == "tilt":
             angle = math.radians(wanted[1])
             across = graph.scale(0.4, self.line, "sin", self._tangent(), math.sin(angle))

@@ -14,6 +14,7 @@ from . import closure_graph, lut_image, native
 GROUP_INPUTS = (
     ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
     ("Thickness", "NodeSocketFloat", "Optical thickness of the varying layer, from 0 to what was baked"),
+    ("Base Color", "NodeSocketColor", "Reflectance of the base, linear; what the layers do to it is exact"),
 )
 
 LARGEST = 1.0e6  # the panel's largest optical thickness
@@ -33,7 +34,8 @@ def build(material, lut):
     image = lut_image.create(f"Lamina {material.name}", lut)
     tau = closure_graph.largest_tau(lut)
     old_tau = group.get("lamina_largest_tau")
-    added = _add_missing_sockets(group, tau)
+    colour = closure_graph.base_colour(lut)
+    added = _add_missing_sockets(group, tau, colour)
     try:
         closure_graph.draw(group, lut, image, recipe_of)
     except BaseException:
@@ -46,6 +48,7 @@ def build(material, lut):
     for node in old_nodes:
         group.nodes.remove(node)
     _settle_thickness(group, tau)
+    _settle_base_colour(group, colour)
     _replace_images(old_images, image)
     group["lamina_stack_hash"] = lut.header["stack_hash"]
     group["lamina_layout"] = _layout(lut)
@@ -59,6 +62,7 @@ def build(material, lut):
         material.cycles.use_bump_map_correction = False
     _place(material)
     _follow_thickness(group, old_tau, tau)
+    _follow_base_colour(group, colour)
     return group
 
 
@@ -82,6 +86,7 @@ def update(material, lut):
         _settle_thickness(group, tau)
         group["lamina_largest_tau"] = min(tau, LARGEST)
         _follow_thickness(group, old_tau, tau)
+    _follow_base_colour(group, closure_graph.base_colour(lut))
     _replace_images(images, lut_image.create(f"Lamina {material.name}", lut))
     group["lamina_stack_hash"] = lut.header["stack_hash"]
     return True
@@ -100,10 +105,8 @@ def recipe_source():
 
     def recipe_of(name):
         try:
-            return lobes.by_id(name).node
-        except KeyError:
-            if name == "transparent":  # the delta that goes straight through has no lobe to evaluate
-                return lobes.NodeRecipe("ShaderNodeBsdfTransparent", normal_input="")
+            return lobes.recipe(name)
+        except (KeyError, ValueError):
             raise closure_graph.UnknownClosureError(
                 f"closure {name}: not in this version's dictionary"
             ) from None
@@ -214,18 +217,21 @@ def _sockets(group, in_out):
     }
 
 
-def _add_missing_sockets(group, tau):
+def _add_missing_sockets(group, tau, colour):
     """The sockets that were added."""
+    unwanted = {name for name, value in (("Thickness", tau), ("Base Color", colour)) if value is None}
     if "Shader" not in _sockets(group, "OUTPUT"):
         group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
     added = []
     for name, kind, description in GROUP_INPUTS:
-        if name in _sockets(group, "INPUT") or (name == "Thickness" and tau is None):
+        if name in _sockets(group, "INPUT") or name in unwanted:
             continue
         socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
         socket.hide_value = name == "Normal"
         if name == "Thickness":
             socket.default_value = min(tau, LARGEST)
+        if name == "Base Color":
+            socket.default_value = (*colour, 1.0)
         added.append(socket)
     return added
 
@@ -254,6 +260,27 @@ def _follow_thickness(group, old, new):
             untouched = old is None or old < 0.0 or abs(socket.default_value - old) <= 1.0e-6 * old
             if untouched:
                 socket.default_value = min(new, LARGEST)
+
+
+def _settle_base_colour(group, colour):
+    """Default of the Base Color socket, or no such socket when the base has no texture."""
+    socket = _sockets(group, "INPUT").get("Base Color")
+    if socket is not None and colour is None:
+        group.interface.remove(socket)
+
+
+def _follow_base_colour(group, colour):
+    """A new Base Color input starts at the stack's reflectance, and one left there moves with it."""
+    socket = _sockets(group, "INPUT").get("Base Color")
+    if socket is None or colour is None:
+        return
+    old, socket.default_value = tuple(socket.default_value), (*colour, 1.0)
+    for material in bpy.data.materials:
+        for node in material.node_tree.nodes if material.node_tree else ():
+            if node.type == "GROUP" and node.node_tree == group and not node.inputs["Base Color"].is_linked:
+                given = node.inputs["Base Color"]
+                if tuple(given.default_value) in (old, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)):
+                    given.default_value = (*colour, 1.0)
 
 
 def _images(nodes):

@@ -230,7 +230,7 @@ def recipe(closure: str) -> NodeRecipe:
     """The node of a lobe or of a closure without a shape of its own: "transparent" for unscattered light,
     "mirror:ALPHA" for what smooth boundaries reflect. KeyError with the id when there is none."""
     if closure == "transparent":
-        return NodeRecipe("ShaderNodeBsdfTransparent")
+        return NodeRecipe("ShaderNodeBsdfTransparent", normal_input="")
     if closure.startswith("mirror:"):
         return mirror(math.sqrt(float(closure.removeprefix("mirror:"))))
     return by_id(closure).node

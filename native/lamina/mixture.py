@@ -56,8 +56,8 @@ class Mixture:
 def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *, made: Sequence[str] = (),
         given: Sequence[str] = (), mixed: bool = False) -> Mixture:
     """Chooses closures of a kind, among the dictionary's and those `made` to measure for lobes, and fits them to all
-    slices. `given` ones are taken as they are, unless one is for other lobes or a view has none. `mixed`: reflection and transmission
-    share the material."""
+    slices. `given` ones are taken as they are, unless one is for other lobes or a view has none. `mixed`: reflection
+    and transmission share the material."""
     given = list(given) if all(":" not in name or name in made for name in given) else []
     values, albedo = wanted.values, wanted.albedo
     parts, errors, share = [], None, 1.0
@@ -68,7 +68,7 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         candidates = [k for k, name in enumerate(basis.ids) if allowed(name)]
         return _choose(basis, values, albedo, count, effort, candidates, pool, ACCURATE / share)
 
-    if wanted.lobes is not None and np.any(wanted.lobes):
+    if made and wanted.lobes is not None and np.any(wanted.lobes):
         values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, albedo)
         own = [name for name in given if name in made][:effort.lobes]
         found, _ = _fit(own or choose(effort.lobes, lambda name: name in made), values, albedo, grid, mixed, pool)

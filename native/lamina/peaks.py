@@ -21,8 +21,8 @@ BROAD_ALPHA = 0.45
 STRAIGHT_ALPHA = 0.2
 # Widths of closures for lobes whose own is unknown follow each other by this factor.
 STEP = 1.35
-# Seen through a refracting boundary a lobe leans from the mirror direction towards the normal: cones that lean by
-# these shares, of (size, smooth) for a lobe of alpha 1.
+# Seen through a refracting boundary or an absorbing layer a lobe leans from the mirror direction towards the normal:
+# cones that lean by these shares, of (size, smooth) for a lobe of alpha 1.
 LEANS = (0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
 CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
 
@@ -58,8 +58,7 @@ def closures(stack: Stack) -> list[str]:
         ids += [f"fresnel_ggx:{max(index, 1.0 / index):.4g}:{_rounded(min(1.0, surface.alpha * w)):g}" for w in widths]
         if surface.distribution == "beckmann":
             ids += [_id("beckmann", 0.9 * surface.alpha), f"fresnel_ggx:1.1:{_rounded(0.9 * surface.alpha):g}"]
-    inner = [(surface.alpha, above) for surface, above, _ in rough if above > 1.0]
-    if inner or len(rough) > 1 or _sees_through(stack):
+    if _covered(stack) or len(rough) > 1 or _sees_through(stack):
         widest = max(surface.alpha * above for surface, above, _ in rough) * STEP
         alpha = narrowest(stack)
         while alpha < min(1.0, widest) * STEP:
@@ -100,6 +99,12 @@ def _rough(stack: Stack) -> list[tuple[Interface | Conductor, float, float]]:
     if isinstance(stack.base, Conductor) and stack.base.alpha >= LEAST_ALPHA:
         found.append((stack.base, above, above))
     return found
+
+
+def _covered(stack: Stack) -> bool:
+    """Whether anything lies above a rough boundary."""
+    surfaces = [*stack.layers, stack.base]
+    return any(isinstance(surface, Interface | Conductor) and surface.alpha >= LEAST_ALPHA for surface in surfaces[1:])
 
 
 def _sees_through(stack: Stack) -> bool:

@@ -67,7 +67,7 @@ def material_from_recipe(lobe, weight=(1.0, 1.0, 1.0)):
     closure.inputs[recipe.weight_input].default_value = (*weight, 1.0)
     for name, direction in {recipe.normal_input: recipe.normal, **recipe.vectors}.items():
         socket = direction_socket(tree, direction)
-        if socket is not None:
+        if socket is not None and name:
             tree.links.new(socket, closure.inputs[name])
     if recipe.invert_ior_on_backface:
         tree.links.new(_ior_of_either_side(tree, recipe.inputs["IOR"]), closure.inputs["IOR"])
@@ -87,7 +87,18 @@ def direction_socket(tree, direction):
     if direction == "N+I":
         return _vector(tree, "NORMALIZE", _vector(tree, "ADD", normal, incoming))
     cosine = _vector(tree, "DOT_PRODUCT", normal, incoming)
+    if direction == "T":
+        aside = tree.nodes.new("ShaderNodeVectorMath")
+        aside.operation = "CROSS_PRODUCT"
+        tree.links.new(incoming, aside.inputs[0])
+        aside.inputs[1].default_value = (3e-4, 5e-4, 8e-4)
+        across = _vector(tree, "SUBTRACT", normal, _vector(tree, "SCALE", incoming, scale=cosine))
+        return _vector(tree, "NORMALIZE", _vector(tree, "ADD", across, aside.outputs["Vector"]))
     along = _vector(tree, "SCALE", normal, scale=cosine)
+    if direction[0] == "lean":
+        mirrored = _vector(tree, "SUBTRACT", _vector(tree, "ADD", along, along), incoming)
+        lean = _vector(tree, "SCALE", normal, scale=float(direction[1]))
+        return _vector(tree, "NORMALIZE", _vector(tree, "ADD", mirrored, lean))
     if direction == "N+R":
         # N + R = N + 2 (N.I) N - I
         mirrored = _vector(tree, "SUBTRACT", _vector(tree, "ADD", along, along), incoming)
