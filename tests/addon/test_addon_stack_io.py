@@ -76,7 +76,7 @@ STACKS = {
     ),
     "colours": stack(
         [
-            medium("veil", HG, color=[0.9, 0.5, 0.1], over=[0.2, 0.3, 0.4], tau=0.5),
+            medium("veil", HG, color=[0.2, 0.25, 0.3], over=[0.2, 0.3, 0.4], tau=0.5),
             medium("paint", {"kind": "isotropic"}, color=0.6, tau="inf"),
         ],
         None,
