@@ -108,7 +108,8 @@ def _draw_colour(column, layer):
         swatch.active = layer.over_given
         swatch.prop(layer, "over", text="")
     albedo = shown.albedo(layer)
-    _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else "…")
+    waiting = "…" if albedo is None else "None shows this"
+    _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else waiting)
 
 
 def _draw_tau(column, layer, text):

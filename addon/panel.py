@@ -5,7 +5,18 @@ import math
 
 import bpy
 
-from . import bake_job, fields, layer_list, messages, migration, native, node_group, stack_io
+from . import (
+    bake_job,
+    fields,
+    judgement,
+    layer_list,
+    messages,
+    migration,
+    native,
+    node_group,
+    shown,
+    stack_io,
+)
 from .layer_properties import LAYER_KINDS
 from .messages import percent
 
@@ -181,7 +192,9 @@ def _draw_progress(layout, job):
 
 
 def _draw_state(layout, context, material):
-    state = bake_job.state(material) if native.available() else "unknown"
+    state = "unknown"
+    if native.available():
+        state = bake_job.state(material) if _is_checked(material) else "stale"
     if state == "fresh":
         layout.label(text="Up to date", icon="CHECKMARK")
     elif state == "stale":
@@ -196,26 +209,28 @@ def _bake_label(material):
     return "Bake Again" if material.lamina.result.stack_hash else "Bake"
 
 
+def _is_checked(material):
+    """Whether the stack can be judged while the panel draws. If not, the panel is drawn again when it can."""
+    return shown.is_checked(material, stack_io.to_text(material))
+
+
+def _error(material):
+    """The error in the layers as they are now, or None."""
+    if not native.available() or not _is_checked(material):
+        return None
+    return judgement.of(stack_io.to_text(material))[1]
+
+
 def _stack_error(material):
     """What is wrong with the layers as they are now, or ''."""
-    if not native.available():
-        return ""
-    try:
-        stack_io.to_stack(material)
-    except ValueError as error:
-        return messages.sentence(error, material)
-    return ""
+    error = _error(material)
+    return "" if error is None else messages.sentence(error, material)
 
 
 def _error_layer(material):
     """Index of the layer that the stack's error speaks of, or None."""
-    if not native.available():
-        return None
-    try:
-        stack_io.to_stack(material)
-    except ValueError as error:
-        return messages.layer_index(str(error))
-    return None
+    error = _error(material)
+    return None if error is None else messages.layer_index(str(error))
 
 
 def _sentence(context, layout, text, icon="INFO", alert=False):

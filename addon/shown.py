@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The other number of a medium: the albedo behind its colour, or the colour behind its albedo.
 
-Both take a solve. The panel asks while it draws and gets what is known; what is not is worked out in a
-thread, and the panel is drawn again. Nothing of it is written to the .blend.
+Both take a solve, and so does it to check a stack with colours in it. The panel asks while it draws and gets
+what is known; what is not is worked out in a thread, and the panel is drawn again. Nothing of it is written
+to the .blend.
 """
 
 import json
@@ -12,31 +13,41 @@ import threading
 
 import bpy
 
-from . import messages, native, redraw, stack_write
+from . import judgement, messages, native, redraw, stack_write
 
 log = logging.getLogger(__package__)
 
 LOOK = 0.03  # seconds between two looks at the worker
 KEPT = 256  # answers
 
-_answers = {}  # (what, JSON of the layer) -> tuple of three, or () when there is none
+_answers = {}  # (what, JSON) -> what `answer` said
 _latest = {}  # what was last shown for a layer: it stays until the new answer is there, and nothing flickers
 _wanted = {}  # layer -> its newest question
 _worker = None
 
 
 def albedo(layer):
-    """The albedo of a medium that is given by its colour: three numbers, or () while unknown."""
-    return _ask("albedo", layer)
+    """The albedo of a medium that is given by its colour: three numbers, () when none shows that colour, or
+    None while unknown."""
+    return _ask("albedo", _text(layer, "albedo"), (layer.id_data.session_uid, layer.path_from_id()))
 
 
 def thick_colour(layer):
-    """What a medium shows when infinitely thick, under diffuse light: three numbers, or () while unknown."""
-    return _ask("colour", layer)
+    """What a medium shows when infinitely thick, under diffuse light; as `albedo`."""
+    return _ask("colour", _text(layer, "colour"), (layer.id_data.session_uid, layer.path_from_id()))
+
+
+def is_checked(material, text):
+    """Whether `lamina` has looked at the material's stack, this JSON, or will do so in no time."""
+    return judgement.is_quick(text) or bool(_ask("stack", text, material.session_uid, latest=False))
 
 
 def answer(what, text):
-    """Works one question out: 'albedo' or 'colour' of the layer with this JSON. () for an invalid layer."""
+    """Works one question out: 'albedo' or 'colour' of the layer with this JSON, () for an invalid one; or
+    True once the 'stack' with this JSON has been looked at."""
+    if what == "stack":
+        judgement.of(text)
+        return True
     lamina, colours = native.require(), native.part("colours")
     try:
         stack = lamina.Stack.from_json({"schema": stack_write.JSON_SCHEMA, "layers": [json.loads(text)]})
@@ -68,17 +79,17 @@ def look():
     return LOOK
 
 
-def _ask(what, layer):
+def _ask(what, text, place, latest=True):
+    """The answer, or None; meanwhile the latest one of the same place, if wanted."""
     if not native.available():
-        return ()
-    question = what, _text(layer, what)
-    place = what, layer.id_data.session_uid, layer.path_from_id()
+        return None
+    question, place = (what, text), (what, place)
     known = _answers.get(question)
     if known is None:
         _wanted[place] = question
         if not bpy.app.timers.is_registered(look):
             bpy.app.timers.register(look, first_interval=LOOK)
-        return _latest.get(place, ())
+        return _latest.get(place) if latest else None
     _wanted.pop(place, None)
     _latest[place] = known
     return known

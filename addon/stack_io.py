@@ -4,10 +4,9 @@
 `to_dict` and `assign` need no native module; whatever judges or hashes a stack asks `lamina`.
 """
 
-import functools
 import json
 
-from . import changes, migration, native, stack_read, stack_write
+from . import changes, judgement, migration, native, stack_read, stack_write
 
 
 def to_dict(material):
@@ -15,9 +14,14 @@ def to_dict(material):
     return stack_write.stack(material.lamina)
 
 
+def to_text(material):
+    """The same as text."""
+    return json.dumps(to_dict(material))
+
+
 def to_stack(material):
     """`lamina.Stack` of the material. Raises lamina.StackError, NativeMissingError."""
-    stack, error = _judged(native.require(), json.dumps(to_dict(material)))
+    stack, error = judgement.of(to_text(material))
     if error is not None:
         raise error.with_traceback(None)
     return stack
@@ -56,15 +60,6 @@ def import_file(material, path):
 def export_file(material, path):
     """Write the stack of `material` as JSON. Raises lamina.StackError, OSError, NativeMissingError."""
     to_stack(material).save(path)
-
-
-@functools.lru_cache(64)
-def _judged(lamina, text):
-    """(stack, None) or (None, error): the panel asks for the same stack many times a second."""
-    try:
-        return lamina.Stack.from_json(json.loads(text)), None
-    except lamina.StackError as error:
-        return None, error
 
 
 def _write(group, values):

@@ -73,7 +73,7 @@ def test_the_panel_holds_every_preset_of_the_library(addon, material, lamina):
         kept = addon.stack_io.to_stack(material)
         assert len(kept.layers) == len(stack.layers), entry.id
         assert type(kept.base) is type(stack.base) and kept.varying == stack.varying, entry.id
-        single = json.loads(json.dumps(stack.to_json()), parse_float=addon.decimals.shortest)
+        single = json.loads(json.dumps(stack.to_json()), parse_float=lambda text: addon.decimals.shortest(float(text)))
         assert kept.hash in (stack.hash, lamina.Stack.from_json(single).hash), entry.id
 
 

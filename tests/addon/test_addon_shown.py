@@ -9,6 +9,8 @@ from types import ModuleType
 import bpy
 import pytest
 
+ERROR = ValueError("no good")
+
 
 @pytest.fixture
 def colours(addon, lamina, monkeypatch):
@@ -84,6 +86,18 @@ def test_a_layer_without_an_answer_shows_none(addon, material, colours):
     addon.shown.thick_colour(layer)
     look_until_rest(addon.shown)
     assert addon.shown.thick_colour(layer) == () and not colours.asked
+
+
+def test_a_stack_with_colours_is_checked_in_the_thread(addon, material, lamina, monkeypatch):
+    asked = []
+    monkeypatch.setattr(addon.judgement, "_ask", lambda _lamina, text: asked.append(text) or (None, ERROR))
+    material.lamina.layers[0].mode = "colour"
+    assert addon.panel._stack_error(material) == "" and not asked
+    look_until_rest(addon.shown)
+    assert len(asked) == 1
+    assert addon.panel._stack_error(material) == "ValueError: no good"
+    assert addon.panel._error_layer(material) is None and len(asked) == 1
+    addon.shown.unregister()
 
 
 def test_the_real_colours(addon, material, lamina):
