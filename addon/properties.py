@@ -46,6 +46,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     layers: CollectionProperty(type=LaminaLayer)
     active_index: IntProperty(name="Active Layer", options=set())
     base: PointerProperty(type=LaminaBase)
+    about: StringProperty(description="JSON of what else an imported stack says of itself: name, source")
     quality: EnumProperty(
         name="Quality", description="How exactly to bake", items=QUALITIES, default="final", options=set()
     )

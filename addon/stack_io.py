@@ -40,6 +40,7 @@ def assign(material, data):
     for values in layers:
         _write(settings.layers.add(), values)
     _write(settings.base, base)
+    settings.about = stack_read.about(data)
     settings.active_index = 0
     changes.tell(material)
 

@@ -4,6 +4,7 @@
 Needs no native module, and changes nothing: the values are written by stack_io once all have been read.
 """
 
+import json
 import math
 
 from . import phases
@@ -12,6 +13,12 @@ from .messages import RefusedError, unusual_channels
 NEWER = "this version of the add-on does not know it"
 FIRST_NAMES = {"medium": "Layer", "interface": "Interface"}
 FACETS = {"alpha": 0.0, "distribution": "ggx", "compensate": True, "correlated": True}
+
+
+def about(data):
+    """What the stack says of itself: its name, category, source."""
+    others = {key: value for key, value in data.items() if key not in ("schema", "layers", "base")}
+    return json.dumps(others) if others else ""
 
 
 def layer(layer, where):

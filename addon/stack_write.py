@@ -5,6 +5,8 @@ Numbers are written as the shortest decimal that is the same float32, so that .9
 file and .9 in Python make one and the same hash. What has its usual value is left out, as `lamina` does.
 """
 
+import json
+
 from . import phases
 from .decimals import shortest
 
@@ -14,10 +16,19 @@ JSON_SCHEMA = 1
 def stack(settings):
     """The stack of a material's settings as plain JSON data, top layer first."""
     return {
+        **_about(settings.about),
         "schema": JSON_SCHEMA,
         "layers": [layer(one) for one in settings.layers],
         "base": base(settings.base),
     }
+
+
+def _about(text):
+    try:
+        about = json.loads(text) if text else {}
+    except (ValueError, RecursionError):
+        about = {}
+    return about if isinstance(about, dict) else {}
 
 
 def layer(layer):

@@ -252,6 +252,14 @@ def test_a_damaged_phase_text_is_one_sentence(addon, material, lamina, text):
     assert sentence.startswith("Layer 1 “Dust”, phase function") and "\n" not in sentence
 
 
+def test_what_a_stack_says_of_itself_is_kept(addon, material):
+    data = {**STACKS["infinite"], "name": "Snow", "source": "seen"}
+    addon.stack_io.assign(material, data)
+    assert addon.stack_io.to_dict(material) == data
+    addon.stack_io.assign(material, STACKS["infinite"])
+    assert addon.stack_io.to_dict(material) == STACKS["infinite"]
+
+
 def test_asking_again_for_the_same_stack_is_cheap_and_errors_repeat(addon, material, lamina):
     assert addon.stack_io.to_stack(material) is addon.stack_io.to_stack(material)
     material.lamina.layers[0].infinite = material.lamina.layers[0].varying = True
