@@ -50,7 +50,8 @@ METAL_FORMS = (
 )
 
 # Gold at red, green and blue (Johnson and Christy 1972): a metal needs some first numbers.
-GOLD = {"eta": (0.143, 0.374, 1.442), "k": (3.983, 2.385, 1.603)}
+GOLD = {"eta": (0.2141, 0.4547, 1.332), "k": (3.251, 2.406, 1.869)}
+GOLD_COLOURS = {"facing": (0.929, 0.77, 0.403), "grazing": (0.946, 0.875, 0.677)}
 
 
 def _number(name, default, description, low, high, **options):
@@ -246,7 +247,10 @@ class LaminaBase(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
     metal_form: _choice("Given By", METAL_FORMS, "Which numbers describe the metal")
     eta: _rgb("Index n", GOLD["eta"], "Real part of the refractive index", 100.0, 0.001, precision=3)
     k: _rgb("Extinction k", GOLD["k"], "Imaginary part of the refractive index", 100.0, precision=3)
-    facing: _rgb("Facing", (1.0, 0.766, 0.336), "What the metal reflects straight back", subtype="COLOR")
+    facing: _rgb("Facing", GOLD_COLOURS["facing"], "What the metal reflects straight back", subtype="COLOR")
     grazing: _rgb(
-        "Grazing", (1.0, 0.95, 0.85), "What the metal reflects at a grazing view, 82 degrees", subtype="COLOR"
+        "Grazing",
+        GOLD_COLOURS["grazing"],
+        "What the metal reflects at a grazing view, 82 degrees",
+        subtype="COLOR",
     )

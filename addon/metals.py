@@ -11,12 +11,14 @@ def names():
 
 
 def fill(base, name):
-    """Make the base this metal; its roughness stays. Raises RefusedError, NativeMissingError."""
+    """Make the base this metal, in both forms; its roughness stays. Raises ValueError, NativeMissingError."""
     if name not in names():
         raise RefusedError(f"metal = {name}: must be one of {', '.join(names())}")
     eta, k = _indices(name)
+    library = native.part("metals")
+    facing, grazing = library.colours_of(library.conductor(name))
     base.kind, base.metal_form = "conductor", "indices"
-    base.eta, base.k = eta, k
+    base.eta, base.k, base.facing, base.grazing = eta, k, facing, grazing
 
 
 def name_of(base):
@@ -30,7 +32,13 @@ def name_of(base):
     return ""
 
 
+def source(name):
+    """Where the numbers come from, or ''. Raises NativeMissingError."""
+    return native.part("metals").source(name) if name in names() else ""
+
+
 def label(name):
+    """The name as the menu shows it."""
     return name.replace("-", " ").replace("_", " ").capitalize()
 
 

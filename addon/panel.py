@@ -28,9 +28,11 @@ ICONS = {kind: icon for kind, _name, _description, icon, _number in LAYER_KINDS}
 class LAMINA_UL_layers(bpy.types.UIList):
     """Top layer first, as light meets it: kind, name, thickness or index, colour."""
 
+    error = None  # the row in error; the panel says so before it draws the list
+
     def draw_item(self, _context, layout, _data, layer, _icon, _active, _property, index=0):
         row = layout.row(align=True)
-        icon = "ERROR" if _error_layer(layer.id_data) == index else ICONS[layer.kind]
+        icon = "ERROR" if self.error == index else ICONS[layer.kind]
         row.prop(layer, "name", text="", emboss=False, icon=icon)
         facts = row.row(align=True)
         facts.alignment = "RIGHT"
@@ -89,6 +91,7 @@ class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
         layout, material = self.layout, context.material
         settings = material.lamina
         layout.active = material.is_editable
+        LAMINA_UL_layers.error = _error_layer(material)
         row = layout.row()
         row.template_list("LAMINA_UL_layers", "", settings, "layers", settings, "active_index", rows=5)
         column = row.column(align=True)

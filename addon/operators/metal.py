@@ -16,6 +16,11 @@ class LAMINA_OT_metal(bpy.types.Operator):
     metal: bpy.props.StringProperty(name="Metal")
 
     @classmethod
+    def description(cls, _context, properties):
+        source = metals.source(properties.metal) if native.available() else ""
+        return f"{cls.bl_description}.\n{source}" if source else cls.bl_description
+
+    @classmethod
     def poll(cls, context):
         return common.has_stack(cls, context) and common.has_native(cls)
 

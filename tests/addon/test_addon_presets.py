@@ -169,6 +169,8 @@ def metals(lamina, monkeypatch):
     }
     module.names = lambda: list(indices)
     module.conductor = indices.__getitem__
+    module.colours_of = lambda metal: ([0.5, 0.6, 0.7], [0.8, 0.8, 0.9])
+    module.source = lambda name: f"{name} by hand"
     monkeypatch.setitem(sys.modules, "lamina.metals", module)
     return indices
 
@@ -181,6 +183,7 @@ def test_a_metal_by_name(addon, material, metals, call):
         assert call(bpy.ops.lamina.metal, material, metal=name) == {"FINISHED"}
         assert addon.stack_io.to_dict(material)["base"] == addon.stack_io.to_dict(other)["base"]
         assert addon.metals.name_of(material.lamina.base) == name
+    assert tuple(material.lamina.base.facing) == pytest.approx((0.5, 0.6, 0.7))
     material.lamina.base.k[1] += 0.1
     assert addon.metals.name_of(material.lamina.base) == ""
     assert "must be one of gold, grey-tin" in refused(bpy.ops.lamina.metal, material, call, metal="lead")
@@ -193,3 +196,15 @@ def test_every_metal_of_the_library(addon, material, lamina):
     for name in addon.metals.names():
         addon.metals.fill(material.lamina.base, name)
         assert addon.metals.name_of(material.lamina.base) == name
+        assert addon.stack_io.to_stack(material).base.eta
+        material.lamina.base.metal_form = "colours"
+        assert addon.stack_io.to_stack(material).base.facing
+
+
+def test_the_first_metal_is_the_librarys_gold(addon, material, lamina):
+    if importlib.util.find_spec("lamina.metals") is None:
+        pytest.skip("this lamina has no metals")
+    material.lamina.base.kind = "conductor"
+    assert addon.metals.name_of(material.lamina.base) == "gold"
+    material.lamina.base.metal_form = "colours"
+    assert addon.stack_io.to_stack(material).base.facing
