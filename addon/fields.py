@@ -25,7 +25,7 @@ def draw_base(layout, base):
     column.prop(base, "kind", text="Below")
     if base.kind == "lambert":
         column.prop(base, "reflectance")
-        column.prop(base, "textured", text="From Input")
+        column.prop(base, "textured")
     elif base.kind == "half-space":
         column.prop(base, "albedo")
         _draw_phase(column, base, is_base=True)
@@ -87,13 +87,13 @@ def _draw_medium(layout, layer):
         _rgb_column(column, layer, "sigma_s", "Scattering")
         _rgb_column(column, layer, "sigma_a", "Absorption")
         _with_infinity(column, layer, "thickness", f"{amount} mm")
-        column.prop(layer, "shown_colour", text="Shows")
+        column.prop(layer, "shown_colour", text="As Thick Layer")
     else:
         if layer.mode == "colour":
             _draw_colour(column, layer)
         else:
             column.prop(layer, "albedo")
-            column.prop(layer, "shown_colour", text="Shows")
+            column.prop(layer, "shown_colour", text="As Thick Layer")
         _draw_tau(column, layer, f"{amount} τ")
     column.prop(layer, "varying", text="Varying")
     _draw_phase(column, layer)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import metals, native, presets
+from . import messages, metals, native, presets
 
 
 class LAMINA_MT_stack(bpy.types.Menu):
@@ -29,8 +29,8 @@ class LAMINA_MT_presets(bpy.types.Menu):
         layout = self.layout
         try:
             categories = presets.by_category()
-        except native.NativeMissingError as error:
-            layout.label(text=str(error), icon="ERROR")
+        except (native.NativeMissingError, ValueError) as error:  # the user's own are still to be had
+            layout.label(text=messages.sentence(error), icon="ERROR")
             categories = {}
         columns = layout.row()
         for category, entries in categories.items():
@@ -38,7 +38,8 @@ class LAMINA_MT_presets(bpy.types.Menu):
             column.label(text=category[:1].upper() + category[1:])
             column.separator()
             for entry in entries:
-                column.operator("lamina.preset_apply", text=entry.name).preset = entry.id
+                name = entry.name or entry.id
+                column.operator("lamina.preset_apply", text=name).preset = entry.id
         layout.separator()
         layout.menu("LAMINA_MT_user_presets", icon="USER")
         layout.operator("lamina.preset_save", text="Save as Preset...", icon="FILE_TICK")

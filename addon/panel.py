@@ -37,12 +37,11 @@ class LAMINA_UL_layers(bpy.types.UIList):
         facts = row.row(align=True)
         facts.alignment = "RIGHT"
         facts.label(text=fields.facts(layer), icon="TEXTURE" if layer.varying else "NONE")
-        swatch = row.row(align=True)
-        swatch.ui_units_x = 1.2
         if layer.kind == "medium" and layer.mode in SWATCHES:
+            row.separator(factor=0.5)
+            swatch = row.row(align=True)
+            swatch.ui_units_x = 1.2
             swatch.prop(layer, SWATCHES[layer.mode], text="")
-        else:
-            swatch.label(text="")
 
 
 class MaterialPanel:

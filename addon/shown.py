@@ -39,7 +39,12 @@ def thick_colour(layer):
 
 def is_checked(material, text):
     """Whether `lamina` has looked at the material's stack, this JSON, or will do so in no time."""
-    return judgement.is_quick(text) or bool(_ask("stack", text, material.session_uid, latest=False))
+    if judgement.is_quick(text):
+        return True
+    if _answers.get(("stack", text)):
+        del _answers["stack", text]  # long ago, and no longer kept there
+    _ask("stack", text, material.session_uid)
+    return False
 
 
 def answer(what, text):
@@ -79,8 +84,8 @@ def look():
     return LOOK
 
 
-def _ask(what, text, place, latest=True):
-    """The answer, or None; meanwhile the latest one of the same place, if wanted."""
+def _ask(what, text, place):
+    """The answer; meanwhile the latest one of the same place, or None."""
     if not native.available():
         return None
     question, place = (what, text), (what, place)
@@ -89,7 +94,7 @@ def _ask(what, text, place, latest=True):
         _wanted[place] = question
         if not bpy.app.timers.is_registered(look):
             bpy.app.timers.register(look, first_interval=LOOK)
-        return _latest.get(place) if latest else None
+        return _latest.get(place)
     _wanted.pop(place, None)
     _latest[place] = known
     return known
@@ -130,3 +135,4 @@ def unregister():
         _worker = None
     for kept in (_answers, _latest, _wanted):
         kept.clear()
+    judgement.forget()

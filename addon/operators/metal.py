@@ -18,7 +18,7 @@ class LAMINA_OT_metal(bpy.types.Operator):
     @classmethod
     def description(cls, _context, properties):
         source = metals.source(properties.metal) if native.available() else ""
-        return f"{cls.bl_description}.\n{source}" if source else cls.bl_description
+        return f"{cls.bl_description}.\n{source.rstrip('.')}" if source else cls.bl_description
 
     @classmethod
     def poll(cls, context):

@@ -25,7 +25,7 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
         if properties.user or not native.available():
             return cls.bl_description
         entry = presets.entry(properties.preset)
-        return cls.bl_description if entry is None else f"{cls.bl_description}.\n{entry.source}"
+        return cls.bl_description if entry is None else f"{cls.bl_description}.\n{entry.source.rstrip('.')}"
 
     def execute(self, context):
         use = presets.apply_user if self.user else presets.apply

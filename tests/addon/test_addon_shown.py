@@ -97,6 +97,21 @@ def test_a_stack_with_colours_is_checked_in_the_thread(addon, material, lamina, 
     assert len(asked) == 1
     assert addon.panel._stack_error(material) == "ValueError: no good"
     assert addon.panel._error_layer(material) is None and len(asked) == 1
+    addon.judgement.forget()
+    assert addon.panel._stack_error(material) == ""
+    look_until_rest(addon.shown)
+    assert addon.panel._stack_error(material) == "ValueError: no good" and len(asked) == 2
+    addon.shown.unregister()
+
+
+def test_a_bug_in_the_thread_is_not_asked_for_again_and_again(addon, material, lamina, monkeypatch):
+    asked = []
+    monkeypatch.setattr(addon.judgement, "_ask", lambda _lamina, text: asked.append(text) or 1 / 0)
+    material.lamina.layers[0].mode = "colour"
+    for _ in range(3):
+        assert addon.panel._stack_error(material) == ""
+        look_until_rest(addon.shown)
+    assert len(asked) == 1
     addon.shown.unregister()
 
 
@@ -168,7 +183,7 @@ def test_every_medium_can_be_drawn(addon, material, mode, infinite, phase):
     layer.mode, layer.infinite, layer.phase = mode, infinite, phase
     lines = drawn(addon.fields.draw_layer, layer)
     assert {"Phase", "Varying"} <= set(lines)
-    assert ("Albedo" in lines) == (mode != "coefficients") and ("Shows" in lines) == (mode != "colour")
+    assert ("Albedo" in lines) == (mode != "coefficients") and ("As Thick Layer" in lines) == (mode != "colour")
 
 
 def test_an_imported_phase_function_is_shown_read_only(addon, material):
@@ -191,7 +206,7 @@ def test_interfaces_can_be_drawn_and_told_in_short(addon, material, per_channel)
 
 BASES = {
     "none": set(),
-    "lambert": {"Reflectance", "From Input"},
+    "lambert": {"Reflectance", "Base Colour from Input"},
     "black": set(),
     "half-space": {"Albedo", "Phase"},
     "conductor": {"Metal", "Roughness", "Index n R", "Extinction k R"},
