@@ -52,6 +52,17 @@ def test_applying_by_operator_and_by_function(addon, material, library, call):
     assert other.lamina.enabled and list(addon.presets.by_category()) == ["wood"]
 
 
+def test_applying_can_be_undone(addon, material, library, call):
+    material.use_fake_user = True
+    before = addon.stack_io.to_dict(material)
+    bpy.ops.ed.undo_push(message="before")
+    with bpy.context.temp_override(material=material):
+        bpy.ops.lamina.preset_apply("EXEC_DEFAULT", True, preset="varnished-wood")
+    assert addon.stack_io.to_dict(material) == VARNISH
+    bpy.ops.ed.undo()
+    assert addon.stack_io.to_dict(bpy.data.materials["Bronze"]) == before
+
+
 def test_the_tooltip_names_the_source(addon, library):
     operator = addon.operators.LAMINA_OT_preset_apply
     text = operator.description(None, SimpleNamespace(preset="varnished-wood", user=False))
