@@ -5,6 +5,8 @@ import bpy
 
 from . import messages, metals, native, presets
 
+TALLEST = 30  # rows of a menu that small screens still show
+
 
 class LAMINA_MT_stack(bpy.types.Menu):
     bl_label = "Layer Stack"
@@ -20,29 +22,33 @@ class LAMINA_MT_stack(bpy.types.Menu):
 
 
 class LAMINA_MT_presets(bpy.types.Menu):
-    """The library, a column for each category, and the user's own."""
+    """The user's own, then the library by category, in columns of about the same height."""
 
     bl_label = "Presets"
     bl_description = "Replace the layers by those of a ready-made material"
 
     def draw(self, _context):
-        layout = self.layout
+        columns = self.layout.row()
+        column, height = columns.column(), 4
+        _title(column, "Mine")
+        column.menu("LAMINA_MT_user_presets", icon="USER")
+        column.operator("lamina.preset_save", text="Save as Preset...", icon="FILE_TICK")
         try:
             categories = presets.by_category()
-        except (native.NativeMissingError, ValueError) as error:  # the user's own are still to be had
-            layout.label(text=messages.sentence(error), icon="ERROR")
-            categories = {}
-        columns = layout.row()
+        except (native.NativeMissingError, ValueError) as error:
+            column.label(text=messages.sentence(error), icon="ERROR")
+            return
         for category, entries in categories.items():
-            column = columns.column()
-            column.label(text=category[:1].upper() + category[1:])
-            column.separator()
+            rows = len(entries) + 2
+            if height + rows > TALLEST:
+                column, height = columns.column(), 0
+            if height:
+                column.separator()
+            height += rows
+            _title(column, category[:1].upper() + category[1:])
             for entry in entries:
                 name = entry.name or entry.id
                 column.operator("lamina.preset_apply", text=name).preset = entry.id
-        layout.separator()
-        layout.menu("LAMINA_MT_user_presets", icon="USER")
-        layout.operator("lamina.preset_save", text="Save as Preset...", icon="FILE_TICK")
 
 
 class LAMINA_MT_user_presets(bpy.types.Menu):
@@ -82,6 +88,11 @@ class LAMINA_MT_metals(bpy.types.Menu):
             return
         for name in names:
             self.layout.operator("lamina.metal", text=metals.label(name)).metal = name
+
+
+def _title(column, text):
+    column.label(text=text)
+    column.separator()
 
 
 CLASSES = (
