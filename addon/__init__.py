@@ -7,15 +7,17 @@ from . import (
     bake_job,
     command_line,
     live,
+    menus,
     migration,
     native,
     operators,
     panel,
     preferences,
     properties,
+    shown,
 )
 
-PARTS = (properties, migration, bake_job, live, operators, panel, command_line)
+PARTS = (properties, shown, migration, bake_job, live, operators, menus, panel, command_line)
 
 
 def register():

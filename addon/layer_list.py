@@ -2,11 +2,9 @@
 """Plain functions that edit the layer list of a material. The top layer is first, as light meets it."""
 
 from . import bake_job, changes, migration, node_group, preferences
+from .stack_read import FIRST_NAMES
 
-COPIED = (
-    "kind", "mode", "albedo", "tau", "tau_per_channel", "tau_rgb", "infinite",
-    "sigma_s", "sigma_a", "thickness", "phase", "g",
-)  # fmt: skip
+NOT_COPIED = ("name", "varying", "roughness")  # roughness is another face of alpha
 
 
 def add_stack(material):
@@ -29,12 +27,33 @@ def remove_stack(material):
     material.property_unset("lamina")
 
 
-def add_layer(material):
-    """Put a new layer on top of the active one and select it. Returns it."""
+def add_layer(material, kind="medium"):
+    """Put a new layer, a 'medium' or an 'interface', on top of the active one and select it. Returns it."""
     settings = material.lamina
-    layer = settings.layers.add()
-    layer.name = unique_name(material, "Layer")
+    _new_layer(material, kind)
     return _place_last(settings, max(settings.active_index, 0))
+
+
+def close_sheet(material):
+    """End a sheet in air: an interface of ior 1 at the bottom, as rough as the one above it. Returns it."""
+    settings = material.lamina
+    above = [index for index, layer in enumerate(settings.layers) if layer.kind == "interface"]
+    layer = _new_layer(material, "interface")
+    if above:
+        _copy(settings.layers[above[-1]], layer)
+    layer.ior, layer.ior_per_channel = 1.0, False
+    return _place_last(settings, len(settings.layers))
+
+
+def open_ior(material):
+    """Index of the dielectric that a sheet ends in, or None: it ends in air, or there is a base."""
+    settings = material.lamina
+    interfaces = [layer for layer in settings.layers if layer.kind == "interface"]
+    if settings.base.kind != "none" or not interfaces:
+        return None
+    last = interfaces[-1]
+    ior = max(last.ior_rgb) if last.ior_per_channel else last.ior
+    return ior if ior > 1.0 else None
 
 
 def remove_layer(material):
@@ -50,8 +69,7 @@ def duplicate_layer(material):
     settings = material.lamina
     index = settings.active_index
     copy, source = settings.layers.add(), settings.layers[index]
-    for name in COPIED:
-        setattr(copy, name, getattr(source, name))
+    _copy(source, copy)
     copy.name = unique_name(material, source.name)
     return _place_last(settings, index + 1)
 
@@ -86,6 +104,19 @@ def unique_name(material, wanted):
     while f"{stem}.{number:03d}" in taken:
         number += 1
     return f"{stem}.{number:03d}"
+
+
+def _new_layer(material, kind):
+    name = unique_name(material, FIRST_NAMES[kind])
+    layer = material.lamina.layers.add()
+    layer.kind, layer.name = kind, name
+    return layer
+
+
+def _copy(source, target):
+    for prop in source.bl_rna.properties:
+        if not prop.is_readonly and prop.identifier not in NOT_COPIED:
+            setattr(target, prop.identifier, getattr(source, prop.identifier))
 
 
 def _place_last(settings, target):

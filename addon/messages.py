@@ -8,14 +8,25 @@ from . import native
 WORDS = {
     "tau": "optical thickness",
     "phase.g": "anisotropy",
+    "phase.g1": "first anisotropy",
+    "phase.g2": "second anisotropy",
     "phase.kind": "phase function",
     "phase": "phase function",
     "sigma_s": "scattering",
     "sigma_a": "absorption",
+    "color": "colour",
+    "over": "colour of the base that it is over",
+    "ior": "IOR",
+    "alpha": "microfacet width (roughness squared)",
+    "eta": "index n",
+    "k": "extinction k",
+    "facing": "facing colour",
+    "grazing": "grazing colour",
 }
 
-_LAYER = re.compile(r"^layers\[(\d+)\](?:\.([\w.]+))?(\[(\d)\])?(.*)$", re.DOTALL)
-_BASE = re.compile(r"^base(?:\.([\w.]+))?(\[(\d)\])?(.*)$", re.DOTALL)
+_FIELD = r"(?:\.((?:[\w.]|\[\d+\](?=\.))+))?(\[(\d)\])?(.*)$"
+_LAYER = re.compile(r"^layers\[(\d+)\]" + _FIELD, re.DOTALL)
+_BASE = re.compile(r"^base" + _FIELD, re.DOTALL)
 _CHANNELS = ("red", "green", "blue")
 
 
@@ -57,6 +68,13 @@ def in_panel_words(text, material):
     return text
 
 
+def unusual_channels(values, where):
+    """What is wrong with the length of a list of channels, or ''."""
+    if len(values) in (1, 3):
+        return ""
+    return f"{where} has {len(values)} channels: a Blender material takes 1 or 3"
+
+
 def percent(share, digits=1):
     """'4.1 %', or '< 0.1 %' for what would round to nothing."""
     number = 100.0 * share
@@ -90,5 +108,5 @@ def _layer_name(material, index):
 def _field(field, channel):
     if not field:
         return ""
-    words = WORDS.get(field, field.replace("_", " "))
+    words = WORDS.get(field) or field.replace("phase.", "phase function ", 1).replace("_", " ")
     return f", {words}" + (f" ({_CHANNELS[int(channel)]})" if channel and int(channel) < 3 else "")

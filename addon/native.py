@@ -51,6 +51,15 @@ def require():
     return _package
 
 
+def part(name):
+    """A module of the `lamina` package that is not imported with it. Raises NativeMissingError."""
+    package = require()
+    try:
+        return importlib.import_module(f"{package.__name__}.{name}")
+    except ImportError as error:
+        raise NativeMissingError(f"Lamina's native module is too old: {_one_line(error)}") from None
+
+
 def _explain(error):
     here = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     found = _compiled_files()

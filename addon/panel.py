@@ -1,43 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Lamina panel in the Material tab: Layers, Base, Bake, Result."""
+"""The Lamina panel in the Material tab: presets, Layers, Base, Bake, Result."""
 
 import math
 
 import bpy
 
-from . import bake_job, layer_list, messages, migration, native, node_group, properties, stack_io
+from . import (
+    bake_job,
+    fields,
+    judgement,
+    layer_list,
+    messages,
+    migration,
+    native,
+    node_group,
+    shown,
+    stack_io,
+)
+from .layer_properties import LAYER_KINDS
 from .messages import percent
 
 CHANNELS = ("red", "green", "blue")
+SWATCHES = {"optical": "albedo", "colour": "colour"}
+ICONS = {kind: icon for kind, _name, _description, icon, _number in LAYER_KINDS}
 
 
 class LAMINA_UL_layers(bpy.types.UIList):
-    """Top layer first, as light meets it: colour, name, thickness."""
+    """Top layer first, as light meets it: kind, name, thickness or index, colour."""
+
+    error = None  # the row in error; the panel says so before it draws the list
 
     def draw_item(self, _context, layout, _data, layer, _icon, _active, _property, index=0):
         row = layout.row(align=True)
-        icon = "ERROR" if _error_layer(layer.id_data) == index else "MATFLUID"
+        icon = "ERROR" if self.error == index else ICONS[layer.kind]
         row.prop(layer, "name", text="", emboss=False, icon=icon)
         facts = row.row(align=True)
         facts.alignment = "RIGHT"
-        facts.label(text=_thickness_text(layer), icon="TEXTURE" if layer.varying else "NONE")
-        if layer.mode == "optical":
+        facts.label(text=fields.facts(layer), icon="TEXTURE" if layer.varying else "NONE")
+        if layer.kind == "medium" and layer.mode in SWATCHES:
+            row.separator(factor=0.5)
             swatch = row.row(align=True)
             swatch.ui_units_x = 1.2
-            swatch.prop(layer, "albedo", text="")
-
-
-class LAMINA_MT_stack(bpy.types.Menu):
-    bl_label = "Layer Stack"
-
-    def draw(self, _context):
-        layout = self.layout
-        layout.operator("lamina.layer_duplicate", icon="DUPLICATE")
-        layout.separator()
-        layout.operator("lamina.stack_import", text="Import Stack...", icon="IMPORT")
-        layout.operator("lamina.stack_export", text="Export Stack...", icon="EXPORT")
-        layout.separator()
-        layout.operator("lamina.remove_stack", icon="X")
+            swatch.prop(layer, SWATCHES[layer.mode], text="")
 
 
 class MaterialPanel:
@@ -72,8 +76,10 @@ class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
             _sentence(context, layout, "Made by a newer version of Lamina: update Lamina to edit it")
         elif not material.is_editable:
             _sentence(context, layout, "Linked from another file: edit the layers there", "LINKED")
-        elif not material.lamina.enabled:
-            layout.operator("lamina.add_stack", icon="ADD")
+        else:
+            if not material.lamina.enabled:
+                layout.operator("lamina.add_stack", icon="ADD")
+            layout.menu("LAMINA_MT_presets", icon="PRESET")
 
 
 class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
@@ -84,10 +90,11 @@ class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
         layout, material = self.layout, context.material
         settings = material.lamina
         layout.active = material.is_editable
+        LAMINA_UL_layers.error = _error_layer(material)
         row = layout.row()
         row.template_list("LAMINA_UL_layers", "", settings, "layers", settings, "active_index", rows=5)
         column = row.column(align=True)
-        column.operator("lamina.layer_add", text="", icon="ADD")
+        column.operator_menu_enum("lamina.layer_add", "kind", text="", icon="ADD")
         column.operator("lamina.layer_remove", text="", icon="REMOVE")
         column.separator()
         column.menu("LAMINA_MT_stack", text="", icon="DOWNARROW_HLT")
@@ -96,7 +103,7 @@ class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
         column.operator("lamina.layer_move", text="", icon="TRIA_DOWN").direction = "DOWN"
         layer = layer_list.active_layer(material)
         if layer is not None:
-            draw_layer(layout, layer)
+            fields.draw_layer(layout, layer)
 
 
 class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
@@ -104,15 +111,14 @@ class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
     bl_parent_id = "LAMINA_PT_main"
 
     def draw(self, context):
-        layout, base = self.layout, context.material.lamina.base
-        layout.active = context.material.is_editable
-        _split(layout)
-        layout.prop(base, "kind", text="Below")
-        if base.kind == "lambert":
-            layout.prop(base, "reflectance")
-        elif base.kind == "half-space":
-            layout.prop(base, "albedo")
-            _draw_phase(layout, base)
+        layout, material = self.layout, context.material
+        layout.active = material.is_editable
+        fields.draw_base(layout, material.lamina.base)
+        ior = layer_list.open_ior(material)
+        if ior is not None:
+            text = f"The sheet ends inside a dielectric of IOR {ior:.3g}: it has no back surface"
+            _sentence(context, layout, text)
+            layout.operator("lamina.sheet_close", icon="ADD")
 
 
 class LAMINA_PT_bake(MaterialPanel, bpy.types.Panel):
@@ -160,29 +166,6 @@ class LAMINA_PT_result(MaterialPanel, bpy.types.Panel):
             split.label(text=value)
 
 
-def draw_layer(layout, layer):
-    """The fields of one layer. Labels are short: the editor is narrow; tooltips say the rest."""
-    if len(properties.LAYER_KINDS) > 1:
-        layout.prop(layer, "kind")
-    layout.row().prop(layer, "mode", expand=True)
-    column = _split(layout.column())
-    amount = "Largest" if layer.varying else "Thickness"
-    if layer.mode == "optical":
-        column.prop(layer, "albedo")
-        if layer.tau_per_channel and not layer.infinite:
-            _rgb_column(column, layer, "tau_rgb", f"{amount} τ")
-        else:
-            _with_infinity(column, layer, "tau", f"{amount} τ")
-        if not layer.infinite:
-            column.prop(layer, "tau_per_channel")
-    else:
-        _rgb_column(column, layer, "sigma_s", "Scattering")
-        _rgb_column(column, layer, "sigma_a", "Absorption")
-        _with_infinity(column, layer, "thickness", f"{amount} mm")
-    column.prop(layer, "varying", text="Varying")
-    _draw_phase(column, layer)
-
-
 def result_lines(result):
     """(name, value) for each line of the result box."""
     lines = [("Fit Error", f"{percent(result.fit_error)} mean, {percent(result.worst_error)} worst")]
@@ -202,12 +185,6 @@ def result_lines(result):
     return lines
 
 
-def _draw_phase(layout, owner):
-    layout.prop(owner, "phase", text="Phase")
-    if owner.phase == "hg":
-        layout.prop(owner, "g", slider=True)
-
-
 def _draw_progress(layout, job):
     row = layout.row(align=True)
     row.scale_y = 1.4
@@ -217,7 +194,9 @@ def _draw_progress(layout, job):
 
 
 def _draw_state(layout, context, material):
-    state = bake_job.state(material) if native.available() else "unknown"
+    state = "unknown"
+    if native.available():
+        state = bake_job.state(material) if _is_checked(material) else "stale"
     if state == "fresh":
         layout.label(text="Up to date", icon="CHECKMARK")
     elif state == "stale":
@@ -232,63 +211,28 @@ def _bake_label(material):
     return "Bake Again" if material.lamina.result.stack_hash else "Bake"
 
 
+def _is_checked(material):
+    """Whether the stack can be judged while the panel draws. If not, the panel is drawn again when it can."""
+    return shown.is_checked(material, stack_io.to_text(material))
+
+
+def _error(material):
+    """The error in the layers as they are now, or None."""
+    if not native.available() or not _is_checked(material):
+        return None
+    return judgement.of(stack_io.to_text(material))[1]
+
+
 def _stack_error(material):
     """What is wrong with the layers as they are now, or ''."""
-    if not native.available():
-        return ""
-    try:
-        stack_io.to_stack(material)
-    except ValueError as error:
-        return messages.sentence(error, material)
-    return ""
+    error = _error(material)
+    return "" if error is None else messages.sentence(error, material)
 
 
 def _error_layer(material):
     """Index of the layer that the stack's error speaks of, or None."""
-    if not native.available():
-        return None
-    try:
-        stack_io.to_stack(material)
-    except ValueError as error:
-        return messages.layer_index(str(error))
-    return None
-
-
-def _thickness_text(layer):
-    if layer.infinite:
-        return "∞"
-    if layer.mode == "coefficients":
-        return f"{stack_io.shortest(layer.thickness):g} mm"
-    tau = max(layer.tau_rgb) if layer.tau_per_channel else layer.tau
-    return f"τ {stack_io.shortest(tau):g}"
-
-
-def _with_infinity(layout, layer, name, text):
-    """A number with its infinity switch, lined up with the properties above and below."""
-    split = layout.split(factor=0.4)
-    split.use_property_split = False
-    label = split.row()
-    label.alignment = "RIGHT"
-    label.label(text=text)
-    row = split.row(align=True)
-    value = row.row(align=True)
-    value.active = not layer.infinite
-    value.prop(layer, name, text="")
-    switch = row.row(align=True)
-    switch.ui_units_x = 1.6
-    switch.prop(layer, "infinite", text="∞", toggle=True)
-
-
-def _rgb_column(layout, layer, name, text):
-    column = layout.column(align=True)
-    for index, channel in enumerate("RGB"):
-        column.prop(layer, name, index=index, text=f"{text} {channel}" if index == 0 else channel)
-
-
-def _split(layout):
-    layout.use_property_split = True
-    layout.use_property_decorate = False
-    return layout
+    error = _error(material)
+    return None if error is None else messages.layer_index(str(error))
 
 
 def _sentence(context, layout, text, icon="INFO", alert=False):
@@ -303,7 +247,6 @@ def _sentence(context, layout, text, icon="INFO", alert=False):
 
 CLASSES = (
     LAMINA_UL_layers,
-    LAMINA_MT_stack,
     LAMINA_PT_main,
     LAMINA_PT_layers,
     LAMINA_PT_base,
@@ -311,12 +254,4 @@ CLASSES = (
     LAMINA_PT_result,
 )
 
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

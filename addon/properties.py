@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a material keeps in the .blend: its layers, its base, and the facts of its last bake.
 
-A bake cannot follow an animation, so no property is animatable (`options=set()`). Whether a bake is
-running, and why the last one failed, is not kept here: see bake_job.
+Whether a bake is running, and why the last one failed, is not kept here: see bake_job.
 """
 
 import bpy
@@ -11,200 +10,16 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
-    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
 )
 
 from . import changes
+from .layer_properties import LaminaBase, LaminaLayer
 from .preferences import QUALITIES
 
-SCHEMA = 1
-
-LAYER_KINDS = (("medium", "Medium", "Scattering, absorbing particles: dust, pigment, haze", "MATFLUID", 0),)
-
-PHASES = (
-    ("isotropic", "Isotropic", "Light leaves a particle in all directions alike"),
-    ("hg", "Henyey-Greenstein", "Forward or backward scattering, set by the anisotropy"),
-    ("rayleigh", "Rayleigh", "Particles much smaller than the wavelength: haze, smoke"),
-)
-
-BASES = (
-    ("none", "None (Thin Sheet)", "Nothing below: light also leaves through the back"),
-    ("lambert", "Diffuse Surface", "A matte opaque surface of the given colour"),
-    ("black", "Black", "A surface that absorbs all light"),
-    ("half-space", "Deep Medium", "A medium without bottom: soil, snow, thick paint"),
-)
-
-
-def _rgb(name, default, description, largest=1.0, **options):
-    return FloatVectorProperty(
-        name=name,
-        description=description,
-        size=3,
-        default=(default,) * 3,
-        min=0.0,
-        max=largest,
-        update=changes.edited,
-        options=set(),
-        **options,
-    )
-
-
-def _phase():
-    return EnumProperty(
-        name="Phase Function",
-        description="How a particle spreads the light that it scatters",
-        items=PHASES,
-        default="hg",
-        update=changes.edited,
-        options=set(),
-    )
-
-
-def _anisotropy():
-    return FloatProperty(
-        name="Anisotropy",
-        description="Mean cosine g of the scattering angle: below 0 back towards the light, above 0 onwards",
-        default=0.6,
-        min=-0.99,
-        max=0.99,
-        step=1,
-        precision=3,
-        update=changes.edited,
-        options=set(),
-    )
-
-
-def _varying_changed(layer, _context):
-    """A stack has one thickness axis at most: the last choice wins."""
-    if layer.varying:
-        for other in layer.id_data.lamina.layers:
-            if other != layer and other.varying:
-                other.varying = False
-    changes.edited(layer)
-
-
-class LaminaLayer(bpy.types.PropertyGroup):
-    name: StringProperty(
-        name="Name", description="Name of this layer, for you", default="Layer", options=set()
-    )
-    kind: EnumProperty(
-        name="Kind",
-        description="What this layer is made of",
-        items=LAYER_KINDS,
-        update=changes.edited,
-        options=set(),
-    )
-    mode: EnumProperty(
-        name="Given By",
-        description="Which numbers describe the medium",
-        items=(
-            ("optical", "Albedo", "By albedo and optical thickness"),
-            (
-                "coefficients",
-                "Per mm",
-                "By scattering and absorption per millimetre, and thickness",
-            ),
-        ),
-        update=changes.edited,
-        options=set(),
-    )
-    albedo: _rgb(
-        "Albedo", 0.8, "Share of the light that a scattering event keeps, per channel", subtype="COLOR"
-    )
-    tau: FloatProperty(
-        name="Optical Thickness",
-        description="Mean number of events straight through: 0.1 is a veil, 1 is dusty, 10 hides the base",
-        default=1.0,
-        min=0.0,
-        max=1.0e6,
-        soft_max=20.0,
-        step=10,
-        precision=3,
-        update=changes.edited,
-        options=set(),
-    )
-    tau_per_channel: BoolProperty(
-        name="Per Channel",
-        description="Give red, green and blue an optical thickness of their own",
-        update=changes.edited,
-        options=set(),
-    )
-    tau_rgb: _rgb(
-        "Optical Thickness",
-        1.0,
-        "Optical thickness in red, green and blue",
-        1.0e6,
-        soft_max=20.0,
-        precision=3,
-        step=10,
-    )
-    infinite: BoolProperty(
-        name="Infinite",
-        description="This layer has no bottom; nothing below it is seen",
-        update=changes.edited,
-        options=set(),
-    )
-    sigma_s: _rgb(
-        "Scattering",
-        1.0,
-        "Scattering coefficient in 1/mm, per channel",
-        1.0e6,
-        soft_max=20.0,
-        precision=4,
-        step=10,
-    )
-    sigma_a: _rgb(
-        "Absorption",
-        0.1,
-        "Absorption coefficient in 1/mm, per channel",
-        1.0e6,
-        soft_max=20.0,
-        precision=4,
-        step=10,
-    )
-    thickness: FloatProperty(
-        name="Thickness",
-        description="Thickness of the layer in millimetres",
-        default=1.0,
-        min=0.0,
-        max=1.0e6,
-        soft_max=10.0,
-        step=10,
-        precision=4,
-        update=changes.edited,
-        options=set(),
-    )
-    phase: _phase()
-    g: _anisotropy()
-    varying: BoolProperty(
-        name="Varying Thickness",
-        description="Give the node group a Thickness input, from 0 to this layer's optical thickness. "
-        "One layer of a stack can vary",
-        update=_varying_changed,
-        options=set(),
-    )
-
-
-class LaminaBase(bpy.types.PropertyGroup):
-    kind: EnumProperty(
-        name="Base",
-        description="What lies below the layers",
-        items=BASES,
-        default="lambert",
-        update=changes.edited,
-        options=set(),
-    )
-    reflectance: _rgb(
-        "Reflectance", 0.5, "Share of the light that the surface reflects, per channel", subtype="COLOR"
-    )
-    albedo: _rgb(
-        "Albedo", 0.8, "Share of the light that a scattering event keeps, per channel", subtype="COLOR"
-    )
-    phase: _phase()
-    g: _anisotropy()
+SCHEMA = 2  # 1: media of three phase functions on four bases
 
 
 class LaminaResult(bpy.types.PropertyGroup):
@@ -231,6 +46,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     layers: CollectionProperty(type=LaminaLayer)
     active_index: IntProperty(name="Active Layer", options=set())
     base: PointerProperty(type=LaminaBase)
+    about: StringProperty(description="JSON of what else an imported stack says of itself: name, source")
     quality: EnumProperty(
         name="Quality", description="How exactly to bake", items=QUALITIES, default="final", options=set()
     )
@@ -247,13 +63,14 @@ class LaminaMaterial(bpy.types.PropertyGroup):
 CLASSES = (LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)
 
 
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
 def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register_classes()
     bpy.types.Material.lamina = PointerProperty(type=LaminaMaterial, name="Lamina")
 
 
 def unregister():
     del bpy.types.Material.lamina
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister_classes()

@@ -11,7 +11,13 @@ from .layer_add import LAMINA_OT_layer_add
 from .layer_duplicate import LAMINA_OT_layer_duplicate
 from .layer_move import LAMINA_OT_layer_move
 from .layer_remove import LAMINA_OT_layer_remove
+from .metal import LAMINA_OT_metal
+from .phase_replace import LAMINA_OT_phase_replace
+from .preset_apply import LAMINA_OT_preset_apply
+from .preset_delete import LAMINA_OT_preset_delete
+from .preset_save import LAMINA_OT_preset_save
 from .remove_stack import LAMINA_OT_remove_stack
+from .sheet_close import LAMINA_OT_sheet_close
 from .stack_export import LAMINA_OT_stack_export
 from .stack_import import LAMINA_OT_stack_import
 
@@ -22,6 +28,12 @@ CLASSES = (
     LAMINA_OT_layer_remove,
     LAMINA_OT_layer_duplicate,
     LAMINA_OT_layer_move,
+    LAMINA_OT_sheet_close,
+    LAMINA_OT_phase_replace,
+    LAMINA_OT_metal,
+    LAMINA_OT_preset_apply,
+    LAMINA_OT_preset_save,
+    LAMINA_OT_preset_delete,
     LAMINA_OT_stack_import,
     LAMINA_OT_stack_export,
     LAMINA_OT_bake,
@@ -29,12 +41,4 @@ CLASSES = (
     LAMINA_OT_connect,
 )
 
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

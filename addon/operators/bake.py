@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import bake_job, live, messages, native
+from .. import bake_job, live, messages, native, redraw
 from . import common
 
 INTERVAL = 0.1  # seconds between two looks at the worker
@@ -50,7 +50,7 @@ class LAMINA_OT_bake(bpy.types.Operator):
             return {"RUNNING_MODAL"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        _redraw(context)
+        redraw.properties()
         if not self._job.done:
             return {"PASS_THROUGH"}
         self._end(context)
@@ -78,7 +78,7 @@ class LAMINA_OT_bake(bpy.types.Operator):
         bake_job.forget()
         context.window_manager.event_timer_remove(self._timer)
         self._tell(context, None)
-        _redraw(context)
+        redraw.properties()
 
     def _tell(self, _context, text):
         if self._workspace is not None:
@@ -90,10 +90,3 @@ class LAMINA_OT_bake(bpy.types.Operator):
         if index is not None and index < len(material.lamina.layers):
             material.lamina.active_index = index
         return {"CANCELLED"}
-
-
-def _redraw(context):
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "PROPERTIES":
-                area.tag_redraw()

@@ -4,6 +4,7 @@
 import bpy
 
 from .. import layer_list
+from ..layer_properties import LAYER_KINDS
 from . import common
 
 
@@ -13,10 +14,12 @@ class LAMINA_OT_layer_add(bpy.types.Operator):
     bl_description = "Add a layer above the selected one"
     bl_options = {"REGISTER", "UNDO"}
 
+    kind: bpy.props.EnumProperty(name="Kind", items=LAYER_KINDS, default="medium")
+
     @classmethod
     def poll(cls, context):
         return common.has_stack(cls, context)
 
     def execute(self, context):
-        layer_list.add_layer(common.material_of(context))
+        layer_list.add_layer(common.material_of(context), self.kind)
         return {"FINISHED"}

@@ -24,6 +24,8 @@ def twin(addon, count=3):
 
 PAIRS = {
     "add": ("add_layer", "layer_add", {}, {}),
+    "add interface": ("add_layer", "layer_add", {"kind": "interface"}, {"kind": "interface"}),
+    "close sheet": ("close_sheet", "sheet_close", {}, {}),
     "remove": ("remove_layer", "layer_remove", {}, {}),
     "duplicate": ("duplicate_layer", "layer_duplicate", {}, {}),
     "up": ("move_layer", "layer_move", {"direction": "UP"}, {"direction": "UP"}),
@@ -59,6 +61,77 @@ def test_duplicate_copies_all_but_varying(addon):
     assert second.pop("name") == "Dust.001" and first.pop("name") == "Dust"
     assert first.pop("varying") and not second.pop("varying")
     assert first == second
+
+
+def test_duplicate_copies_every_property(addon):
+    material, _ = twin(addon, 1)
+    material.lamina.active_index = 0
+    layer = material.lamina.layers[0]
+    for name, value in changed_values(layer):
+        setattr(layer, name, value)
+    layer.alpha = 0.123456
+    before = {name: getattr(layer, name) for name, _ in changed_values(layer)}
+    addon.layer_list.duplicate_layer(material)
+    copy = material.lamina.layers[1]
+    for name, value in before.items():
+        value = tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
+        kept = getattr(copy, name)
+        kept = tuple(kept) if isinstance(value, tuple) else kept
+        assert kept == value or name in ("name", "varying"), name
+
+
+def changed_values(group):
+    """(name, another value) for each property of a layer or base that can be set."""
+    for prop in group.bl_rna.properties:
+        if prop.is_readonly or prop.identifier in ("name", "roughness"):
+            continue
+        value = getattr(group, prop.identifier)
+        if prop.type == "ENUM":
+            yield prop.identifier, next(item.identifier for item in prop.enum_items if item.identifier != value)
+        elif prop.type == "BOOLEAN":
+            yield prop.identifier, not value
+        elif prop.type == "STRING":
+            yield prop.identifier, value + "x"
+        elif prop.is_array:
+            yield prop.identifier, (0.25, 0.5, 0.75)
+        else:
+            yield prop.identifier, 0.25 if prop.hard_min <= 0.25 else 1.25
+
+
+@pytest.mark.parametrize("owner", ["layer", "base"])
+def test_every_property_tells_of_its_change(addon, monkeypatch, owner):
+    material, _ = twin(addon, 1)
+    group = material.lamina.layers[0] if owner == "layer" else material.lamina.base
+    told = []
+    monkeypatch.setattr(addon.changes, "listeners", [told.append])
+    for name, value in [*changed_values(group), ("roughness", 0.5)]:
+        told.clear()
+        setattr(group, name, value)
+        assert told and all(one == material for one in told), name
+
+
+def test_an_interface_does_not_vary(addon):
+    material, _ = twin(addon, 1)
+    layer = material.lamina.layers[0]
+    layer.varying = True
+    layer.kind = "interface"
+    assert not layer.varying
+
+
+def test_a_sheet_that_ends_inside_a_dielectric(addon):
+    material, _ = twin(addon, 1)
+    add, open_ior = addon.layer_list.add_layer, addon.layer_list.open_ior
+    material.lamina.base.kind = "none"
+    assert open_ior(material) is None
+    front = add(material, "interface")
+    front.ior, front.roughness, front.distribution = 1.4, 0.5, "beckmann"
+    assert open_ior(material) == pytest.approx(1.4)
+    material.lamina.base.kind = "lambert"
+    assert open_ior(material) is None
+    material.lamina.base.kind = "none"
+    back = addon.layer_list.close_sheet(material)
+    assert open_ior(material) is None and material.lamina.layers[-1] == back
+    assert (back.ior, back.alpha, back.distribution) == (1.0, 0.25, "beckmann")
 
 
 def test_moving_beyond_the_ends_does_nothing(addon, call):
@@ -107,7 +180,7 @@ def test_names_are_unique(addon):
 
 
 def test_every_operator_that_changes_data_can_be_undone(addon):
-    no_data = {"LAMINA_OT_bake_cancel", "LAMINA_OT_stack_export"}
+    no_data = {"LAMINA_OT_bake_cancel", "LAMINA_OT_stack_export", "LAMINA_OT_preset_save", "LAMINA_OT_preset_delete"}
     for cls in addon.operators.CLASSES:
         assert ("UNDO" in cls.bl_options) == (cls.__name__ not in no_data), cls.__name__
 

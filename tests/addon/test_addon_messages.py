@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sentences, migration, and the panel's text."""
 
+from pathlib import Path
+
 import bpy
 import pytest
 
@@ -10,6 +12,14 @@ SENTENCES = {
     "layers[7].tau = -1: must not be negative": "Layer 8, optical thickness = -1: must not be negative",
     "layers[0]: an infinite layer must be the last": "Layer 1 “Dust”: an infinite layer must be the last",
     "base.reflectance[2] = 3: must lie in [0, 1]": "Base, reflectance (blue) = 3: must lie in [0, 1]",
+    "layers[0].phase.parts[1].phase.g = 2: must lie in (-1, 1)": (
+        "Layer 1 “Dust”, phase function parts[1].phase.g = 2: must lie in (-1, 1)"
+    ),
+    "layers[0].phase.parts have shares that sum to 2": (
+        "Layer 1 “Dust”, phase function parts have shares that sum to 2"
+    ),
+    "layers[0].ior[2] = 9: must lie in [1, 4]": "Layer 1 “Dust”, IOR (blue) = 9: must lie in [1, 4]",
+    "base.eta[0] = 0: must lie in [0.001, 100]": "Base, index n (red) = 0: must lie in [0.001, 100]",
     "schema = 9: this version reads up to 1": "schema = 9: this version reads up to 1",
     "baseline: odd": "baseline: odd",
 }
@@ -42,10 +52,63 @@ def test_wrapped(addon):
 
 def test_old_files_are_brought_up_to_date_step_by_step(addon, material):
     done = []
+    material.lamina.schema = 1
     steps = {1: lambda one: done.append((1, one.name)), 2: lambda one: done.append((2, one.name))}
     assert addon.migration.migrate(material, steps, schema=3)
     assert done == [(1, "Bronze"), (2, "Bronze")] and material.lamina.schema == 3
     assert not addon.migration.migrate(material, steps, schema=3)
+
+
+# What the version that wrote the file made of its own properties.
+SCHEMA_1 = {
+    "Dusty": {
+        "schema": 1,
+        "layers": [
+            {
+                "kind": "medium", "name": "Layer.001", "sigma_s": [0.7, 1.22, 1.9],
+                "sigma_a": [0.0014, 0.0025, 0.0142], "thickness": 0.25, "phase": {"kind": "rayleigh"},
+                "varying": False,
+            },
+            {
+                "kind": "medium", "name": "Dust", "albedo": [0.9, 0.8, 0.7], "tau": [0.1, 0.2, 0.3],
+                "phase": {"kind": "hg", "g": 0.75}, "varying": True,
+            },
+        ],
+        "base": {"kind": "half-space", "albedo": [0.3, 0.6, 0.9], "phase": {"kind": "isotropic"}},
+    },
+    "Sheet": {
+        "schema": 1,
+        "layers": [
+            {
+                "kind": "medium", "name": "Dust", "albedo": 0.8, "tau": 1.0, "phase": {"kind": "isotropic"},
+                "varying": False,
+            },
+        ],
+        "base": None,
+    },
+    "Untouched": {
+        "schema": 1,
+        "layers": [
+            {
+                "kind": "medium", "name": "Dust", "albedo": 0.8, "tau": 1.0, "phase": {"kind": "hg", "g": 0.6},
+                "varying": False,
+            },
+        ],
+        "base": {"kind": "lambert", "reflectance": 0.8},
+    },
+}  # fmt: skip
+
+
+def test_a_file_of_schema_1_keeps_its_layers(addon):
+    library = Path(__file__).parent / "files" / "schema_1.blend"
+    with bpy.data.libraries.load(str(library)) as (_source, target):
+        target.materials = list(SCHEMA_1)
+    assert [bpy.data.materials[name].lamina.schema for name in SCHEMA_1] == [1, 1, 1]
+    addon.migration.migrate_all()
+    for name, expected in SCHEMA_1.items():
+        material = bpy.data.materials[name]
+        assert material.lamina.schema == addon.properties.SCHEMA
+        assert addon.stack_io.to_dict(material) == expected
 
 
 def test_files_from_the_future_are_left_alone(addon, material, call):

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Replace an imported phase function."""
+
+import bpy
+
+from .. import layer_list, phases
+from . import common
+
+
+class LAMINA_OT_phase_replace(bpy.types.Operator):
+    bl_idname = "lamina.phase_replace"
+    bl_label = "Replace Phase Function"
+    bl_description = "Let go of the imported phase function and choose another here"
+    bl_options = {"REGISTER", "UNDO"}
+
+    base: bpy.props.BoolProperty(name="Of the Base", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_stack(cls, context)
+
+    def execute(self, context):
+        material = common.material_of(context)
+        owner = material.lamina.base if self.base else layer_list.active_layer(material)
+        if owner is None:
+            return {"CANCELLED"}
+        phases.replace(owner)
+        return {"FINISHED"}

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Delete a preset of the user."""
+
+import bpy
+
+from .. import messages, presets
+
+
+class LAMINA_OT_preset_delete(bpy.types.Operator):
+    bl_idname = "lamina.preset_delete"
+    bl_label = "Delete Preset"
+    bl_description = "Delete this preset of yours. Materials that were made from it stay as they are"
+    bl_options = {"REGISTER"}
+
+    name: bpy.props.StringProperty(name="Name")
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_confirm(
+            self, event, title=f"Delete the preset “{self.name}”?", message="This cannot be undone.",
+            confirm_text="Delete", icon="WARNING",
+        )  # fmt: skip
+
+    def execute(self, _context):
+        try:
+            presets.delete_user(self.name)
+        except (ValueError, OSError) as error:
+            self.report({"ERROR"}, messages.sentence(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
