@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
+from . import export, rgl
 from .bake import bake
-from .errors import Cancelled, LutError, SolveError, StackError
+from .errors import Cancelled, ExportError, LutError, SolveError, StackError
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
 from .phase import (
@@ -25,6 +26,7 @@ __all__ = [
     "CornetteShanks",
     "DoubleHenyeyGreenstein",
     "Draine",
+    "ExportError",
     "HalfSpace",
     "HenyeyGreenstein",
     "Interface",
@@ -41,5 +43,7 @@ __all__ = [
     "StackError",
     "Tabulated",
     "bake",
+    "export",
+    "rgl",
     "solve",
 ]
