@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
-from . import colours, metals, presets
+from . import colours, export, metals, presets, rgl
 from .bake import bake
-from .errors import Cancelled, LutError, SolveError, StackError, UnknownName
+from .errors import Cancelled, ExportError, LutError, SolveError, StackError, UnknownName
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
 from .phase import (
@@ -26,6 +26,7 @@ __all__ = [
     "CornetteShanks",
     "DoubleHenyeyGreenstein",
     "Draine",
+    "ExportError",
     "HalfSpace",
     "HenyeyGreenstein",
     "Interface",
@@ -44,7 +45,9 @@ __all__ = [
     "UnknownName",
     "bake",
     "colours",
+    "export",
     "metals",
     "presets",
+    "rgl",
     "solve",
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: python -m lamina bake | report | presets."""
+"""The command line: python -m lamina bake | report | export | presets."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from pathlib import Path
 from . import presets
 from .bake import bake
 from .errors import Cancelled, LutError, SolveError, StackError
+from .export import save_npz
 from .lut import Lut
 from .report import describe
-from .solve import TOLERANCE
+from .rgl import check_wavelengths, save_bsdf
+from .solve import TOLERANCE, solve
 from .stack import Stack
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
@@ -62,17 +64,29 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("id", nargs="?", metavar="ID", help="the preset to print")
     command.add_argument("--json", action="store_true", help="the list as JSON")
     command.set_defaults(run=_presets)
+    _add_export(commands)
     return parser
+
+
+def _add_export(commands) -> None:
+    command = commands.add_parser("export", help="write a stack's full scattering function")
+    command.add_argument("stack", metavar="STACK.json")
+    command.add_argument("-o", "--output", required=True, metavar="OUT",
+                         help=".npz: arrays with axes; .bsdf: reflection for Mitsuba 3's plugin `measured`")
+    command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
+    command.add_argument("--wavelengths", type=_numbers, metavar="NM,...",
+                         help=".bsdf: the channels' wavelengths, for spectral renderers; without them, RGB or grey")
+    command.add_argument("--threads", type=_count, default=0, metavar="N", help="0: all (default)")
+    command.add_argument("--quiet", action="store_true", help="no progress, no report")
+    command.set_defaults(run=_export)
 
 
 def _bake(arguments: argparse.Namespace) -> int:
     stack = Stack.load(arguments.stack)
     output = Path(arguments.output)
-    # Better now than after the work.
-    if output.is_dir():
-        return _fail(f"{output}: is a folder, must be a file's name", BAD_INPUT)
-    if not os.access(output.parent, os.W_OK):
-        return _fail(f"{output.parent}: not a folder that can be written to", BAD_INPUT)
+    problem = _unwritable(output)
+    if problem:
+        return _fail(problem, BAD_INPUT)
     progress = None if arguments.quiet else _Progress()
     lut = bake(stack, arguments.quality, arguments.seed, progress, threads=arguments.threads)
     if progress is not None:
@@ -113,6 +127,50 @@ def _layers(stack: Stack) -> str:
     return " / ".join(words)
 
 
+def _export(arguments: argparse.Namespace) -> int:
+    stack = Stack.load(arguments.stack)
+    output = Path(arguments.output)
+    problem = _unwritable(output)
+    if not problem and output.suffix not in (".npz", ".bsdf"):
+        problem = f"{output}: must end with .npz or .bsdf"
+    if not problem and arguments.wavelengths and output.suffix != ".bsdf":
+        problem = "--wavelengths: only a .bsdf file has them"
+    if not problem and output.suffix == ".bsdf":
+        try:
+            check_wavelengths(arguments.wavelengths, stack.channels)
+        except ValueError as error:
+            problem = str(error)
+    if problem:
+        return _fail(problem, BAD_INPUT)
+    start = time.monotonic()
+    progress = None if arguments.quiet else _Progress()
+    if progress is not None:
+        progress(0.0, "solving")
+    solved = solve(stack, arguments.quality, arguments.threads)
+    lost = []
+    if output.suffix == ".npz":
+        save_npz(solved, output, progress=progress)
+    else:
+        mirrored = save_bsdf(solved, output, wavelengths=arguments.wavelengths, progress=progress)
+        lost += [f"mirror reflection (up to {mirrored:.3g} of a beam)"] if mirrored > 0.0 else []
+        lost += ["transmission"] if stack.base is None else []
+    if progress is not None:
+        progress.end()
+        print(f"{arguments.stack}: exported in {time.monotonic() - start:.2f} s to {output}")
+        if lost:
+            print(f"{output}: the format has no place for {' and '.join(lost)}")
+    return 0
+
+
+def _unwritable(output: Path) -> str:
+    """Why a file cannot be written there, better said before the work than after it, or ''."""
+    if output.is_dir():
+        return f"{output}: is a folder, must be a file's name"
+    if not os.access(output.parent, os.W_OK):
+        return f"{output.parent}: not a folder that can be written to"
+    return ""
+
+
 def _fail(sentence: str, code: int) -> int:
     print(f"lamina: {sentence}", file=sys.stderr)
     return code
@@ -123,6 +181,13 @@ def _count(text: str) -> int:
     if count < 0:
         raise argparse.ArgumentTypeError("must be 0 or more")
     return count
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError("must be numbers with commas between") from None
 
 
 class _Progress:

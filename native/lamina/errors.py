@@ -26,6 +26,10 @@ class LutError(ValueError):
     """A lookup table that cannot be read: truncated, foreign, or of a newer schema."""
 
 
+class ExportError(ValueError):
+    """An exported scattering function that cannot be read: truncated, foreign, or of a newer schema."""
+
+
 class SolveError(RuntimeError):
     """A solve that missed its tolerance at the finest resolution; carries the numbers."""
 

@@ -3,17 +3,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
-import zipfile
-import zlib
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from .atomic import write_atomically
+from .archive import Damaged, load_archive, save_archive
 from .errors import LutError
 
 SCHEMA = 1
@@ -36,9 +32,6 @@ def tau_rows(largest: float) -> np.ndarray:
     return rows
 
 
-# What reading a damaged archive, or one of something else, may raise.
-_DAMAGE = (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, RuntimeError, RecursionError,
-           NotImplementedError, zipfile.BadZipFile, zlib.error)
 # What the panel and report() read.
 _REPORT = ("fit_error", "worst_slice", "fit_error_transmission", "albedo_error", "energy_error", "closures",
            "solver", "tau_rows")
@@ -77,33 +70,20 @@ class Lut:
 
     def save(self, path: str | os.PathLike) -> None:
         """Writes the table as .npz, whole or not at all. Raises OSError."""
-        header = np.frombuffer(json.dumps(self.header, sort_keys=True).encode(), np.uint8)
-        write_atomically(path, lambda file: _write_npz(file, header=header, weights=self.weights))
+        save_archive(path, self.header, weights=self.weights)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Lut:
         """Reads a table. Raises LutError for a file that is truncated, foreign, or of a newer schema, and
         OSError when it cannot be opened."""
-        with Path(path).open("rb") as file:
-            try:
-                with np.load(file, allow_pickle=False) as archive:
-                    header = json.loads(bytes(archive["header"]))
-                    weights = archive["weights"]
-            except _DAMAGE:
-                raise LutError(f"{path}: not a whole Lamina lookup table") from None
+        try:
+            header, (weights,) = load_archive(path, "weights")
+        except Damaged:
+            raise LutError(f"{path}: not a whole Lamina lookup table") from None
         problem = _problem(header, weights)
         if problem:
             raise LutError(f"{path}: {problem}")
         return cls(header, weights)
-
-
-def _write_npz(file, **arrays) -> None:
-    """Like numpy.savez, with fixed times inside, so that equal tables are equal bytes."""
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
-        for name, array in arrays.items():
-            entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
-            with archive.open(entry, "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
 
 
 def _problem(header, weights) -> str:

@@ -157,20 +157,20 @@ class ScatteringFunction:
         return self._by_channel(
             lambda s: s.grid(_side(side), _PATHS[path], *lists, azimuths, self._pool))
 
-    def reflectance(self, mu0, side: str = "top") -> np.ndarray:
+    def reflectance(self, mu0, side: str = "top", parts: bool = False):
         """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light.
-        Shape: that of mu0 + (channels,)."""
-        return self._fluxes(mu0, side)[0]
+        Shape: that of mu0 + (channels,). With `parts` the pair (without the mirror image, mirror image)."""
+        scattered, mirrored, _, _ = self._fluxes(mu0, side)
+        return (scattered, mirrored) if parts else scattered + mirrored
 
     def transmittance(self, mu0, side: str = "top", parts: bool = False):
         """Total transmittance, the unscattered beam included; with `parts` the pair (diffuse, direct)."""
-        _, diffuse, direct = self._fluxes(mu0, side)
+        _, _, diffuse, direct = self._fluxes(mu0, side)
         return (diffuse, direct) if parts else diffuse + direct
 
     def absorption(self, mu0, side: str = "top") -> np.ndarray:
         """The share of the incident flux that stays: 1 - reflectance - transmittance."""
-        reflected, diffuse, direct = self._fluxes(mu0, side)
-        return 1.0 - reflected - diffuse - direct
+        return 1.0 - sum(self._fluxes(mu0, side))
 
     def _by_channel(self, call) -> np.ndarray:
         done = {}
@@ -192,12 +192,12 @@ class ScatteringFunction:
                 raise ValueError(f"mu0 = {mu0!r}: must be a cosine in (0, 1] or 'diffuse'")
             def call(s):
                 f = s.diffuse_fluxes(where, self._pool)
-                return np.array([f.reflected[0] + f.mirrored[0], f.transmitted[0], f.direct[0]])
+                return np.array([f.reflected[0], f.mirrored[0], f.transmitted[0], f.direct[0]])
         else:
             cosines = _cosines(mu0, "mu0")
             def call(s):
                 f = s.fluxes(where, np.ascontiguousarray(cosines, dtype=float).ravel(), self._pool)
-                return np.array([f.reflected + f.mirrored, f.transmitted, f.direct]).reshape(3, *cosines.shape)
+                return np.array([f.reflected, f.mirrored, f.transmitted, f.direct]).reshape(4, *cosines.shape)
         return tuple(self._by_channel(call))
 
 
