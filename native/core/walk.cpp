@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace lamina {
+
+double Tally::mean() const { return count > 0 ? sum / static_cast<double>(count) : 0.0; }
+
+double Tally::standard_error() const {
+  if (count < 2) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const double n = static_cast<double>(count);
+  const double variance = std::max(0.0, squares / n - mean() * mean()) * n / (n - 1.0);
+  return std::sqrt(variance / n);
+}
+
+void Tally::add(const Tally& other) {
+  sum += other.sum;
+  squares += other.squares;
+  largest = std::max(largest, other.largest);
+  count += other.count;
+  events += other.events;
+}
+
+Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,
+               ThreadPool& pool) {
+  std::vector<Tally> blocks(last_block - first_block);
+  pool.run(blocks.size(), [&](std::size_t k) {
+    Tally tally;
+    const std::uint64_t first = (first_block + k) * kWalkBlock;
+    for (std::uint64_t sample = first; sample < first + kWalkBlock; ++sample) {
+      Rng rng(seed, sample);
+      const double value = walk.sample(rng, tally.events);
+      tally.sum += value;
+      tally.squares += value * value;
+      tally.largest = std::max(tally.largest, value);
+    }
+    tally.count = kWalkBlock;
+    blocks[k] = tally;
+  });
+  Tally total;
+  for (const Tally& block : blocks) {
+    total.add(block);
+  }
+  return total;
+}
+
+}  // namespace lamina
