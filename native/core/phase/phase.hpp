@@ -35,6 +35,11 @@ class PhaseFunction {
   double peak() const {
     return std::visit([](const auto& p) { return p.peak(); }, kind_);
   }
+  /// Whether it says the same in all directions.
+  bool is_isotropic() const {
+    const auto* lobe = std::get_if<HenyeyGreenstein>(&kind_);
+    return std::holds_alternative<Isotropic>(kind_) || (lobe != nullptr && lobe->g == 0.0);
+  }
   double sample(double u) const {
     return std::visit([&](const auto& p) { return p.sample(u); }, kind_);
   }

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace lamina {
+
+/// Heights at which a guide knows a slab: 0, then rising by a constant factor to the slab's thickness.
+class GuideHeights {
+ public:
+  GuideHeights(double tau, std::size_t count) : t_(count) {
+    constexpr double kLowest = 0.01;
+    const double first = std::min(0.1 * tau, kLowest);
+    const double steps = static_cast<double>(count - 2);
+    for (std::size_t j = 1; j < count; ++j) {
+      t_[j] = first * std::pow(tau / first, static_cast<double>(j - 1) / steps);
+    }
+    t_.back() = tau;
+  }
+
+  std::size_t size() const { return t_.size(); }
+  double operator[](std::size_t j) const { return t_[j]; }
+
+  /// The cell that holds t, looked for from the cell `above` down.
+  std::size_t cell(double t, std::size_t above) const {
+    std::size_t j = above;
+    while (j > 0 && t_[j] > t) {
+      --j;
+    }
+    return j;
+  }
+  std::size_t last_cell() const { return t_.size() - 2; }
+  double fraction(double t, std::size_t j) const { return (t - t_[j]) / (t_[j + 1] - t_[j]); }
+
+  std::vector<double> above_zero() const { return {t_.begin() + 1, t_.end()}; }
+
+ private:
+  std::vector<double> t_;
+};
+
+/// Shares of the two ends of a cell in the mean over the cell of a linear function times exp(-d (1 - x)), x from
+/// 0 to 1.
+struct EndShares {
+  double lower;
+  double upper;
+
+  EndShares(double d, double fall) {
+    // With A = (1 - exp(-d)) / d the upper end has (1 - A) / d, the lower one A less that.
+    if (d < 0.02) {
+      upper = 0.5 - d * (1.0 / 6.0 - d * (1.0 / 24.0 - d / 120.0));
+      lower = 0.5 - d * (1.0 / 3.0 - d * (0.125 - d / 30.0));
+    } else {
+      const double mean = (1.0 - fall) / d;
+      upper = (1.0 - mean) / d;
+      lower = mean - upper;
+    }
+  }
+};
+
+}  // namespace lamina

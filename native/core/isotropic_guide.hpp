@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "graded_medium.hpp"
+#include "guide_heights.hpp"
+#include "rng.hpp"
+
+namespace lamina {
+
+/// What guides the walk of the scattering equation where scattering is isotropic. There
+///   k + kS + Sk + SkS = albedo X(t, mu) X(t, mu0),  X(t, mu) = 1 + 1/2 int S(t; mu', mu) dmu' / mu',
+/// so that the two sides of a vertex go on independently, and tables of two arguments suffice: X, and for the
+/// integral's directions the density in proportion to S(t; mu', mu) / mu'.
+class IsotropicGuide {
+ public:
+  explicit IsotropicGuide(const GradedMedium& medium);
+
+  const GuideHeights& heights() const { return heights_; }
+
+  /// A cosine's place in the tables, uniform in its root.
+  struct Place {
+    std::size_t cell;
+    double fraction;
+  };
+  static Place place(double mu);
+
+  /// X at the guide's height j.
+  double escape(std::size_t j, const Place& place) const {
+    const double* row = &escape_[place.cell * heights_.size() + j];
+    return row[0] + place.fraction * (row[heights_.size()] - row[0]);
+  }
+
+  struct Direction {
+    double mu;
+    double density;  ///< over the cosine
+  };
+  /// In the cell of heights j, at `up` of its way; for a side at `place`.
+  Direction draw(std::size_t j, double up, const Place& place, Rng& rng) const;
+
+ private:
+  static constexpr std::size_t kCells = 24;
+  static constexpr std::size_t kPoints = kCells + 1;
+
+  const double* row(std::size_t j, std::size_t point) const { return &density_[(j * kPoints + point) * kPoints]; }
+  const double* cumulative(std::size_t j, std::size_t point) const {
+    return &cumulative_[(j * kPoints + point) * kPoints];
+  }
+
+  GuideHeights heights_;
+  std::vector<double> escape_;      // [point, height]
+  std::vector<double> density_;     // [height, point, point of the drawn cosine], over the root
+  std::vector<double> cumulative_;  // its integral
+};
+
+}  // namespace lamina

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "isotropic_walk.hpp"
+
+#include <array>
+#include <numbers>
+#include <stdexcept>
+
+#include "height_sampling.hpp"
+
+namespace lamina {
+namespace {
+
+/// A slab of thickness `top` (in cell `cell` of the guide) between two directions, still to be estimated.
+struct Branch {
+  double top;
+  std::size_t cell;
+  double a;
+  double b;
+};
+
+constexpr double kLeast = 0.01;
+
+}  // namespace
+
+IsotropicWalk::IsotropicWalk(const GradedMedium& medium, double mu_o, double mu_i)
+    : medium_(medium), guide_(medium), mu_o_(mu_o), mu_i_(mu_i) {
+  if (!medium.is_isotropic()) {
+    throw std::invalid_argument("phase: must be isotropic");
+  }
+}
+
+double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
+  const GuideHeights& heights = guide_.heights();
+  std::vector<Branch> waiting;
+  double weight = 1.0 / (4.0 * std::numbers::pi * mu_o_ * mu_i_);
+  Branch branch{medium_.tau(), heights.last_cell(), mu_o_, mu_i_};
+  while (true) {
+    ++events;
+    const IsotropicGuide::Place place_a = IsotropicGuide::place(branch.a);
+    const IsotropicGuide::Place place_b = IsotropicGuide::place(branch.b);
+    const double s = 1.0 / branch.a + 1.0 / branch.b;
+    const auto source = [&](std::size_t j) {
+      return medium_.at(heights[j]).albedo() * guide_.escape(j, place_a) * guide_.escape(j, place_b);
+    };
+    const HeightSampling::Choice vertex = HeightSampling::draw(heights, branch.top, branch.cell, s, source, rng);
+    weight *= vertex.integral * medium_.at(vertex.t).albedo() / vertex.source;
+
+    // Each side: either light comes straight, or from S of the slab below.
+    const double up = heights.fraction(vertex.t, vertex.cell);
+    bool found = false;
+    const double sides[2] = {branch.a, branch.b};
+    const IsotropicGuide::Place places[2] = {place_a, place_b};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double lower = guide_.escape(vertex.cell, places[k]);
+      const double escape = lower + up * (guide_.escape(vertex.cell + 1, places[k]) - lower);
+      const double straight = std::clamp(1.0 / escape, kLeast, 1.0 - kLeast);
+      if (rng.uniform() < straight) {
+        weight /= straight;
+      } else {
+        const IsotropicGuide::Direction next = guide_.draw(vertex.cell, up, places[k], rng);
+        weight *= 0.5 / (next.mu * next.density * (1.0 - straight));
+        if (found) {
+          waiting.push_back(branch);
+        }
+        found = true;
+        branch = {vertex.t, vertex.cell, next.mu, sides[k]};
+      }
+    }
+    if (!found) {
+      if (waiting.empty()) {
+        return weight;
+      }
+      branch = waiting.back();
+      waiting.pop_back();
+    }
+  }
+}
+
+}  // namespace lamina
