@@ -19,6 +19,18 @@ struct LocalScattering {
     const double value = first * p->evaluate(cosine);
     return second > 0.0 ? value + second * q->evaluate(cosine) : value;
   }
+  /// The same for many cosines at once, in single precision.
+  template <typename Cosines>
+  Cosines evaluate_all(const Cosines& cosine) const {
+    const HenyeyGreenstein* lobe = second > 0.0 ? nullptr : p->as_henyey_greenstein();
+    if (lobe == nullptr) {
+      return cosine.unaryExpr([&](float c) { return static_cast<float>(evaluate(static_cast<double>(c))); });
+    }
+    const auto g = static_cast<float>(lobe->g);
+    const Cosines denominator = 1.0F + g * g - (2.0F * g) * cosine;
+    return (static_cast<float>(first) * (1.0F - g * g)) / (denominator * denominator.sqrt());
+  }
+
   /// The cosine for a uniform u in (0, 1), distributed as evaluate(cosine) / (2 albedo).
   double sample(double u) const {
     const double share = second > 0.0 ? first / (first + second) : 1.0;

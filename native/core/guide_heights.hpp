@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,15 +11,28 @@ namespace lamina {
 /// Heights at which a guide knows a slab: 0, then rising by a constant factor to the slab's thickness.
 class GuideHeights {
  public:
-  GuideHeights(double tau, std::size_t count) : t_(count) {
-    constexpr double kLowest = 0.01;
+  static constexpr std::size_t kCount = 24;
+  using Column = Eigen::Array<float, static_cast<int>(kCount), 1>;
+
+  explicit GuideHeights(double tau) : t_(kCount) {
+    constexpr std::size_t count = kCount;
+    constexpr double kLowest = 0.02;
     const double first = std::min(0.1 * tau, kLowest);
     const double steps = static_cast<double>(count - 2);
     for (std::size_t j = 1; j < count; ++j) {
       t_[j] = first * std::pow(tau / first, static_cast<double>(j - 1) / steps);
     }
     t_.back() = tau;
+    for (std::size_t j = 0; j < count; ++j) {
+      const auto k = static_cast<Eigen::Index>(j);
+      column_[k] = static_cast<float>(t_[j]);
+      steps_[k] = static_cast<float>(t_[std::min(j + 1, count - 1)] - t_[j]);
+    }
   }
+
+  /// All heights, and the lengths of the cells above them.
+  const Column& column() const { return column_; }
+  const Column& steps() const { return steps_; }
 
   std::size_t size() const { return t_.size(); }
   double operator[](std::size_t j) const { return t_[j]; }
@@ -38,6 +52,8 @@ class GuideHeights {
 
  private:
   std::vector<double> t_;
+  Column column_;
+  Column steps_;
 };
 
 /// Shares of the two ends of a cell in the mean over the cell of a linear function times exp(-d (1 - x)), x from

@@ -8,7 +8,6 @@
 namespace lamina {
 namespace {
 
-constexpr std::size_t kHeights = 30;
 constexpr int kNodes = 16;
 
 }  // namespace
@@ -19,7 +18,7 @@ IsotropicGuide::Place IsotropicGuide::place(double mu) {
   return {cell, x - static_cast<double>(cell)};
 }
 
-IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium.tau(), kHeights) {
+IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium.tau()) {
   const std::size_t heights = heights_.size();
   Eigen::VectorXd mu(kPoints);
   Eigen::VectorXd root(kPoints);
@@ -35,14 +34,18 @@ IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium.tau
   const Eigen::RowVectorXd share =
       0.5 * directions.weight.cwiseQuotient(directions.mu.head(nodes)).transpose();
 
-  escape_.assign(kPoints * heights, 1.0);
+  escape_.assign(kPoints, GuideHeights::Column::Ones());
+  for (std::size_t j = 0; j < heights; ++j) {
+    albedo_[static_cast<Eigen::Index>(j)] = static_cast<float>(medium.at(heights_[j]).albedo());
+  }
   density_.resize(heights * kPoints * kPoints);
   cumulative_.resize(density_.size());
   for (std::size_t j = 1; j < heights; ++j) {
     const Eigen::RowVectorXd scattered = share * s[j - 1].topRightCorner(nodes, kPoints);
     for (std::size_t point = 0; point < kPoints; ++point) {
       const auto column = nodes + static_cast<Eigen::Index>(point);
-      escape_[point * heights + j] = 1.0 + scattered[static_cast<Eigen::Index>(point)];
+      escape_[point][static_cast<Eigen::Index>(j)] =
+          static_cast<float>(1.0 + scattered[static_cast<Eigen::Index>(point)]);
       // A share of a plain density keeps every direction possible.
       constexpr double kPlain = 0.005;
       double* density = &density_[(j * kPoints + point) * kPoints];

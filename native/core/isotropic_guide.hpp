@@ -25,11 +25,13 @@ class IsotropicGuide {
   };
   static Place place(double mu);
 
-  /// X at the guide's height j.
-  double escape(std::size_t j, const Place& place) const {
-    const double* row = &escape_[place.cell * heights_.size() + j];
-    return row[0] + place.fraction * (row[heights_.size()] - row[0]);
+  /// X at the guide's heights.
+  GuideHeights::Column escape(const Place& place) const {
+    const auto fraction = static_cast<float>(place.fraction);
+    return escape_[place.cell] + fraction * (escape_[place.cell + 1] - escape_[place.cell]);
   }
+  /// The albedo at the guide's heights.
+  const GuideHeights::Column& albedo() const { return albedo_; }
 
   struct Direction {
     double mu;
@@ -48,7 +50,8 @@ class IsotropicGuide {
   }
 
   GuideHeights heights_;
-  std::vector<double> escape_;      // [point, height]
+  std::vector<GuideHeights::Column> escape_;  // [point]
+  GuideHeights::Column albedo_;
   std::vector<double> density_;     // [height, point, point of the drawn cosine], over the root
   std::vector<double> cumulative_;  // its integral
 };

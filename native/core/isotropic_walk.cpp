@@ -39,11 +39,10 @@ double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
     const IsotropicGuide::Place place_a = IsotropicGuide::place(branch.a);
     const IsotropicGuide::Place place_b = IsotropicGuide::place(branch.b);
     const double s = 1.0 / branch.a + 1.0 / branch.b;
-    const auto source = [&](std::size_t j) {
-      return medium_.at(heights[j]).albedo() * guide_.escape(j, place_a) * guide_.escape(j, place_b);
-    };
-    const HeightSampling::Choice vertex = HeightSampling::draw(heights, branch.top, branch.cell, s, source, rng);
-    weight *= vertex.integral * medium_.at(vertex.t).albedo() / vertex.source;
+    const GuideHeights::Column escapes[2] = {guide_.escape(place_a), guide_.escape(place_b)};
+    const HeightSampling::Choice vertex = HeightSampling::draw(heights, branch.top, branch.cell, s,
+                                                               guide_.albedo() * escapes[0] * escapes[1], rng);
+    weight *= vertex.weight * medium_.at(vertex.t).albedo();
 
     // Each side: either light comes straight, or from S of the slab below.
     const double up = heights.fraction(vertex.t, vertex.cell);
@@ -51,8 +50,9 @@ double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
     const double sides[2] = {branch.a, branch.b};
     const IsotropicGuide::Place places[2] = {place_a, place_b};
     for (std::size_t k = 0; k < 2; ++k) {
-      const double lower = guide_.escape(vertex.cell, places[k]);
-      const double escape = lower + up * (guide_.escape(vertex.cell + 1, places[k]) - lower);
+      const float* column = escapes[k].data() + vertex.cell;
+      const double lower = static_cast<double>(column[0]);
+      const double escape = lower + up * (static_cast<double>(column[1]) - lower);
       const double straight = std::clamp(1.0 / escape, kLeast, 1.0 - kLeast);
       if (rng.uniform() < straight) {
         weight /= straight;

@@ -44,6 +44,9 @@ class PhaseFunction {
     return std::visit([&](const auto& p) { return p.sample(u); }, kind_);
   }
 
+  /// The parameters where this is Henyey and Greenstein's function, for loops over many cosines; or null.
+  const HenyeyGreenstein* as_henyey_greenstein() const { return std::get_if<HenyeyGreenstein>(&kind_); }
+
   /// Density of sample() over the cosine; over solid angle it is this / 2 pi.
   double pdf(double cosine) const { return 0.5 * evaluate(cosine); }
 

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+
+#include "graded_medium.hpp"
+#include "scattering_guide.hpp"
+#include "walk.hpp"
+
+namespace lamina {
+
+/// The BRDF of a slab by an unbiased walk of the integral scattering equation
+///   S(tau) = int exp(-(1/mu + 1/mu0)(tau - t)) (k + kS(t) + S(t)k + S(t)kS(t)) dt
+/// that coarse tables of S guide: the height t is drawn in proportion to what the tables say the terms add there,
+/// then one term; k is exact and ends the branch; the others go on into S of thinner slabs, in directions chosen
+/// from several candidates by what the tables say light brings from there (resampled importance sampling, Talbot
+/// 2005, with the candidates on a randomly shifted lattice).
+class GuidedWalk final : public Walk {
+ public:
+  static constexpr int kMostCandidates = 32;
+
+  GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi, int candidates,
+             std::shared_ptr<const ScatteringGuide> guide);
+
+  double sample(Rng& rng, std::uint64_t& events) const override;
+
+ private:
+  struct Branch;
+  struct Vertex;
+  struct Step {
+    Ray ray;
+    double weight;  ///< 0: nothing comes
+  };
+  Step scatter(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const;
+  bool turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng& rng) const;
+
+  GradedMedium medium_;
+  std::shared_ptr<const ScatteringGuide> guide_;
+  Ray view_;
+  Ray light_;
+  std::size_t candidates_;
+};
+
+}  // namespace lamina

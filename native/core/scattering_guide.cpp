@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scattering_guide.hpp"
+
+#include <numbers>
+
+#include "reflection_by_height.hpp"
+#include "single_scattering.hpp"
+
+namespace lamina {
+namespace {
+
+using std::numbers::pi;
+
+constexpr std::size_t kHeights = 28;
+constexpr double kLeastCosine = 1e-6;
+
+/// Nodes that see the phase function's peak well enough for a guide.
+int nodes_for(const GradedMedium& medium) {
+  double peak = 0.0;
+  for (const GradedMedium::Knot& knot : medium.knots()) {
+    peak = std::max(peak, knot.phase.peak());
+  }
+  return peak > 0.85 ? 24 : peak > 0.4 ? 16 : 12;
+}
+
+double cosine_at(double y) { return std::max(kLeastCosine, 1.0 - y * y); }
+
+}  // namespace
+
+ScatteringGuide::ScatteringGuide(const GradedMedium& medium) : heights_(medium.tau(), kHeights) { fill(medium); }
+
+void ScatteringGuide::fill(const GradedMedium& medium) {
+  const std::size_t heights = heights_.size();
+  Eigen::VectorXd mu(kPoints);
+  std::array<double, kPoints> angle;
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    const double x = static_cast<double>(k) / static_cast<double>(kCells);
+    mu[static_cast<Eigen::Index>(k)] = cosine_at(x);
+    angle[k] = 2.0 * std::asin(x);
+  }
+  const ReflectionByHeight reflection(medium, heights_.above_zero(), nodes_for(medium), mu);
+  const Directions& directions = reflection.directions();
+  const Eigen::Index n = directions.nodes;
+  const Eigen::Index points = kPoints;
+  constexpr std::size_t kPairs = kPoints * kPoints;
+  smooth_.assign(heights * kPairs * kPoints, 0.0F);
+  one_side_.assign(kPairs * kPoints * heights, 0.0F);
+  repeated_ = one_side_;
+  const Eigen::VectorXd share = 0.5 * directions.weight.cwiseQuotient(directions.mu.head(n));
+  const Eigen::MatrixXd mean = Eigen::MatrixXd::Constant(points, points, 1.0);
+
+  // Sum over azimuth orders, until one adds nothing that a guide would miss.
+  for (int m = 0; m < reflection.orders(); ++m) {
+    const std::vector<Eigen::MatrixXd> s = reflection.order(m);
+    std::array<float, kPoints> wave;
+    for (std::size_t z = 0; z < kPoints; ++z) {
+      wave[z] = static_cast<float>((m == 0 ? 1.0 : 2.0) * std::cos(m * angle[z]));
+    }
+    double largest = 0.0;
+    for (std::size_t j = 1; j < heights; ++j) {
+      const double t = heights_[j];
+      const TruncatedMedium seen = reflection.medium(t, 1.0);
+      const PhaseKernel phase(seen, m, directions.mu);
+      const double albedo = seen.albedo * seen.tau;
+      const Eigen::MatrixXd& all = s[j - 1];
+      const Eigen::MatrixXd shared = share.asDiagonal() * all.topRightCorner(n, points);
+      const Eigen::MatrixXd one = albedo * phase.transmit.bottomLeftCorner(points, n) * shared;
+      const Eigen::MatrixXd both = shared.transpose() * (albedo * phase.reflect.topLeftCorner(n, n)) * shared;
+      for (Eigen::Index b = 0; b < points; ++b) {
+        for (Eigen::Index a = 0; a < points; ++a) {
+          const double shape = single_reflection(mu[a], mu[b], t);
+          const double rest =
+              all(n + a, n + b) / (4.0 * mu[a] * mu[b] * shape) - 0.25 * albedo * phase.reflect(n + a, n + b);
+          largest = std::max(largest, std::abs(rest) / (0.05 + albedo));
+          const auto pair = static_cast<std::size_t>(b * points + a);
+          const auto turned = static_cast<std::size_t>(a * points + b);
+          float* value = &smooth_[(j * kPairs + pair) * kPoints];
+          float* side = &one_side_[turned * kPoints * heights + j];
+          float* sum = &repeated_[turned * kPoints * heights + j];
+          const auto repeated = static_cast<float>(one(a, b) + one(b, a) + both(a, b));
+          for (std::size_t z = 0; z < kPoints; ++z) {
+            value[z] += wave[z] * static_cast<float>(rest);
+            side[z * heights] += wave[z] * static_cast<float>(one(a, b));
+            sum[z * heights] += wave[z] * repeated;
+          }
+        }
+      }
+    }
+    constexpr double kUnseen = 2e-4;
+    if (largest < kUnseen) {
+      break;
+    }
+  }
+  for (std::vector<float>* table : {&one_side_, &repeated_}) {
+    for (float& value : *table) {
+      value = std::max(value, 0.0F);
+    }
+  }
+  // At height 0 nothing is there to divide by: the next slice serves.
+  std::copy_n(smooth_.begin() + kPairs * kPoints, kPairs * kPoints, smooth_.begin());
+
+  // Bins of direction for light from S: uniform in sqrt(1 - mu) and azimuth.
+  cumulative_.resize(heights * kPoints * (kBins + 1));
+  for (std::size_t j = 0; j < heights; ++j) {
+    const double t = heights_[std::max<std::size_t>(j, 1)];
+    const LocalScattering scattering = medium.at(t);
+    for (std::size_t point = 0; point < kPoints; ++point) {
+      const double mu_b = mu[static_cast<Eigen::Index>(point)];
+      const Ray b{std::sqrt(1.0 - mu_b * mu_b), 0.0, mu_b};
+      const Slice slice(*this, std::min(j, heights - 2), j == heights - 1 ? 1.0 : 0.0, t, b, scattering);
+      std::array<double, kBins> mass;
+      double whole = 0.0;
+      for (std::size_t bin = 0; bin < kBins; ++bin) {
+        const double y = (static_cast<double>(bin / kAzimuths) + 0.5) / static_cast<double>(kCells);
+        const double phi = pi * (static_cast<double>(bin % kAzimuths) + 0.5) / static_cast<double>(kAzimuths);
+        const double mu_a = 1.0 - y * y;
+        const double sine = std::sqrt(1.0 - mu_a * mu_a);
+        mass[bin] = slice({sine * std::cos(phi), sine * std::sin(phi), mu_a}) * y;
+        whole += mass[bin];
+      }
+      constexpr double kPlain = 0.1;
+      float* sum = &cumulative_[(j * kPoints + point) * (kBins + 1)];
+      double running = 0.0;
+      sum[0] = 0.0F;
+      for (std::size_t bin = 0; bin < kBins; ++bin) {
+        const double y = (static_cast<double>(bin / kAzimuths) + 0.5) / static_cast<double>(kCells);
+        running += (1.0 - kPlain) * mass[bin] / whole +
+                   kPlain * 2.0 * y / (static_cast<double>(kCells) * static_cast<double>(kAzimuths));
+        sum[bin + 1] = static_cast<float>(running);
+      }
+    }
+  }
+}
+
+ScatteringGuide::Terms::Terms(const ScatteringGuide& guide, const Ray& a, const Ray& b) : guide_(guide) {
+  const Place p = Place::of_cosine(a.mu);
+  const Place q = Place::of_cosine(b.mu);
+  const Place z = Place::between(a, b);
+  const std::size_t heights = guide.heights_.size();
+  for (std::size_t k = 0; k < 8; ++k) {
+    const std::size_t i = k & 1U;
+    const std::size_t o = (k >> 1U) & 1U;
+    const std::size_t w = k >> 2U;
+    weights_[k] = (i != 0 ? p.fraction : 1.0F - p.fraction) * (o != 0 ? q.fraction : 1.0F - q.fraction) *
+                  (w != 0 ? z.fraction : 1.0F - z.fraction);
+    corners_[k] = (((p.cell + i) * kPoints + q.cell + o) * kPoints + z.cell + w) * heights;
+    turned_[k] = (((q.cell + o) * kPoints + p.cell + i) * kPoints + z.cell + w) * heights;
+  }
+}
+
+ScatteringGuide::Slice::Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const Ray& b,
+                              const LocalScattering& scattering)
+    : b_(b), t_(t), scattering_(scattering) {
+  const Place q = Place::of_cosine(b.mu);
+  constexpr std::size_t kPairs = kPoints * kPoints;
+  const auto high = static_cast<float>(up);
+  const float* low_low = &guide.smooth_[(j * kPoints + q.cell) * kPairs];
+  const float* low_high = low_low + kPairs;
+  const float* high_low = low_low + kPoints * kPairs;
+  const float* high_high = high_low + kPairs;
+  const float w0 = (1.0F - high) * (1.0F - q.fraction);
+  const float w1 = (1.0F - high) * q.fraction;
+  const float w2 = high * (1.0F - q.fraction);
+  const float w3 = high * q.fraction;
+  for (std::size_t k = 0; k < kPairs; ++k) {
+    values_[k] = w0 * low_low[k] + w1 * low_high[k] + w2 * high_low[k] + w3 * high_high[k];
+  }
+}
+
+ScatteringGuide::Drawn ScatteringGuide::draw(std::size_t j, std::size_t point, const Ray& b, double u, double v,
+                                             double w) const {
+  const float* sum = &cumulative_[(j * kPoints + point) * (kBins + 1)];
+  const auto target = static_cast<float>(u) * sum[kBins];
+  const auto bin = std::min(static_cast<std::size_t>(std::upper_bound(sum + 1, sum + kBins, target) - sum) - 1,
+                            kBins - 1);
+  const double y = (static_cast<double>(bin / kAzimuths) + v) / static_cast<double>(kCells);
+  // The bins cover one half of the circle: the last number also tells which.
+  const bool left = w < 0.5;
+  const double within = left ? 2.0 * w : 2.0 * w - 1.0;
+  const double phi = pi * (static_cast<double>(bin % kAzimuths) + within) / static_cast<double>(kAzimuths);
+  const double mu = 1.0 - y * y;
+  const double sine = std::sqrt(std::max(0.0, 1.0 - mu * mu));
+  const double x = sine * std::cos(phi);
+  const double side = left ? sine * std::sin(phi) : -sine * std::sin(phi);
+  const double length = std::sqrt(b.x * b.x + b.y * b.y);
+  const double c = length > 0.0 ? b.x / length : 1.0;
+  const double s = length > 0.0 ? b.y / length : 0.0;
+  const double share = static_cast<double>((sum[bin + 1] - sum[bin]) / sum[kBins]);
+  const double density = share * static_cast<double>(kCells * kAzimuths) / (4.0 * pi * y);
+  return {{x * c - side * s, x * s + side * c, mu}, density};
+}
+
+}  // namespace lamina
