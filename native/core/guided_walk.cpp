@@ -14,9 +14,6 @@ using std::numbers::pi;
 
 /// Least probability of a term.
 constexpr double kLeast = 0.01;
-/// Directions on each side of a vertex that turns light back: all their pairs are weighed.
-constexpr std::size_t kSides = 8;
-
 /// Azimuths of the candidates' lattice, to be turned by a random angle.
 struct Lattice {
   std::array<double, GuidedWalk::kMostCandidates> cosine;
@@ -31,6 +28,42 @@ struct Lattice {
   }
 };
 const Lattice kLattice;
+
+/// One of several in proportion to their values; their number where none has any.
+template <typename Values>
+std::size_t choose(const Values& value, Rng& rng) {
+  const float total = value.sum();
+  if (!(total > 0.0F)) {
+    return static_cast<std::size_t>(value.size());
+  }
+  auto rest = static_cast<float>(rng.uniform()) * total;
+  Eigen::Index last = 0;
+  for (Eigen::Index k = 0; k < value.size(); ++k) {
+    if (value[k] > 0.0F) {
+      last = k;
+      if (rest < value[k]) {
+        break;
+      }
+      rest -= value[k];
+    }
+  }
+  return static_cast<std::size_t>(last);
+}
+
+/// Several directions from where the tables say S is large, on a shifted lattice.
+void draw_from(const ScatteringGuide::Slice& slice, Ray* rays, std::size_t count, Rng& rng) {
+  // Additive recurrences of the plastic number's kind (Roberts 2018).
+  constexpr double kFirst = 0.7548776662466927;
+  constexpr double kSecond = 0.5698402909980532;
+  const double shift = rng.uniform();
+  double v = rng.uniform();
+  double w = rng.uniform();
+  for (std::size_t k = 0; k < count; ++k) {
+    rays[k] = slice.draw((static_cast<double>(k) + shift) / static_cast<double>(count), v, w);
+    v += v + kFirst < 1.0 ? kFirst : kFirst - 1.0;
+    w += w + kSecond < 1.0 ? kSecond : kSecond - 1.0;
+  }
+}
 
 }  // namespace
 
@@ -62,9 +95,14 @@ GuidedWalk::GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, dou
   }
 }
 
-/// k S: a direction around `from`, by k exactly, among candidates by what S~ brings from there.
+/// k S: a direction by k around `from` or from where the tables say S is large, among candidates of both sorts in
+/// proportion to k S~ / mu'.
+template <int kOwn, int kDrawn>
 GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const {
-  const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, other, vertex.scattering);
+  constexpr int kAll = kOwn + kDrawn;
+  using Values = Eigen::Array<float, kAll, 1>;
+  const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, other, vertex.scattering,
+                                     rng.uniform(), rng.uniform());
   const double sine = std::sqrt(from.x * from.x + from.y * from.y);
   const double cx = sine > 0.0 ? from.x / sine : 1.0;
   const double cy = sine > 0.0 ? from.y / sine : 0.0;
@@ -72,85 +110,115 @@ GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, cons
   const double turn = 2.0 * pi * rng.uniform();
   const double turn_cosine = std::cos(turn);
   const double turn_sine = std::sin(turn);
-  std::array<Ray, kMostCandidates> rays;
-  std::array<double, kMostCandidates> value;
-  double total = 0.0;
-  for (std::size_t k = 0; k < candidates_; ++k) {
-    const double c = vertex.scattering.sample((static_cast<double>(k) + shift) / static_cast<double>(candidates_));
+  std::array<Ray, kAll> rays;
+  for (std::size_t k = 0; k < kOwn; ++k) {
+    const double c = vertex.scattering.sample((static_cast<double>(k) + shift) / static_cast<double>(kOwn));
     const double s = std::sqrt(std::max(0.0, 1.0 - c * c));
     const double along = s * (turn_cosine * kLattice.cosine[k] - turn_sine * kLattice.sine[k]);
     const double aside = s * (turn_sine * kLattice.cosine[k] + turn_cosine * kLattice.sine[k]);
     const double outward = c * sine + along * from.mu;
     rays[k] = {outward * cx - aside * cy, outward * cy + aside * cx, c * from.mu - along * sine};
-    value[k] = rays[k].mu > 0.0 ? slice(rays[k]) : 0.0;
-    total += value[k];
   }
-  if (!(total > 0.0)) {
-    return {from, 0.0};
+  draw_from(slice, &rays[kOwn], kDrawn, rng);
+  Values x;
+  Values y;
+  Values mu;
+  for (std::size_t k = 0; k < kAll; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    x[i] = static_cast<float>(rays[k].x);
+    y[i] = static_cast<float>(rays[k].y);
+    mu[i] = static_cast<float>(rays[k].mu);
   }
-  double rest = rng.uniform() * total;
-  std::size_t chosen = 0;
-  for (; chosen + 1 < candidates_ && rest >= value[chosen]; ++chosen) {
-    rest -= value[chosen];
+  Values value = slice(x, y, mu);
+  const double albedo = vertex.scattering.albedo();
+  constexpr double kSphere = 1.0 / (4.0 * pi);
+  Values drawn = Values::Zero();
+  if constexpr (kDrawn > 0) {
+    drawn = slice.density(x, y, mu);
+    const Values k = vertex.scattering.evaluate_all(
+        Values(static_cast<float>(from.x) * x + static_cast<float>(from.y) * y + static_cast<float>(from.mu) * mu));
+    const Values own = static_cast<float>(kSphere / albedo) * k;
+    value = value * own / (static_cast<float>(kOwn) * own + static_cast<float>(kDrawn) * drawn);
+  } else {
+    value *= 1.0F / static_cast<float>(kOwn);
   }
-  if (!(value[chosen] > 0.0)) {
+  const std::size_t chosen = choose(value, rng);
+  if (chosen == kAll) {
     return {from, 0.0};
   }
   const Ray& ray = rays[chosen];
-  return {ray, vertex.scattering.albedo() * total / (static_cast<double>(candidates_) * value[chosen] * ray.mu)};
+  const double own =
+      kSphere * vertex.scattering.evaluate(from.x * ray.x + from.y * ray.y + from.mu * ray.mu) / albedo;
+  const double density = kOwn * own + kDrawn * static_cast<double>(drawn[static_cast<Eigen::Index>(chosen)]);
+  const double odds = static_cast<double>(value[static_cast<Eigen::Index>(chosen)] / value.sum());
+  return {ray, albedo * own / (density * odds * ray.mu)};
 }
 
-/// S k S: directions of both sides together.
+/// S k S: directions of both sides together, from all pairs of candidates.
 bool GuidedWalk::turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng& rng) const {
+  constexpr int kSides = 8;
+  using Values = Eigen::Array<float, kSides, 1>;
   std::array<std::array<Ray, kSides>, 2> rays;
-  std::array<std::array<double, kSides>, 2> share;
-  std::array<std::array<double, kSides>, 2> density;
+  std::array<Values, 2> x;
+  std::array<Values, 2> y;
+  std::array<Values, 2> mu;
+  std::array<Values, 2> density;
+  std::array<Values, 2> share;
   const Ray* sides[2] = {&a, &b};
   for (std::size_t side = 0; side < 2; ++side) {
-    const Ray& own = *sides[side];
-    const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, own, vertex.scattering);
-    const ScatteringGuide::Place place = ScatteringGuide::Place::of_cosine(own.mu);
-    const std::size_t height = vertex.cell + (rng.uniform() < vertex.up ? 1 : 0);
-    const std::size_t point = place.cell + (rng.uniform() < static_cast<double>(place.fraction) ? 1 : 0);
-    const double shift = rng.uniform();
+    const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, *sides[side], vertex.scattering,
+                                       rng.uniform(), rng.uniform());
+    draw_from(slice, rays[side].data(), kSides, rng);
     for (std::size_t k = 0; k < kSides; ++k) {
-      const double u = (static_cast<double>(k) + shift) / static_cast<double>(kSides);
-      const ScatteringGuide::Drawn drawn =
-          guide_->draw(height, point, own, u, rng.uniform(), rng.uniform());
-      rays[side][k] = drawn.ray;
-      density[side][k] = drawn.density;
-      share[side][k] = slice(drawn.ray) / drawn.density;
+      const auto i = static_cast<Eigen::Index>(k);
+      x[side][i] = static_cast<float>(rays[side][k].x);
+      y[side][i] = static_cast<float>(rays[side][k].y);
+      mu[side][i] = static_cast<float>(rays[side][k].mu);
     }
+    density[side] = slice.density(x[side], y[side], mu[side]);
+    share[side] = slice(x[side], y[side], mu[side]) / density[side];
   }
-  std::array<double, kSides * kSides> value;
-  double total = 0.0;
-  for (std::size_t i = 0; i < kSides; ++i) {
-    for (std::size_t j = 0; j < kSides; ++j) {
-      const Ray& p = rays[0][i];
-      const Ray& q = rays[1][j];
-      const double k = vertex.scattering.evaluate(p.x * q.x + p.y * q.y - p.mu * q.mu);
-      total += value[i * kSides + j] = k * share[0][i] * share[1][j];
-    }
+  using Pairs = Eigen::Array<float, kSides * kSides, 1>;
+  Pairs cosine;
+  Pairs value;
+  for (Eigen::Index i = 0; i < kSides; ++i) {
+    cosine.segment<kSides>(i * kSides) = x[0][i] * x[1] + y[0][i] * y[1] - mu[0][i] * mu[1];
+    value.segment<kSides>(i * kSides) = share[0][i] * share[1];
   }
-  if (!(total > 0.0)) {
+  value *= vertex.scattering.evaluate_all(cosine);
+  const std::size_t chosen = choose(value, rng);
+  if (chosen == kSides * kSides) {
     return false;
-  }
-  double rest = rng.uniform() * total;
-  std::size_t chosen = 0;
-  for (; chosen + 1 < value.size() && rest >= value[chosen]; ++chosen) {
-    rest -= value[chosen];
   }
   const std::size_t i = chosen / kSides;
   const std::size_t j = chosen % kSides;
   const Ray& p = rays[0][i];
   const Ray& q = rays[1][j];
-  const double k = vertex.scattering.evaluate(p.x * q.x + p.y * q.y - p.mu * q.mu);
-  const double mean = total / static_cast<double>(value.size());
-  weight *= mean * k /
-            (value[chosen] * 16.0 * pi * pi * p.mu * q.mu * density[0][i] * density[1][j]);
+  const double odds = static_cast<double>(value[static_cast<Eigen::Index>(chosen)] / value.sum());
+  const double both = static_cast<double>(density[0][static_cast<Eigen::Index>(i)]) *
+                      static_cast<double>(density[1][static_cast<Eigen::Index>(j)]) * kSides * kSides;
+  weight *= vertex.scattering.evaluate(p.x * q.x + p.y * q.y - p.mu * q.mu) /
+            (16.0 * pi * pi * p.mu * q.mu * both * odds);
   a = p;
   b = q;
   return true;
+}
+
+GuidedWalk::Step GuidedWalk::step_from(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const {
+  switch (candidates_) {
+    case 4:
+      return scatter<4, 4>(vertex, from, other, rng);
+    case 5:
+      return scatter<8, 0>(vertex, from, other, rng);
+    case 8:
+      return scatter<8, 8>(vertex, from, other, rng);
+    case 9:
+      return scatter<16, 0>(vertex, from, other, rng);
+    case 10:
+      return scatter<12, 4>(vertex, from, other, rng);
+    default:
+      return scatter<24, 8>(vertex, from, other, rng);
+  }
 }
 
 double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
@@ -166,21 +234,25 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
     const double cosine = a.x * b.x + a.y * b.y - a.mu * b.mu;
     const ScatteringGuide::Terms terms(*guide_, a, b);
     const double plain = homogeneous ? medium_.at(0.0).evaluate(cosine) : 0.0;
-    const auto once = [&](std::size_t j) {
-      return homogeneous ? plain : medium_.at(heights[j]).evaluate(cosine);
-    };
+    const ScatteringGuide::Column repeated_column = terms.repeated();
+    ScatteringGuide::Column source = repeated_column + static_cast<float>(plain);
+    if (!homogeneous) {
+      for (std::size_t j = 0; j <= branch.cell + 1; ++j) {
+        source[static_cast<Eigen::Index>(j)] += static_cast<float>(medium_.at(heights[j]).evaluate(cosine));
+      }
+    }
     const HeightSampling::Choice choice =
-        HeightSampling::draw(heights, branch.top, branch.cell, 1.0 / a.mu + 1.0 / b.mu,
-                             [&](std::size_t j) { return once(j) + terms.repeated(j); }, rng);
-    weight *= choice.integral / choice.source;
+        HeightSampling::draw(heights, branch.top, branch.cell, 1.0 / a.mu + 1.0 / b.mu, source, rng);
+    weight *= choice.weight;
     const Vertex vertex{choice.t, choice.cell, heights.fraction(choice.t, choice.cell), medium_.at(choice.t)};
 
     // One term, in proportion to the tables.
-    const auto between = [&](double low, double high) { return low + vertex.up * (high - low); };
     const double k = homogeneous ? plain : vertex.scattering.evaluate(cosine);
-    const double repeated = between(terms.repeated(vertex.cell), terms.repeated(vertex.cell + 1));
-    const double one_a = between(terms.one_side(vertex.cell, true), terms.one_side(vertex.cell + 1, true));
-    const double one_b = between(terms.one_side(vertex.cell, false), terms.one_side(vertex.cell + 1, false));
+    const auto low = static_cast<double>(repeated_column[static_cast<Eigen::Index>(vertex.cell)]);
+    const auto high = static_cast<double>(repeated_column[static_cast<Eigen::Index>(vertex.cell + 1)]);
+    const double repeated = low + vertex.up * (high - low);
+    const double one_a = terms.one_side(vertex.cell, vertex.up, true);
+    const double one_b = terms.one_side(vertex.cell, vertex.up, false);
     const double both = std::max(0.0, repeated - one_a - one_b);
     const double all = k + one_a + one_b + both;
     const auto probability = [&](double term) { return kLeast + (1.0 - 4.0 * kLeast) * term / all; };
@@ -192,7 +264,7 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
       ended = true;
     } else if (u < odds[0] + odds[1] + odds[2]) {
       const bool first = u < odds[0] + odds[1];
-      const Step step = scatter(vertex, first ? a : b, first ? b : a, rng);
+      const Step step = step_from(vertex, first ? a : b, first ? b : a, rng);
       weight *= step.weight / (first ? odds[1] : odds[2]);
       branch = {vertex.t, vertex.cell, step.ray, first ? b : a};
     } else {

@@ -30,7 +30,9 @@ class GuidedWalk final : public Walk {
     Ray ray;
     double weight;  ///< 0: nothing comes
   };
+  template <int kOwn, int kDrawn>
   Step scatter(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const;
+  Step step_from(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const;
   bool turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng& rng) const;
 
   GradedMedium medium_;

@@ -11,7 +11,6 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::size_t kHeights = 28;
 constexpr double kLeastCosine = 1e-6;
 
 /// Nodes that see the phase function's peak well enough for a guide.
@@ -27,9 +26,12 @@ double cosine_at(double y) { return std::max(kLeastCosine, 1.0 - y * y); }
 
 }  // namespace
 
-ScatteringGuide::ScatteringGuide(const GradedMedium& medium) : heights_(medium.tau(), kHeights) { fill(medium); }
+ScatteringGuide::ScatteringGuide(const GradedMedium& medium) : heights_(medium.tau()) {
+  tabulate(medium);
+  tabulate_bins(medium);
+}
 
-void ScatteringGuide::fill(const GradedMedium& medium) {
+void ScatteringGuide::tabulate(const GradedMedium& medium) {
   const std::size_t heights = heights_.size();
   Eigen::VectorXd mu(kPoints);
   std::array<double, kPoints> angle;
@@ -44,10 +46,9 @@ void ScatteringGuide::fill(const GradedMedium& medium) {
   const Eigen::Index points = kPoints;
   constexpr std::size_t kPairs = kPoints * kPoints;
   smooth_.assign(heights * kPairs * kPoints, 0.0F);
-  one_side_.assign(kPairs * kPoints * heights, 0.0F);
+  one_side_.assign(kPairs * kPoints, Column::Zero());
   repeated_ = one_side_;
   const Eigen::VectorXd share = 0.5 * directions.weight.cwiseQuotient(directions.mu.head(n));
-  const Eigen::MatrixXd mean = Eigen::MatrixXd::Constant(points, points, 1.0);
 
   // Sum over azimuth orders, until one adds nothing that a guide would miss.
   for (int m = 0; m < reflection.orders(); ++m) {
@@ -72,61 +73,84 @@ void ScatteringGuide::fill(const GradedMedium& medium) {
           const double rest =
               all(n + a, n + b) / (4.0 * mu[a] * mu[b] * shape) - 0.25 * albedo * phase.reflect(n + a, n + b);
           largest = std::max(largest, std::abs(rest) / (0.05 + albedo));
-          const auto pair = static_cast<std::size_t>(b * points + a);
-          const auto turned = static_cast<std::size_t>(a * points + b);
-          float* value = &smooth_[(j * kPairs + pair) * kPoints];
-          float* side = &one_side_[turned * kPoints * heights + j];
-          float* sum = &repeated_[turned * kPoints * heights + j];
+          const auto pair = static_cast<std::size_t>(a * points + b);
           const auto repeated = static_cast<float>(one(a, b) + one(b, a) + both(a, b));
+          float* value = &smooth_[(j * kPairs + static_cast<std::size_t>(b * points + a)) * kPoints];
+          const auto row = static_cast<Eigen::Index>(j);
           for (std::size_t z = 0; z < kPoints; ++z) {
             value[z] += wave[z] * static_cast<float>(rest);
-            side[z * heights] += wave[z] * static_cast<float>(one(a, b));
-            sum[z * heights] += wave[z] * repeated;
+            one_side_[pair * kPoints + z][row] += wave[z] * static_cast<float>(one(a, b));
+            repeated_[pair * kPoints + z][row] += wave[z] * repeated;
           }
         }
       }
     }
-    constexpr double kUnseen = 2e-4;
+    constexpr double kUnseen = 5e-4;
     if (largest < kUnseen) {
       break;
     }
   }
-  for (std::vector<float>* table : {&one_side_, &repeated_}) {
-    for (float& value : *table) {
-      value = std::max(value, 0.0F);
+  for (std::vector<Column>* table : {&one_side_, &repeated_}) {
+    for (Column& column : *table) {
+      column = column.max(0.0F);
     }
   }
   // At height 0 nothing is there to divide by: the next slice serves.
   std::copy_n(smooth_.begin() + kPairs * kPoints, kPairs * kPoints, smooth_.begin());
+}
 
-  // Bins of direction for light from S: uniform in sqrt(1 - mu) and azimuth.
-  cumulative_.resize(heights * kPoints * (kBins + 1));
+/// Bins of direction for light from S, uniform in sqrt(1 - mu) and in azimuth. Each has a number of equal slots, one
+/// at least.
+void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
+  const std::size_t heights = heights_.size();
+  slots_.resize(heights * kPoints * kSlots);
+  counts_.resize(heights * kPoints * kBins);
+  using Values = Eigen::Array<float, static_cast<int>(kBins), 1>;
+  Values x;
+  Values y;
+  Values mu;
+  Values root;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const auto k = static_cast<Eigen::Index>(bin);
+    const double r = (static_cast<double>(bin / kAzimuths) + 0.5) / static_cast<double>(kCells);
+    const double phi = pi * (static_cast<double>(bin % kAzimuths) + 0.5) / static_cast<double>(kAzimuths);
+    const double cosine = 1.0 - r * r;
+    const double sine = std::sqrt(1.0 - cosine * cosine);
+    x[k] = static_cast<float>(sine * std::cos(phi));
+    y[k] = static_cast<float>(sine * std::sin(phi));
+    mu[k] = static_cast<float>(cosine);
+    root[k] = static_cast<float>(r);
+  }
   for (std::size_t j = 0; j < heights; ++j) {
     const double t = heights_[std::max<std::size_t>(j, 1)];
     const LocalScattering scattering = medium.at(t);
     for (std::size_t point = 0; point < kPoints; ++point) {
-      const double mu_b = mu[static_cast<Eigen::Index>(point)];
+      const double mu_b = cosine_at(static_cast<double>(point) / static_cast<double>(kCells));
       const Ray b{std::sqrt(1.0 - mu_b * mu_b), 0.0, mu_b};
-      const Slice slice(*this, std::min(j, heights - 2), j == heights - 1 ? 1.0 : 0.0, t, b, scattering);
-      std::array<double, kBins> mass;
-      double whole = 0.0;
+      const Slice slice(*this, std::min(j, heights - 2), j == heights - 1 ? 1.0 : 0.0, t, b, scattering, 0.5, 0.5);
+      const Values mass = slice(x, y, mu) * root;
+      // At most 255 slots to a bin; what rounding leaves goes to the largest.
+      const double whole = static_cast<double>(mass.sum());
+      std::uint8_t* count = &counts_[(j * kPoints + point) * kBins];
+      double carried = 0.0;
+      std::size_t used = 0;
       for (std::size_t bin = 0; bin < kBins; ++bin) {
-        const double y = (static_cast<double>(bin / kAzimuths) + 0.5) / static_cast<double>(kCells);
-        const double phi = pi * (static_cast<double>(bin % kAzimuths) + 0.5) / static_cast<double>(kAzimuths);
-        const double mu_a = 1.0 - y * y;
-        const double sine = std::sqrt(1.0 - mu_a * mu_a);
-        mass[bin] = slice({sine * std::cos(phi), sine * std::sin(phi), mu_a}) * y;
-        whole += mass[bin];
+        carried += static_cast<double>(mass[static_cast<Eigen::Index>(bin)]) / whole *
+                   static_cast<double>(kSlots - kBins);
+        const double taken = std::min(std::floor(carried), 200.0);
+        count[bin] = static_cast<std::uint8_t>(1.0 + taken);
+        carried -= taken;
+        used += count[bin];
       }
-      constexpr double kPlain = 0.1;
-      float* sum = &cumulative_[(j * kPoints + point) * (kBins + 1)];
-      double running = 0.0;
-      sum[0] = 0.0F;
+      for (std::size_t bin = 0; used < kSlots; bin = (bin + 1) % kBins) {
+        if (count[bin] < 255) {
+          ++count[bin];
+          ++used;
+        }
+      }
+      std::uint8_t* slot = &slots_[(j * kPoints + point) * kSlots];
       for (std::size_t bin = 0; bin < kBins; ++bin) {
-        const double y = (static_cast<double>(bin / kAzimuths) + 0.5) / static_cast<double>(kCells);
-        running += (1.0 - kPlain) * mass[bin] / whole +
-                   kPlain * 2.0 * y / (static_cast<double>(kCells) * static_cast<double>(kAzimuths));
-        sum[bin + 1] = static_cast<float>(running);
+        slot = std::fill_n(slot, count[bin], static_cast<std::uint8_t>(bin));
       }
     }
   }
@@ -136,22 +160,29 @@ ScatteringGuide::Terms::Terms(const ScatteringGuide& guide, const Ray& a, const 
   const Place p = Place::of_cosine(a.mu);
   const Place q = Place::of_cosine(b.mu);
   const Place z = Place::between(a, b);
-  const std::size_t heights = guide.heights_.size();
   for (std::size_t k = 0; k < 8; ++k) {
     const std::size_t i = k & 1U;
     const std::size_t o = (k >> 1U) & 1U;
     const std::size_t w = k >> 2U;
     weights_[k] = (i != 0 ? p.fraction : 1.0F - p.fraction) * (o != 0 ? q.fraction : 1.0F - q.fraction) *
                   (w != 0 ? z.fraction : 1.0F - z.fraction);
-    corners_[k] = (((p.cell + i) * kPoints + q.cell + o) * kPoints + z.cell + w) * heights;
-    turned_[k] = (((q.cell + o) * kPoints + p.cell + i) * kPoints + z.cell + w) * heights;
+    corners_[k] = ((p.cell + i) * kPoints + q.cell + o) * kPoints + z.cell + w;
+    turned_[k] = ((q.cell + o) * kPoints + p.cell + i) * kPoints + z.cell + w;
   }
 }
 
 ScatteringGuide::Slice::Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const Ray& b,
-                              const LocalScattering& scattering)
+                              const LocalScattering& scattering, double u, double v)
     : b_(b), t_(t), scattering_(scattering) {
   const Place q = Place::of_cosine(b.mu);
+  const double length = std::sqrt(b.x * b.x + b.y * b.y);
+  cosine_ = static_cast<float>(length > 0.0 ? b.x / length : 1.0);
+  sine_ = static_cast<float>(length > 0.0 ? b.y / length : 0.0);
+  const std::size_t near = (j + (u < up ? 1 : 0)) * kPoints + q.cell + (v < static_cast<double>(q.fraction) ? 1 : 0);
+  if (!guide.slots_.empty()) {
+    slots_ = &guide.slots_[near * kSlots];
+    counts_ = &guide.counts_[near * kBins];
+  }
   constexpr std::size_t kPairs = kPoints * kPoints;
   const auto high = static_cast<float>(up);
   const float* low_low = &guide.smooth_[(j * kPoints + q.cell) * kPairs];
@@ -167,27 +198,19 @@ ScatteringGuide::Slice::Slice(const ScatteringGuide& guide, std::size_t j, doubl
   }
 }
 
-ScatteringGuide::Drawn ScatteringGuide::draw(std::size_t j, std::size_t point, const Ray& b, double u, double v,
-                                             double w) const {
-  const float* sum = &cumulative_[(j * kPoints + point) * (kBins + 1)];
-  const auto target = static_cast<float>(u) * sum[kBins];
-  const auto bin = std::min(static_cast<std::size_t>(std::upper_bound(sum + 1, sum + kBins, target) - sum) - 1,
-                            kBins - 1);
-  const double y = (static_cast<double>(bin / kAzimuths) + v) / static_cast<double>(kCells);
+Ray ScatteringGuide::Slice::draw(double u, double v, double w) const {
+  const std::size_t bin = slots_[static_cast<std::size_t>(u * static_cast<double>(kSlots))];
+  const double root = (static_cast<double>(bin / kAzimuths) + v) / static_cast<double>(kCells);
   // The bins cover one half of the circle: the last number also tells which.
-  const bool left = w < 0.5;
-  const double within = left ? 2.0 * w : 2.0 * w - 1.0;
-  const double phi = pi * (static_cast<double>(bin % kAzimuths) + within) / static_cast<double>(kAzimuths);
-  const double mu = 1.0 - y * y;
-  const double sine = std::sqrt(std::max(0.0, 1.0 - mu * mu));
+  const double half = 2.0 * w - 1.0;
+  const double phi = pi * (static_cast<double>(bin % kAzimuths) + std::abs(half)) / static_cast<double>(kAzimuths);
+  const double mu = 1.0 - root * root;
+  const double sine = root * std::sqrt(1.0 + mu);
   const double x = sine * std::cos(phi);
-  const double side = left ? sine * std::sin(phi) : -sine * std::sin(phi);
-  const double length = std::sqrt(b.x * b.x + b.y * b.y);
-  const double c = length > 0.0 ? b.x / length : 1.0;
-  const double s = length > 0.0 ? b.y / length : 0.0;
-  const double share = static_cast<double>((sum[bin + 1] - sum[bin]) / sum[kBins]);
-  const double density = share * static_cast<double>(kCells * kAzimuths) / (4.0 * pi * y);
-  return {{x * c - side * s, x * s + side * c, mu}, density};
+  const double side = std::copysign(sine * std::sin(phi), half);
+  const auto c = static_cast<double>(cosine_);
+  const auto s = static_cast<double>(sine_);
+  return {x * c - side * s, x * s + side * c, mu};
 }
 
 }  // namespace lamina

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "graded_medium.hpp"
@@ -30,8 +32,9 @@ class ScatteringGuide {
 
   const GuideHeights& heights() const { return heights_; }
 
-  static constexpr std::size_t kCells = 16;
+  static constexpr std::size_t kCells = 12;
   static constexpr std::size_t kPoints = kCells + 1;
+  using Column = GuideHeights::Column;
 
   /// A value's cell and its place in there.
   struct Place {
@@ -56,80 +59,125 @@ class ScatteringGuide {
   class Terms {
    public:
     Terms(const ScatteringGuide& guide, const Ray& a, const Ray& b);
-    /// kS + Sk + SkS at the guide's height j.
-    double repeated(std::size_t j) const { return sum(guide_.repeated_.data(), j); }
-    /// Light that a, or b, gets from S after scattering once on its way.
-    double one_side(std::size_t j, bool a) const {
-      return a ? sum(guide_.one_side_.data(), j) : sum_turned(guide_.one_side_.data(), j);
+    /// kS + Sk + SkS at the guide's heights.
+    Column repeated() const {
+      Column sum = weights_[0] * guide_.repeated_[corners_[0]];
+      for (std::size_t k = 1; k < corners_.size(); ++k) {
+        sum += weights_[k] * guide_.repeated_[corners_[k]];
+      }
+      return sum;
+    }
+    /// What a, or b, gets from S by scattering once on its own way: at `up` of the cell of heights j.
+    double one_side(std::size_t j, double up, bool of_a) const {
+      float low = 0.0F;
+      float high = 0.0F;
+      const std::array<std::size_t, 8>& corners = of_a ? corners_ : turned_;
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const float* column = guide_.one_side_[corners[k]].data() + j;
+        low += weights_[k] * column[0];
+        high += weights_[k] * column[1];
+      }
+      return static_cast<double>(low) + up * static_cast<double>(high - low);
     }
 
    private:
-    double sum(const float* table, std::size_t j) const {
-      double total = 0.0;
-      for (std::size_t k = 0; k < corners_.size(); ++k) {
-        total += static_cast<double>(weights_[k] * table[corners_[k] + j]);
-      }
-      return total;
-    }
-    double sum_turned(const float* table, std::size_t j) const {
-      double total = 0.0;
-      for (std::size_t k = 0; k < corners_.size(); ++k) {
-        total += static_cast<double>(weights_[k] * table[turned_[k] + j]);
-      }
-      return total;
-    }
-
     const ScatteringGuide& guide_;
     std::array<std::size_t, 8> corners_;
     std::array<std::size_t, 8> turned_;
     std::array<float, 8> weights_;
   };
 
-  /// S~(t; ., b) / mu for one direction b and one height, between all other directions.
+  /// A direction b for which others are drawn, where S~(t; ., b) / mu is large, and valued by it. All densities are
+  /// over the hemisphere's solid angle.
   class Slice {
    public:
-    /// In the cell of heights j, at `up` of its way.
+    /// In the cell of heights j, at `up` of its way to the next, which is the height t. The numbers choose one of
+    /// the tables around.
     Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const Ray& b,
-          const LocalScattering& scattering);
+          const LocalScattering& scattering, double u, double v);
 
-    double operator()(const Ray& a) const {
-      const Place p = Place::of_cosine(a.mu);
-      const Place z = Place::between(a, b_);
-      const float* row = &values_[p.cell * kPoints + z.cell];
-      const float lower = row[0] + z.fraction * (row[1] - row[0]);
-      const float upper = row[kPoints] + z.fraction * (row[kPoints + 1] - row[kPoints]);
-      const float smooth = lower + p.fraction * (upper - lower);
-      const double once = 0.25 * scattering_.evaluate(a.x * b_.x + a.y * b_.y - a.mu * b_.mu);
-      const double shape = (1.0 - std::exp(-t_ * (1.0 / a.mu + 1.0 / b_.mu))) / (a.mu + b_.mu);
-      return 4.0 * b_.mu * shape * std::max(1e-3 * once, once + static_cast<double>(smooth));
-    }
+    /// S~(t; a, b) / mu of a, for many directions; cosines that are not positive get 0.
+    template <typename Values>
+    Values operator()(const Values& x, const Values& y, const Values& mu) const;
+
+    /// A direction: u, v, w uniform in (0, 1).
+    Ray draw(double u, double v, double w) const;
+    /// The density of draw().
+    template <typename Values>
+    Values density(const Values& x, const Values& y, const Values& mu) const;
 
    private:
     Ray b_;
     double t_;
     const LocalScattering& scattering_;
+    float cosine_;  ///< of the azimuth of b
+    float sine_;
+    const std::uint8_t* slots_;
+    const std::uint8_t* counts_;
     std::array<float, kPoints * kPoints> values_;
   };
 
-  /// A direction drawn roughly in proportion to S~(t; ., b) / mu, its density over the hemisphere's solid angle.
-  struct Drawn {
-    Ray ray;
-    double density;
-  };
-  /// At the guide's height j and the point of the cosine of b; u, v, w uniform in (0, 1).
-  Drawn draw(std::size_t j, std::size_t point, const Ray& b, double u, double v, double w) const;
-
  private:
-  static constexpr std::size_t kAzimuths = 8;
+  static constexpr std::size_t kAzimuths = 10;
   static constexpr std::size_t kBins = kCells * kAzimuths;
+  static constexpr std::size_t kSlots = 512;
 
-  void fill(const GradedMedium& medium);
+  void tabulate(const GradedMedium& medium);
+  void tabulate_bins(const GradedMedium& medium);
 
   GuideHeights heights_;
-  std::vector<float> smooth_;      // [height, cosine of b, cosine of a, azimuth]
-  std::vector<float> one_side_;    // [cosine of the side, other cosine, azimuth, height]
-  std::vector<float> repeated_;    // [cosine, cosine, azimuth, height]
-  std::vector<float> cumulative_;  // [height, cosine of b, bin]
+  std::vector<float> smooth_;         // [height, cosine of b, cosine of a, azimuth]
+  std::vector<Column> one_side_;      // [cosine of the side, other cosine, azimuth]
+  std::vector<Column> repeated_;      // [cosine, cosine, azimuth]
+  std::vector<std::uint8_t> slots_;   // [height, cosine of b, slot]: its bin
+  std::vector<std::uint8_t> counts_;  // [height, cosine of b, bin]: how many slots are its own
 };
+
+template <typename Values>
+Values ScatteringGuide::Slice::operator()(const Values& x, const Values& y, const Values& mu) const {
+  constexpr auto kScale = static_cast<float>(kCells);
+  constexpr float kLast = kScale - 1e-3F;
+  const Values positive = mu.max(1e-6F);
+  const Values sine = (1.0F - positive * positive).max(1e-12F).sqrt();
+  const Values place = (kScale * (1.0F - positive).max(0.0F).sqrt()).min(kLast);
+  const Values along = (x * cosine_ + y * sine_) / sine;
+  const Values azimuth = (kScale * (0.5F - 0.5F * along).max(0.0F).min(1.0F).sqrt()).min(kLast);
+  Values smooth;
+  for (Eigen::Index k = 0; k < smooth.size(); ++k) {
+    const int i = static_cast<int>(place[k]);
+    const int z = static_cast<int>(azimuth[k]);
+    const float* row = &values_[static_cast<std::size_t>(i) * kPoints + static_cast<std::size_t>(z)];
+    const float f = azimuth[k] - static_cast<float>(z);
+    const float lower = row[0] + f * (row[1] - row[0]);
+    const float upper = row[kPoints] + f * (row[kPoints + 1] - row[kPoints]);
+    smooth[k] = lower + (place[k] - static_cast<float>(i)) * (upper - lower);
+  }
+  const auto b_mu = static_cast<float>(b_.mu);
+  const Values cosine = static_cast<float>(b_.x) * x + static_cast<float>(b_.y) * y - b_mu * mu;
+  const Values once = 0.25F * scattering_.evaluate_all(cosine);
+  const Values shape =
+      (1.0F - (static_cast<float>(-t_) * (positive.inverse() + 1.0F / b_mu)).exp()) / (positive + b_mu);
+  return (mu > 1e-6F).select(4.0F * b_mu * shape * (once + smooth).max(1e-3F * once), 0.0F);
+}
+
+template <typename Values>
+Values ScatteringGuide::Slice::density(const Values& x, const Values& y, const Values& mu) const {
+  const Values positive = mu.max(1e-6F).min(1.0F);
+  const Values sine = (1.0F - positive * positive).max(1e-12F).sqrt();
+  const Values root = (1.0F - positive).max(1e-12F).sqrt();
+  const Values along = ((x * cosine_ + y * sine_) / sine).max(-1.0F).min(1.0F);
+  const Values turn = along.acos();
+  Values density;
+  for (Eigen::Index k = 0; k < density.size(); ++k) {
+    const auto i = std::min(static_cast<std::size_t>(root[k] * static_cast<float>(kCells)), kCells - 1);
+    const auto z = std::min(
+        static_cast<std::size_t>(turn[k] * static_cast<float>(static_cast<double>(kAzimuths) / std::numbers::pi)),
+        kAzimuths - 1);
+    density[k] = static_cast<float>(counts_[i * kAzimuths + z]);
+  }
+  constexpr auto kWhole =
+      static_cast<float>(static_cast<double>(kBins) / (4.0 * std::numbers::pi * static_cast<double>(kSlots)));
+  return kWhole * density / root;
+}
 
 }  // namespace lamina
