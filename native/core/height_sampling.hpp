@@ -37,14 +37,15 @@ class HeightSampling {
     const auto upper = 1.0F - (1.0F + 0.1F * d) / (2.0F + d * (0.5333F + 0.1F * d));
     mass.head<kPairs>() = (fall.tail<kPairs>() - fall.head<kPairs>()) *
                           (source.head<kPairs>() + upper * (source.tail<kPairs>() - source.head<kPairs>()));
-    mass[last] = (1.0F - fall[last]) * 0.5F * (source[last] + static_cast<float>(g_top));
-    float total = 0.0F;
-    for (Eigen::Index j = last; j >= 0; --j) {
-      total += mass[j];
-    }
+    const float to_top = static_cast<float>(s) * static_cast<float>(top - heights[cell]);
+    const float own_upper = 1.0F - (1.0F + 0.1F * to_top) / (2.0F + to_top * (0.5333F + 0.1F * to_top));
+    mass[last] = (1.0F - fall[last]) * (source[last] + own_upper * (static_cast<float>(g_top) - source[last]));
+    // Above the top nothing falls off: those cells are empty.
+    mass[kPairs] = 0.0F;
+    const float total = mass.sum();
     auto rest = static_cast<float>(rng.uniform()) * total;
     Eigen::Index own = last;
-    while (own > 0 && rest >= mass[own]) {
+    while (own > 0 && (rest >= mass[own] || mass[own] <= 0.0F)) {
       rest -= mass[own];
       --own;
     }
@@ -56,12 +57,16 @@ class HeightSampling {
     const double g_low = static_cast<double>(source[own]);
     const double g_high = own == last ? g_top : static_cast<double>(source[own + 1]);
     const double thickness = high - low;
-    const double span = -std::expm1(-s * thickness);
-    const EndShares shares(s * thickness, 1.0 - span);
+    const double depth = s * thickness;
+    const double fallen = std::exp(-depth);
+    const bool thin = depth < 1e-6;
+    const double span = thin ? depth : 1.0 - fallen;
+    const EndShares shares(depth, fallen);
     const double integral = thickness * (shares.lower * g_low + shares.upper * g_high);
     const double largest = std::max(g_low, g_high);
     while (true) {
-      const double t = std::max(low, high + std::log1p(-span * rng.uniform()) / s);
+      const double passed = span * rng.uniform();
+      const double t = std::max(low, high + (thin ? -passed : std::log(1.0 - passed)) / s);
       const double g = g_high + (g_low - g_high) * (high - t) / thickness;
       if (rng.uniform() * largest <= g) {
         const double probability = static_cast<double>(mass[own] / total);

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scattering_guide.hpp"
 
-#include <numbers>
-
 #include "reflection_by_height.hpp"
 #include "single_scattering.hpp"
 
 namespace lamina {
 namespace {
-
-using std::numbers::pi;
 
 constexpr double kLeastCosine = 1e-6;
 
@@ -99,7 +95,7 @@ void ScatteringGuide::tabulate(const GradedMedium& medium) {
   std::copy_n(smooth_.begin() + kPairs * kPoints, kPairs * kPoints, smooth_.begin());
 }
 
-/// Bins of direction for light from S, uniform in sqrt(1 - mu) and in azimuth. Each has a number of equal slots, one
+/// Bins of direction for light from S, uniform in sqrt(1 - mu) and in tan(dphi / 4), whose sines need no angle. Each has a number of equal slots, one
 /// at least.
 void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
   const std::size_t heights = heights_.size();
@@ -109,17 +105,18 @@ void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
   Values x;
   Values y;
   Values mu;
-  Values root;
+  Values size;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     const auto k = static_cast<Eigen::Index>(bin);
     const double r = (static_cast<double>(bin / kAzimuths) + 0.5) / static_cast<double>(kCells);
-    const double phi = pi * (static_cast<double>(bin % kAzimuths) + 0.5) / static_cast<double>(kAzimuths);
+    const double quarter = (static_cast<double>(bin % kAzimuths) + 0.5) / static_cast<double>(kAzimuths);
+    const double phi = 4.0 * std::atan(quarter);
     const double cosine = 1.0 - r * r;
     const double sine = std::sqrt(1.0 - cosine * cosine);
     x[k] = static_cast<float>(sine * std::cos(phi));
     y[k] = static_cast<float>(sine * std::sin(phi));
     mu[k] = static_cast<float>(cosine);
-    root[k] = static_cast<float>(r);
+    size[k] = static_cast<float>(r / (1.0 + quarter * quarter));
   }
   for (std::size_t j = 0; j < heights; ++j) {
     const double t = heights_[std::max<std::size_t>(j, 1)];
@@ -128,7 +125,7 @@ void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
       const double mu_b = cosine_at(static_cast<double>(point) / static_cast<double>(kCells));
       const Ray b{std::sqrt(1.0 - mu_b * mu_b), 0.0, mu_b};
       const Slice slice(*this, std::min(j, heights - 2), j == heights - 1 ? 1.0 : 0.0, t, b, scattering, 0.5, 0.5);
-      const Values mass = slice(x, y, mu) * root;
+      const Values mass = slice(x, y, mu) * size;
       // At most 255 slots to a bin; what rounding leaves goes to the largest.
       const double whole = static_cast<double>(mass.sum());
       std::uint8_t* count = &counts_[(j * kPoints + point) * kBins];
@@ -202,12 +199,15 @@ Ray ScatteringGuide::Slice::draw(double u, double v, double w) const {
   const std::size_t bin = slots_[static_cast<std::size_t>(u * static_cast<double>(kSlots))];
   const double root = (static_cast<double>(bin / kAzimuths) + v) / static_cast<double>(kCells);
   // The bins cover one half of the circle: the last number also tells which.
-  const double half = 2.0 * w - 1.0;
-  const double phi = pi * (static_cast<double>(bin % kAzimuths) + std::abs(half)) / static_cast<double>(kAzimuths);
+  const double way = 2.0 * w - 1.0;
+  const double quarter = (static_cast<double>(bin % kAzimuths) + std::abs(way)) / static_cast<double>(kAzimuths);
+  const double scale = 1.0 / (1.0 + quarter * quarter);
+  const double half_cosine = (1.0 - quarter * quarter) * scale;
+  const double half_sine = 2.0 * quarter * scale;
   const double mu = 1.0 - root * root;
   const double sine = root * std::sqrt(1.0 + mu);
-  const double x = sine * std::cos(phi);
-  const double side = std::copysign(sine * std::sin(phi), half);
+  const double x = sine * (1.0 - 2.0 * half_sine * half_sine);
+  const double side = std::copysign(2.0 * sine * half_sine * half_cosine, way);
   const auto c = static_cast<double>(cosine_);
   const auto s = static_cast<double>(sine_);
   return {x * c - side * s, x * s + side * c, mu};

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
 #include "graded_medium.hpp"
@@ -166,18 +165,18 @@ Values ScatteringGuide::Slice::density(const Values& x, const Values& y, const V
   const Values sine = (1.0F - positive * positive).max(1e-12F).sqrt();
   const Values root = (1.0F - positive).max(1e-12F).sqrt();
   const Values along = ((x * cosine_ + y * sine_) / sine).max(-1.0F).min(1.0F);
-  const Values turn = along.acos();
+  // The quarter turn's tangent, by half the angle's cosine.
+  const Values half = (0.5F + 0.5F * along).sqrt();
+  const Values turn = ((1.0F - half) / (1.0F + half)).sqrt();
   Values density;
   for (Eigen::Index k = 0; k < density.size(); ++k) {
     const auto i = std::min(static_cast<std::size_t>(root[k] * static_cast<float>(kCells)), kCells - 1);
-    const auto z = std::min(
-        static_cast<std::size_t>(turn[k] * static_cast<float>(static_cast<double>(kAzimuths) / std::numbers::pi)),
-        kAzimuths - 1);
+    const auto z = std::min(static_cast<std::size_t>(turn[k] * static_cast<float>(kAzimuths)), kAzimuths - 1);
     density[k] = static_cast<float>(counts_[i * kAzimuths + z]);
   }
   constexpr auto kWhole =
-      static_cast<float>(static_cast<double>(kBins) / (4.0 * std::numbers::pi * static_cast<double>(kSlots)));
-  return kWhole * density / root;
+      static_cast<float>(static_cast<double>(kBins) / (16.0 * static_cast<double>(kSlots)));
+  return kWhole * density * (1.0F + turn * turn) / root;
 }
 
 }  // namespace lamina
