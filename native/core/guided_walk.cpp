@@ -87,11 +87,11 @@ GuidedWalk::GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, dou
                        std::shared_ptr<const ScatteringGuide> guide)
     : medium_(medium),
       guide_(std::move(guide)),
-      view_{std::sqrt(1.0 - mu_o * mu_o) * std::cos(dphi), std::sqrt(1.0 - mu_o * mu_o) * std::sin(dphi), mu_o},
-      light_{std::sqrt(1.0 - mu_i * mu_i), 0.0, mu_i},
-      candidates_(static_cast<std::size_t>(candidates)) {
-  if (candidates < 1 || candidates > kMostCandidates) {
-    throw std::invalid_argument("candidates: must lie in [1, 32]");
+      view_(Ray::of(mu_o, dphi)),
+      light_(Ray::of(mu_i, 0.0)),
+      candidates_(candidates) {
+  if (candidates != 8 && candidates != 16 && candidates != 32) {
+    throw std::invalid_argument("candidates: must be 8, 16 or 32");
   }
 }
 
@@ -103,9 +103,7 @@ GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, cons
   using Values = Eigen::Array<float, kAll, 1>;
   const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, other, vertex.scattering,
                                      rng.uniform(), rng.uniform());
-  const double sine = std::sqrt(from.x * from.x + from.y * from.y);
-  const double cx = sine > 0.0 ? from.x / sine : 1.0;
-  const double cy = sine > 0.0 ? from.y / sine : 0.0;
+  const Frame frame(from);
   const double shift = rng.uniform();
   const double turn = 2.0 * pi * rng.uniform();
   const double turn_cosine = std::cos(turn);
@@ -116,8 +114,7 @@ GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, cons
     const double s = std::sqrt(std::max(0.0, 1.0 - c * c));
     const double along = s * (turn_cosine * kLattice.cosine[k] - turn_sine * kLattice.sine[k]);
     const double aside = s * (turn_sine * kLattice.cosine[k] + turn_cosine * kLattice.sine[k]);
-    const double outward = c * sine + along * from.mu;
-    rays[k] = {outward * cx - aside * cy, outward * cy + aside * cx, c * from.mu - along * sine};
+    rays[k] = frame.tilted(c, along, aside);
   }
   draw_from(slice, &rays[kOwn], kDrawn, rng);
   Values x;
@@ -148,7 +145,7 @@ GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, cons
   }
   const Ray& ray = rays[chosen];
   const double own =
-      kSphere * vertex.scattering.evaluate(from.x * ray.x + from.y * ray.y + from.mu * ray.mu) / albedo;
+      kSphere * vertex.scattering.evaluate(passed_on(from, ray)) / albedo;
   const double density = kOwn * own + kDrawn * static_cast<double>(drawn[static_cast<Eigen::Index>(chosen)]);
   const double odds = static_cast<double>(value[static_cast<Eigen::Index>(chosen)] / value.sum());
   return {ray, albedo * own / (density * odds * ray.mu)};
@@ -197,7 +194,7 @@ bool GuidedWalk::turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng&
   const double odds = static_cast<double>(value[static_cast<Eigen::Index>(chosen)] / value.sum());
   const double both = static_cast<double>(density[0][static_cast<Eigen::Index>(i)]) *
                       static_cast<double>(density[1][static_cast<Eigen::Index>(j)]) * kSides * kSides;
-  weight *= vertex.scattering.evaluate(p.x * q.x + p.y * q.y - p.mu * q.mu) /
+  weight *= vertex.scattering.evaluate(turned_back(p, q)) /
             (16.0 * pi * pi * p.mu * q.mu * both * odds);
   a = p;
   b = q;
@@ -206,15 +203,9 @@ bool GuidedWalk::turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng&
 
 GuidedWalk::Step GuidedWalk::step_from(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const {
   switch (candidates_) {
-    case 4:
-      return scatter<4, 4>(vertex, from, other, rng);
-    case 5:
-      return scatter<8, 0>(vertex, from, other, rng);
     case 8:
-      return scatter<8, 8>(vertex, from, other, rng);
-    case 9:
-      return scatter<16, 0>(vertex, from, other, rng);
-    case 10:
+      return scatter<4, 4>(vertex, from, other, rng);
+    case 16:
       return scatter<12, 4>(vertex, from, other, rng);
     default:
       return scatter<24, 8>(vertex, from, other, rng);
@@ -231,7 +222,7 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
     ++events;
     const Ray a = branch.a;
     const Ray b = branch.b;
-    const double cosine = a.x * b.x + a.y * b.y - a.mu * b.mu;
+    const double cosine = turned_back(a, b);
     const ScatteringGuide::Terms terms(*guide_, a, b);
     const double plain = homogeneous ? medium_.at(0.0).evaluate(cosine) : 0.0;
     const ScatteringGuide::Column repeated_column = terms.repeated();

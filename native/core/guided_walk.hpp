@@ -18,6 +18,7 @@ class GuidedWalk final : public Walk {
  public:
   static constexpr int kMostCandidates = 32;
 
+  /// `candidates` for each direction: 8, 16 or 32. The guide, of the same medium, may be shared.
   GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi, int candidates,
              std::shared_ptr<const ScatteringGuide> guide);
 
@@ -39,7 +40,7 @@ class GuidedWalk final : public Walk {
   std::shared_ptr<const ScatteringGuide> guide_;
   Ray view_;
   Ray light_;
-  std::size_t candidates_;
+  int candidates_;
 };
 
 }  // namespace lamina

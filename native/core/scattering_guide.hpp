@@ -8,16 +8,9 @@
 
 #include "graded_medium.hpp"
 #include "guide_heights.hpp"
+#include "ray.hpp"
 
 namespace lamina {
-
-/// A direction, of light or towards the eye: its horizontal part, in the direction of travel, and the cosine with
-/// the normal, which is positive whichever way it goes.
-struct Ray {
-  double x;
-  double y;
-  double mu;
-};
 
 /// Coarse tables that guide the walk of the scattering equation: what S of the slab below each height is, nearly,
 /// between any two directions, and what each term of the equation adds there.

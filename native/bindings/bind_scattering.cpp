@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include "bindings.hpp"
+#include "scattering_ode.hpp"
+#include "scattering_walk.hpp"
+
+namespace py = pybind11;
+
+namespace {
+
+using namespace lamina;
+
+/// Knots are (tau, albedo, (kind, parameters...)), tau the optical depth below the top.
+GradedMedium make_graded(const std::vector<std::tuple<double, double, py::tuple>>& knots) {
+  std::vector<GradedMedium::Knot> all;
+  for (const auto& [tau, albedo, phase] : knots) {
+    const py::tuple rest = phase[py::slice(1, static_cast<py::ssize_t>(phase.size()), 1)];
+    all.push_back({tau, albedo, make_phase(phase[0].cast<std::string>(), rest)});
+  }
+  return GradedMedium(std::move(all));
+}
+
+py::array_t<double> values(const OdeSolution& solution, bool reflect, Eigen::Index targets,
+                           const std::vector<double>& dphi) {
+  py::array_t<double> result({targets, targets, static_cast<Eigen::Index>(dphi.size())});
+  auto out = result.mutable_unchecked<3>();
+  for (Eigen::Index o = 0; o < targets; ++o) {
+    for (Eigen::Index i = 0; i < targets; ++i) {
+      for (std::size_t p = 0; p < dphi.size(); ++p) {
+        out(o, i, static_cast<py::ssize_t>(p)) = reflect ? solution.brdf(o, i, dphi[p]) : solution.btdf(o, i, dphi[p]);
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+void lamina::bind_scattering(py::module_& module) {
+  py::class_<GradedMedium>(module, "GradedMedium", "A slab whose albedo times phase function is linear between knots.")
+      .def(py::init(&make_graded), py::arg("knots"))
+      .def_static(
+          "homogeneous",
+          [](double albedo, double tau, const std::string& kind, const py::args& parameters) {
+            return GradedMedium::homogeneous(albedo, tau, make_phase(kind, parameters));
+          },
+          py::arg("albedo"), py::arg("tau"), py::arg("phase"))
+      .def_property_readonly("tau", &GradedMedium::tau);
+
+  const auto unlocked = py::call_guard<py::gil_scoped_release>();
+  py::class_<ScatteringWalk>(module, "ScatteringWalk")
+      .def(py::init(&make_scattering_walk), py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
+           py::arg("walk") = "auto", py::arg("seed") = 0, unlocked)
+      .def_readonly("name", &ScatteringWalk::name)
+      .def_readonly("pilot_samples", &ScatteringWalk::pilot_samples)
+      .def_readonly("pilot_events", &ScatteringWalk::pilot_events)
+      .def(
+          "run",
+          [](const ScatteringWalk& self, std::uint64_t seed, std::uint64_t first, std::uint64_t last,
+             ThreadPool& pool) {
+            Tally tally;
+            {
+              const py::gil_scoped_release release;
+              tally = run_walk(*self.walk, seed, first, last, pool);
+            }
+            return py::make_tuple(tally.sum, tally.squares, tally.largest, tally.count, tally.events);
+          },
+          py::arg("seed"), py::arg("first_block"), py::arg("last_block"), py::arg("pool"),
+          "(sum, sum of squares, largest, samples, events) of blocks [first_block, last_block).");
+
+  module.def(
+      "scattering_ode",
+      [](const GradedMedium& medium, const Eigen::VectorXd& mu, const std::vector<double>& dphi, ThreadPool& pool,
+         int nodes, double tolerance) {
+        const auto solved = [&] {
+          const py::gil_scoped_release release;
+          return OdeSolution(medium, OdeSettings{nodes, tolerance}, mu, pool);
+        }();
+        py::dict result;
+        result["brdf"] = values(solved, true, mu.size(), dphi);
+        result["btdf"] = values(solved, false, mu.size(), dphi);
+        result["reflectance"] = solved.reflectance();
+        result["transmittance"] = solved.transmittance();
+        result["orders"] = solved.orders();
+        result["steps"] = solved.steps();
+        return result;
+      },
+      py::arg("medium"), py::arg("mu"), py::arg("dphi"), py::arg("pool"), py::arg("nodes") = 32,
+      py::arg("tolerance") = 1e-8, "The differential form: brdf and btdf [mu_o, mu_i, dphi], fluxes by mu_i.");
+}
