@@ -72,8 +72,8 @@ class ExponentialSteps {
       return;
     }
     c.h = h;
-    for (Array* array : {&c.half_fall, &c.fall, &c.a21, &c.a31, &c.a32, &c.a41, &c.a42, &c.a51, &c.a52, &c.a54, &c.b1,
-                         &c.b4, &c.b5}) {
+    for (Array* array :
+         {&c.half_fall, &c.fall, &c.a21, &c.a31, &c.a32, &c.a41, &c.a42, &c.a51, &c.a52, &c.a54, &c.b1, &c.b4, &c.b5}) {
       array->resize(rates_.rows(), rates_.cols());
     }
     for (Eigen::Index k = 0; k < rates_.size(); ++k) {

@@ -13,7 +13,7 @@ namespace {
 using std::numbers::pi;
 
 /// Least probability of a term.
-constexpr double kLeast = 0.01;
+constexpr double kLeast = 0.02;
 /// Azimuths of the candidates' lattice, to be turned by a random angle.
 struct Lattice {
   std::array<double, GuidedWalk::kMostCandidates> cosine;
@@ -101,8 +101,8 @@ template <int kOwn, int kDrawn>
 GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const {
   constexpr int kAll = kOwn + kDrawn;
   using Values = Eigen::Array<float, kAll, 1>;
-  const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, other, vertex.scattering,
-                                     rng.uniform(), rng.uniform());
+  const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, other, vertex.scattering, rng.uniform(),
+                                     rng.uniform());
   const Frame frame(from);
   const double shift = rng.uniform();
   const double turn = 2.0 * pi * rng.uniform();
@@ -144,8 +144,7 @@ GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, cons
     return {from, 0.0};
   }
   const Ray& ray = rays[chosen];
-  const double own =
-      kSphere * vertex.scattering.evaluate(passed_on(from, ray)) / albedo;
+  const double own = kSphere * vertex.scattering.evaluate(passed_on(from, ray)) / albedo;
   const double density = kOwn * own + kDrawn * static_cast<double>(drawn[static_cast<Eigen::Index>(chosen)]);
   const double odds = static_cast<double>(value[static_cast<Eigen::Index>(chosen)] / value.sum());
   return {ray, albedo * own / (density * odds * ray.mu)};
@@ -194,8 +193,7 @@ bool GuidedWalk::turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng&
   const double odds = static_cast<double>(value[static_cast<Eigen::Index>(chosen)] / value.sum());
   const double both = static_cast<double>(density[0][static_cast<Eigen::Index>(i)]) *
                       static_cast<double>(density[1][static_cast<Eigen::Index>(j)]) * kSides * kSides;
-  weight *= vertex.scattering.evaluate(turned_back(p, q)) /
-            (16.0 * pi * pi * p.mu * q.mu * both * odds);
+  weight *= vertex.scattering.evaluate(turned_back(p, q)) / (16.0 * pi * pi * p.mu * q.mu * both * odds);
   a = p;
   b = q;
   return true;
@@ -245,11 +243,13 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
     const double one_a = terms.one_side(vertex.cell, vertex.up, true);
     const double one_b = terms.one_side(vertex.cell, vertex.up, false);
     const double both = std::max(0.0, repeated - one_a - one_b);
-    const double all = k + one_a + one_b + both;
-    const auto probability = [&](double term) { return kLeast + (1.0 - 4.0 * kLeast) * term / all; };
-    double u = rng.uniform();
+    const double least = kLeast * (k + one_a + one_b + both);
+    const double weights[4] = {std::max(k, least), std::max(one_a, least), std::max(one_b, least),
+                               std::max(both, least)};
+    const double all = weights[0] + weights[1] + weights[2] + weights[3];
+    const double u = rng.uniform();
     bool ended = false;
-    const double odds[3] = {probability(k), probability(one_a), probability(one_b)};
+    const double odds[3] = {weights[0] / all, weights[1] / all, weights[2] / all};
     if (u < odds[0]) {
       weight *= k / odds[0];
       ended = true;
@@ -261,7 +261,7 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
     } else {
       Ray p = a;
       Ray q = b;
-      weight /= probability(both);
+      weight *= all / weights[3];
       if (!turn(vertex, p, q, weight, rng)) {
         return 0.0;
       }

@@ -31,8 +31,7 @@ IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium.tau
   const std::vector<Eigen::MatrixXd> s = reflection.order(0);
   const Directions& directions = reflection.directions();
   const Eigen::Index nodes = directions.nodes;
-  const Eigen::RowVectorXd share =
-      0.5 * directions.weight.cwiseQuotient(directions.mu.head(nodes)).transpose();
+  const Eigen::RowVectorXd share = 0.5 * directions.weight.cwiseQuotient(directions.mu.head(nodes)).transpose();
 
   escape_.assign(kPoints, GuideHeights::Column::Ones());
   for (std::size_t j = 0; j < heights; ++j) {

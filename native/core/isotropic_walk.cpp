@@ -40,8 +40,8 @@ double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
     const IsotropicGuide::Place place_b = IsotropicGuide::place(branch.b);
     const double s = 1.0 / branch.a + 1.0 / branch.b;
     const GuideHeights::Column escapes[2] = {guide_.escape(place_a), guide_.escape(place_b)};
-    const HeightSampling::Choice vertex = HeightSampling::draw(heights, branch.top, branch.cell, s,
-                                                               guide_.albedo() * escapes[0] * escapes[1], rng);
+    const HeightSampling::Choice vertex =
+        HeightSampling::draw(heights, branch.top, branch.cell, s, guide_.albedo() * escapes[0] * escapes[1], rng);
     weight *= vertex.weight * medium_.at(vertex.t).albedo();
 
     // Each side: either light comes straight, or from S of the slab below.

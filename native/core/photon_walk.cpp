@@ -31,8 +31,8 @@ double PhotonWalk::sample(Rng& rng, std::uint64_t& events) const {
     }
     ++events;
     const LocalScattering scattering = medium_.at(t);
-    sum += weight * scattering.evaluate(x * out_x_ + y * out_y_ + z * mu_o_) * (0.25 / pi) *
-           std::exp((t - tau) / mu_o_);
+    sum +=
+        weight * scattering.evaluate(x * out_x_ + y * out_y_ + z * mu_o_) * (0.25 / pi) * std::exp((t - tau) / mu_o_);
     weight *= scattering.albedo();
     if (weight < kFaint) {
       if (rng.uniform() >= 0.5) {

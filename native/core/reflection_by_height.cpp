@@ -31,10 +31,10 @@ TruncatedMedium ReflectionByHeight::medium(double height, double tau) const {
 ScatteringFunction ReflectionByHeight::layer(int m, double height, double tau) const {
   const TruncatedMedium seen = medium(height, tau);
   const PhaseKernel phase(seen, m, directions_.mu.head(directions_.live));
-  return layer_on(directions_,
-                  multiple_scattering(HomogeneousModes(seen, m, directions_).layer(seen.tau), seen, phase, m,
-                                      directions_),
-                  seen, m);
+  return layer_on(
+      directions_,
+      multiple_scattering(HomogeneousModes(seen, m, directions_).layer(seen.tau), seen, phase, m, directions_), seen,
+      m);
 }
 
 std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {

@@ -95,8 +95,8 @@ void ScatteringGuide::tabulate(const GradedMedium& medium) {
   std::copy_n(smooth_.begin() + kPairs * kPoints, kPairs * kPoints, smooth_.begin());
 }
 
-/// Bins of direction for light from S, uniform in sqrt(1 - mu) and in tan(dphi / 4), whose sines need no angle. Each has a number of equal slots, one
-/// at least.
+/// Bins of direction for light from S, uniform in sqrt(1 - mu) and in tan(dphi / 4), whose sines need no angle. Each
+/// has a number of equal slots, one at least.
 void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
   const std::size_t heights = heights_.size();
   slots_.resize(heights * kPoints * kSlots);
@@ -132,8 +132,8 @@ void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
       double carried = 0.0;
       std::size_t used = 0;
       for (std::size_t bin = 0; bin < kBins; ++bin) {
-        carried += static_cast<double>(mass[static_cast<Eigen::Index>(bin)]) / whole *
-                   static_cast<double>(kSlots - kBins);
+        carried +=
+            static_cast<double>(mass[static_cast<Eigen::Index>(bin)]) / whole * static_cast<double>(kSlots - kBins);
         const double taken = std::min(std::floor(carried), 200.0);
         count[bin] = static_cast<std::uint8_t>(1.0 + taken);
         carried -= taken;

@@ -149,7 +149,7 @@ Values ScatteringGuide::Slice::operator()(const Values& x, const Values& y, cons
   const Values once = 0.25F * scattering_.evaluate_all(cosine);
   const Values shape =
       (1.0F - (static_cast<float>(-t_) * (positive.inverse() + 1.0F / b_mu)).exp()) / (positive + b_mu);
-  return (mu > 1e-6F).select(4.0F * b_mu * shape * (once + smooth).max(1e-3F * once), 0.0F);
+  return (mu > 1e-6F).select(4.0F * b_mu * shape * (once + smooth.max(-0.5F * once)), 0.0F);
 }
 
 template <typename Values>
@@ -167,8 +167,7 @@ Values ScatteringGuide::Slice::density(const Values& x, const Values& y, const V
     const auto z = std::min(static_cast<std::size_t>(turn[k] * static_cast<float>(kAzimuths)), kAzimuths - 1);
     density[k] = static_cast<float>(counts_[i * kAzimuths + z]);
   }
-  constexpr auto kWhole =
-      static_cast<float>(static_cast<double>(kBins) / (16.0 * static_cast<double>(kSlots)));
+  constexpr auto kWhole = static_cast<float>(static_cast<double>(kBins) / (16.0 * static_cast<double>(kSlots)));
   return kWhole * density * (1.0F + turn * turn) / root;
 }
 

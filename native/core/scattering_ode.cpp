@@ -114,8 +114,7 @@ OdeSolution::OdeSolution(const GradedMedium& medium, const OdeSettings& settings
   moments_.resize(static_cast<std::size_t>(orders));
   std::vector<int> taken(moments_.size());
   pool.run(moments_.size(), [&](std::size_t m) {
-    const Terms terms(medium, orders, static_cast<int>(m), mu_,
-                      0.5 * weight_.cwiseQuotient(quadrature.mu));
+    const Terms terms(medium, orders, static_cast<int>(m), mu_, 0.5 * weight_.cwiseQuotient(quadrature.mu));
     ExponentialSteps steps(rates, settings.tolerance);
     Array& u = moments_[m];
     u = Array::Zero(2 * all, all);
@@ -144,8 +143,7 @@ double OdeSolution::sum(bool reflect, Eigen::Index out, Eigen::Index in, double 
 Eigen::VectorXd OdeSolution::flux(bool reflect) const {
   const Eigen::Index all = mu_.size();
   const Eigen::Index targets = all - nodes_;
-  const Eigen::MatrixXd part =
-      moments_.front().block(reflect ? 0 : all, nodes_, nodes_, targets).matrix().transpose();
+  const Eigen::MatrixXd part = moments_.front().block(reflect ? 0 : all, nodes_, nodes_, targets).matrix().transpose();
   return (0.5 * part * weight_).cwiseQuotient(mu_.tail(targets));
 }
 
