@@ -15,18 +15,17 @@ class GuideHeights {
   using Column = Eigen::Array<float, static_cast<int>(kCount), 1>;
 
   explicit GuideHeights(double tau) : t_(kCount) {
-    constexpr std::size_t count = kCount;
     constexpr double kLowest = 0.02;
     const double first = std::min(0.1 * tau, kLowest);
-    const double steps = static_cast<double>(count - 2);
-    for (std::size_t j = 1; j < count; ++j) {
+    const double steps = static_cast<double>(kCount - 2);
+    for (std::size_t j = 1; j < kCount; ++j) {
       t_[j] = first * std::pow(tau / first, static_cast<double>(j - 1) / steps);
     }
     t_.back() = tau;
-    for (std::size_t j = 0; j < count; ++j) {
+    for (std::size_t j = 0; j < kCount; ++j) {
       const auto k = static_cast<Eigen::Index>(j);
       column_[k] = static_cast<float>(t_[j]);
-      steps_[k] = static_cast<float>(t_[std::min(j + 1, count - 1)] - t_[j]);
+      steps_[k] = static_cast<float>(t_[std::min(j + 1, kCount - 1)] - t_[j]);
     }
   }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "guided_walk.hpp"
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include "height_sampling.hpp"
 

@@ -42,12 +42,23 @@ class HeightSampling {
     mass[last] = (1.0F - fall[last]) * (source[last] + own_upper * (static_cast<float>(g_top) - source[last]));
     // Above the top nothing falls off: those cells are empty.
     mass[kPairs] = 0.0F;
+    constexpr double kThin = 1e-3;
+    if (s * top < kThin) {
+      // Differences of exponentials would be lost to rounding; lengths serve as well.
+      mass.head<kPairs>() = heights.steps().head<kPairs>() * (source.head<kPairs>() + source.tail<kPairs>());
+      mass[last] = static_cast<float>(top - heights[cell]) * (source[last] + static_cast<float>(g_top));
+      mass.tail(kPairs - last).setZero();
+    }
     const float total = mass.sum();
     auto rest = static_cast<float>(rng.uniform()) * total;
     Eigen::Index own = last;
     while (own > 0 && (rest >= mass[own] || mass[own] <= 0.0F)) {
       rest -= mass[own];
       --own;
+    }
+
+    if (!(mass[own] > 0.0F)) {
+      mass.maxCoeff(&own);
     }
 
     // Within the cell: from the exponential, then kept in proportion to g.
@@ -57,6 +68,9 @@ class HeightSampling {
     const double g_low = static_cast<double>(source[own]);
     const double g_high = own == last ? g_top : static_cast<double>(source[own + 1]);
     const double thickness = high - low;
+    if (!(thickness > 0.0) || !(total > 0.0F)) {
+      return {low, k, 0.0};
+    }
     const double depth = s * thickness;
     const double fallen = std::exp(-depth);
     const bool thin = depth < 1e-6;
@@ -69,7 +83,7 @@ class HeightSampling {
       const double t = std::max(low, high + (thin ? -passed : std::log(1.0 - passed)) / s);
       const double g = g_high + (g_low - g_high) * (high - t) / thickness;
       if (rng.uniform() * largest <= g) {
-        const double probability = static_cast<double>(mass[own] / total);
+        const auto probability = static_cast<double>(mass[own] / total);
         return {t, k, std::exp(-s * (top - high)) * integral / (probability * g)};
       }
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isotropic_guide.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "reflection_by_height.hpp"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isotropic_walk.hpp"
 
-#include <array>
+#include <algorithm>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include "height_sampling.hpp"
 

@@ -101,6 +101,16 @@ def test_media_that_vary_with_depth(knots, walk, blocks):
     assert abs(mean - truth) < sidak(6) * math.hypot(error, 2e-5 * truth)
 
 
+@pytest.mark.parametrize("tau", [1e-9, 1e-4])
+@pytest.mark.parametrize("kind, g, walk", [("isotropic", 0.0, "isotropic"), ("hg", 0.8, "guided-8")])
+def test_thin_slabs(tau, kind, g, walk):
+    """No digits are lost where exponentials differ by less than their rounding."""
+    medium, directions = (0.9, tau, kind, g), (0.7, 0.4, 1.0)
+    mean, error, _, _ = estimate(homogeneous(*medium), directions, walk, 2)
+    truth = solved(medium, directions)
+    assert abs(mean - truth) < sidak(4) * math.hypot(error, 1e-6 * truth)
+
+
 def test_guided_walks_beat_the_photon_walk():
     """By variance and events alone, at a tenth of what is measured: a guide that broke would show."""
     directions = (0.5, 0.5, math.pi / 2)
