@@ -55,6 +55,9 @@ void lamina::bind_scattering(py::module_& module) {
       .def(py::init(&make_scattering_walk), py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
            py::arg("walk") = "auto", py::arg("seed") = 0, unlocked)
       .def_readonly("name", &ScatteringWalk::name)
+      .def_property_readonly(
+          "walk", [](const ScatteringWalk& self) -> const Walk& { return *self.walk; },
+          py::return_value_policy::reference_internal, "For run_walk, where Walk is bound.")
       .def_readonly("pilot_samples", &ScatteringWalk::pilot_samples)
       .def_readonly("pilot_events", &ScatteringWalk::pilot_events)
       .def(

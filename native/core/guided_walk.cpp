@@ -29,7 +29,7 @@ struct Lattice {
     }
   }
 };
-const Lattice kLattice;
+const Lattice lattice;
 
 /// One of several in proportion to their values; their number where none has any.
 template <typename Values>
@@ -114,8 +114,8 @@ GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, cons
   for (std::size_t k = 0; k < kOwn; ++k) {
     const double c = vertex.scattering.sample((static_cast<double>(k) + shift) / static_cast<double>(kOwn));
     const double s = std::sqrt(std::max(0.0, 1.0 - c * c));
-    const double along = s * (turn_cosine * kLattice.cosine[k] - turn_sine * kLattice.sine[k]);
-    const double aside = s * (turn_sine * kLattice.cosine[k] + turn_cosine * kLattice.sine[k]);
+    const double along = s * (turn_cosine * lattice.cosine[k] - turn_sine * lattice.sine[k]);
+    const double aside = s * (turn_sine * lattice.cosine[k] + turn_cosine * lattice.sine[k]);
     rays[k] = frame.tilted(c, along, aside);
   }
   draw_from(slice, &rays[kOwn], kDrawn, rng);
