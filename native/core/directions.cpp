@@ -67,13 +67,8 @@ DirectionSet::DirectionSet(std::vector<double> indices, int count, double thinne
   }
 }
 
-DirectionSet DirectionSet::finer(int count) const {
+DirectionSet DirectionSet::finer_by(double factor) const {
   DirectionSet fine = *this;
-  Eigen::Index own = 0;
-  for (const Range& range : ranges_) {
-    own += range.ior == ranges_.front().ior ? range.nodes.mu.size() : 0;
-  }
-  const double factor = std::max(1.0, count / static_cast<double>(own));
   for (Range& range : fine.ranges_) {
     const int more = static_cast<int>(std::ceil(factor * static_cast<double>(range.nodes.mu.size())));
     range.nodes = Quadrature(more, range.nodes.low(), range.nodes.high());

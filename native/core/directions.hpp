@@ -47,8 +47,8 @@ class DirectionSet {
   /// 1; `thinnest`: the least optical thickness of a layer that scatters repeatedly.
   DirectionSet(std::vector<double> indices, int count, double thinnest);
 
-  /// The same ranges with at least `count` nodes in the first and as many times more in the others.
-  DirectionSet finer(int count) const;
+  /// The same ranges with as many times more nodes.
+  DirectionSet finer_by(double factor) const;
   /// From this set's nodes to those of a finer one: polynomial interpolation of scaled radiance, which keeps
   /// scalar products and fluxes. Finer nodes by nodes.
   Eigen::MatrixXd carry_to(const DirectionSet& fine) const;

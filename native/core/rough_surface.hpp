@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -30,13 +31,23 @@ class RoughSurface {
   double transmission(double mu_below, double mu_above, double dphi) const;
 
  private:
-  using Lobe = LobeOperator::Lobe;
+  /// pi times a BRDF or BTDF, at all azimuths, `cosines` = cos(dphi).
+  using Lobe = std::function<Eigen::ArrayXd(double mu_out, double mu_in, const Eigen::ArrayXd& cosines)>;
+  /// One azimuth order on live nodes; of a conductor the first alone.
+  struct Nodes {
+    Eigen::MatrixXd reflect_above;
+    Eigen::MatrixXd transmit;
+    Eigen::MatrixXd reflect_below;
+  };
 
   Lobe reflect_above_;
-  Lobe transmit_;                        // empty for a conductor
-  Lobe reflect_below_;                   // empty for a conductor
-  std::vector<LobeOperator> operators_;  // R, then T and R'
-  std::optional<LobeOperator> perfect_;  // of a conductor to be compensated: facets that reflect everything
+  Lobe transmit_;       // empty for a conductor
+  Lobe reflect_below_;  // empty for a conductor
+  std::optional<LobeOperator> from_above_;
+  std::optional<LobeOperator> from_below_;  // empty for a conductor
+  std::vector<Nodes> nodes_;                // by order
+  std::optional<LobeOperator> perfect_;     // of a conductor to be compensated: facets that reflect everything
+  Eigen::MatrixXd perfect_nodes_;
   double mean_fresnel_ = 1.0;
   bool compensate_ = true;
 };
