@@ -50,7 +50,7 @@ std::vector<double> divisions(double end, double thinnest) {
 
 }  // namespace
 
-DirectionSet::DirectionSet(std::vector<double> indices, int count, double thinnest) {
+DirectionSet::DirectionSet(std::vector<double> indices, int count, const std::map<double, double>& thinnest) {
   std::sort(indices.begin(), indices.end());
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
   constexpr int kFewest = 8;
@@ -59,7 +59,9 @@ DirectionSet::DirectionSet(std::vector<double> indices, int count, double thinne
     // From grazing to the cosine at which the next thinner medium begins.
     const double critical = k == 0 ? 1.0 : refracted_cosine(0.0, indices[k - 1], indices[k]);
     double low = 0.0;
-    for (const double high : divisions(critical, thinnest)) {
+    // Directions that graze in this medium do so in no other.
+    const auto thin = thinnest.find(indices[k]);
+    for (const double high : divisions(critical, thin == thinnest.end() ? 1.0 : thin->second)) {
       const int most = k == 0 ? count : std::max(kFewest, static_cast<int>(std::ceil(critical * count)));
       ranges_.push_back({indices[k], Quadrature(high == critical ? most : kGrazing, low, high)});
       low = high;

@@ -28,6 +28,25 @@ const Quadrature& gauss(int points) {
   return rules[static_cast<std::size_t>(std::clamp(points, 1, kMostPoints)) - 1];
 }
 
+/// A point of (0, 1) moved so that points are denser towards the ends at which functions have square roots.
+struct Graded {
+  double at;
+  double slope = 1.0;
+
+  Graded(double t, bool low, bool high) : at(t) {
+    if (low && high) {
+      at = t * t * (3.0 - 2.0 * t);
+      slope = 6.0 * t * (1.0 - t);
+    } else if (low) {
+      at = t * t;
+      slope = 2.0 * t;
+    } else if (high) {
+      at = t * (2.0 - t);
+      slope = 2.0 * (1.0 - t);
+    }
+  }
+};
+
 double sine(double cosine) { return std::sqrt(std::max(0.0, 1.0 - cosine * cosine)); }
 
 /// Fresnel's reflectance, `ratio` = index beyond by index here.
@@ -91,7 +110,7 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
     rays->azimuth.clear();
   }
   // angle = alpha sinh(x): even steps across the lobe, even ratios in its tail.
-  constexpr double kPerLobe = 4.5;
+  constexpr double kPerLobe = 6.0;
   constexpr double kPerWave = 0.5;
   double low = 0.0;
   for (const double high : divisions(mu)) {
@@ -102,10 +121,10 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
           2 + static_cast<int>(std::ceil(kPerLobe * (x1 - x0) + kPerWave * pieces_.degree * (high - low)));
       const Quadrature& rule = gauss(points);
       for (Eigen::Index k = 0; k < rule.mu.size(); ++k) {
-        // Denser at both ends, where circles touch a division and sums over them have roots.
-        const double t = rule.mu[k];
-        const double x = x0 + (x1 - x0) * t * t * (3.0 - 2.0 * t);
-        const double step = 6.0 * t * (1.0 - t) * (x1 - x0) * rule.weight[k];
+        // Where circles touch a division, sums over them begin or end as square roots.
+        const Graded point(rule.mu[k], low > 0.0, high < steepest_);
+        const double x = x0 + (x1 - x0) * point.at;
+        const double step = (x1 - x0) * rule.weight[k] * point.slope;
         circle(mu, facets_.alpha * std::sinh(x), step * facets_.alpha * std::cosh(x), reflected, transmitted);
       }
     }
@@ -171,21 +190,10 @@ void FacetRays::circle(double mu, double angle, double weight, Rays& reflected, 
     }
     const Quadrature& rule = gauss(2 + static_cast<int>(std::ceil(1.3 * points * span / pi)));
     for (Eigen::Index j = 0; j < rule.mu.size(); ++j) {
-      // Denser at divisions, where what passes, and cosines in a thinner medium, end as square roots.
-      const double t = rule.mu[j];
-      double at = t;
-      double step = rule.weight[j];
-      if (k > 1 && k + 1 < count) {
-        at = t * t * (3.0 - 2.0 * t);
-        step *= 6.0 * t * (1.0 - t);
-      } else if (k > 1) {
-        at = t * t;
-        step *= 2.0 * t;
-      } else if (k + 1 < count) {
-        at = t * (2.0 - t);
-        step *= 2.0 * (1.0 - t);
-      }
-      facet(mu, angle, cuts[k - 1] + span * at, density * span * step, reflected, transmitted);
+      // What passes, and cosines in a thinner medium, end as square roots.
+      const Graded point(rule.mu[j], k > 1, k + 1 < count);
+      facet(mu, angle, cuts[k - 1] + span * point.at, density * span * rule.weight[j] * point.slope, reflected,
+            transmitted);
     }
   }
 }

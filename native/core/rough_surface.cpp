@@ -23,9 +23,8 @@ VectorXd leaving_flux(const MatrixXd& matrix, const Directions& out) {
   return matrix.topRows(out.nodes).transpose() * common_scale(out).head(out.nodes);
 }
 
-/// What of the incident flux, C_i, is missing. Signed: at nodes that stand for little flux discretisation may show
-/// as a small gain, and giving back what is missing takes that away too.
-VectorXd lost_flux(const Directions& in, const VectorXd& kept) { return common_scale(in) - kept; }
+/// What of the incident flux, C_i, is missing; rounding does not count as a gain.
+VectorXd lost_flux(const Directions& in, const VectorXd& kept) { return (common_scale(in) - kept).cwiseMax(0.0); }
 
 /// The largest share of flux that is gained, by the nodes together or by any target that is not grazing: facets
 /// cannot gain, only too coarse a quadrature can.
@@ -58,6 +57,18 @@ void require_no_gain(double gained) {
 
 /// The same map seen from both of its ends, which discretisation keeps from being quite the same.
 MatrixXd mean(const MatrixXd& one, const MatrixXd& other) { return 0.5 * (one + other.transpose()); }
+
+/// Puts back on the diagonal of a reflection what the mean of both ends took from the flux out of each node.
+void restore(MatrixXd& reflection, const VectorXd& exact, const VectorXd& kept, const VectorXd& common) {
+  reflection.diagonal() += (exact - kept).cwiseQuotient(common);
+}
+
+MatrixXd symmetric(const MatrixXd& one, const Directions& nodes) {
+  MatrixXd reflection = mean(one, one);
+  const VectorXd common = nodes.ior * nodes.scale;
+  restore(reflection, one.transpose() * common, reflection * common, common);
+  return reflection;
+}
 
 /// Cosines in a medium at which ranges of nodes end.
 std::vector<double> ends(const DirectionSet& set, double ior) {
@@ -120,6 +131,17 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
     nodes_.push_back({mean(above.reflected[m], above.reflected[m]), mean(above.transmitted[m], below.transmitted[m]),
                       mean(below.reflected[m], below.reflected[m])});
   }
+  const Directions over = set.in_medium(ior_above, VectorXd());
+  const Directions under = set.in_medium(ior_below, VectorXd());
+  const VectorXd c_over = over.ior * over.scale;
+  const VectorXd c_under = under.ior * under.scale;
+  Nodes& flux = nodes_.front();
+  restore(flux.reflect_above,
+          above.reflected.front().transpose() * c_over + above.transmitted.front().transpose() * c_under,
+          flux.reflect_above * c_over + flux.transmit.transpose() * c_under, c_over);
+  restore(flux.reflect_below,
+          below.reflected.front().transpose() * c_under + below.transmitted.front().transpose() * c_over,
+          flux.reflect_below * c_under + flux.transmit * c_over, c_under);
 }
 
 RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders,
@@ -133,14 +155,14 @@ RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, doubl
   const FacetRays::Pieces own = pieces(set, ior_above, 0.0, orders);
   from_above_.emplace(
       FacetRays(facets, [ratio](double mu) { return conductor_fresnel(mu, ratio); }, own), set, ior_above, 0.0, orders);
+  const Directions over = set.in_medium(ior_above, VectorXd());
   for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
-    nodes_.push_back({mean(matrix, matrix), MatrixXd(), MatrixXd()});
+    nodes_.push_back({nodes_.empty() ? symmetric(matrix, over) : mean(matrix, matrix), MatrixXd(), MatrixXd()});
   }
   if (compensate_) {
     mean_fresnel_ = mean_conductor_fresnel(ratio);
     perfect_.emplace(FacetRays(facets, [](double) { return 1.0; }, own), set, ior_above, 0.0, 1);
-    const MatrixXd whole = perfect_->on_nodes(pool).reflected.front();
-    perfect_nodes_ = mean(whole, whole);
+    perfect_nodes_ = symmetric(perfect_->on_nodes(pool).reflected.front(), over);
   }
 }
 

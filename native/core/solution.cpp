@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -29,12 +30,27 @@ double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double 
   return least;
 }
 
+/// By refractive index, the thickness of the thinnest layer that scatters repeatedly, if not below `least`.
+std::map<double, double> thinnest_layers(const Stack& stack, double least) {
+  const std::vector<double> indices = refractive_indices(stack);
+  std::map<double, double> thinnest;
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    const auto* medium = std::get_if<Medium>(&stack.layers[layer]);
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > kThinnestRepeated) {
+      double& known = thinnest.try_emplace(indices[layer], 1.0).first->second;
+      known = std::min(known, std::max(least, medium->tau));
+    }
+  }
+  return thinnest;
+}
+
 }  // namespace
 
 Solution::Solution(Stack stack, const Resolution& resolution, ThreadPool& pool)
     : stack_(std::move(stack)),
       resolution_(resolution),
-      set_(std::make_shared<DirectionSet>(refractive_indices(stack_), resolution.nodes, resolution.thinnest)) {
+      set_(std::make_shared<DirectionSet>(refractive_indices(stack_), resolution.nodes,
+                                          thinnest_layers(stack_, resolution.thinnest))) {
   const std::vector<double> indices = refractive_indices(stack_);
   for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
     if (const auto* medium = std::get_if<Medium>(&stack_.layers[layer])) {
