@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <numbers>
 
 #include "quadrature.hpp"
@@ -13,19 +15,16 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr int kMostPoints = 96;
+constexpr int kMostPoints = 256;
 constexpr std::size_t kMostCuts = 24;
 
-/// Gauss-Legendre rules on (0, 1) by number of points.
+/// Gauss-Legendre rules on (0, 1) by number of points, made when first wanted.
 const Quadrature& gauss(int points) {
-  static const std::vector<Quadrature> rules = [] {
-    std::vector<Quadrature> all;
-    for (int count = 1; count <= kMostPoints; ++count) {
-      all.emplace_back(count);
-    }
-    return all;
-  }();
-  return rules[static_cast<std::size_t>(std::clamp(points, 1, kMostPoints)) - 1];
+  static std::array<std::once_flag, kMostPoints> made;
+  static std::array<std::unique_ptr<const Quadrature>, kMostPoints> rules;
+  const auto k = static_cast<std::size_t>(std::clamp(points, 1, kMostPoints)) - 1;
+  std::call_once(made[k], [k] { rules[k] = std::make_unique<const Quadrature>(static_cast<int>(k) + 1); });
+  return *rules[k];
 }
 
 /// A point of (0, 1) moved so that points are denser towards the ends at which functions have square roots.

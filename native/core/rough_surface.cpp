@@ -84,12 +84,13 @@ std::vector<double> ends(const DirectionSet& set, double ior) {
   return cosines;
 }
 
-FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int orders) {
+FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int orders, double fineness) {
   Eigen::Index most = orders;
   for (const DirectionSet::Range& range : set.ranges()) {
     most = std::max(most, range.nodes.mu.size());
   }
-  return {static_cast<int>(most), ends(set, ior), beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
+  return {static_cast<int>(fineness * static_cast<double>(most)), ends(set, ior),
+          beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
 }
 
 /// Writes one part of an operator: its block on live nodes, and columns and rows of targets. `arriving` is light
@@ -108,7 +109,7 @@ ArrayXd one_azimuth(double dphi) { return ArrayXd::Constant(1, std::cos(dphi)); 
 int orders_for(double alpha) { return static_cast<int>(std::ceil(6.0 / alpha)); }
 
 RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders,
-                           ThreadPool& pool)
+                           ThreadPool& pool, double fineness)
     : compensate_(interface.compensate) {
   const Facets facets = interface.facets;
   const double ior_below = interface.ior;
@@ -121,10 +122,10 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
   transmit_ = [=](double below, double above, const ArrayXd& cosines) -> ArrayXd {
     return pi * ior_above * ior_below * dielectric_transmission(facets, ior_above, ior_below, above, below, cosines);
   };
-  from_above_.emplace(FacetRays(facets, ior_below / ior_above, pieces(set, ior_above, ior_below, orders)), set,
-                      ior_above, ior_below, orders);
-  from_below_.emplace(FacetRays(facets, ior_above / ior_below, pieces(set, ior_below, ior_above, orders)), set,
-                      ior_below, ior_above, orders);
+  from_above_.emplace(FacetRays(facets, ior_below / ior_above, pieces(set, ior_above, ior_below, orders, fineness)),
+                      set, ior_above, ior_below, orders);
+  from_below_.emplace(FacetRays(facets, ior_above / ior_below, pieces(set, ior_below, ior_above, orders, fineness)),
+                      set, ior_below, ior_above, orders);
   const LobeOperator::Columns above = from_above_->on_nodes(pool);
   const LobeOperator::Columns below = from_below_->on_nodes(pool);
   for (std::size_t m = 0; m < above.reflected.size(); ++m) {
@@ -145,14 +146,14 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
 }
 
 RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders,
-                           ThreadPool& pool)
+                           ThreadPool& pool, double fineness)
     : compensate_(conductor.compensate) {
   const Facets facets = conductor.facets;
   const std::complex<double> ratio = conductor.ior / ior_above;
   reflect_above_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
     return pi * conductor_reflection(facets, ratio, o, i, cosines);
   };
-  const FacetRays::Pieces own = pieces(set, ior_above, 0.0, orders);
+  const FacetRays::Pieces own = pieces(set, ior_above, 0.0, orders, fineness);
   from_above_.emplace(
       FacetRays(facets, [ratio](double mu) { return conductor_fresnel(mu, ratio); }, own), set, ior_above, 0.0, orders);
   const Directions over = set.in_medium(ior_above, VectorXd());

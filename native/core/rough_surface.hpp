@@ -17,8 +17,12 @@ namespace lamina {
 /// nothing; without compensation it stays lost.
 class RoughSurface {
  public:
-  RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool);
-  RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool);
+  /// `fineness` multiplies the density of facets: 1 will do beside what scatters smoothly, lobes that meet lobes
+  /// or mirrors need more.
+  RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
+               double fineness = 1.0);
+  RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
+               double fineness = 1.0);
 
   /// All orders on directions with targets. Lobes between two targets are left out, see LobeOperator; what
   /// is given back is smooth and there.
