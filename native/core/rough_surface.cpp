@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "rough_surface.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+
+#include "legendre.hpp"
 
 namespace lamina {
 namespace {
@@ -55,16 +58,59 @@ void require_no_gain(double gained) {
   }
 }
 
-/// The same map seen from both of its ends, which discretisation keeps from being quite the same.
-MatrixXd mean(const MatrixXd& one, const MatrixXd& other) { return 0.5 * (one + other.transpose()); }
+/// Polynomials orthonormal in flux on each range of a medium's live nodes, as columns, and their degrees.
+struct Modes {
+  MatrixXd basis;
+  Eigen::VectorXi degree;
 
-/// Puts back on the diagonal of a reflection what the mean of both ends took from the flux out of each node.
+  Modes(const DirectionSet& set, const Directions& nodes)
+      : basis(MatrixXd::Zero(nodes.live, nodes.live)), degree(nodes.live) {
+    Eigen::Index first = 0;
+    for (const DirectionSet::Range& range : set.ranges()) {
+      const Eigen::Index n = range.nodes.mu.size();
+      if (range.ior > nodes.ior) {
+        break;
+      }
+      const VectorXd x =
+          2.0 * (range.nodes.mu.array() - range.nodes.low()) / (range.nodes.high() - range.nodes.low()) - 1.0;
+      const VectorXd common = nodes.scale.segment(first, n);
+      const MatrixXd powers = common.asDiagonal() * associated_legendre(0, static_cast<int>(n), x).transpose().eval();
+      basis.block(first, first, n, n) = powers.householderQr().householderQ();
+      degree.segment(first, n) = Eigen::VectorXi::LinSpaced(static_cast<int>(n), 0, static_cast<int>(n) - 1);
+      first += n;
+    }
+  }
+};
+
+/// The same map discretised from both of its ends. Sums over facets are least sure of the highest polynomials on
+/// the side where light leaves: between two of them, that one counts which found the lower at that side.
+MatrixXd merged(const MatrixXd& one, const MatrixXd& other, const Modes& out, const Modes& in) {
+  MatrixXd modes = out.basis.transpose() * one * in.basis;
+  const MatrixXd back = in.basis.transpose() * other * out.basis;
+  for (Eigen::Index k = 0; k < modes.cols(); ++k) {
+    for (Eigen::Index l = 0; l < modes.rows(); ++l) {
+      if (out.degree[l] > in.degree[k]) {
+        modes(l, k) = back(k, l);
+      } else if (out.degree[l] == in.degree[k]) {
+        modes(l, k) = 0.5 * (modes(l, k) + back(k, l));
+      }
+    }
+  }
+  return out.basis * modes * in.basis.transpose();
+}
+
+MatrixXd merged(const MatrixXd& reflection, const Modes& modes) {
+  const MatrixXd once = merged(reflection, reflection, modes, modes);
+  return 0.5 * (once + once.transpose());  // rounding
+}
+
+/// Puts back on the diagonal of a reflection what merging took from the flux out of each node.
 void restore(MatrixXd& reflection, const VectorXd& exact, const VectorXd& kept, const VectorXd& common) {
   reflection.diagonal() += (exact - kept).cwiseQuotient(common);
 }
 
-MatrixXd symmetric(const MatrixXd& one, const Directions& nodes) {
-  MatrixXd reflection = mean(one, one);
+MatrixXd merged_keeping_flux(const MatrixXd& one, const Modes& modes, const Directions& nodes) {
+  MatrixXd reflection = merged(one, modes);
   const VectorXd common = nodes.ior * nodes.scale;
   restore(reflection, one.transpose() * common, reflection * common, common);
   return reflection;
@@ -128,12 +174,15 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
                       set, ior_below, ior_above, orders);
   const LobeOperator::Columns above = from_above_->on_nodes(pool);
   const LobeOperator::Columns below = from_below_->on_nodes(pool);
-  for (std::size_t m = 0; m < above.reflected.size(); ++m) {
-    nodes_.push_back({mean(above.reflected[m], above.reflected[m]), mean(above.transmitted[m], below.transmitted[m]),
-                      mean(below.reflected[m], below.reflected[m])});
-  }
   const Directions over = set.in_medium(ior_above, VectorXd());
   const Directions under = set.in_medium(ior_below, VectorXd());
+  const Modes modes_over(set, over);
+  const Modes modes_under(set, under);
+  for (std::size_t m = 0; m < above.reflected.size(); ++m) {
+    nodes_.push_back({merged(above.reflected[m], modes_over),
+                      merged(above.transmitted[m], below.transmitted[m], modes_under, modes_over),
+                      merged(below.reflected[m], modes_under)});
+  }
   const VectorXd c_over = over.ior * over.scale;
   const VectorXd c_under = under.ior * under.scale;
   Nodes& flux = nodes_.front();
@@ -157,13 +206,15 @@ RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, doubl
   from_above_.emplace(
       FacetRays(facets, [ratio](double mu) { return conductor_fresnel(mu, ratio); }, own), set, ior_above, 0.0, orders);
   const Directions over = set.in_medium(ior_above, VectorXd());
+  const Modes modes(set, over);
   for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
-    nodes_.push_back({nodes_.empty() ? symmetric(matrix, over) : mean(matrix, matrix), MatrixXd(), MatrixXd()});
+    nodes_.push_back(
+        {nodes_.empty() ? merged_keeping_flux(matrix, modes, over) : merged(matrix, modes), MatrixXd(), MatrixXd()});
   }
   if (compensate_) {
     mean_fresnel_ = mean_conductor_fresnel(ratio);
     perfect_.emplace(FacetRays(facets, [](double) { return 1.0; }, own), set, ior_above, 0.0, 1);
-    perfect_nodes_ = symmetric(perfect_->on_nodes(pool).reflected.front(), over);
+    perfect_nodes_ = merged_keeping_flux(perfect_->on_nodes(pool).reflected.front(), modes, over);
   }
 }
 
