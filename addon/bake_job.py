@@ -11,7 +11,7 @@ import threading
 import bpy
 from bpy.app.handlers import persistent
 
-from . import messages, native, node_group, preferences, stack_io
+from . import judgement, messages, native, node_group, preferences, stack_io
 
 log = logging.getLogger(__package__)
 
@@ -20,7 +20,8 @@ _failures = {}
 
 
 class Job:
-    """One bake in a worker thread; `more` goes to lamina.bake.
+    """One bake in a worker thread, of a stack or of what a function of no arguments makes there; `more` goes
+    to lamina.bake.
 
     `fraction` and `text` follow it; `lut` or `error` is there at its end."""
 
@@ -50,8 +51,9 @@ class Job:
 
     def _run(self):
         try:
+            stack = self._stack() if callable(self._stack) else self._stack
             self.lut = self._bake(
-                self._stack, progress=self._progress, cancel=self._stop.is_set, **self._arguments
+                stack, progress=self._progress, cancel=self._stop.is_set, **self._arguments
             )
         except BaseException as error:  # Whatever happened is told on the main thread.
             self.error = error
@@ -63,9 +65,9 @@ class Job:
 class MaterialJob(Job):
     """A job that knows which material its LUT is for, even when that is renamed meanwhile."""
 
-    def __init__(self, material, quality, threads, **more):
+    def __init__(self, material, quality, threads, stack=None, **more):
         self.uid, self.quality = material.session_uid, quality
-        super().__init__(stack_io.to_stack(material), quality, threads, **more)
+        super().__init__(stack or stack_io.to_stack(material), quality, threads, **more)
 
     def material(self):
         """The material, or None when it has been deleted."""
@@ -169,10 +171,10 @@ def state(material):
     result = material.lamina.result
     if not result.stack_hash or material.lamina.node_group is None:
         return "none"
-    try:
-        return "fresh" if stack_io.to_stack(material).hash == result.stack_hash else "stale"
-    except ValueError:
+    stack, error = judgement.of(stack_io.to_text(material))
+    if error is not None:
         return "invalid"
+    return "fresh" if stack.hash == result.stack_hash else "stale"
 
 
 def _note_report(result, lut):

@@ -12,7 +12,7 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake_job, changes, migration, native, node_group, preferences
+from . import bake_job, changes, judgement, migration, native, node_group, preferences, redraw, stack_io
 
 QUALITY = "preview"
 WORKING, WAITING = 0.004, 0.05  # seconds to the next look: while a bake runs, while editing may go on
@@ -56,7 +56,9 @@ class LiveJob(bake_job.MaterialJob):
     def __init__(self, material, closures, coarse):
         self.started, self.kept, self.coarse = time.monotonic(), bool(closures), bool(coarse)
         more = {"closures": closures} if closures else {}
-        super().__init__(material, QUALITY, preferences.threads(), **more, **coarse)
+        text = stack_io.to_text(material)
+        # A colour takes a solve to be understood: not while somebody types.
+        super().__init__(material, QUALITY, preferences.threads(), lambda: _stack(text), **more, **coarse)
 
 
 def mark(material):
@@ -144,7 +146,7 @@ def _finish_job():
     except Exception as error:  # One sentence in the panel; the last good picture stays.
         if not followed.changed:
             bake_job.note_failure(material, error)
-    _redraw()
+    redraw.properties()
 
 
 def _show(job, material, followed):
@@ -179,7 +181,7 @@ def _start(material, closures, coarse=None):
         _job = LiveJob(material, closures, coarse or {})
     except Exception as error:
         bake_job.note_failure(material, error)
-        _redraw()
+        redraw.properties()
         return False
     return True
 
@@ -208,17 +210,17 @@ def _material(uid):
     return next((one for one in bpy.data.materials if one.session_uid == uid), None)
 
 
+def _stack(text):
+    stack, error = judgement.of(text)
+    if error is not None:
+        raise error
+    return stack
+
+
 def _wake():
     # Nothing runs timers in the background, and one left there at the exit would hang Blender.
     if not bpy.app.background and not bpy.app.timers.is_registered(poll):
         bpy.app.timers.register(poll, first_interval=0.0)
-
-
-def _redraw():
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "PROPERTIES":
-                area.tag_redraw()
 
 
 @persistent

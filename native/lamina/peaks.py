@@ -58,7 +58,7 @@ def closures(stack: Stack) -> list[str]:
         ids += [f"fresnel_ggx:{max(index, 1.0 / index):.4g}:{_rounded(min(1.0, surface.alpha * w)):g}" for w in widths]
         if surface.distribution == "beckmann":
             ids += [_id("beckmann", 0.9 * surface.alpha), f"fresnel_ggx:1.1:{_rounded(0.9 * surface.alpha):g}"]
-    if _covered(stack) or len(rough) > 1 or _sees_through(stack):
+    if rough and (_covered(stack) or len(rough) > 1 or _sees_through(stack)):
         widest = max(surface.alpha * above for surface, above, _ in rough) * STEP
         alpha = narrowest(stack)
         while alpha < min(1.0, widest) * STEP:
