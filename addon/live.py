@@ -14,7 +14,7 @@ from bpy.app.handlers import persistent
 
 from . import bake_job, changes, migration, native, node_group, preferences
 
-QUALITY = "preview"
+QUALITY, BASIS = "preview", "standard"
 WORKING, WAITING = 0.004, 0.05  # seconds to the next look: while a bake runs, while editing may go on
 REST = 1.0  # seconds without a change, after which things are tidied up
 PATIENCE = 0.5  # a bake of an outdated state may run this long before the newest state takes its place
@@ -56,7 +56,7 @@ class LiveJob(bake_job.MaterialJob):
     def __init__(self, material, closures, coarse):
         self.started, self.kept, self.coarse = time.monotonic(), bool(closures), bool(coarse)
         more = {"closures": closures} if closures else {}
-        super().__init__(material, QUALITY, preferences.threads(), **more, **coarse)
+        super().__init__(material, QUALITY, preferences.threads(), basis=BASIS, **more, **coarse)
 
 
 def mark(material):
@@ -168,8 +168,13 @@ def _start_next():
         elif followed.changed:
             followed.changed = False
             coarse = followed.coarse_options(material)
-            if _can_follow(material) and _start(material, node_group.closures(material), coarse):
+            if _can_follow(material) and _start(material, _kept(material), coarse):
                 return
+
+
+def _kept(material):
+    """The closures of the earlier bake, unless they are too many to be quick."""
+    return node_group.closures(material) if material.lamina.result.basis in ("", BASIS) else None
 
 
 def _start(material, closures, coarse=None):
@@ -197,7 +202,7 @@ def _tidy():
             continue
         if not followed.changed and followed.touched + REST < time.monotonic() and bake_job.running() is None:
             followed.coarse, followed.chosen_error = False, max(followed.chosen_error, followed.error)
-            if _start(material, None if worse else node_group.closures(material)):
+            if _start(material, None if worse else _kept(material)):
                 return WORKING
         else:
             resting = False

@@ -96,6 +96,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
         "stack": json.loads(stack.canonical()),
         "stack_hash": stack.hash,
         "quality": quality,
+        "basis": basis,
         "seed": seed,
         "sides": solved.sides,
         "axes": {

@@ -84,6 +84,12 @@ def test_quality_and_threads(run, materials):
     assert materials["floor"].lamina.result.quality == "preview"
 
 
+def test_basis(run, materials):
+    assert run("bake", "floor", "--quality", "preview", "--basis", "accurate")[0] == 0
+    assert materials["floor"].lamina.result.basis == "accurate"
+    assert materials["floor"].lamina.basis == "standard", "the material's own choice stays"
+
+
 def test_stack_from_a_file(run, addon, materials, tmp_path):
     path = tmp_path / "ash.json"
     path.write_text(json.dumps(STACK))
