@@ -154,7 +154,7 @@ def _bake_one(material, stack, arguments):
         raise
     result = material.lamina.result
     errors = f"fit error {percent(result.fit_error, 2)}, worst slice {percent(result.worst_error)}"
-    how = f"{result.closures} closures, {result.quality}, {result.basis}"
+    how = f"{result.closures} closures, {result.basis}, {result.quality}"
     return f"{errors}, {how}, {time.perf_counter() - started:.2f} s"
 
 

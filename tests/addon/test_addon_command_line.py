@@ -15,7 +15,8 @@ import conftest
 import pytest
 
 LINE = re.compile(
-    r"^(?P<name>.+): fit error [\d.e-]+ %, worst slice [\d.e-]+ %, \d+ closures, (preview|final), [\d.]+ s$"
+    r"^(?P<name>.+): fit error [\d.e-]+ %, worst slice [\d.e-]+ %, \d+ closures, "
+    r"(standard|accurate), (preview|final), [\d.]+ s$"
 )
 STACK = {"schema": 1, "layers": [{"kind": "medium", "name": "ash", "albedo": 0.4, "tau": 0.7,
          "phase": {"kind": "isotropic"}}], "base": {"kind": "black"}}  # fmt: skip
