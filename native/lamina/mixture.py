@@ -71,7 +71,7 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
     if made and wanted.lobes is not None and np.any(wanted.lobes):
         values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, albedo)
         own = [name for name in given if name in made][:effort.lobes]
-        found, _ = _fit(own or choose(effort.lobes, lambda name: name in made), values, albedo, grid, mixed, pool)
+        found, _ = _fit(own or choose(effort.lobes, lambda name: True), values, albedo, grid, mixed, pool)
         given = [name for name in given if name not in own]
         values, albedo = wanted.values - found.values(), np.maximum(wanted.albedo - found.albedo(), 0.0)
         parts.append(found)
