@@ -2,7 +2,8 @@
 """The closure fit over the published list of stacks, tests/data/fit_stacks.json.
 
 Stacks marked `blind` there were written down before any of them was fitted, and nothing was chosen by what they
-gave: neither the dictionary of closures, nor how they are selected, nor how many there are."""
+gave: neither the dictionary of closures, nor how they are selected, nor how many there are. One whose error led to
+a change loses the mark, and another, new one gets it."""
 
 import json
 import statistics

@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw, ImageFont
 from . import scene
 
 # Pixels across a cell, samples.
-QUALITIES = {"tiny": (48, 8), "small": (112, 32), "final": (176, 256)}
+QUALITIES = {"tiny": (48, 8), "small": (104, 24), "final": (176, 256)}
 COLUMNS = 12
 EXPOSURE = 1.1
 ROW_STRIDE = 4  # of a varying layer's thicknesses: a picture this small shows no more

@@ -57,9 +57,7 @@ def closures(stack: Stack) -> list[str]:
         widths = (1.0,) if surface.distribution == "ggx" else (0.9, 1.6)
         ids += [f"fresnel_ggx:{max(index, 1.0 / index):.4g}:{_rounded(min(1.0, surface.alpha * w)):g}" for w in widths]
         if surface.distribution == "beckmann":
-            ids += [_id("beckmann", width * surface.alpha) for width in (0.7, 0.9)]
-            # Facets seen at grazing: Fresnel's factor moves their lobe, which has no tail that would hide it.
-            ids += [f"fresnel_ggx:{n:g}:{_rounded(w * surface.alpha):g}" for n in (1.1, 1.5) for w in (0.5, 0.7, 0.9)]
+            ids += [_id("beckmann", 0.9 * surface.alpha), f"fresnel_ggx:1.1:{_rounded(0.9 * surface.alpha):g}"]
     if _covered(stack) or len(rough) > 1 or _sees_through(stack):
         widest = max(surface.alpha * above for surface, above, _ in rough) * STEP
         alpha = narrowest(stack)
