@@ -59,7 +59,7 @@ def closures(stack: Stack) -> list[str]:
         ids += [f"fresnel_ggx:{max(index, 1.0 / index):.4g}:{_rounded(min(1.0, surface.alpha * w)):g}" for w in widths]
         if surface.distribution == "beckmann":
             ids += [_id("beckmann", 0.9 * surface.alpha), f"fresnel_ggx:1.1:{_rounded(0.9 * surface.alpha):g}"]
-            # At grazing Fresnel's factor moves the lobe, which has no tail that would hide it, past the mirror direction.
+            # At grazing Fresnel's factor moves the lobe past the mirror direction, and no tail hides that.
             ids += [_cone(lean, min(1.0, w * surface.alpha * size), min(1.0, w * surface.alpha * smooth))
                     for lean in AWAY for w in (1.0, 2.0) for size, smooth in CONES]
     if _covered(stack) or len(rough) > 1 or _sees_through(stack):
