@@ -5,9 +5,9 @@
 
 The view of the slab demo without its sky, under the same sun and sky. Every round renders each body in
 turn; times are of the process's CPU, all threads together, so that a busy machine falsifies them least:
-(many samples) - (few samples), which takes the start of a render off. The least of the rounds counts: other
-work only adds. The range is that of ratios within a round. Noise is the relative standard deviation of a pixel at SAMPLES samples, from
-two seeds.
+(many samples) - (few samples), which takes the start of a render off. The least of the rounds counts, since
+other work only adds; the range is that of ratios within a round. Noise is the relative standard deviation of a
+pixel at SAMPLES samples, from two seeds.
 """
 
 import argparse
