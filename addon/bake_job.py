@@ -67,6 +67,7 @@ class MaterialJob(Job):
 
     def __init__(self, material, quality, threads, stack=None, **more):
         self.uid, self.quality = material.session_uid, quality
+        more.setdefault("basis", material.lamina.basis)
         super().__init__(stack or stack_io.to_stack(material), quality, threads, **more)
 
     def material(self):
@@ -87,7 +88,7 @@ class MaterialJob(Job):
         return material
 
 
-def bake_material(material, quality=None, threads=None, progress=None, cancel=None):
+def bake_material(material, quality=None, threads=None, progress=None, cancel=None, basis=None):
     """Bake the material's stack and build its node group; returns the LUT. Blocks.
 
     `progress(fraction, text)` and `cancel() -> bool` as in lamina.bake. On any error the material
@@ -101,6 +102,7 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
         progress=progress,
         cancel=cancel,
         threads=preferences.threads() if threads is None else threads,
+        basis=basis or material.lamina.basis,
     )
     apply(material, lut)
     return lut
@@ -183,6 +185,7 @@ def _note_report(result, lut):
     transmission, tau = report.get("fit_error_transmission"), worst.get("tau")
     result.stack_hash = header["stack_hash"]
     result.quality = header["quality"]
+    result.basis = header["basis"]
     result.fit_error = report["fit_error"]
     result.fit_error_transmission = -1.0 if transmission is None else transmission
     result.worst_error = worst.get("error", 0.0)

@@ -14,7 +14,7 @@ from bpy.app.handlers import persistent
 
 from . import bake_job, changes, judgement, migration, native, node_group, preferences, redraw, stack_io
 
-QUALITY = "preview"
+QUALITY, BASIS = "preview", "standard"
 WORKING, WAITING = 0.004, 0.05  # seconds to the next look: while a bake runs, while editing may go on
 REST = 1.0  # seconds without a change, after which things are tidied up
 PATIENCE = 0.5  # a bake of an outdated state may run this long before the newest state takes its place
@@ -58,7 +58,8 @@ class LiveJob(bake_job.MaterialJob):
         more = {"closures": closures} if closures else {}
         text = stack_io.to_text(material)
         # A colour takes a solve to be understood: not while somebody types.
-        super().__init__(material, QUALITY, preferences.threads(), lambda: _stack(text), **more, **coarse)
+        super().__init__(material, QUALITY, preferences.threads(), lambda: _stack(text), basis=BASIS,
+                         **more, **coarse)
 
 
 def mark(material):
@@ -170,8 +171,13 @@ def _start_next():
         elif followed.changed:
             followed.changed = False
             coarse = followed.coarse_options(material)
-            if _can_follow(material) and _start(material, node_group.closures(material), coarse):
+            if _can_follow(material) and _start(material, _kept(material), coarse):
                 return
+
+
+def _kept(material):
+    """The closures of the earlier bake, unless they are too many to be quick."""
+    return node_group.closures(material) if material.lamina.result.basis in ("", BASIS) else None
 
 
 def _start(material, closures, coarse=None):
@@ -199,7 +205,7 @@ def _tidy():
             continue
         if not followed.changed and followed.touched + REST < time.monotonic() and bake_job.running() is None:
             followed.coarse, followed.chosen_error = False, max(followed.chosen_error, followed.error)
-            if _start(material, None if worse else node_group.closures(material)):
+            if _start(material, None if worse else _kept(material)):
                 return WORKING
         else:
             resting = False

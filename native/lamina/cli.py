@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from . import presets
-from .bake import bake
+from .bake import BASES, bake
 from .errors import Cancelled, LutError, SolveError, StackError
 from .export import save_npz
 from .lut import Lut
@@ -53,6 +53,9 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("stack", metavar="STACK.json")
     command.add_argument("-o", "--output", required=True, metavar="OUT", help="the table to write (.npz)")
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
+    command.add_argument("--basis", choices=tuple(BASES), default="standard",
+                         help="standard: few closures, about as quick to render as a Principled BSDF; accurate: "
+                              "some twenty")
     command.add_argument("--threads", type=_count, default=0, metavar="N", help="0: all (default)")
     command.add_argument("--seed", type=int, default=0, metavar="N")
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
@@ -88,7 +91,8 @@ def _bake(arguments: argparse.Namespace) -> int:
     if problem:
         return _fail(problem, BAD_INPUT)
     progress = None if arguments.quiet else _Progress()
-    lut = bake(stack, arguments.quality, arguments.seed, progress, threads=arguments.threads)
+    lut = bake(stack, arguments.quality, arguments.seed, progress, threads=arguments.threads,
+               basis=arguments.basis)
     if progress is not None:
         progress.end()
     lut.save(output)
