@@ -8,8 +8,8 @@ import numpy as np
 from mathutils import Vector
 
 CAP_ELEVATION = math.radians(32.0)
-CAP_RADIUS = math.radians(18.0)
-CAP, SKY = 4.0, 0.3  # radiances
+CAP_RADIUS = math.radians(28.0)
+CAP, SKY = 3.0, 0.5  # radiances
 
 
 def towards_cap(azimuth):

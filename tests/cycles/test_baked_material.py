@@ -119,7 +119,8 @@ def test_white_furnace_is_the_exact_albedo(sample, furnace):
         mean, sigma = furnace[sample.name, side]
         exact = sample.albedo(side)
         assert np.all(sigma < baked_samples.FURNACE_SIGMA * exact), "too noisy to say anything"
-        assert np.all(np.abs(mean - exact) <= FURNACE_ERROR * exact), (side, mean / exact - 1.0)
+        allowed = baked_samples.STRAYED if sample.is_sheet else FURNACE_ERROR * exact
+        assert np.all(np.abs(mean - exact) <= allowed), (side, mean / exact - 1.0)
 
 
 def test_a_table_of_one_side_looks_the_same_on_back_faces(sample, readings):
