@@ -54,7 +54,7 @@ def run(out, quality, stack_path, say):
         rows.append(row)
         verdicts.append((f"{name}: {result.verdict('glass')}", result.agree))
     png, table = out / "coat.png", out / "coat.json"
-    picture.save_rows(png, ("A coat, twice", "Glass with paint on its lower face, and the baked plane, under a grey "
+    picture.save_rows(png, ("A coat, twice", "Painted glass and the baked plane under a grey "
                             "sky with a bright round cap. No denoising."), rows, SPAN)
     partial = out / "coat.json.part"
     partial.write_text(json.dumps({"quality": quality, **dataclasses.asdict(setting), "coats": facts}, indent=2) + "\n",
@@ -88,7 +88,7 @@ def _compare(name, stack, setting, region, say):
     seeds = setting.seeds
     row = (
         [
-            (f"Glass, {name}: ior {layer['ior']}, alpha {layer.get('alpha', 0.0)}",
+            (f"Glass, alpha {layer.get('alpha', 0.0)}",
              _effort(seeds * setting.samples_glass, seconds_truth, result.noise_truth), picture.tone(truth, EXPOSURE)),
             ("Baked plane", _effort(seeds * setting.samples_baked, seconds_baked, result.noise_baked),
              picture.tone(baked, EXPOSURE)),
