@@ -72,7 +72,7 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, albedo)
         own = [name for name in given if name in made][:effort.lobes]
         # Greedy choices among more are not always better ones: of both, that which fits the lobes better.
-        chosen = [own] if own else [choose(effort.lobes, lambda name: name in made), choose(effort.lobes, lambda _: True)]
+        chosen = [own] if own else [choose(effort.lobes, allowed) for allowed in (made.__contains__, lambda _: True)]
         found, _ = min((_fit(names, values, albedo, grid, mixed, pool) for names in chosen),
                        key=lambda fitted: float(fitted[1].mean()))
         given = [name for name in given if name not in own]
