@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-enum class Score { kAlongFlight, kAtCollision, kFlux };
+enum class Score { kFromBothEnds, kAlongFlight, kAtCollision, kFlux };
 
 /// Turned so that the exit face is the top: transmitted light comes in from below.
 template <typename Phase, Score kScore>
@@ -34,10 +34,10 @@ class SlabWalk final : public Walk {
     if constexpr (kScore == Score::kFlux) {
       known_ = through ? unscattered_ : 0.0;
       scale_ = 1.0;
-    } else if constexpr (kScore == Score::kAlongFlight) {
+    } else if constexpr (kScore != Score::kAtCollision) {
       const double length = tau_ / target.mu_i;
       const double kept = std::exp(-begin_ * slowness_);
-      known_ = scale_ * on_flight(in_, kept, begin_, length, unscattered_);
+      known_ = scale_ * flown(in_, kept, begin_, length, unscattered_) * phase_.evaluate(in_.dot(out_));
     }
   }
 
@@ -61,16 +61,28 @@ class SlabWalk final : public Walk {
       if (!survives(weight, rng)) {
         break;
       }
-      ray = scattered(ray, phase_.sample(rng.uniform()), rng);
-      const double length = ray.z > 0.0 ? depth / ray.z : (depth - tau_) / ray.z;
+      if constexpr (kScore == Score::kFromBothEnds) {
+        const double cosine = phase_.sample(rng.uniform());
+        const Ray other = scattered(out_, cosine, rng);
+        const double length = to_face(other, depth);
+        score += weight * flown(other, kept, depth, length, std::exp(-length)) *
+                 both_ends(phase_.evaluate(ray.dot(other)), phase_.evaluate(cosine));
+      }
+      const double cosine = phase_.sample(rng.uniform());
+      ray = scattered(ray, cosine, rng);
+      const double length = to_face(ray, depth);
       const double through = std::exp(-length);
-      if constexpr (kScore == Score::kAlongFlight) {
-        score += weight * on_flight(ray, kept, depth, length, through);
-      } else if constexpr (kScore == Score::kFlux) {
-        score += ray.z > 0.0 ? weight * through : 0.0;
+      if constexpr (kScore == Score::kFromBothEnds) {
+        score += weight * flown(ray, kept, depth, length, through) *
+                 both_ends(phase_.evaluate(cosine), phase_.evaluate(ray.dot(out_)));
+      } else if constexpr (kScore == Score::kAlongFlight) {
+        score += weight * flown(ray, kept, depth, length, through) * phase_.evaluate(ray.dot(out_));
       }
       choice = rng.uniform();
       if (choice <= through) {
+        if constexpr (kScore == Score::kFlux) {
+          score = ray.z > 0.0 ? weight : 0.0;
+        }
         break;
       }
     }
@@ -78,10 +90,11 @@ class SlabWalk final : public Walk {
   }
 
  private:
-  double on_flight(const Ray& ray, double kept, double depth, double length, double through) const {
-    const double integral = ray.z < 0.0 ? flight_away(kept, kept_by_all_, through, -ray.z * slowness_)
-                                        : flight_towards(kept, through, depth * slowness_, length);
-    return integral * phase_.evaluate(ray.dot(out_));
+  double to_face(const Ray& ray, double depth) const { return ray.z > 0.0 ? depth / ray.z : (depth - tau_) / ray.z; }
+
+  double flown(const Ray& ray, double kept, double depth, double length, double through) const {
+    return ray.z < 0.0 ? flight_away(kept, kept_by_all_, through, -ray.z * slowness_)
+                       : flight_towards(kept, through, depth * slowness_, length);
   }
 
   Phase phase_;
@@ -100,13 +113,16 @@ class SlabWalk final : public Walk {
 
 }  // namespace
 
-std::unique_ptr<Walk> make_slab_walk(const Medium& medium, const WalkTarget& target, bool along_flight) {
+std::unique_ptr<Walk> make_slab_walk(const Medium& medium, const WalkTarget& target, NextEvent next_event) {
   return medium.phase.visit([&](const auto& phase) -> std::unique_ptr<Walk> {
     using Phase = std::decay_t<decltype(phase)>;
     if (target.flux) {
       return std::make_unique<SlabWalk<Phase, Score::kFlux>>(phase, medium, target);
     }
-    if (along_flight) {
+    if (next_event == NextEvent::kFromBothEnds) {
+      return std::make_unique<SlabWalk<Phase, Score::kFromBothEnds>>(phase, medium, target);
+    }
+    if (next_event == NextEvent::kAlongFlight) {
       return std::make_unique<SlabWalk<Phase, Score::kAlongFlight>>(phase, medium, target);
     }
     return std::make_unique<SlabWalk<Phase, Score::kAtCollision>>(phase, medium, target);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cmath>
+
 #include "rng.hpp"
 
 namespace lamina {
@@ -8,15 +10,15 @@ namespace lamina {
 inline constexpr double kRouletteBelow = 0.25;
 inline constexpr double kRouletteKeeps = 0.5;
 
-/// Russian roulette; false when the walk ends.
+/// Russian roulette; false when the walk ends. Weights may be negative.
 inline bool survives(double& weight, Rng& rng) {
-  if (weight >= kRouletteBelow) {
+  if (std::abs(weight) >= kRouletteBelow) {
     return true;
   }
-  if (rng.uniform() * kRouletteKeeps >= weight) {
+  if (rng.uniform() * kRouletteKeeps >= std::abs(weight)) {
     return false;
   }
-  weight = kRouletteKeeps;
+  weight = std::copysign(kRouletteKeeps, weight);
   return true;
 }
 

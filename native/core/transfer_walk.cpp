@@ -19,7 +19,9 @@ using Kind = WalkStack::Element::Kind;
 class TransferWalk final : public StackWalk {
  public:
   TransferWalk(WalkStack stack, const WalkTarget& target, NextEvent next_event)
-      : StackWalk(std::move(stack), target), along_(next_event == NextEvent::kAlongFlight) {
+      : StackWalk(std::move(stack), target),
+        along_(next_event != NextEvent::kAtCollision),
+        both_(next_event == NextEvent::kFromBothEnds && !target.flux) {
     begin();
   }
 
@@ -28,12 +30,12 @@ class TransferWalk final : public StackWalk {
              std::uint64_t& events) const override {
     const Medium& medium = this->stack().elements[element].medium;
     double depth = light.ray.z < 0.0 ? 0.0 : medium.tau;
+    double share = 1.0;  // of the samples of this flight in what both ends sample
     for (bool forced = first;; forced = false) {
-      const double mu = std::abs(light.ray.z);
-      const double length = (light.ray.z < 0.0 ? medium.tau - depth : depth) / mu;
+      const double length = to_face(medium, light.ray, depth);
       const double through = std::exp(-length);
       if (along_ && !is_flux() && !forced) {
-        score += light.weight * on_flight(element, light.ray, depth, length, through);
+        score += light.weight * share * on_flight(element, light.ray, depth, length, through);
       }
       double choice = rng.uniform();
       if (forced) {
@@ -50,8 +52,45 @@ class TransferWalk final : public StackWalk {
       if (!survives(light.weight, rng)) {
         return false;
       }
-      light.ray = scattered(light.ray, medium.phase.sample(rng.uniform()), rng);
+      const bool both = both_ && exit(element).up_share + exit(element).down_share > 0.0;
+      if (both) {
+        score += light.weight * from_exit(element, light.ray, depth, rng);
+      }
+      const double cosine = medium.phase.sample(rng.uniform());
+      light.ray = scattered(light.ray, cosine, rng);
+      share = both ? share_of_ray(element, medium.phase.evaluate(cosine), light.ray) : 1.0;
     }
+  }
+
+  static double to_face(const Medium& medium, const Ray& ray, double depth) {
+    return ray.z < 0.0 ? (depth - medium.tau) / ray.z : depth / ray.z;
+  }
+
+  /// The sample from the other end: a flight scattered backwards from one of the exits.
+  double from_exit(std::size_t element, const Ray& in, double depth, Rng& rng) const {
+    const Medium& medium = this->stack().elements[element].medium;
+    const Exit& out = exit(element);
+    const bool up = rng.uniform() * (out.up_share + out.down_share) < out.up_share;
+    const Ray ray = scattered(up ? out.up : out.down, medium.phase.sample(rng.uniform()), rng);
+    const double length = to_face(medium, ray, depth);
+    return share_of_ray(element, medium.phase.evaluate(in.dot(ray)), ray) *
+           on_flight(element, ray, depth, length, std::exp(-length));
+  }
+
+  /// The balance heuristic's weight of a sample from the ray, where that has density `from_ray`; multiplied by both
+  /// densities' ratio it is that of a sample from an exit as well.
+  double share_of_ray(std::size_t element, double from_ray, const Ray& ray) const {
+    const PhaseFunction& phase = this->stack().elements[element].medium.phase;
+    const Exit& out = exit(element);
+    double from_exit = 0.0;
+    if (out.up_share > 0.0) {
+      from_exit += out.up_share * phase.evaluate(ray.dot(out.up));
+    }
+    if (out.down_share > 0.0) {
+      from_exit += out.down_share * phase.evaluate(ray.dot(out.down));
+    }
+    from_exit /= out.up_share + out.down_share;
+    return from_ray > 0.0 ? from_ray / (from_ray + from_exit) : 0.0;
   }
 
   double leaving(std::size_t element, const Ray& in) const override {
@@ -108,6 +147,7 @@ class TransferWalk final : public StackWalk {
   }
 
   bool along_;
+  bool both_;
 };
 
 /// One medium alone.
@@ -124,7 +164,7 @@ bool is_slab(const WalkStack& stack) {
 std::unique_ptr<Walk> make_transfer_walk(const Stack& stack, const WalkTarget& target, NextEvent next_event) {
   WalkStack walked(stack, target.side);
   if (is_slab(walked)) {
-    return make_slab_walk(walked.elements[0].medium, target, next_event == NextEvent::kAlongFlight);
+    return make_slab_walk(walked.elements[0].medium, target, next_event);
   }
   return std::make_unique<TransferWalk>(std::move(walked), target, next_event);
 }

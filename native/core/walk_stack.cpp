@@ -49,7 +49,7 @@ Element element_of(const Base& base, double ior_above) {
 
 }  // namespace
 
-WalkStack::WalkStack(const Stack& stack, Side side) : ior(refractive_indices(stack)) {
+WalkStack::WalkStack(const Stack& stack, Side side, bool ended) : ior(refractive_indices(stack)) {
   if (side == Side::kBottom && stack.base.kind != Base::Kind::kNone) {
     throw std::invalid_argument("side = 'bottom': a stack on a base has none");
   }
@@ -66,7 +66,7 @@ WalkStack::WalkStack(const Stack& stack, Side side) : ior(refractive_indices(sta
       ior.resize(k + 2);
       Element end;
       end.kind = Kind::kLambert;
-      if (medium.albedo == 1.0) {
+      if (ended && medium.albedo == 1.0) {
         medium.tau = kForgotten / (1.0 - medium.phase.moment(1));
         end.reflectance = 1.0;
       }

@@ -35,9 +35,9 @@ struct WalkStack {
   std::vector<Element> elements;
   std::vector<double> ior;  ///< of the gap above each element, and below the last
 
-  /// A conservative medium without end becomes one so thick that its end is not seen, on a surface that returns
-  /// everything: walks in it end. Throws std::invalid_argument for light from below onto a base.
-  WalkStack(const Stack& stack, Side side);
+  /// With `ended` a conservative medium without end becomes one so thick that its end is not seen, on a surface
+  /// that returns everything: walks in it end. Throws std::invalid_argument for light from below onto a base.
+  WalkStack(const Stack& stack, Side side, bool ended = true);
 };
 
 /// A beam from outside and all that becomes of it without being scattered; the way back out by reciprocity.
