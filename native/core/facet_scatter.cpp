@@ -69,7 +69,7 @@ double FacetScatter::Loss::operator()(double mu) const {
 }
 
 FacetScatter::Loss FacetScatter::loss_on(bool below) const {
-  constexpr int kPoints = 4096;
+  constexpr int kPoints = 2048;
   constexpr double kGrazing = 1e-4;
   Loss loss;
   for (int knot = 0; knot <= Loss::kKnots; ++knot) {
@@ -79,12 +79,11 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
     double kept = 0.0;
     for (int point = 0; point < kPoints; ++point) {
       const EvenPoint at(point);
-      // Both ways of a facet, each in proportion: no third number.
-      const Outcome reflected = facet_sample(view, below, at.u, at.v, 0.0);
-      const Outcome passed = facet_sample(view, below, at.u, at.v, 1.0);
       const Ray normal = visible_normal(facets_, view, at.u, at.v);
-      const double ratio = ior_of(!below) / ior_of(below);
-      const double share = metal_ ? 1.0 : fresnel_at(view.dot(normal), ratio);
+      // Both ways of a facet, each in proportion: no third number.
+      const Outcome reflected = by_facet(view, normal, below, 0.0);
+      const Outcome passed = by_facet(view, normal, below, 1.0);
+      const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
       kept += share * reflected.weight + (1.0 - share) * passed.weight;
     }
     loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept / kPoints);
@@ -135,8 +134,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
          facets_.masking(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
 }
 
-FacetScatter::Outcome FacetScatter::facet_sample(const Ray& view, bool from_below, double u, double v, double w) const {
-  const Ray normal = visible_normal(facets_, view, u, v);
+FacetScatter::Outcome FacetScatter::by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const {
   const double seen = view.dot(normal);
   if (seen <= 0.0) {
     return {view, 0.0};
@@ -144,7 +142,7 @@ FacetScatter::Outcome FacetScatter::facet_sample(const Ray& view, bool from_belo
   const double ratio = ior_of(!from_below) / ior_of(from_below);
   const double reflected = fresnel_at(std::min(1.0, seen), ratio);
   // Metals reflect always and keep the share as a weight.
-  if (metal_ || w < reflected) {
+  if (metal_ || choice < reflected) {
     const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
     const double share = metal_ ? reflected : 1.0;
     return {out, out.z > 0.0 ? share * facets_.masking(view.z, out.z) / masked(view.z) : 0.0};
@@ -185,7 +183,8 @@ FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
   }
   const double u = rng.uniform();
   const double v = rng.uniform();
-  Outcome outcome = facet_sample(view, from_below, u, v, (choice - lost) / (1.0 - lost));
+  const Ray normal = visible_normal(facets_, view, u, v);
+  Outcome outcome = by_facet(view, normal, from_below, (choice - lost) / (1.0 - lost));
   outcome.weight /= 1.0 - lost;
   if (from_below) {
     outcome.ray = outcome.ray.mirrored();

@@ -30,7 +30,7 @@ class FacetScatter {
  private:
   /// What facets that scatter once lose of the light that falls on one side, by the root of its cosine.
   struct Loss {
-    static constexpr int kKnots = 64;
+    static constexpr int kKnots = 40;
     std::array<double, kKnots + 1> at = {};
     double mean = 0.0;  ///< of uniform diffuse light
 
@@ -39,7 +39,8 @@ class FacetScatter {
 
   /// With the side of `in` turned up.
   double facet_value(const Ray& view, const Ray& out, bool from_below) const;
-  Outcome facet_sample(const Ray& view, bool from_below, double u, double v, double w) const;
+  /// Reflected by this facet where the choice, in [0, 1], is below its reflectance, else refracted.
+  Outcome by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
   double fresnel_at(double cosine, double ratio) const;
   double masked(double mu) const;
   Loss loss_on(bool below) const;

@@ -4,7 +4,7 @@
 from . import colours, export, metals, presets, rgl
 from .bake import bake
 from .errors import Cancelled, ExportError, LutError, NotAvailable, ShardError, SolveError, StackError, UnknownName
-from .estimate import Estimate, estimate
+from .estimate import Estimate, Query, estimate
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
 from .phase import (
@@ -39,6 +39,7 @@ __all__ = [
     "Medium",
     "Mixture",
     "NotAvailable",
+    "Query",
     "Rayleigh",
     "ScatteringFunction",
     "ShardError",
