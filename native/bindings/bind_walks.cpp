@@ -33,12 +33,13 @@ void lamina::bind_walks(py::module_& module) {
   py::class_<Walk>(module, "Walk");
   py::enum_<NextEvent>(module, "NextEvent")
       .value("from_both_ends", NextEvent::kFromBothEnds)
+      .value("fitting", NextEvent::kFitting)
       .value("along_flight", NextEvent::kAlongFlight)
       .value("at_collision", NextEvent::kAtCollision);
   module.attr("WALK_BLOCK") = kWalkBlock;
   module.def("transfer_walk", &transfer_walk, py::arg("stack"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
-             py::arg("side"), py::arg("path"), py::arg("flux") = false,
-             py::arg("next_event") = NextEvent::kFromBothEnds, unlocked);
+             py::arg("side"), py::arg("path"), py::arg("flux") = false, py::arg("next_event") = NextEvent::kFitting,
+             unlocked);
   module.def("adding_walk", &adding_walk, py::arg("stack"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
              py::arg("side"), py::arg("path"), py::arg("flux"), py::arg("pool"), unlocked,
              "The walk and the error of its tables.");

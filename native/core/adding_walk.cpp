@@ -30,23 +30,22 @@ class LayerWalk final : public StackWalk {
   double table_error() const { return table_error_; }
 
  private:
-  bool cross(std::size_t element, Light& light, bool first, double& score, Rng& rng,
+  bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
              std::uint64_t& events) const override {
     ++events;
     if (!tables_[element]) {
       return rng.uniform() < std::exp(-stack().elements[element].medium.tau / std::abs(light.ray.z));
     }
     if (!first && !is_flux()) {
-      score += light.weight * leaving(element, light.ray);
+      score += light.weight * leaving(element, out, light.ray);
     }
     return tables_[element]->cross(light.ray, light.weight, first, rng);
   }
 
-  double leaving(std::size_t element, const Ray& in) const override {
+  double leaving(std::size_t element, const Exit& out, const Ray& in) const override {
     if (!tables_[element]) {
       return 0.0;
     }
-    const Exit& out = exit(element);
     const double n = stack().ior[element];
     double sum = 0.0;
     if (out.up_share > 0.0) {

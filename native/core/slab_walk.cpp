@@ -114,15 +114,16 @@ class SlabWalk final : public Walk {
 }  // namespace
 
 std::unique_ptr<Walk> make_slab_walk(const Medium& medium, const WalkTarget& target, NextEvent next_event) {
+  const NextEvent chosen = fitted(next_event, medium.phase);
   return medium.phase.visit([&](const auto& phase) -> std::unique_ptr<Walk> {
     using Phase = std::decay_t<decltype(phase)>;
     if (target.flux) {
       return std::make_unique<SlabWalk<Phase, Score::kFlux>>(phase, medium, target);
     }
-    if (next_event == NextEvent::kFromBothEnds) {
+    if (chosen == NextEvent::kFromBothEnds) {
       return std::make_unique<SlabWalk<Phase, Score::kFromBothEnds>>(phase, medium, target);
     }
-    if (next_event == NextEvent::kAlongFlight) {
+    if (chosen == NextEvent::kAlongFlight) {
       return std::make_unique<SlabWalk<Phase, Score::kAlongFlight>>(phase, medium, target);
     }
     return std::make_unique<SlabWalk<Phase, Score::kAtCollision>>(phase, medium, target);

@@ -18,9 +18,30 @@ StackWalk::StackWalk(WalkStack stack, const WalkTarget& target) : stack_(std::mo
   }
   // By reciprocity: the beam that comes in where the light shall go out, run backwards.
   const WalkBeam back(stack_, target.mu_o, target.dphi + pi, target.path == Path::kTransmit);
-  for (const WalkBeam::Arrival& arrival : back.at) {
-    exits_.push_back({-arrival.down, -arrival.up, arrival.at_top, arrival.at_bottom});
+  exits_ = exits_from(back);
+  const std::size_t last = target.path == Path::kReflect ? 0 : stack_.elements.size() - 1;
+  if (stack_.elements.size() > 1 && stack_.elements[last].kind == Kind::kRough) {
+    rough_exit_ = last;
   }
+}
+
+std::vector<StackWalk::Exit> StackWalk::exits_from(const WalkBeam& back) const {
+  std::vector<Exit> exits;
+  for (const WalkBeam::Arrival& arrival : back.at) {
+    exits.push_back({-arrival.down, -arrival.up, arrival.at_top, arrival.at_bottom});
+  }
+  return exits;
+}
+
+double StackWalk::sample_exits(std::vector<Exit>& exits, Rng& rng) const {
+  const bool top = target_.path == Path::kReflect;
+  const Exit& out = exits_[*rough_exit_];
+  const FacetScatter::Outcome within = stack_.elements[*rough_exit_].facets->sample(-(top ? out.up : out.down), rng);
+  if (within.weight == 0.0 || (within.ray.z < 0.0) != top) {
+    return 0.0;
+  }
+  exits = exits_from(WalkBeam(stack_, *rough_exit_, within.ray));
+  return within.weight;
 }
 
 void StackWalk::begin() {
@@ -41,12 +62,12 @@ void StackWalk::add_start(std::size_t element, const Ray& in, double power) {
   }
   const bool medium = kind == Kind::kMedium;
   if (!target_.flux) {
-    known_ += power * (medium ? leaving(element, in) : surface_leaving(element, in));
+    known_ += power * first_leaving(element, exits_[element], in);
   }
   const double scattered = power * (medium ? scattered_share(element, in) : 1.0);
   if (scattered > 0.0) {
     power_ += scattered;
-    starts_.push_back({element, in, power_});
+    starts_.push_back({element, in, power, power_});
   }
 }
 
@@ -61,11 +82,25 @@ double StackWalk::sample(Rng& rng, std::uint64_t& events) const {
       ++start;
     }
   }
+  std::vector<Exit> sampled;
+  double before = 0.0;  // scattered where the beam arrives, into the lobe within
+  double lobe = 1.0;
+  if (rough_exit_) {
+    lobe = sample_exits(sampled, rng);
+    if (lobe == 0.0) {
+      return known_;
+    }
+    for (const Start& one : starts_) {
+      before += one.arriving * first_leaving(one.element, sampled[one.element], one.in);
+    }
+  }
+  const std::vector<Exit>& exits = rough_exit_ ? sampled : exits_;
+  static constexpr Exit kNone = {};
   double score = 0.0;
   Light light{starts_[start].in, 1.0};
   std::size_t element = starts_[start].element;
   bool first = true;
-  while (meet(element, light, first, score, rng, events)) {
+  while (meet(element, exits.empty() ? kNone : exits[element], light, first, score, rng, events)) {
     first = false;
     const bool down = light.ray.z < 0.0;
     if (down ? element + 1 == stack_.elements.size() : element == 0) {
@@ -76,14 +111,14 @@ double StackWalk::sample(Rng& rng, std::uint64_t& events) const {
     }
     element += down ? 1 : std::size_t(-1);
   }
-  return known_ + power_ * score;
+  return known_ + lobe * (before + power_ * score);
 }
 
-bool StackWalk::meet(std::size_t element, Light& light, bool first, double& score, Rng& rng,
+bool StackWalk::meet(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
                      std::uint64_t& events) const {
   const Element& here = stack_.elements[element];
   if (here.kind == Kind::kMedium) {
-    return cross(element, light, first, score, rng, events);
+    return cross(element, out, light, first, score, rng, events);
   }
   if (here.kind == Kind::kSmooth) {
     return meet_smooth(element, light, rng);
@@ -95,7 +130,7 @@ bool StackWalk::meet(std::size_t element, Light& light, bool first, double& scor
   }
   ++events;
   if (!first && !target_.flux) {
-    score += light.weight * surface_leaving(element, light.ray);
+    score += light.weight * surface_leaving(element, out, light.ray);
   }
   if (here.kind == Kind::kLambert) {
     light.weight *= here.reflectance;
@@ -129,9 +164,12 @@ bool StackWalk::meet_smooth(std::size_t element, Light& light, Rng& rng) const {
   return true;
 }
 
-double StackWalk::surface_leaving(std::size_t element, const Ray& in) const {
+double StackWalk::first_leaving(std::size_t element, const Exit& out, const Ray& in) const {
+  return stack_.elements[element].kind == Kind::kMedium ? leaving(element, out, in) : surface_leaving(element, out, in);
+}
+
+double StackWalk::surface_leaving(std::size_t element, const Exit& out, const Ray& in) const {
   const Element& here = stack_.elements[element];
-  const Exit& out = exits_[element];
   if (here.kind == Kind::kLambert) {
     return here.reflectance / (pi * stack_.ior[element] * stack_.ior[element]) * out.up_share;
   }

@@ -19,14 +19,15 @@ using Kind = WalkStack::Element::Kind;
 class TransferWalk final : public StackWalk {
  public:
   TransferWalk(WalkStack stack, const WalkTarget& target, NextEvent next_event)
-      : StackWalk(std::move(stack), target),
-        along_(next_event != NextEvent::kAtCollision),
-        both_(next_event == NextEvent::kFromBothEnds && !target.flux) {
+      : StackWalk(std::move(stack), target), along_(next_event != NextEvent::kAtCollision) {
+    for (const WalkStack::Element& element : this->stack().elements) {
+      both_.push_back(fitted(next_event, element.medium.phase) == NextEvent::kFromBothEnds && !target.flux);
+    }
     begin();
   }
 
  private:
-  bool cross(std::size_t element, Light& light, bool first, double& score, Rng& rng,
+  bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
              std::uint64_t& events) const override {
     const Medium& medium = this->stack().elements[element].medium;
     double depth = light.ray.z < 0.0 ? 0.0 : medium.tau;
@@ -35,7 +36,7 @@ class TransferWalk final : public StackWalk {
       const double length = to_face(medium, light.ray, depth);
       const double through = std::exp(-length);
       if (along_ && !is_flux() && !forced) {
-        score += light.weight * share * on_flight(element, light.ray, depth, length, through);
+        score += light.weight * share * on_flight(element, out, light.ray, depth, length, through);
       }
       double choice = rng.uniform();
       if (forced) {
@@ -47,18 +48,18 @@ class TransferWalk final : public StackWalk {
       ++events;
       light.weight *= medium.albedo;
       if (!along_ && !is_flux()) {
-        score += light.weight * at_collision(element, light.ray, depth);
+        score += light.weight * at_collision(element, out, light.ray, depth);
       }
       if (!survives(light.weight, rng)) {
         return false;
       }
-      const bool both = both_ && exit(element).up_share + exit(element).down_share > 0.0;
+      const bool both = both_[element] && out.up_share + out.down_share > 0.0;
       if (both) {
-        score += light.weight * from_exit(element, light.ray, depth, rng);
+        score += light.weight * from_exit(element, out, light.ray, depth, rng);
       }
       const double cosine = medium.phase.sample(rng.uniform());
       light.ray = scattered(light.ray, cosine, rng);
-      share = both ? share_of_ray(element, medium.phase.evaluate(cosine), light.ray) : 1.0;
+      share = both ? share_of_ray(element, out, medium.phase.evaluate(cosine), light.ray) : 1.0;
     }
   }
 
@@ -67,21 +68,19 @@ class TransferWalk final : public StackWalk {
   }
 
   /// The sample from the other end: a flight scattered backwards from one of the exits.
-  double from_exit(std::size_t element, const Ray& in, double depth, Rng& rng) const {
+  double from_exit(std::size_t element, const Exit& out, const Ray& in, double depth, Rng& rng) const {
     const Medium& medium = this->stack().elements[element].medium;
-    const Exit& out = exit(element);
     const bool up = rng.uniform() * (out.up_share + out.down_share) < out.up_share;
     const Ray ray = scattered(up ? out.up : out.down, medium.phase.sample(rng.uniform()), rng);
     const double length = to_face(medium, ray, depth);
-    return share_of_ray(element, medium.phase.evaluate(in.dot(ray)), ray) *
-           on_flight(element, ray, depth, length, std::exp(-length));
+    return share_of_ray(element, out, medium.phase.evaluate(in.dot(ray)), ray) *
+           on_flight(element, out, ray, depth, length, std::exp(-length));
   }
 
   /// The balance heuristic's weight of a sample from the ray, where that has density `from_ray`; multiplied by both
   /// densities' ratio it is that of a sample from an exit as well.
-  double share_of_ray(std::size_t element, double from_ray, const Ray& ray) const {
+  double share_of_ray(std::size_t element, const Exit& out, double from_ray, const Ray& ray) const {
     const PhaseFunction& phase = this->stack().elements[element].medium.phase;
-    const Exit& out = exit(element);
     double from_exit = 0.0;
     if (out.up_share > 0.0) {
       from_exit += out.up_share * phase.evaluate(ray.dot(out.up));
@@ -93,13 +92,13 @@ class TransferWalk final : public StackWalk {
     return from_ray > 0.0 ? from_ray / (from_ray + from_exit) : 0.0;
   }
 
-  double leaving(std::size_t element, const Ray& in) const override {
+  double leaving(std::size_t element, const Exit& out, const Ray& in) const override {
     if (!along_) {
       return 0.0;
     }
     const double tau = this->stack().elements[element].medium.tau;
     const double length = tau / std::abs(in.z);
-    return on_flight(element, in, in.z < 0.0 ? 0.0 : tau, length, std::exp(-length));
+    return on_flight(element, out, in, in.z < 0.0 ? 0.0 : tau, length, std::exp(-length));
   }
 
   double scattered_share(std::size_t element, const Ray& in) const override {
@@ -112,9 +111,9 @@ class TransferWalk final : public StackWalk {
     return this->stack().elements[element].medium.phase.evaluate(in.dot(out)) / (4.0 * pi * n * n * std::abs(out.z));
   }
 
-  double on_flight(std::size_t element, const Ray& in, double depth, double length, double through) const {
+  double on_flight(std::size_t element, const Exit& out, const Ray& in, double depth, double length,
+                   double through) const {
     const Medium& medium = this->stack().elements[element].medium;
-    const Exit& out = exit(element);
     double sum = 0.0;
     const auto add = [&](const Ray& ray, double share, double to_face) {
       const double mu = std::abs(ray.z);
@@ -133,9 +132,8 @@ class TransferWalk final : public StackWalk {
     return medium.albedo * sum;
   }
 
-  double at_collision(std::size_t element, const Ray& in, double depth) const {
+  double at_collision(std::size_t element, const Exit& out, const Ray& in, double depth) const {
     const double tau = this->stack().elements[element].medium.tau;
-    const Exit& out = exit(element);
     double sum = 0.0;
     if (out.up_share > 0.0) {
       sum += out.up_share * std::exp(-depth / out.up.z) * scattering(element, in, out.up);
@@ -147,7 +145,7 @@ class TransferWalk final : public StackWalk {
   }
 
   bool along_;
-  bool both_;
+  std::vector<bool> both_;  ///< by element
 };
 
 /// One medium alone.

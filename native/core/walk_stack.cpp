@@ -82,39 +82,56 @@ WalkStack::WalkStack(const Stack& stack, Side side, bool ended) : ior(refractive
 }
 
 WalkBeam::WalkBeam(const WalkStack& stack, double mu, double phi, bool from_below) {
+  pass(stack, 0, stack.elements.size(), sine_of(mu), {std::cos(phi), std::sin(phi), mu}, from_below);
+}
+
+WalkBeam::WalkBeam(const WalkStack& stack, std::size_t from, const Ray& within) {
+  const bool down = within.z < 0.0;
+  const double across = std::hypot(within.x, within.y);
+  const Ray heading = across > 0.0 ? Ray{within.x / across, within.y / across, 0.0} : Ray{1.0, 0.0, 0.0};
+  pass(stack, down ? from + 1 : 0, down ? stack.elements.size() : from, across * stack.ior[down ? from + 1 : from],
+       heading, !down);
+  // What comes back to the element where it began.
+  const Ray back{within.x, within.y, -within.z};
+  at[from] = down ? Arrival{{}, back, 0.0, reflected} : Arrival{back, {}, reflected, 0.0};
+}
+
+void WalkBeam::pass(const WalkStack& stack, std::size_t first, std::size_t last, double sine, const Ray& heading,
+                    bool from_below) {
   // Snell's law keeps n sin(theta).
-  const double sine = sine_of(mu);
-  std::vector<double> cosines;
-  for (const double n : stack.ior) {
-    cosines.push_back(n == 1.0 ? mu : sine_of(sine / n));
-  }
-  std::vector<ScatteringFunction> deltas;
-  for (std::size_t k = 0; k < stack.elements.size(); ++k) {
+  const auto cosine = [&](std::size_t gap) { return sine_of(sine / stack.ior[gap]); };
+  // An empty element at either end shows what leaves there.
+  ScatteringFunction empty = ScatteringFunction::bare(1, 0);
+  empty.transmit.delta[0] = 1.0;
+  std::vector<ScatteringFunction> deltas{empty};
+  for (std::size_t k = first; k < last; ++k) {
     const Element& element = stack.elements[k];
     ScatteringFunction s = ScatteringFunction::bare(1, 0);
     if (element.kind == Kind::kMedium) {
-      s.transmit.delta[0] = std::exp(-element.medium.tau / cosines[k]);
+      s.transmit.delta[0] = std::exp(-element.medium.tau / cosine(k));
     } else if (element.kind == Kind::kSmooth) {
-      const double back = fresnel(cosines[k], cosines[k + 1], stack.ior[k], stack.ior[k + 1]);
+      // A cosine of 0: no ray there.
+      const double above = cosine(k);
+      const double below = cosine(k + 1);
+      const double back = above > 0.0 && below > 0.0 ? fresnel(above, below, stack.ior[k], stack.ior[k + 1]) : 1.0;
       s.reflect_above.delta[0] = s.reflect_below.delta[0] = back;
       s.transmit.delta[0] = 1.0 - back;
     } else if (element.kind == Kind::kMetal) {
-      s.reflect_above.delta[0] = conductor_fresnel(cosines[k], element.metal);
+      s.reflect_above.delta[0] = conductor_fresnel(cosine(k), element.metal);
     }
     deltas.push_back(std::move(s));
   }
-  // An empty element at either end shows what leaves there.
-  deltas.insert(deltas.begin(), ScatteringFunction::bare(1, 0));
-  deltas.front().transmit.delta[0] = 1.0;
-  deltas.push_back(deltas.front());
+  deltas.push_back(empty);
   const DeltaField field(deltas);
   const auto& arrivals = from_below ? field.from_below : field.from_above;
   const auto ray = [&](std::size_t gap, double turn) -> Ray {
     const double across = sine / stack.ior[gap];
-    return {across * std::cos(phi), across * std::sin(phi), turn * cosines[gap]};
+    return {across * heading.x, across * heading.y, turn * cosine(gap)};
   };
-  for (std::size_t k = 0; k < stack.elements.size(); ++k) {
-    at.push_back({ray(k, -1.0), ray(k + 1, 1.0), arrivals[k + 1].down[0], arrivals[k + 1].up[0]});
+  at.resize(stack.elements.size());
+  for (std::size_t k = first; k < last; ++k) {
+    const auto& arrival = arrivals[k - first + 1];
+    at[k] = {ray(k, -1.0), ray(k + 1, 1.0), arrival.down[0], arrival.up[0]};
   }
   const double to_top = arrivals.front().up[0];
   const double to_bottom = arrivals.back().down[0];

@@ -41,20 +41,28 @@ struct WalkStack {
 };
 
 /// A beam from outside and all that becomes of it without being scattered; the way back out by reciprocity.
-struct WalkBeam {
+class WalkBeam {
+ public:
   /// At an element: the direction of travel that arrives at its top and at its bottom, with what share of the power.
   struct Arrival {
     Ray down;
     Ray up;
-    double at_top;
-    double at_bottom;
+    double at_top = 0.0;
+    double at_bottom = 0.0;
   };
   std::vector<Arrival> at;
-  double reflected;    ///< the mirror image
-  double transmitted;  ///< the unscattered beam
+  double reflected = 0.0;    ///< the mirror image
+  double transmitted = 0.0;  ///< the unscattered beam
 
   /// Of cosine `mu` in air, travelling along azimuth `phi`, from above or from below the stack.
   WalkBeam(const WalkStack& stack, double mu, double phi, bool from_below);
+  /// One that begins at an element, the first or the last, and runs from there into the stack.
+  WalkBeam(const WalkStack& stack, std::size_t from, const Ray& within);
+
+ private:
+  /// Through elements [first, last); `sine` is that in air, above 1 where air has no such ray.
+  void pass(const WalkStack& stack, std::size_t first, std::size_t last, double sine, const Ray& heading,
+            bool from_below);
 };
 
 }  // namespace lamina

@@ -27,6 +27,7 @@ ROUGH_VARNISH = Stack([Interface(1.5, 0.3, compensate=False), hg(0.8, 1.0, 0.5)]
 ROUGH_BECKMANN = Stack([Interface(1.4, 0.35, "beckmann"), hg(0.95, 0.7, 0.3)], Lambert(0.8))
 BRONZE = Stack([hg(0.9, 0.3, 0.4)], Conductor(0.4, 2.5, alpha=0.3))
 POLISHED = Stack([Interface(1.5), hg(0.7, 0.5, 0.2)], Conductor(0.2, 3.5))
+ROUGH_OVER_MIRROR = Stack([Interface(1.5, 0.3), hg(0.7, 0.5, 0.2)], Conductor(0.2, 3.5))
 GLASS = Stack([Interface(1.5), hg(0.95, 1.0, 0.5), Interface(1.0)])
 FROSTED = Stack([Interface(1.5, 0.3), hg(0.9, 0.8, 0.3), Interface(1.0)])
 THREE = Stack([hg(0.9, 0.5, 0.6), hg(0.7, 1.0, -0.3), Medium(albedo=0.99, tau=2.0, phase=Rayleigh())])
@@ -47,6 +48,7 @@ CASES = [
     ("rough Beckmann albedo", ROUGH_BECKMANN, Query(None, 0.6)),
     ("bronze", BRONZE, Query(0.8, 0.6, 0.4)),
     ("polished", POLISHED, Query(0.9, 0.5, 1.5)),
+    ("rough over mirror", ROUGH_OVER_MIRROR, Query(0.8, 0.6, 1.0)),
     ("glass through", GLASS, Query(0.5, 0.9, 0.7, path="transmit")),
     ("glass transmittance", GLASS, Query(None, 0.6, path="transmit")),
     ("frosted through", FROSTED, Query(0.6, 0.7, 0.8, path="transmit")),
