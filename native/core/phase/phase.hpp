@@ -39,6 +39,12 @@ class PhaseFunction {
     return std::visit([&](const auto& p) { return p.sample(u); }, kind_);
   }
 
+  /// Calls `use` with the function of its own type, for loops that must not choose at every step.
+  template <typename Use>
+  auto visit(const Use& use) const {
+    return std::visit(use, kind_);
+  }
+
   /// Density of sample() over the cosine; over solid angle it is this / 2 pi.
   double pdf(double cosine) const { return 0.5 * evaluate(cosine); }
 
