@@ -11,7 +11,7 @@ import threading
 import bpy
 from bpy.app.handlers import persistent
 
-from . import messages, native, node_group, preferences, stack_io
+from . import judgement, messages, native, node_group, preferences, stack_io
 
 log = logging.getLogger(__package__)
 
@@ -20,7 +20,8 @@ _failures = {}
 
 
 class Job:
-    """One bake in a worker thread; `more` goes to lamina.bake.
+    """One bake in a worker thread, of a stack or of what a function of no arguments makes there; `more` goes
+    to lamina.bake.
 
     `fraction` and `text` follow it; `lut` or `error` is there at its end."""
 
@@ -50,8 +51,9 @@ class Job:
 
     def _run(self):
         try:
+            stack = self._stack() if callable(self._stack) else self._stack
             self.lut = self._bake(
-                self._stack, progress=self._progress, cancel=self._stop.is_set, **self._arguments
+                stack, progress=self._progress, cancel=self._stop.is_set, **self._arguments
             )
         except BaseException as error:  # Whatever happened is told on the main thread.
             self.error = error
@@ -63,9 +65,10 @@ class Job:
 class MaterialJob(Job):
     """A job that knows which material its LUT is for, even when that is renamed meanwhile."""
 
-    def __init__(self, material, quality, threads, **more):
+    def __init__(self, material, quality, threads, stack=None, **more):
         self.uid, self.quality = material.session_uid, quality
-        super().__init__(stack_io.to_stack(material), quality, threads, **more)
+        more.setdefault("basis", material.lamina.basis)
+        super().__init__(stack or stack_io.to_stack(material), quality, threads, **more)
 
     def material(self):
         """The material, or None when it has been deleted."""
@@ -85,7 +88,7 @@ class MaterialJob(Job):
         return material
 
 
-def bake_material(material, quality=None, threads=None, progress=None, cancel=None):
+def bake_material(material, quality=None, threads=None, progress=None, cancel=None, basis=None):
     """Bake the material's stack and build its node group; returns the LUT. Blocks.
 
     `progress(fraction, text)` and `cancel() -> bool` as in lamina.bake. On any error the material
@@ -99,6 +102,7 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
         progress=progress,
         cancel=cancel,
         threads=preferences.threads() if threads is None else threads,
+        basis=basis or material.lamina.basis,
     )
     apply(material, lut)
     return lut
@@ -169,10 +173,10 @@ def state(material):
     result = material.lamina.result
     if not result.stack_hash or material.lamina.node_group is None:
         return "none"
-    try:
-        return "fresh" if stack_io.to_stack(material).hash == result.stack_hash else "stale"
-    except ValueError:
+    stack, error = judgement.of(stack_io.to_text(material))
+    if error is not None:
         return "invalid"
+    return "fresh" if stack.hash == result.stack_hash else "stale"
 
 
 def _note_report(result, lut):
@@ -181,6 +185,7 @@ def _note_report(result, lut):
     transmission, tau = report.get("fit_error_transmission"), worst.get("tau")
     result.stack_hash = header["stack_hash"]
     result.quality = header["quality"]
+    result.basis = header["basis"]
     result.fit_error = report["fit_error"]
     result.fit_error_transmission = -1.0 if transmission is None else transmission
     result.worst_error = worst.get("error", 0.0)

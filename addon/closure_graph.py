@@ -227,7 +227,7 @@ class _Directions:
             # N across I; where both are one, any direction square to I.
             along = graph.scale(-0.6, self.line, "(N.I) I", incoming, self.cosine)
             across = graph.vector("SUBTRACT", 0.4, self.line, "N across I", normal, along)
-            aside = graph.vector("CROSS_PRODUCT", 1.4, self.line, "aside", incoming, (3.0e-4, 5.0e-4, 8.0e-4))
+            aside = graph.vector("CROSS_PRODUCT", 1.4, self.line, "aside", incoming, (3.0e-6, 5.0e-6, 8.0e-6))
             total = graph.vector("ADD", 2.4, self.line, "square to I", across, aside)
         elif isinstance(wanted, tuple) and wanted[0] == "tilt":
             angle = math.radians(wanted[1])

@@ -68,6 +68,9 @@ def _parser():
     bake.add_argument(
         "--quality", choices=[key for key, *_ in preferences.QUALITIES], help="default: each material's own"
     )
+    bake.add_argument(
+        "--basis", choices=[key for key, *_ in preferences.BASES], help="default: each material's own"
+    )
     bake.add_argument("--threads", type=_threads, metavar="N", help="0 is all; default: the preferences'")
     where = bake.add_mutually_exclusive_group()
     where.add_argument("--save", action="store_true", help="save the .blend over itself")
@@ -138,7 +141,8 @@ def _bake_one(material, stack, arguments):
         if not material.lamina.enabled:
             raise messages.RefusedError("has no Lamina layers (give --stack JSON)")
         threads = preferences.threads() if arguments.threads is None else arguments.threads
-        job = bake_job.MaterialJob(material, arguments.quality or material.lamina.quality, threads)
+        more = {"basis": arguments.basis} if arguments.basis else {}
+        job = bake_job.MaterialJob(material, arguments.quality or material.lamina.quality, threads, **more)
         _wait(job)
         job.finish()
     except BaseException:
@@ -150,7 +154,8 @@ def _bake_one(material, stack, arguments):
         raise
     result = material.lamina.result
     errors = f"fit error {percent(result.fit_error, 2)}, worst slice {percent(result.worst_error)}"
-    return f"{errors}, {result.closures} closures, {result.quality}, {time.perf_counter() - started:.2f} s"
+    how = f"{result.closures} closures, {result.basis}, {result.quality}"
+    return f"{errors}, {how}, {time.perf_counter() - started:.2f} s"
 
 
 def _wait(job):

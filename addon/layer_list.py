@@ -16,6 +16,7 @@ def add_stack(material):
         layer.name = "Dust"
     settings.active_index = 0
     settings.quality = preferences.default_quality()
+    settings.basis = preferences.default_basis()
     settings.base.kind = "lambert"
     settings.base.reflectance = _shown_colour(material)
 

@@ -12,9 +12,9 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake_job, changes, migration, native, node_group, preferences
+from . import bake_job, changes, judgement, migration, native, node_group, preferences, redraw, stack_io
 
-QUALITY = "preview"
+QUALITY, BASIS = "preview", "standard"
 WORKING, WAITING = 0.004, 0.05  # seconds to the next look: while a bake runs, while editing may go on
 REST = 1.0  # seconds without a change, after which things are tidied up
 PATIENCE = 0.5  # a bake of an outdated state may run this long before the newest state takes its place
@@ -56,7 +56,10 @@ class LiveJob(bake_job.MaterialJob):
     def __init__(self, material, closures, coarse):
         self.started, self.kept, self.coarse = time.monotonic(), bool(closures), bool(coarse)
         more = {"closures": closures} if closures else {}
-        super().__init__(material, QUALITY, preferences.threads(), **more, **coarse)
+        text = stack_io.to_text(material)
+        # A colour takes a solve to be understood: not while somebody types.
+        super().__init__(material, QUALITY, preferences.threads(), lambda: _stack(text), basis=BASIS,
+                         **more, **coarse)
 
 
 def mark(material):
@@ -144,7 +147,7 @@ def _finish_job():
     except Exception as error:  # One sentence in the panel; the last good picture stays.
         if not followed.changed:
             bake_job.note_failure(material, error)
-    _redraw()
+    redraw.properties()
 
 
 def _show(job, material, followed):
@@ -168,8 +171,13 @@ def _start_next():
         elif followed.changed:
             followed.changed = False
             coarse = followed.coarse_options(material)
-            if _can_follow(material) and _start(material, node_group.closures(material), coarse):
+            if _can_follow(material) and _start(material, _kept(material), coarse):
                 return
+
+
+def _kept(material):
+    """The closures of the earlier bake, unless they are too many to be quick."""
+    return node_group.closures(material) if material.lamina.result.basis in ("", BASIS) else None
 
 
 def _start(material, closures, coarse=None):
@@ -179,7 +187,7 @@ def _start(material, closures, coarse=None):
         _job = LiveJob(material, closures, coarse or {})
     except Exception as error:
         bake_job.note_failure(material, error)
-        _redraw()
+        redraw.properties()
         return False
     return True
 
@@ -197,7 +205,7 @@ def _tidy():
             continue
         if not followed.changed and followed.touched + REST < time.monotonic() and bake_job.running() is None:
             followed.coarse, followed.chosen_error = False, max(followed.chosen_error, followed.error)
-            if _start(material, None if worse else node_group.closures(material)):
+            if _start(material, None if worse else _kept(material)):
                 return WORKING
         else:
             resting = False
@@ -208,17 +216,17 @@ def _material(uid):
     return next((one for one in bpy.data.materials if one.session_uid == uid), None)
 
 
+def _stack(text):
+    stack, error = judgement.of(text)
+    if error is not None:
+        raise error
+    return stack
+
+
 def _wake():
     # Nothing runs timers in the background, and one left there at the exit would hang Blender.
     if not bpy.app.background and not bpy.app.timers.is_registered(poll):
         bpy.app.timers.register(poll, first_interval=0.0)
-
-
-def _redraw():
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "PROPERTIES":
-                area.tag_redraw()
 
 
 @persistent

@@ -130,6 +130,8 @@ class LAMINA_PT_bake(MaterialPanel, bpy.types.Panel):
         row = layout.row()
         row.prop(material.lamina, "quality", expand=True)
         row.prop(material.lamina, "live", toggle=True, icon="PLAY" if not material.lamina.live else "PAUSE")
+        row = layout.row(heading="Basis")
+        row.prop(material.lamina, "basis", expand=True)
         job = bake_job.running_for(material)
         if job is not None:
             _draw_progress(layout, job)
@@ -180,7 +182,7 @@ def result_lines(result):
         lines.append(("Transmission", f"{percent(result.fit_error_transmission)} mean fit error"))
     lines.append(("Albedo Error", percent(result.albedo_error, 2)))
     lines.append(("Energy Error", percent(result.energy_error, 2)))
-    lines.append(("Closures", str(result.closures)))
+    lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} basis"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
     return lines
 

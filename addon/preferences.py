@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is set once per user: threads and the quality that new materials start with."""
+"""What is set once per user: threads and the quality and basis that new materials start with."""
 
 import bpy
 
@@ -8,6 +8,11 @@ from . import native
 QUALITIES = (
     ("preview", "Preview", "Fast and coarse: to find the look"),
     ("final", "Final", "Accurate: for the render"),
+)
+
+BASES = (
+    ("standard", "Standard", "Few closures: about as quick to render as a Principled BSDF"),
+    ("accurate", "Accurate", "Some twenty closures: nearer to the exact function, slower to render"),
 )
 
 
@@ -27,6 +32,12 @@ class LaminaPreferences(bpy.types.AddonPreferences):
         items=QUALITIES,
         default="final",
     )
+    default_basis: bpy.props.EnumProperty(
+        name="Basis of New Materials",
+        description="How many closures a material starts with",
+        items=BASES,
+        default="standard",
+    )
 
     def draw(self, context):
         column = self.layout.column()
@@ -36,6 +47,7 @@ class LaminaPreferences(bpy.types.AddonPreferences):
             column.label(text=native.reason(), icon="ERROR")
         column.prop(self, "threads", text="Threads (0 = All)")
         column.prop(self, "default_quality")
+        column.prop(self, "default_basis")
 
 
 def threads():
@@ -46,3 +58,8 @@ def threads():
 def default_quality():
     entry = bpy.context.preferences.addons.get(__package__)
     return entry.preferences.default_quality if entry and entry.preferences else "final"
+
+
+def default_basis():
+    entry = bpy.context.preferences.addons.get(__package__)
+    return entry.preferences.default_basis if entry and entry.preferences else "standard"

@@ -17,7 +17,7 @@ from bpy.props import (
 
 from . import changes
 from .layer_properties import LaminaBase, LaminaLayer
-from .preferences import QUALITIES
+from .preferences import BASES, QUALITIES
 
 SCHEMA = 2  # 1: media of three phase functions on four bases
 
@@ -27,6 +27,7 @@ class LaminaResult(bpy.types.PropertyGroup):
 
     stack_hash: StringProperty(description="Hash of the stack that was baked; empty before the first bake")
     quality: StringProperty()
+    basis: StringProperty(description="Empty for a bake of before there was a choice: standard")
     fit_error: FloatProperty(description="Mean over slices of the relative L2 error, reflection")
     fit_error_transmission: FloatProperty(description="For transmission; negative when there is none")
     worst_error: FloatProperty(description="Relative L2 error of the worst slice")
@@ -49,6 +50,13 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     about: StringProperty(description="JSON of what else an imported stack says of itself: name, source")
     quality: EnumProperty(
         name="Quality", description="How exactly to bake", items=QUALITIES, default="final", options=set()
+    )
+    basis: EnumProperty(
+        name="Basis",
+        description="How many closures the material is made of. Live editing shows Standard",
+        items=BASES,
+        default="standard",
+        options=set(),
     )
     live: BoolProperty(
         name="Live",

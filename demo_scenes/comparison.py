@@ -47,12 +47,12 @@ class Comparison:
         means = abs(self.mean_baked - self.mean_truth) <= self.allowed
         return bool(means and self.rms_without_noise <= self.allowed_rms)
 
-    def verdict(self):
-        """One sentence with the numbers."""
+    def verdict(self, truth="volume"):
+        """One sentence with the numbers; `truth`: what was path traced."""
         word = "agree" if self.agree else "DO NOT AGREE"
         mean = self.mean_truth
         return (
-            f"volume {mean:.5f} and baked {self.mean_baked:.5f} {word}: "
+            f"{truth} {mean:.5f} and baked {self.mean_baked:.5f} {word}: "
             f"{self.mean_baked / mean - 1.0:+.2%} apart, {self.allowed / mean:.2%} allowed "
             f"(noise {self.noise / mean:.2%}, fit {self.fit_error:.2%}); "
             f"pixels {self.rms_without_noise / self.rms_truth:.2%} rms, "

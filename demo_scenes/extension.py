@@ -65,7 +65,7 @@ def newest_zip(folder):
     return found[-1]
 
 
-def bake(name, stack, quality="final", say=lambda text: None):
+def bake(name, stack, quality="final", say=lambda text: None, basis="standard"):
     """(a new material that wears the baked `stack`, its LUT). `stack` is a dict as in stack.json.
 
     Through the enabled extension. Raises ExtensionMissingError, and what its bake raises.
@@ -83,7 +83,7 @@ def bake(name, stack, quality="final", say=lambda text: None):
         path = Path(folder) / "stack.json"
         path.write_text(json.dumps(stack), encoding="utf-8")
         stack_io.import_file(material, str(path))
-    return material, bake_job.bake_material(material, quality, progress=_told_seldom(say))
+    return material, bake_job.bake_material(material, quality, progress=_told_seldom(say), basis=basis)
 
 
 def _told_seldom(say, seconds=2.0):

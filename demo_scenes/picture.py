@@ -18,15 +18,28 @@ def save(path, title, panels, difference, span, notes):
     difference: (heading, detail, relative values (h, w) with NaN outside the region); the colours reach
     to +-`span`. notes: up to three lines, [(text, is_plain)], below the renders.
     """
-    heading, detail, values = difference
-    tiles = [*panels, (heading, detail, diverging(values, span))]
-    height, width = values.shape
-    top = MARGIN + 84 + 56
-    sheet = Image.new("RGB", (2 * MARGIN + 3 * width + 2 * GAP, top + height + 96 + MARGIN), PAPER)
+    save_rows(path, title, [(panels, difference, notes)], span)
+
+
+def save_rows(path, title, rows, span):
+    """Several such comparisons of one size below each other; rows: [(panels, difference, notes)]."""
+    height, width = rows[0][1][2].shape
+    first, row_height = MARGIN + 84, 56 + height + 96
+    sheet = Image.new("RGB", (2 * MARGIN + 3 * width + 2 * GAP, first + len(rows) * row_height + MARGIN), PAPER)
     draw = ImageDraw.Draw(sheet)
     draw.text((MARGIN, MARGIN), title[0], INK, _font(28))
     draw.text((MARGIN, MARGIN + 40), title[1], FAINT, _font(16))
-    for k, (name, explanation, pixels) in enumerate(tiles):
+    for k, row in enumerate(rows):
+        _row(sheet, draw, first + k * row_height + 56, *row, span)
+    partial = f"{path}.part"
+    sheet.save(partial, "PNG", optimize=True)
+    os.replace(partial, path)
+
+
+def _row(sheet, draw, top, panels, difference, notes, span):
+    heading, detail, values = difference
+    height, width = values.shape
+    for k, (name, explanation, pixels) in enumerate([*panels, (heading, detail, diverging(values, span))]):
         left = MARGIN + k * (width + GAP)
         draw.text((left, top - 50), name, INK, _font(20))
         draw.text((left, top - 24), explanation, FAINT, _font(14))
@@ -34,9 +47,6 @@ def save(path, title, panels, difference, span, notes):
     _colour_bar(sheet, draw, MARGIN + 2 * (width + GAP), top + height + 16, width, span)
     for k, (text, plain) in enumerate(notes):
         draw.text((MARGIN, top + height + 14 + 26 * k), text, FAINT if plain else INK, _font(16))
-    partial = f"{path}.part"
-    sheet.save(partial, "PNG", optimize=True)
-    os.replace(partial, path)
 
 
 def tone(pixels, exposure):

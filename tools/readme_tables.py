@@ -66,17 +66,18 @@ def bake(rows):
 
 
 def fit(rows):
-    return markdown(["stacks", "quality", "mean", "worst slice", "albedo", "transmission", "closures"],
-                    [[row["stack"], row["quality"], percent(row["mean"]), percent(row["worst"]),
+    return markdown(["basis", "stacks", "mean", "worst slice", "albedo", "transmission", "closures"],
+                    [[row["basis"], row["stack"], percent(row["mean"]), percent(row["worst"]),
                       f"{row['albedo']:.0e}", percent(row["transmission"], 1), f"{row['closures']:.1f}"]
-                     for row in rows if row["stack"].startswith("all ")])
+                     for row in rows if row["blind"] is None and row["quality"] == "final"])
 
 
 def render(report):
     rows = report["rows"]
-    return markdown(["material", "time / Principled", "noise at equal samples", "time at equal noise / Principled"],
-                    [[row["material"], f"{row['time_over_principled']:.2f}", percent(row["noise"], 1),
-                      f"{row['time_to_equal_noise_over_principled']:.2f}"] for row in rows])
+    return markdown(["material", "closures", "time / Principled", "noise at equal samples",
+                     "time at equal noise / Principled"],
+                    [[row["material"], str(row.get("closures", "-")), f"{row['time_over_principled']:.2f}",
+                      percent(row["noise"], 1), f"{row['time_to_equal_noise_over_principled']:.2f}"] for row in rows])
 
 
 TABLES = {"solver": solver, "doubling": doubling, "bake": bake, "fit": fit, "render": render}

@@ -35,7 +35,7 @@ int main() {
   const Eigen::MatrixXd b = Eigen::MatrixXd::Random(kGemm, kGemm);
   Eigen::MatrixXd c(kGemm, kGemm);
   for (const int nodes : {32, 64, 128}) {
-    const Directions directions = DirectionSet({1.0}, nodes, 1.0).in_medium(1.0, Eigen::VectorXd());
+    const Directions directions = DirectionSet({1.0}, nodes, {}).in_medium(1.0, Eigen::VectorXd());
     const TruncatedMedium medium(Medium{0.9, 1.0, PhaseFunction(HenyeyGreenstein{0.75})}, 2 * nodes);
     const HomogeneousModes::Layer solved = HomogeneousModes(medium, 0, directions).layer(medium.tau);
     ScatteringFunction layer = ScatteringFunction::empty(directions);

@@ -25,5 +25,6 @@ PYBIND11_MODULE(_core, module) {
   lamina::bind_phase(module);
   lamina::bind_solver(module);
   lamina::bind_fit(module);
+  lamina::bind_walks(module);
   lamina::bind_scattering(module);
 }

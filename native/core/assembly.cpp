@@ -6,22 +6,38 @@
 
 namespace lamina {
 
-Assembly::Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool)
+Assembly::Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool, Eigen::Index views)
     : solution_(solution), directions_(solution.directions(targets)) {
+  for (Directions& directions : directions_) {
+    directions.views = views;
+  }
   for (const Solution::Boundary& boundary : solution.boundaries()) {
     const bool at_base = boundary.layer == solution.stack().layers.size();
     const Directions& below = directions_[at_base ? boundary.layer : boundary.layer + 1];
     surfaces_.push_back(boundary.surface->on(directions_[boundary.layer], below, pool));
   }
-  deltas_ = DeltaField(layers(0, false));
+  for (const Solution::Scatterer& scatterer : solution.scatterers()) {
+    shapes_.emplace_back(directions_[scatterer.layer], scatterer.medium.tau);
+  }
+  deltas_ = DeltaField(layers(0, nullptr));
 }
 
 Assembly::Assembly(const Solution& solution, const Eigen::VectorXd& targets)
     : solution_(solution), directions_(solution.directions(targets)) {
-  deltas_ = DeltaField(layers(0, false));
+  deltas_ = DeltaField(layers(0, nullptr));
 }
 
-std::vector<ScatteringFunction> Assembly::layers(int order, bool kernels) const {
+std::vector<LayerKernels> Assembly::once(int order) const {
+  std::vector<LayerKernels> kernels;
+  for (std::size_t k = 0; k < shapes_.size(); ++k) {
+    const Solution::Scatterer& scatterer = solution_.scatterers()[k];
+    kernels.push_back(single_on(directions_[scatterer.layer], scatterer.medium, shapes_[k], order));
+  }
+  return kernels;
+}
+
+std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<LayerKernels>* once) const {
+  const bool kernels = once != nullptr;
   const Stack& stack = solution_.stack();
   std::vector<ScatteringFunction> functions;
   std::size_t scatterer = 0;
@@ -46,7 +62,8 @@ std::vector<ScatteringFunction> Assembly::layers(int order, bool kernels) const 
     }
     const TruncatedMedium& medium = solution_.scatterers()[scatterer].medium;
     if (kernels) {
-      functions.push_back(layer_on(here, solution_.multiple(order, scatterer), medium, order));
+      functions.push_back(
+          layer_on(here, solution_.multiple(order, scatterer), medium, shapes_[scatterer], (*once)[scatterer], order));
     } else {
       ScatteringFunction direct = ScatteringFunction::bare(here.size(), here.nodes);
       direct.transmit.delta = here.spread(direct_transmissions(here.mu, medium.tau));
@@ -64,11 +81,16 @@ std::vector<ScatteringFunction> Assembly::layers(int order, bool kernels) const 
   } else if (base.kind == Base::Kind::kConductor) {
     push_smooth(smooth_conductor(base.ior, bottom));
   }
+  for (ScatteringFunction& function : functions) {
+    for (DirectionOperator* part : {&function.reflect_above, &function.transmit, &function.reflect_below}) {
+      part->views = bottom.views;
+    }
+  }
   return functions;
 }
 
-ScatteringFunction Assembly::joined(int order) const {
-  const std::vector<ScatteringFunction> functions = layers(order, true);
+ScatteringFunction Assembly::joined(int order, const std::vector<LayerKernels>& once) const {
+  const std::vector<ScatteringFunction> functions = layers(order, &once);
   if (functions.empty()) {
     return ScatteringFunction::empty(directions_.front());
   }
@@ -87,7 +109,8 @@ ScatteringFunction Assembly::without_single(int order) const {
   if (stack.layers.size() == 1 && scatterers.size() == 1 && !base_reflects) {
     // One medium alone: what is wanted is what was solved.
     const Directions& here = directions_.front();
-    const LayerKernels alone = multiple_on(here, solution_.multiple(order, 0), scatterers.front().medium, order);
+    const LayerKernels alone =
+        multiple_on(here, solution_.multiple(order, 0), scatterers.front().medium, shapes_[0], order);
     ScatteringFunction rest = ScatteringFunction::nothing(here.size(), here.nodes);
     rest.reflect_above.kernel = alone.reflect;
     if (stack.base.kind == Base::Kind::kNone) {
@@ -96,26 +119,44 @@ ScatteringFunction Assembly::without_single(int order) const {
     }
     return rest;
   }
-  ScatteringFunction rest = joined(order);
+  const std::vector<LayerKernels> single = once(order);
+  ScatteringFunction rest = joined(order, single);
   rest.reflect_above.delta.setZero();
   rest.reflect_below.delta.setZero();
   rest.transmit.delta.setZero();
-  for (const Solution::Scatterer& scatterer : scatterers) {
-    const LayerKernels once = single_on(directions_[scatterer.layer], scatterer.medium, order);
-    const Eigen::MatrixXd turned = directions_[scatterer.layer].spread(once.reflect);
-    const Eigen::MatrixXd passed = directions_[scatterer.layer].spread(once.transmit);
-    const DeltaField::Arrival& above = deltas_.from_above[scatterer.layer];
-    const DeltaField::Arrival& below = deltas_.from_below[scatterer.layer];
-    // Out of each face, light that arrived at either.
-    const auto between = [&](const DeltaField::Arrival& out, const DeltaField::Arrival& in) -> Eigen::MatrixXd {
-      return out.down.asDiagonal() * turned * in.down.asDiagonal() + out.up.asDiagonal() * turned * in.up.asDiagonal() +
-             out.down.asDiagonal() * passed * in.up.asDiagonal() + out.up.asDiagonal() * passed * in.down.asDiagonal();
+  const bool opaque = stack.base.kind != Base::Kind::kNone;
+  for (std::size_t k = 0; k < scatterers.size(); ++k) {
+    const std::size_t layer = scatterers[k].layer;
+    const Eigen::MatrixXd turned = directions_[layer].spread(single[k].reflect);
+    const Eigen::MatrixXd passed = directions_[layer].spread(single[k].transmit);
+    const DeltaField::Arrival& above = deltas_.from_above[layer];
+    const DeltaField::Arrival& below = deltas_.from_below[layer];
+    // Out of each face, light that arrived at either; only targets are wanted without it.
+    const auto take = [&](DirectionOperator& from, const DeltaField::Arrival& out, const DeltaField::Arrival& in) {
+      from.each_block([&](auto row, auto column, auto rows, auto columns) {
+        if (row < from.nodes || column < from.nodes) {
+          return;
+        }
+        const auto turning = turned.block(row, column, rows, columns);
+        const auto passing = passed.block(row, column, rows, columns);
+        const auto out_down = out.down.segment(row, rows).asDiagonal();
+        const auto out_up = out.up.segment(row, rows).asDiagonal();
+        const auto in_down = in.down.segment(column, columns).asDiagonal();
+        const auto in_up = in.up.segment(column, columns).asDiagonal();
+        auto part = from.kernel.block(row, column, rows, columns);
+        part -= out_down * turning * in_down;
+        part -= out_up * turning * in_up;
+        part -= out_down * passing * in_up;
+        part -= out_up * passing * in_down;
+      });
     };
-    rest.reflect_above.kernel -= between(above, above);
-    rest.reflect_below.kernel -= between(below, below);
-    rest.transmit.kernel -= between(below, above);
+    take(rest.reflect_above, above, above);
+    if (!opaque) {
+      take(rest.reflect_below, below, below);
+      take(rest.transmit, below, above);
+    }
   }
-  if (stack.base.kind != Base::Kind::kNone) {
+  if (opaque) {
     rest.reflect_below.kernel.setZero();
     rest.transmit.kernel.setZero();
   }

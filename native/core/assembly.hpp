@@ -11,7 +11,9 @@ namespace lamina {
 /// all nodes and targets, joined on demand.
 class Assembly {
  public:
-  Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool);
+  /// `views`: see Directions; then kernels are joined only between views and lights.
+  Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool,
+           Eigen::Index views = DirectionOperator::kAllTargets);
   /// Directions and delta field alone, for any number of targets; nothing can be joined.
   Assembly(const Solution& solution, const Eigen::VectorXd& targets);
 
@@ -22,18 +24,23 @@ class Assembly {
   const DeltaField& deltas() const { return deltas_; }
 
   /// The whole stack in one azimuth order. Lobes of rough boundaries between two targets are left out.
-  ScatteringFunction joined(int order) const;
+  ScatteringFunction joined(int order) const { return joined(order, once(order)); }
 
   /// The same without light that was scattered just once, by a medium or a rough boundary, and without
   /// delta parts: smooth in azimuth.
   ScatteringFunction without_single(int order) const;
 
  private:
-  std::vector<ScatteringFunction> layers(int order, bool kernels) const;
+  /// Light scattered once by each medium, in one order.
+  std::vector<LayerKernels> once(int order) const;
+  /// The layers, top first; `once` null: their delta parts alone.
+  std::vector<ScatteringFunction> layers(int order, const std::vector<LayerKernels>* once) const;
+  ScatteringFunction joined(int order, const std::vector<LayerKernels>& once) const;
 
   const Solution& solution_;
   std::vector<Directions> directions_;
   std::vector<std::vector<ScatteringFunction>> surfaces_;  // by rough boundary, order
+  std::vector<LayerShapes> shapes_;                        // by medium
   DeltaField deltas_;
 };
 

@@ -12,7 +12,7 @@ AssemblySlices::AssemblySlices(const Solution& solution, std::span<const Sight> 
       azimuth_(grid.dphi.array().cos()),
       assembly_(solution,
                 (Eigen::VectorXd(grid.view_mu.size() + grid.light_mu.size()) << grid.view_mu, grid.light_mu).finished(),
-                pool) {
+                pool, grid.view_mu.size()) {
   for (const Sight& sight : sights) {
     once_.try_emplace({sight.viewer, sight.path}, assembly_, sight.entry(), sight.path);
   }

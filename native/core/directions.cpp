@@ -50,7 +50,7 @@ std::vector<double> divisions(double end, double thinnest) {
 
 }  // namespace
 
-DirectionSet::DirectionSet(std::vector<double> indices, int count, double thinnest) {
+DirectionSet::DirectionSet(std::vector<double> indices, int count, const std::map<double, double>& thinnest) {
   std::sort(indices.begin(), indices.end());
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
   constexpr int kFewest = 8;
@@ -59,7 +59,9 @@ DirectionSet::DirectionSet(std::vector<double> indices, int count, double thinne
     // From grazing to the cosine at which the next thinner medium begins.
     const double critical = k == 0 ? 1.0 : refracted_cosine(0.0, indices[k - 1], indices[k]);
     double low = 0.0;
-    for (const double high : divisions(critical, thinnest)) {
+    // Directions that graze in this medium do so in no other.
+    const auto thin = thinnest.find(indices[k]);
+    for (const double high : divisions(critical, thin == thinnest.end() ? 1.0 : thin->second)) {
       const int most = k == 0 ? count : std::max(kFewest, static_cast<int>(std::ceil(critical * count)));
       ranges_.push_back({indices[k], Quadrature(high == critical ? most : kGrazing, low, high)});
       low = high;
@@ -67,13 +69,8 @@ DirectionSet::DirectionSet(std::vector<double> indices, int count, double thinne
   }
 }
 
-DirectionSet DirectionSet::finer(int count) const {
+DirectionSet DirectionSet::finer_by(double factor) const {
   DirectionSet fine = *this;
-  Eigen::Index own = 0;
-  for (const Range& range : ranges_) {
-    own += range.ior == ranges_.front().ior ? range.nodes.mu.size() : 0;
-  }
-  const double factor = std::max(1.0, count / static_cast<double>(own));
   for (Range& range : fine.ranges_) {
     const int more = static_cast<int>(std::ceil(factor * static_cast<double>(range.nodes.mu.size())));
     range.nodes = Quadrature(more, range.nodes.low(), range.nodes.high());

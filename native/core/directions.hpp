@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -40,15 +41,16 @@ struct Directions {
 /// medium of lower index ends, in the cosine of the least dense medium that has the range, so that
 /// functions are smooth through grazing incidence and the critical angle. In layers thinner than the
 /// cosines that the nodes resolve, light streams sideways: there the grazing end of each range is divided
-/// further, down to cosines like the thickness.
+/// further, down to cosines like the thickness. Only where it is needed: in a denser medium the same cosines would
+/// fall together at the critical angle, and rounding would not tell them apart.
 class DirectionSet {
  public:
   /// `indices`: refractive indices in the stack, in any order; `count`: nodes of a range of cosines from 0 to
-  /// 1; `thinnest`: the least optical thickness of a layer that scatters repeatedly.
-  DirectionSet(std::vector<double> indices, int count, double thinnest);
+  /// 1; `thinnest`: by refractive index, the least optical thickness of a layer that scatters repeatedly.
+  DirectionSet(std::vector<double> indices, int count, const std::map<double, double>& thinnest);
 
-  /// The same ranges with at least `count` nodes in the first and as many times more in the others.
-  DirectionSet finer(int count) const;
+  /// The same ranges with as many times more nodes.
+  DirectionSet finer_by(double factor) const;
   /// From this set's nodes to those of a finer one: polynomial interpolation of scaled radiance, which keeps
   /// scalar products and fluxes. Finer nodes by nodes.
   Eigen::MatrixXd carry_to(const DirectionSet& fine) const;

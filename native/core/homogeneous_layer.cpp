@@ -201,20 +201,23 @@ Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScatt
       .matrix();
 }
 
+LayerShapes::LayerShapes(const Directions& directions, double tau)
+    : reflect(symmetric(directions.mu, tau, single_reflection)),
+      transmit(symmetric(directions.mu, tau, single_transmission)) {}
+
 LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
-                         const TruncatedMedium& medium, int order) {
+                         const TruncatedMedium& medium, const LayerShapes& shapes, int order) {
   const Eigen::VectorXd outer = parity_factor(order, directions.mu) * directions.scale.array();
   const Eigen::MatrixXd& carry = directions.interpolation;
-  const Eigen::MatrixXd shape =
-      outer.asDiagonal() * symmetric(directions.mu, medium.tau, single_reflection) * outer.asDiagonal();
+  const Eigen::MatrixXd shape = outer.asDiagonal() * shapes.reflect * outer.asDiagonal();
   LayerKernels kernels{(carry * multiple.reflect * carry.transpose()).cwiseProduct(shape),
                        (carry * multiple.transmit * carry.transpose()).cwiseProduct(shape)};
   if (order == 0 && directions.targets > 0 && multiple.survival.size() > 0) {
     const auto to_targets = [&](const LayerKernels& k) -> Eigen::MatrixXd {
       return (k.reflect + k.transmit).topRightCorner(directions.live, directions.targets);
     };
-    const Eigen::VectorXd factors =
-        energy_factors(directions, multiple, medium, to_targets(single_on(directions, medium, 0)), to_targets(kernels));
+    const Eigen::VectorXd factors = energy_factors(
+        directions, multiple, medium, to_targets(single_on(directions, medium, shapes, 0)), to_targets(kernels));
     for (Eigen::MatrixXd* kernel : {&kernels.reflect, &kernels.transmit}) {
       auto out = kernel->bottomLeftCorner(directions.targets, directions.live);
       auto in = kernel->topRightCorner(directions.live, directions.targets);
@@ -225,20 +228,20 @@ LayerKernels multiple_on(const Directions& directions, const MultipleScattering&
   return kernels;
 }
 
-LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, int order) {
+LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, const LayerShapes& shapes,
+                       int order) {
   const PhaseKernel phase(medium, order, directions.mu);
   const auto kernel = [&](const Eigen::MatrixXd& phases, const Eigen::MatrixXd& shape) -> Eigen::MatrixXd {
     return 0.25 * medium.albedo *
            (directions.scale.asDiagonal() * phases.cwiseProduct(shape) * directions.scale.asDiagonal());
   };
-  return {kernel(phase.reflect, symmetric(directions.mu, medium.tau, single_reflection)),
-          kernel(phase.transmit, symmetric(directions.mu, medium.tau, single_transmission))};
+  return {kernel(phase.reflect, shapes.reflect), kernel(phase.transmit, shapes.transmit)};
 }
 
 ScatteringFunction layer_on(const Directions& directions, const MultipleScattering& multiple,
-                            const TruncatedMedium& medium, int order) {
-  const LayerKernels once = single_on(directions, medium, order);
-  const LayerKernels rest = multiple_on(directions, multiple, medium, order);
+                            const TruncatedMedium& medium, const LayerShapes& shapes, const LayerKernels& once,
+                            int order) {
+  const LayerKernels rest = multiple_on(directions, multiple, medium, shapes, order);
   ScatteringFunction s = ScatteringFunction::nothing(directions.size(), directions.nodes);
   s.reflect_above.kernel = directions.spread((once.reflect + rest.reflect).eval());
   s.reflect_below.kernel = s.reflect_above.kernel;

@@ -56,6 +56,14 @@ struct PhaseKernel {
 MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const TruncatedMedium& medium,
                                        const PhaseKernel& phase, int order, const Directions& directions);
 
+/// Angular shapes of a layer's single scattering between all directions of its medium, of no azimuth order.
+struct LayerShapes {
+  Eigen::MatrixXd reflect;
+  Eigen::MatrixXd transmit;
+
+  LayerShapes(const Directions& directions, double tau);
+};
+
 /// Kernels of a layer between the live nodes and targets of its medium, scaled; not yet spread.
 struct LayerKernels {
   Eigen::MatrixXd reflect;
@@ -65,7 +73,7 @@ struct LayerKernels {
 /// The parts of a layer's scattering function on any directions: multiple scattering, carried there by
 /// interpolation; single scattering, in closed form; the direct part.
 LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
-                         const TruncatedMedium& medium, int order);
+                         const TruncatedMedium& medium, const LayerShapes& shapes, int order);
 /// Sums over nodes of interpolated kernels miss the energy balance by some 1e-6 at targets. The share of the removed
 /// light that survives is known at the nodes, smooth, and 1 where nothing is absorbed: factors that restore it, by
 /// target, for what multiple_on says between targets and nodes in order 0. Of `once` and `repeated`, the kernels of
@@ -73,11 +81,13 @@ LayerKernels multiple_on(const Directions& directions, const MultipleScattering&
 Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
                                const TruncatedMedium& medium, const Eigen::MatrixXd& once,
                                const Eigen::MatrixXd& repeated);
-LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, int order);
+LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, const LayerShapes& shapes,
+                       int order);
 Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau);
 
-/// All three together.
+/// All three together, of which `once` is known.
 ScatteringFunction layer_on(const Directions& directions, const MultipleScattering& multiple,
-                            const TruncatedMedium& medium, int order);
+                            const TruncatedMedium& medium, const LayerShapes& shapes, const LayerKernels& once,
+                            int order);
 
 }  // namespace lamina

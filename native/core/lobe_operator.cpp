@@ -1,62 +1,153 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lobe_operator.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace lamina {
+namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-LobeOperator::LobeOperator(Lobe lobe, const AzimuthTransform& azimuth, const DirectionSet& set,
-                           const DirectionSet& fine, double ior_out, double ior_in, ThreadPool& pool)
-    : lobe_(std::move(lobe)),
-      azimuth_(azimuth),
-      fine_out_(fine.in_medium(ior_out, VectorXd())),
-      fine_in_(fine.in_medium(ior_in, VectorXd())) {
-  const MatrixXd carry = set.carry_to(fine);
-  carry_out_ = carry.topLeftCorner(fine_out_.live, set.in_medium(ior_out, VectorXd()).live);
-  carry_in_ = carry.topLeftCorner(fine_in_.live, set.in_medium(ior_in, VectorXd()).live);
-  nodes_ = between(fine_out_.mu, fine_out_.scale, fine_in_.mu, fine_in_.scale, pool);
-  for (MatrixXd& order : nodes_) {
-    order = (carry_out_.transpose() * order * carry_in_).eval();
+/// The ranges of nodes that exist in one medium, and sums over rays in it of share * polynomial * cos(m phi).
+class Projection {
+ public:
+  Projection(const DirectionSet& set, double ior) : ior_(ior) {
+    for (const DirectionSet::Range& range : set.ranges()) {
+      if (range.ior <= ior) {
+        parts_.push_back({&range, live_, {}, {}});
+        live_ += range.nodes.mu.size();
+      }
+    }
+    inverse_common_.resize(live_);
+    for (const Part& part : parts_) {
+      const Quadrature& nodes = part.range->nodes;
+      inverse_common_.segment(part.first, nodes.mu.size()) =
+          (2.0 * nodes.mu.array() * nodes.weight.array()).sqrt().inverse() / part.range->ior;
+    }
   }
+
+  Index live() const { return live_; }
+
+  /// Live nodes by orders.
+  MatrixXd sum(const Rays& rays, int orders) {
+    for (Part& part : parts_) {
+      part.own.clear();
+      part.rays.clear();
+    }
+    for (std::size_t k = 0; k < rays.mu.size(); ++k) {
+      sort_in(rays.mu[k], k);
+    }
+    MatrixXd result = MatrixXd::Zero(live_, orders);
+    for (const Part& part : parts_) {
+      const Quadrature& nodes = part.range->nodes;
+      const auto count = static_cast<Index>(part.rays.size());
+      polynomials_.resize(nodes.mu.size(), count);
+      waves_.resize(count, orders);
+      cosines_.resize(count);
+      for (Index k = 0; k < count; ++k) {
+        const std::size_t ray = part.rays[static_cast<std::size_t>(k)];
+        nodes.interpolate(part.own[static_cast<std::size_t>(k)], polynomials_.col(k));
+        waves_(k, 0) = rays.share[ray];
+        cosines_[k] = rays.azimuth[ray];
+      }
+      // cos((m + 1) phi) = 2 cos(phi) cos(m phi) - cos((m - 1) phi).
+      for (Index m = 1; m < orders; ++m) {
+        waves_.col(m) = cosines_.cwiseProduct(waves_.col(m - 1));
+        if (m > 1) {
+          waves_.col(m) = 2.0 * waves_.col(m) - waves_.col(m - 2);
+        }
+      }
+      result.middleRows(part.first, nodes.mu.size()).noalias() = polynomials_ * waves_;
+    }
+    return inverse_common_.asDiagonal() * result;
+  }
+
+ private:
+  struct Part {
+    const DirectionSet::Range* range;
+    Index first;
+    std::vector<double> own;  // of the rays in this range, in the medium that the range belongs to
+    std::vector<std::size_t> rays;
+  };
+
+  void sort_in(double mu, std::size_t ray) {
+    double own = mu;
+    Part* chosen = nullptr;
+    for (Part& part : parts_) {
+      const double ratio = ior_ / part.range->ior;
+      const double square = ratio == 1.0 ? mu * mu : 1.0 - ratio * ratio * (1.0 - mu * mu);
+      if (square < 0.0) {
+        continue;
+      }
+      own = std::sqrt(square);
+      chosen = &part;
+      if (own <= part.range->nodes.high()) {
+        break;
+      }
+    }
+    chosen->own.push_back(own);
+    chosen->rays.push_back(ray);
+  }
+
+  double ior_;
+  Index live_ = 0;
+  std::vector<Part> parts_;
+  VectorXd inverse_common_;
+  MatrixXd polynomials_;
+  MatrixXd waves_;
+  VectorXd cosines_;
+};
+
+}  // namespace
+
+LobeOperator::Columns LobeOperator::from(const VectorXd& mu, const VectorXd& common, ThreadPool& pool) const {
+  Columns columns;
+  const auto shape = [&](std::vector<MatrixXd>& matrices, double ior) {
+    matrices.assign(static_cast<std::size_t>(orders_), MatrixXd(Projection(set_, ior).live(), mu.size()));
+  };
+  shape(columns.reflected, ior_);
+  if (beyond_ > 0.0) {
+    shape(columns.transmitted, beyond_);
+  }
+  constexpr Index kChunk = 4;
+  pool.run(static_cast<std::size_t>((mu.size() + kChunk - 1) / kChunk), [&](std::size_t chunk) {
+    Rays reflected;
+    Rays transmitted;
+    Projection own(set_, ior_);
+    Projection other(set_, beyond_);
+    const Index first = static_cast<Index>(chunk) * kChunk;
+    for (Index i = first; i < std::min(first + kChunk, mu.size()); ++i) {
+      rays_.scatter(mu[i], reflected, transmitted);
+      const auto keep = [&](std::vector<MatrixXd>& matrices, const MatrixXd& sums) {
+        for (std::size_t m = 0; m < matrices.size(); ++m) {
+          matrices[m].col(i) = common[i] * sums.col(static_cast<Index>(m));
+        }
+      };
+      keep(columns.reflected, own.sum(reflected, orders_));
+      if (beyond_ > 0.0) {
+        keep(columns.transmitted, other.sum(transmitted, orders_));
+      }
+    }
+  });
+  return columns;
 }
 
-std::vector<MatrixXd> LobeOperator::on(const Directions& out, const Directions& in, ThreadPool& pool) const {
-  const VectorXd out_mu = out.mu.tail(out.targets);
-  const VectorXd out_scale = out.scale.tail(out.targets);
-  const VectorXd in_mu = in.mu.tail(in.targets);
-  const VectorXd in_scale = in.scale.tail(in.targets);
-  const std::vector<MatrixXd> leaving = between(out_mu, out_scale, fine_in_.mu, fine_in_.scale, pool);
-  const std::vector<MatrixXd> arriving = between(fine_out_.mu, fine_out_.scale, in_mu, in_scale, pool);
-  std::vector<MatrixXd> orders(nodes_.size());
-  pool.run(orders.size(), [&](std::size_t m) {
-    MatrixXd all = MatrixXd::Zero(out.size(), in.size());
-    all.topLeftCorner(out.live, in.live) = nodes_[m];
-    all.bottomLeftCorner(out.targets, in.live) = leaving[m] * carry_in_;
-    all.topRightCorner(out.live, in.targets) = carry_out_.transpose() * arriving[m];
-    orders[m] = std::move(all);
-  });
-  return orders;
-}
-
-/// Scaled Fourier coefficients of the lobe between two lists of directions, by order.
-std::vector<MatrixXd> LobeOperator::between(const VectorXd& mu_out, const VectorXd& scale_out, const VectorXd& mu_in,
-                                            const VectorXd& scale_in, ThreadPool& pool) const {
-  const Index count = azimuth_.to_orders.rows();
-  std::vector<MatrixXd> orders(static_cast<std::size_t>(count), MatrixXd(mu_out.size(), mu_in.size()));
-  pool.run(static_cast<std::size_t>(mu_out.size()), [&](std::size_t k) {
-    const auto row = static_cast<Index>(k);
-    MatrixXd samples(azimuth_.cosines.size(), mu_in.size());
-    for (Index column = 0; column < mu_in.size(); ++column) {
-      samples.col(column) = lobe_(mu_out[row], mu_in[column], azimuth_.cosines).matrix();
+LobeOperator::Columns LobeOperator::on_nodes(ThreadPool& pool) const {
+  constexpr double kFiner = 1.5;
+  const DirectionSet fine = set_.finer_by(kFiner);
+  const Directions in = fine.in_medium(ior_, VectorXd());
+  const Index live = set_.in_medium(ior_, VectorXd()).live;
+  const MatrixXd carry = set_.carry_to(fine).topLeftCorner(in.live, live);
+  Columns columns = from(in.mu, ior_ * in.scale, pool);
+  for (std::vector<MatrixXd>* matrices : {&columns.reflected, &columns.transmitted}) {
+    for (MatrixXd& matrix : *matrices) {
+      matrix = (matrix * carry).eval();
     }
-    const MatrixXd coefficients = scale_out[row] * (azimuth_.to_orders * samples) * scale_in.asDiagonal();
-    for (Index m = 0; m < count; ++m) {
-      orders[static_cast<std::size_t>(m)].row(row) = coefficients.row(m);
-    }
-  });
-  return orders;
+  }
+  return columns;
 }
 
 }  // namespace lamina

@@ -1,45 +1,44 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <functional>
 #include <vector>
 
 #include "directions.hpp"
-#include "microfacet.hpp"
+#include "facet_rays.hpp"
 #include "thread_pool.hpp"
 
 namespace lamina {
 
-/// The glossy lobe of a boundary, from directions in one medium to directions in another or the same, as
-/// matrices by azimuth order.
+/// The glossy lobes of a boundary for light from one of its sides, as matrices by azimuth order.
 ///
-/// Lobes may be narrower than the spacing of the nodes. They are therefore sampled on finer nodes of the
-/// same ranges and projected onto the polynomials that the nodes carry (Galerkin): exact wherever one side
-/// of a product is smooth, symmetric, and keeping every flux. Entries between two targets stay zero: there
-/// the lobe is wanted exactly, and known in closed form.
+/// Lobes may be narrower than the spacing of the nodes. They are therefore projected onto the polynomials
+/// that the nodes carry (Galerkin): exact wherever one side of a product is smooth, and keeping every flux.
+/// The projection on the outgoing side is a sum over the rays that the facets send, that on the incoming
+/// side one over finer nodes of the same ranges, along which the sum is smooth.
 class LobeOperator {
  public:
-  /// Values at all azimuths for a cosine on the outgoing and one on the incoming side; `factor` in the
-  /// scaling of Directions: pi for a BRDF.
-  using Lobe = std::function<Eigen::ArrayXd(double mu_out, double mu_in, const Eigen::ArrayXd& cosines)>;
+  /// What leaves into the nodes' polynomials on the light's own side and on the other, by order: live nodes of
+  /// that medium by incoming directions.
+  struct Columns {
+    std::vector<Eigen::MatrixXd> reflected;
+    std::vector<Eigen::MatrixXd> transmitted;
+  };
 
-  LobeOperator(Lobe lobe, const AzimuthTransform& azimuth, const DirectionSet& set, const DirectionSet& fine,
-               double ior_out, double ior_in, ThreadPool& pool);
+  /// From the medium of index `ior` to that of index `beyond`; 0: nothing passes.
+  LobeOperator(FacetRays rays, DirectionSet set, double ior, double beyond, int orders)
+      : rays_(std::move(rays)), set_(std::move(set)), ior_(ior), beyond_(beyond), orders_(orders) {}
 
-  /// All orders on directions with targets.
-  std::vector<Eigen::MatrixXd> on(const Directions& out, const Directions& in, ThreadPool& pool) const;
+  /// Light that comes along directions of the medium of `ior`; `common` is C of each, see Directions.
+  Columns from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
+
+  /// The same on the nodes' polynomials: live nodes by live nodes.
+  Columns on_nodes(ThreadPool& pool) const;
 
  private:
-  std::vector<Eigen::MatrixXd> between(const Eigen::VectorXd& mu_out, const Eigen::VectorXd& scale_out,
-                                       const Eigen::VectorXd& mu_in, const Eigen::VectorXd& scale_in,
-                                       ThreadPool& pool) const;
-
-  Lobe lobe_;
-  AzimuthTransform azimuth_;
-  Directions fine_out_;
-  Directions fine_in_;
-  Eigen::MatrixXd carry_out_;  // fine live nodes by live nodes
-  Eigen::MatrixXd carry_in_;
-  std::vector<Eigen::MatrixXd> nodes_;  // by order, live nodes
+  FacetRays rays_;
+  DirectionSet set_;
+  double ior_;
+  double beyond_;
+  int orders_;
 };
 
 }  // namespace lamina

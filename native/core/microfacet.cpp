@@ -79,16 +79,6 @@ double Facets::masking(double mu_o, double mu_i) const {
   return correlated ? 1.0 / (1.0 + o + i) : 1.0 / ((1.0 + o) * (1.0 + i));
 }
 
-AzimuthTransform::AzimuthTransform(int samples, int orders) : cosines(samples + 1), to_orders(orders, samples + 1) {
-  for (int k = 0; k <= samples; ++k) {
-    cosines[k] = std::cos(pi * k / samples);
-    const double weight = (k == 0 || k == samples ? 0.5 : 1.0) / samples;
-    for (int m = 0; m < orders; ++m) {
-      to_orders(m, k) = weight * std::cos(pi * k * m / samples);
-    }
-  }
-}
-
 ArrayXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu_o, double mu_i,
                               const ArrayXd& cosines) {
   const Half half(mu_o, mu_i, cosines);
@@ -101,11 +91,6 @@ ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, d
   const Half half(mu_o, mu_i, cosines);
   return facets.density(half.normal) * conductor_fresnel_array(half.ray, ratio) *
          (facets.masking(mu_o, mu_i) / (4.0 * mu_o * mu_i));
-}
-
-ArrayXd mirror_reflection(const Facets& facets, double mu_o, double mu_i, const ArrayXd& cosines) {
-  const Half half(mu_o, mu_i, cosines);
-  return facets.density(half.normal) * (facets.masking(mu_o, mu_i) / (4.0 * mu_o * mu_i));
 }
 
 double conductor_fresnel(double mu, std::complex<double> ratio) {

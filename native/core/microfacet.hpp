@@ -20,15 +20,6 @@ struct Facets {
   double masking(double mu_o, double mu_i) const;
 };
 
-/// Azimuth samples on [0, pi] and the table that turns values on them into Fourier coefficients
-/// (1/pi) int_0^pi f cos(m phi) dphi: trapezoidal, spectrally accurate for smooth periodic functions.
-struct AzimuthTransform {
-  Eigen::ArrayXd cosines;     ///< cos(phi)
-  Eigen::MatrixXd to_orders;  ///< orders x samples
-
-  AzimuthTransform(int samples, int orders);
-};
-
 /// Single reflection by dielectric facets between two media, both directions in the medium of index
 /// `ior` with `beyond` on the other side; BRDF at all azimuths, `cosines` = cos(dphi), 1 forward.
 Eigen::ArrayXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu_o, double mu_i,
@@ -37,9 +28,6 @@ Eigen::ArrayXd dielectric_reflection(const Facets& facets, double ior, double be
 /// The same by a conductor of relative complex index `ratio` = (n + ik) / ior.
 Eigen::ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu_o, double mu_i,
                                     const Eigen::ArrayXd& cosines);
-
-/// The same by facets that reflect everything.
-Eigen::ArrayXd mirror_reflection(const Facets& facets, double mu_o, double mu_i, const Eigen::ArrayXd& cosines);
 
 /// Fresnel's reflectance of a smooth conductor, and its mean over uniform diffuse light.
 double conductor_fresnel(double mu, std::complex<double> ratio);

@@ -49,13 +49,22 @@ double Quadrature::moment_error() const {
 }
 
 Eigen::RowVectorXd Quadrature::interpolate(double point) const {
-  const Eigen::ArrayXd distance = point - mu.array();
-  Eigen::Index nearest = 0;
-  if (distance.abs().minCoeff(&nearest) < 1e-15) {
-    return Eigen::RowVectorXd::Unit(mu.size(), nearest);
+  Eigen::VectorXd values(mu.size());
+  interpolate(point, values);
+  return values.transpose();
+}
+
+void Quadrature::interpolate(double point, Eigen::Ref<Eigen::VectorXd> values) const {
+  values = (barycentric_.array() / (point - mu.array())).matrix();
+  const double sum = values.sum();
+  if (std::isfinite(sum)) {
+    values /= sum;
+    return;
   }
-  const Eigen::ArrayXd terms = barycentric_.array() / distance;
-  return (terms / terms.sum()).matrix().transpose();
+  Eigen::Index nearest = 0;
+  (point - mu.array()).abs().minCoeff(&nearest);
+  values.setZero();
+  values[nearest] = 1.0;
 }
 
 }  // namespace lamina

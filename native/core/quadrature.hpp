@@ -19,6 +19,8 @@ struct Quadrature {
 
   /// Row of polynomial interpolation from the nodes to any point.
   Eigen::RowVectorXd interpolate(double point) const;
+  /// The same into memory at hand.
+  void interpolate(double point, Eigen::Ref<Eigen::VectorXd> values) const;
 
  private:
   double low_;

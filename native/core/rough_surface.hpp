@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -16,8 +17,12 @@ namespace lamina {
 /// nothing; without compensation it stays lost.
 class RoughSurface {
  public:
-  RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool);
-  RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool);
+  /// `fineness` multiplies the density of facets: 1 will do beside what scatters smoothly, lobes that meet lobes
+  /// or mirrors need more.
+  RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
+               double fineness = 1.0);
+  RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
+               double fineness = 1.0);
 
   /// All orders on directions with targets. Lobes between two targets are left out, see LobeOperator; what
   /// is given back is smooth and there.
@@ -31,13 +36,23 @@ class RoughSurface {
   Eigen::ArrayXd transmission(double mu_below, double mu_above, const Eigen::ArrayXd& cosines) const;
 
  private:
-  using Lobe = LobeOperator::Lobe;
+  /// pi times a BRDF or BTDF, at all azimuths, `cosines` = cos(dphi).
+  using Lobe = std::function<Eigen::ArrayXd(double mu_out, double mu_in, const Eigen::ArrayXd& cosines)>;
+  /// One azimuth order on live nodes; of a conductor the first alone.
+  struct Nodes {
+    Eigen::MatrixXd reflect_above;
+    Eigen::MatrixXd transmit;
+    Eigen::MatrixXd reflect_below;
+  };
 
   Lobe reflect_above_;
-  Lobe transmit_;                        // empty for a conductor
-  Lobe reflect_below_;                   // empty for a conductor
-  std::vector<LobeOperator> operators_;  // R, then T and R'
-  std::optional<LobeOperator> perfect_;  // of a conductor to be compensated: facets that reflect everything
+  Lobe transmit_;       // empty for a conductor
+  Lobe reflect_below_;  // empty for a conductor
+  std::optional<LobeOperator> from_above_;
+  std::optional<LobeOperator> from_below_;  // empty for a conductor
+  std::vector<Nodes> nodes_;                // by order
+  std::optional<LobeOperator> perfect_;     // of a conductor to be compensated: facets that reflect everything
+  Eigen::MatrixXd perfect_nodes_;
   double mean_fresnel_ = 1.0;
   bool compensate_ = true;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -29,12 +30,37 @@ double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double 
   return least;
 }
 
+/// By refractive index, the thickness of the thinnest layer that scatters repeatedly, if not below `least`.
+std::map<double, double> thinnest_layers(const Stack& stack, double least) {
+  const std::vector<double> indices = refractive_indices(stack);
+  std::map<double, double> thinnest;
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    const auto* medium = std::get_if<Medium>(&stack.layers[layer]);
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > kThinnestRepeated) {
+      double& known = thinnest.try_emplace(indices[layer], 1.0).first->second;
+      known = std::min(known, std::max(least, medium->tau));
+    }
+  }
+  return thinnest;
+}
+
+/// Boundaries that mirror, however roughly.
+int reflectors(const Stack& stack) {
+  const std::vector<double> indices = refractive_indices(stack);
+  int count = stack.base.kind == Base::Kind::kConductor ? 1 : 0;
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    count += indices[layer + 1] != indices[layer] ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace
 
 Solution::Solution(Stack stack, const Resolution& resolution, ThreadPool& pool)
     : stack_(std::move(stack)),
       resolution_(resolution),
-      set_(std::make_shared<DirectionSet>(refractive_indices(stack_), resolution.nodes, resolution.thinnest)) {
+      set_(std::make_shared<DirectionSet>(refractive_indices(stack_), resolution.nodes,
+                                          thinnest_layers(stack_, resolution.thinnest))) {
   const std::vector<double> indices = refractive_indices(stack_);
   for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
     if (const auto* medium = std::get_if<Medium>(&stack_.layers[layer])) {
@@ -189,15 +215,17 @@ int Solution::fewest_orders() const {
 void Solution::add_boundaries(ThreadPool& pool) {
   boundaries_.clear();
   const std::vector<double> indices = refractive_indices(stack_);
+  const double fineness = reflectors(stack_) > 1 ? 2.2 : 1.0;  // measured: albedo within a few 1e-4
   for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
     const auto* interface = std::get_if<Interface>(&stack_.layers[layer]);
     if (interface != nullptr && interface->is_rough(indices[layer])) {
-      boundaries_.push_back({layer, std::make_shared<RoughSurface>(*interface, *set_, indices[layer], orders(), pool)});
+      boundaries_.push_back(
+          {layer, std::make_shared<RoughSurface>(*interface, *set_, indices[layer], orders(), pool, fineness)});
     }
   }
   if (stack_.base.kind == Base::Kind::kConductor && stack_.base.facets.alpha > 0.0) {
-    boundaries_.push_back(
-        {stack_.layers.size(), std::make_shared<RoughSurface>(stack_.base, *set_, indices.back(), orders(), pool)});
+    boundaries_.push_back({stack_.layers.size(), std::make_shared<RoughSurface>(stack_.base, *set_, indices.back(),
+                                                                                orders(), pool, fineness)});
   }
   // Once now, so that lobes too narrow to be resolved are refused here and not when values are wanted.
   const std::vector<Directions> here = directions(Eigen::VectorXd());

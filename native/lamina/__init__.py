@@ -3,7 +3,8 @@
 
 from . import colours, export, metals, presets, rgl
 from .bake import bake
-from .errors import Cancelled, ExportError, LutError, SolveError, StackError, UnknownName
+from .errors import Cancelled, ExportError, LutError, NotAvailable, ShardError, SolveError, StackError, UnknownName
+from .estimate import Estimate, Query, estimate
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
 from .phase import (
@@ -26,6 +27,7 @@ __all__ = [
     "CornetteShanks",
     "DoubleHenyeyGreenstein",
     "Draine",
+    "Estimate",
     "ExportError",
     "HalfSpace",
     "HenyeyGreenstein",
@@ -36,8 +38,11 @@ __all__ = [
     "LutError",
     "Medium",
     "Mixture",
+    "NotAvailable",
+    "Query",
     "Rayleigh",
     "ScatteringFunction",
+    "ShardError",
     "SolveError",
     "Stack",
     "StackError",
@@ -45,6 +50,7 @@ __all__ = [
     "UnknownName",
     "bake",
     "colours",
+    "estimate",
     "export",
     "metals",
     "presets",

@@ -24,7 +24,7 @@ from .stack import Stack
 
 # How many closures each basis holds at most: for lobes of rough boundaries, for other reflected light, for both
 # together; for transmitted light; for a textured base.
-BASES = {"standard": ((5, 5, 8), (4, 4, 4), (0, 2, 2)), "accurate": ((12, 16, 20), (8, 8, 8), (0, 4, 4))}
+BASES = {"standard": ((5, 5, 8), (4, 4, 4), (0, 2, 2)), "accurate": ((12, 13, 20), (8, 8, 8), (0, 4, 4))}
 CHOICE = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},
           "final": {"overshoot": 2, "exchanges": 2, "column_stride": 4, "row_stride": 8}}
 Progress = Callable[[float, str], None]
@@ -96,6 +96,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
         "stack": json.loads(stack.canonical()),
         "stack_hash": stack.hash,
         "quality": quality,
+        "basis": basis,
         "seed": seed,
         "sides": solved.sides,
         "axes": {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: python -m lamina bake | report | export | presets."""
+"""The command line: python -m lamina bake | report | export | estimate | merge | presets."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ import time
 from pathlib import Path
 
 from . import presets
-from .bake import bake
-from .errors import Cancelled, LutError, SolveError, StackError
+from .bake import BASES, bake
+from .errors import Cancelled, LutError, ShardError, SolveError, StackError
+from .estimate import METHODS, SAMPLES, Estimate, Query, estimate
 from .export import save_npz
 from .lut import Lut
 from .report import describe
 from .rgl import check_wavelengths, save_bsdf
+from .shards import load_part, merge, run_shard, save_part
 from .solve import TOLERANCE, solve
 from .stack import Stack
 
@@ -31,7 +33,7 @@ def main(argv: list[str] | None = None) -> int:
         return arguments.run(arguments)
     except (KeyboardInterrupt, Cancelled):
         return _fail("interrupted; nothing was written", INTERRUPTED)
-    except (StackError, LutError) as error:
+    except (StackError, LutError, ShardError) as error:
         return _fail(str(error), BAD_INPUT)
     except (SolveError, ValueError) as error:
         return _fail(str(error), FAILED)
@@ -53,6 +55,9 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("stack", metavar="STACK.json")
     command.add_argument("-o", "--output", required=True, metavar="OUT", help="the table to write (.npz)")
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
+    command.add_argument("--basis", choices=tuple(BASES), default="standard",
+                         help="standard: few closures, about as quick to render as a Principled BSDF; accurate: "
+                              "some twenty")
     command.add_argument("--threads", type=_count, default=0, metavar="N", help="0: all (default)")
     command.add_argument("--seed", type=int, default=0, metavar="N")
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
@@ -65,6 +70,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--json", action="store_true", help="the list as JSON")
     command.set_defaults(run=_presets)
     _add_export(commands)
+    _add_estimate(commands)
     return parser
 
 
@@ -81,6 +87,77 @@ def _add_export(commands) -> None:
     command.set_defaults(run=_export)
 
 
+def _add_estimate(commands) -> None:
+    command = commands.add_parser("estimate", help="estimate one value of a stack by Monte Carlo")
+    command.add_argument("stack", metavar="STACK.json")
+    command.add_argument("--mu-o", type=float, metavar="MU",
+                         help="cosine of the viewer; without it, the hemispherical reflectance or transmittance")
+    command.add_argument("--mu-i", type=float, required=True, metavar="MU", help="cosine of the light")
+    command.add_argument("--dphi", type=float, default=0.0, metavar="RADIANS", help="0: light keeps its azimuth")
+    command.add_argument("--side", choices=("top", "bottom"), default="top", help="where light enters")
+    command.add_argument("--path", choices=("reflect", "transmit"), default="reflect")
+    command.add_argument("--method", choices=tuple(METHODS), default="transfer")
+    command.add_argument("--samples", type=int, metavar="N", help=f"default {SAMPLES}")
+    command.add_argument("--target-error", type=float, metavar="E", help="stop at this relative standard error")
+    command.add_argument("--seed", type=int, default=0, metavar="N")
+    command.add_argument("--threads", type=_count, default=0, metavar="N", help="0: all (default)")
+    command.add_argument("--shard", type=_shard, metavar="I/N", help="run part I of N only, and write it")
+    command.add_argument("-o", "--output", metavar="PART.json", help="where --shard writes")
+    command.add_argument("--json", action="store_true", help="the estimate as JSON")
+    command.add_argument("--quiet", action="store_true", help="no progress")
+    command.set_defaults(run=_estimate)
+    command = commands.add_parser("merge", help="add up the parts of an estimate")
+    command.add_argument("parts", nargs="+", metavar="PART.json")
+    command.add_argument("--json", action="store_true", help="the estimate as JSON")
+    command.set_defaults(run=_merge)
+
+
+def _estimate(arguments: argparse.Namespace) -> int:
+    if (arguments.shard is None) != (arguments.output is None):
+        return _fail("--shard and -o go together", BAD_INPUT)
+    stack = Stack.load(arguments.stack)
+    where = (arguments.mu_o, arguments.mu_i, arguments.dphi)
+    progress = None if arguments.quiet else _Progress()
+    if arguments.shard is not None:
+        output = Path(arguments.output)
+        problem = _unwritable(output)
+        if not problem and arguments.target_error is not None:
+            problem = "--target-error: parts have a fixed number of samples"
+        if problem:
+            return _fail(problem, BAD_INPUT)
+        query = Query(*where, arguments.side, arguments.path)
+        samples = SAMPLES if arguments.samples is None else arguments.samples
+        part = run_shard(stack, query, arguments.method, samples, arguments.seed, arguments.shard, progress,
+                         threads=arguments.threads)
+        save_part(part, output)
+    else:
+        found = estimate(stack, *where, arguments.method, arguments.samples, arguments.target_error, arguments.seed,
+                         progress, threads=arguments.threads, side=arguments.side, path=arguments.path)
+    if progress is not None:
+        progress.end()
+    if arguments.shard is None:
+        _print_estimate(found, arguments.json)
+    return 0
+
+
+def _merge(arguments: argparse.Namespace) -> int:
+    _print_estimate(merge([load_part(path) for path in arguments.parts], arguments.parts), arguments.json)
+    return 0
+
+
+def _print_estimate(found: Estimate, as_json: bool) -> None:
+    """Without times: the same samples are the same bytes."""
+    if as_json:
+        print(json.dumps({"value": found.value.tolist(), "stderr": found.stderr.tolist(),
+                          "samples": found.samples.tolist(), "events": found.events.tolist(),
+                          "table_error": found.table_error}))
+        return
+    for value, error, samples, events in zip(found.value, found.stderr, found.samples, found.events, strict=True):
+        print(f"{value:.8g} +- {error:.2g} ({samples} samples, {events} events)")
+    if found.table_error > 0.0:
+        print(f"the tables of its layers may be off by {found.table_error:.2g}, relative")
+
+
 def _bake(arguments: argparse.Namespace) -> int:
     stack = Stack.load(arguments.stack)
     output = Path(arguments.output)
@@ -88,7 +165,8 @@ def _bake(arguments: argparse.Namespace) -> int:
     if problem:
         return _fail(problem, BAD_INPUT)
     progress = None if arguments.quiet else _Progress()
-    lut = bake(stack, arguments.quality, arguments.seed, progress, threads=arguments.threads)
+    lut = bake(stack, arguments.quality, arguments.seed, progress, threads=arguments.threads,
+               basis=arguments.basis)
     if progress is not None:
         progress.end()
     lut.save(output)
@@ -181,6 +259,14 @@ def _count(text: str) -> int:
     if count < 0:
         raise argparse.ArgumentTypeError("must be 0 or more")
     return count
+
+
+def _shard(text: str) -> tuple[int, int]:
+    try:
+        number, count = (int(part) for part in text.split("/"))
+    except ValueError:
+        raise argparse.ArgumentTypeError("must be I/N") from None
+    return number, count
 
 
 def _numbers(text: str) -> list[float]:

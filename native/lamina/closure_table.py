@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import _core, lobes
+from .lobe import Geometry, Lobe
 from .lut import column_angles
 from .peaks import BROAD_ALPHA
 
@@ -113,12 +114,23 @@ def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
 @functools.lru_cache(maxsize=16)
 def _albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
     """Directional albedos [column, closure] of what lies on the closure's own side of the horizon, on grids of
-    their own: closures with edges need a finer one, narrow lobes a denser one."""
+    their own: closures with edges need a finer one, narrow lobes a denser one. Cones that keep clear of the horizon
+    are integrated in closed form: narrow ones have edges too fine for any grid."""
     dense, mu_o = light_grid(96, 64, DENSITY), view_cosines()[::stride]
     narrow = [name for name in ids if lobes.by_id(name).narrow]
     values = _sample(narrow, dense, mu_o) @ dense.solid_angle if narrow else None
-    return np.stack([values[:, narrow.index(name)] if name in narrow
-                     else lobes.directional_albedo(lobes.by_id(name), mu_o) for name in ids], axis=1)
+    numeric = (values[:, narrow.index(name)] if name in narrow
+               else lobes.directional_albedo(lobes.by_id(name), mu_o) for name in ids)
+    found = [_of_cone(lobes.by_id(name), mu_o, values) for name, values in zip(ids, numeric, strict=True)]
+    return np.stack(found, axis=1)
+
+
+def _of_cone(lobe: Lobe, mu_o: np.ndarray, numeric: np.ndarray) -> np.ndarray:
+    """Albedos, exact at the views where the lobe is a cone wholly above the horizon."""
+    if lobe.cone is None:
+        return numeric
+    _, height = Geometry(mu_o, mu_o, 0.0).normal(lobe.node.normal)
+    return np.where(np.arcsin(np.minimum(height, 1.0)) >= lobe.cone.reach, lobe.cone.whole, numeric)
 
 
 def _available(ids: Sequence[str], albedo: np.ndarray) -> np.ndarray:

@@ -44,15 +44,24 @@ class NodeRecipe:
 
 
 @dataclass(frozen=True)
+class Cone:
+    """All that a lobe about its recipe's normal reaches: within `reach` radians, with the integral `whole`."""
+
+    reach: float
+    whole: float
+
+
+@dataclass(frozen=True)
 class Lobe:
     """One closure of unit weight: `evaluate(mu_o, mu_i, dphi)` -> f * |cos theta_i|, broadcast, 1/sr. `narrow`:
-    so much so that integrals need directions dense about the mirror direction."""
+    so much so that integrals need directions dense about the mirror direction. `cone`: where it has an edge."""
 
     id: str
     side: str
     evaluate: Evaluate = field(repr=False, compare=False)
     node: NodeRecipe = field(repr=False, compare=False)
     narrow: bool = False
+    cone: Cone | None = None
 
     @property
     def leans(self) -> bool:

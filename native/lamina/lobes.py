@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from .lobe import GEOMETRIC, Geometry, Lobe, NodeRecipe, Normal, number
+from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, mirror
 
 
@@ -54,7 +54,7 @@ def translucent(normal: Normal = GEOMETRIC) -> Lobe:
 
 def through(along: float, across: float, name: str = "") -> Lobe:
     """Hair BSDF, component Transmission: a Lorentzian lobe about the direction straight through, of widths
-    2 `along` in the plane of incidence and `across` out of it.
+    2 `along` in the plane of incidence and `across` out of it, both at most 1: Cycles clamps them.
 
     Its tangent is the direction in the plane of incidence that is square to the viewer, so the lobe turns with
     the viewer."""
@@ -71,14 +71,15 @@ def through(along: float, across: float, name: str = "") -> Lobe:
 
 
 def _lorentzian(mu_o, sin_o, x, y, z, along, across):
-    """Elevation and azimuth about the tangent (-mu_o, 0, sin_o); the integral over all directions is 1."""
+    """Elevation and azimuth about the tangent (-mu_o, 0, sin_o). Cycles samples azimuths up to a right angle, over
+    which the integral is 1, and evaluates the same tails further round."""
     sine = np.clip(-mu_o * x + sin_o * z, -1.0, 1.0)
     elevation = np.arcsin(sine)
     cosine = np.maximum(np.cos(elevation), 1e-6)
     turn = np.arctan2(y, -(sin_o * x + mu_o * z))  # azimuth from straight through
     elevation_density = along / (4.0 * np.arctan(np.pi / 4 / along) * ((0.5 * elevation) ** 2 + along**2) * cosine)
     azimuth_density = across / (2.0 * np.arctan(np.pi / 2 / across) * (turn**2 + across**2))
-    return np.where(np.abs(turn) <= np.pi / 2, elevation_density * azimuth_density, 0.0)
+    return elevation_density * azimuth_density
 
 
 # --- Toon ---------------------------------------------------------------------------------------
@@ -93,6 +94,14 @@ def _toon(cosine, size: float, smooth: float):
     return np.where(cosine >= 0.0, intensity / solid_angle, 0.0)
 
 
+def _toon_cone(size: float, smooth: float) -> Cone | None:
+    inner, ramp = max(size, 1e-5) * np.pi / 2, smooth * np.pi / 2
+    if ramp <= 0.0 or inner + ramp >= np.pi / 2:
+        return None
+    outer = inner + ramp
+    return Cone(outer, (1.0 - (np.sin(outer) - np.sin(inner)) / ramp) / (1.0 - np.cos(outer)))
+
+
 def toon(size: float, smooth: float, normal: Normal = GEOMETRIC, name: str = "") -> Lobe:
     """Toon BSDF, component Diffuse: a soft cone about a normal, whatever the viewer does."""
 
@@ -104,7 +113,7 @@ def toon(size: float, smooth: float, normal: Normal = GEOMETRIC, name: str = "")
         normal=normal,
     )
     name = name or f"toon_{number(size)}_{number(smooth)}" + _normal_suffix(normal)
-    return Lobe(name, "reflection", evaluate, node)
+    return Lobe(name, "reflection", evaluate, node, cone=_toon_cone(size, smooth))
 
 
 def toon_glossy(size: float, smooth: float) -> Lobe:
@@ -171,6 +180,9 @@ DICTIONARY: tuple[Lobe, ...] = (
     toon(0.15, 0.2, ("tilt", 60.0)),
     toon(0.6, 0.3, ("tilt", 15.0)),
     toon(0.75, 0.25, ("tilt", -60.0)),
+    toon(0.05, 0.6, ("tilt", -30.0)),
+    toon(0.3, 0.3, ("tilt", -30.0)),
+    toon(0.5, 0.5, ("tilt", -30.0)),
     toon(0.01, 0.75),
     toon(0.3, 0.6),
     toon(0.5, 0.5),
@@ -194,7 +206,7 @@ DICTIONARY: tuple[Lobe, ...] = (
     through(0.1, 0.2),
     through(0.1, 0.3),
     through(0.16, 0.32),
-    through(0.4, 1.2),
+    through(0.4, 1.0),
 )
 
 _BY_ID = {lobe.id: lobe for lobe in DICTIONARY}

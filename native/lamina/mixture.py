@@ -71,7 +71,11 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
     if made and wanted.lobes is not None and np.any(wanted.lobes):
         values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, albedo)
         own = [name for name in given if name in made][:effort.lobes]
-        found, _ = _fit(own or choose(effort.lobes, lambda name: name in made), values, albedo, grid, mixed, pool)
+        # Greedy choices among more are not always better ones: of both, that which fits the lobes better.
+        chosen = [own] if own else [choose(effort.lobes, lambda name: name in made),
+                                    choose(effort.lobes, lambda _: True)]
+        found, _ = min((_fit(names, values, albedo, grid, mixed, pool) for names in chosen),
+                       key=lambda fitted: float(fitted[1].mean()))
         given = [name for name in given if name not in own]
         values, albedo = wanted.values - found.values(), np.maximum(wanted.albedo - found.albedo(), 0.0)
         parts.append(found)

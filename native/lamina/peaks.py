@@ -24,6 +24,7 @@ STEP = 1.35
 # Seen through a refracting boundary or an absorbing layer a lobe leans from the mirror direction towards the normal:
 # cones that lean by these shares, of (size, smooth) for a lobe of alpha 1.
 LEANS = (0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
+AWAY = (-0.2, -0.05, 0.1)
 CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
 
 
@@ -58,7 +59,10 @@ def closures(stack: Stack) -> list[str]:
         ids += [f"fresnel_ggx:{max(index, 1.0 / index):.4g}:{_rounded(min(1.0, surface.alpha * w)):g}" for w in widths]
         if surface.distribution == "beckmann":
             ids += [_id("beckmann", 0.9 * surface.alpha), f"fresnel_ggx:1.1:{_rounded(0.9 * surface.alpha):g}"]
-    if _covered(stack) or len(rough) > 1 or _sees_through(stack):
+            # At grazing Fresnel's factor moves the lobe past the mirror direction, and no tail hides that.
+            ids += [_cone(lean, min(1.0, w * surface.alpha * size), min(1.0, w * surface.alpha * smooth))
+                    for lean in AWAY for w in (1.0, 2.0) for size, smooth in CONES]
+    if rough and (_covered(stack) or len(rough) > 1 or _sees_through(stack)):
         widest = max(surface.alpha * above for surface, above, _ in rough) * STEP
         alpha = narrowest(stack)
         while alpha < min(1.0, widest) * STEP:

@@ -20,6 +20,7 @@ def describe(lut: Lut) -> str:
     lines = [
         f"stack         {header['stack_hash'][:16]}, {len(header['stack']['layers'])} layer(s)",
         f"quality       {header['quality']}, {solver['nodes']} nodes per hemisphere, {solver['orders']} azimuth orders",
+        f"basis         {header.get('basis', 'standard')}, {report['closures']} fitted",
         f"closures      {', '.join(header['closures'])}",
         f"fit error     {report['fit_error']:.2%} mean, {worst['error']:.2%} worst ({where})",
     ]

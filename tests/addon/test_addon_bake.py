@@ -197,6 +197,30 @@ def test_threads_and_quality_reach_the_bake(addon, lamina, material, monkeypatch
     assert seen["threads"] == 1 and seen["quality"] == "preview"
 
 
+def test_the_basis_reaches_the_bake(addon, lamina, material):
+    standard = addon.bake_job.bake_material(material)
+    material.lamina.basis = "accurate"
+    accurate = addon.bake_job.bake_material(material)
+    assert standard.header["basis"] == "standard" and accurate.header["basis"] == "accurate"
+    assert material.lamina.result.basis == "accurate"
+    assert accurate.report["fit_error"] < standard.report["fit_error"]
+    addon.bake_job.start(material)
+    finish(addon)
+    assert material.lamina.result.basis == "accurate"
+    assert ("Closures", f"{accurate.report['closures']}, accurate basis") in addon.panel.result_lines(
+        material.lamina.result
+    )
+
+
+def test_default_basis_comes_from_the_preferences(addon):
+    settings = bpy.context.preferences.addons[addon.__package__].preferences
+    settings.default_basis = "accurate"
+    material = bpy.data.materials.new("New")
+    addon.layer_list.add_stack(material)
+    settings.default_basis = "standard"
+    assert material.lamina.basis == "accurate"
+
+
 def test_default_quality_comes_from_the_preferences(addon):
     settings = bpy.context.preferences.addons[addon.__package__].preferences
     settings.default_quality = "preview"

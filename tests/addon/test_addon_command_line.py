@@ -15,7 +15,8 @@ import conftest
 import pytest
 
 LINE = re.compile(
-    r"^(?P<name>.+): fit error [\d.e-]+ %, worst slice [\d.e-]+ %, \d+ closures, (preview|final), [\d.]+ s$"
+    r"^(?P<name>.+): fit error [\d.e-]+ %, worst slice [\d.e-]+ %, \d+ closures, "
+    r"(standard|accurate), (preview|final), [\d.]+ s$"
 )
 STACK = {"schema": 1, "layers": [{"kind": "medium", "name": "ash", "albedo": 0.4, "tau": 0.7,
          "phase": {"kind": "isotropic"}}], "base": {"kind": "black"}}  # fmt: skip
@@ -82,6 +83,12 @@ def test_a_name_with_brackets_is_a_name(run, materials):
 def test_quality_and_threads(run, materials):
     assert run("bake", "floor", "--quality", "preview", "--threads", "1")[0] == 0
     assert materials["floor"].lamina.result.quality == "preview"
+
+
+def test_basis(run, materials):
+    assert run("bake", "floor", "--quality", "preview", "--basis", "accurate")[0] == 0
+    assert materials["floor"].lamina.result.basis == "accurate"
+    assert materials["floor"].lamina.basis == "standard", "the material's own choice stays"
 
 
 def test_stack_from_a_file(run, addon, materials, tmp_path):

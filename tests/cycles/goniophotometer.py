@@ -91,7 +91,7 @@ def direction_socket(tree, direction):
         aside = tree.nodes.new("ShaderNodeVectorMath")
         aside.operation = "CROSS_PRODUCT"
         tree.links.new(incoming, aside.inputs[0])
-        aside.inputs[1].default_value = (3e-4, 5e-4, 8e-4)
+        aside.inputs[1].default_value = (3e-6, 5e-6, 8e-6)
         across = _vector(tree, "SUBTRACT", normal, _vector(tree, "SCALE", incoming, scale=cosine))
         return _vector(tree, "NORMALIZE", _vector(tree, "ADD", across, aside.outputs["Vector"]))
     along = _vector(tree, "SCALE", normal, scale=cosine)

@@ -51,6 +51,16 @@ def test_bake_and_report(folder):
     assert Path("direct.npz").read_bytes() == Path("out.npz").read_bytes()
 
 
+def test_the_basis_reaches_the_table(folder):
+    stack = lamina.Stack([lamina.Medium(albedo=0.9, tau=2.0, phase=lamina.HenyeyGreenstein(0.75))], lamina.Black())
+    stack.save("good.json")
+    assert main(["bake", "good.json", "-o", "out.npz", "--quality", "preview", "--basis", "accurate", "--quiet"]) == 0
+    accurate, standard = lamina.Lut.load("out.npz"), lamina.bake(stack, "preview")
+    assert (accurate.header["basis"], standard.header["basis"]) == ("accurate", "standard")
+    assert accurate.report["closures"] > standard.report["closures"]
+    assert accurate.report["fit_error"] < standard.report["fit_error"]
+
+
 def test_quiet_says_nothing(folder, capfd):
     assert main(["bake", "good.json", "-o", "out.npz", "--quality", "preview", "--quiet"]) == 0
     assert capfd.readouterr() == ("", "")

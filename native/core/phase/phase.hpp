@@ -47,6 +47,12 @@ class PhaseFunction {
   /// The parameters where this is Henyey and Greenstein's function, for loops over many cosines; or null.
   const HenyeyGreenstein* as_henyey_greenstein() const { return std::get_if<HenyeyGreenstein>(&kind_); }
 
+  /// Calls `use` with the function of its own type, for loops that must not choose at every step.
+  template <typename Use>
+  auto visit(const Use& use) const {
+    return std::visit(use, kind_);
+  }
+
   /// Density of sample() over the cosine; over solid angle it is this / 2 pi.
   double pdf(double cosine) const { return 0.5 * evaluate(cosine); }
 

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "adding_walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "layer_table.hpp"
+#include "stack_walk.hpp"
+
+namespace lamina {
+namespace {
+
+using Kind = WalkStack::Element::Kind;
+
+class LayerWalk final : public StackWalk {
+ public:
+  LayerWalk(WalkStack stack, const WalkTarget& target, ThreadPool& pool) : StackWalk(std::move(stack), target) {
+    for (const WalkStack::Element& element : this->stack().elements) {
+      tables_.emplace_back();
+      const Medium& medium = element.medium;
+      if (element.kind == Kind::kMedium && medium.albedo > 0.0 && medium.tau > 0.0) {
+        tables_.back().emplace(medium, pool);
+        table_error_ = std::max(table_error_, tables_.back()->error());
+      }
+    }
+    begin();
+  }
+
+  double table_error() const { return table_error_; }
+
+ private:
+  bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
+             std::uint64_t& events) const override {
+    ++events;
+    if (!tables_[element]) {
+      return rng.uniform() < std::exp(-stack().elements[element].medium.tau / std::abs(light.ray.z));
+    }
+    if (!first && !is_flux()) {
+      score += light.weight * leaving(element, out, light.ray);
+    }
+    return tables_[element]->cross(light.ray, light.weight, first, rng);
+  }
+
+  double leaving(std::size_t element, const Exit& out, const Ray& in) const override {
+    if (!tables_[element]) {
+      return 0.0;
+    }
+    const double n = stack().ior[element];
+    double sum = 0.0;
+    if (out.up_share > 0.0) {
+      sum += out.up_share * tables_[element]->value(in, out.up);
+    }
+    if (out.down_share > 0.0) {
+      sum += out.down_share * tables_[element]->value(in, out.down);
+    }
+    return sum / (n * n);
+  }
+
+  double scattered_share(std::size_t element, const Ray& in) const override {
+    return tables_[element] ? tables_[element]->scattered(in) : 0.0;
+  }
+
+  std::vector<std::optional<LayerTable>> tables_;
+  double table_error_ = 0.0;
+};
+
+}  // namespace
+
+AddingWalk make_adding_walk(const Stack& stack, const WalkTarget& target, ThreadPool& pool) {
+  auto walk = std::make_unique<LayerWalk>(WalkStack(stack, target.side, false), target, pool);
+  const double error = walk->table_error();
+  return {std::move(walk), error};
+}
+
+}  // namespace lamina

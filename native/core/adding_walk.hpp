@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+
+#include "thread_pool.hpp"
+#include "walk.hpp"
+#include "walk_stack.hpp"
+
+namespace lamina {
+
+/// The adding series R1 + T1 R2 T1 + T1 R2 R1 R2 T1 + ... of any number of layers as a random walk between
+/// layers, each of which scatters by its own whole scattering function (LayerTable): an event is a passage through
+/// a layer, whatever its thickness.
+///
+/// Unbiased for layers that scatter as their tables do; `table_error` is how far these are from the layers.
+struct AddingWalk {
+  std::unique_ptr<Walk> walk;
+  double table_error = 0.0;
+};
+
+/// Throws std::invalid_argument, and std::runtime_error where a layer cannot be solved.
+AddingWalk make_adding_walk(const Stack& stack, const WalkTarget& target, ThreadPool& pool);
+
+}  // namespace lamina

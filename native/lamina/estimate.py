@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Monte Carlo estimates of single values of a stack's scattering function, by three walks that share no estimator."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import _core
+from .errors import Cancelled, NotAvailable, SolveError, StackError
+from .solve import core_stack, path_of, side_of, thread_pool
+from .stack import Stack
+
+SAMPLES = 1 << 20
+MOST_SAMPLES = 1 << 40
+BLOCK = _core.WALK_BLOCK
+CHUNK = 16  # blocks that are summed apart: what shards are made of, whoever runs them
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class Query:
+    """What is estimated: BRDF or BTDF for cosines in air and an azimuth, or with `mu_o` None the hemispherical
+    reflectance or transmittance of a beam. Raises ValueError."""
+
+    mu_o: float | None
+    mu_i: float
+    dphi: float = 0.0
+    side: str = "top"
+    path: str = "reflect"
+
+    def __post_init__(self):
+        side_of(self.side)
+        path_of(self.path)
+        for name, value in (("mu_o", self.mu_o), ("mu_i", self.mu_i)):
+            if name == "mu_o" and value is None:
+                continue
+            if isinstance(value, bool) or not isinstance(value, numbers.Real) or not 0.0 < value <= 1.0:
+                raise ValueError(f"{name} = {value!r}: must be one number in (0, 1]")
+        if isinstance(self.dphi, bool) or not isinstance(self.dphi, numbers.Real) or not math.isfinite(self.dphi):
+            raise ValueError(f"dphi = {self.dphi!r}: must be one finite number")
+
+    def arguments(self) -> tuple:
+        """As the core's factories of walks take it: mu_o, mu_i, dphi, side, path, flux."""
+        mu_o = self.mu_i if self.mu_o is None else self.mu_o
+        return float(mu_o), float(self.mu_i), float(self.dphi), side_of(self.side), path_of(self.path), \
+            self.mu_o is None
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimates, one a channel, with their standard errors; the seconds all took, and for each channel how many
+    samples and scattering events there were. `table_error`: by how much the tables that the walk takes its
+    layers from may be off, relative; 0 for a walk without tables."""
+
+    value: np.ndarray
+    stderr: np.ndarray
+    seconds: float
+    samples: np.ndarray
+    events: np.ndarray
+    table_error: float = 0.0
+
+
+def _transfer(core, query: Query, pool):
+    return _core.transfer_walk(core, *query.arguments()), 0.0
+
+
+def _adding(core, query: Query, pool):
+    return _core.adding_walk(core, *query.arguments(), pool)
+
+
+def _scattering(core, query: Query, pool):
+    factory = getattr(_core, "scattering_walk", None)
+    if factory is None:
+        raise NotAvailable("method = 'scattering': not part of this build; 'transfer' and 'adding' are")
+    return factory(core, *query.arguments(), pool), 0.0
+
+
+METHODS = {"scattering": _scattering, "transfer": _transfer, "adding": _adding}
+
+
+def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, method: str = "transfer",
+             samples: int | None = None, target_error: float | None = None, seed: int = 0,
+             progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0,
+             side: str = "top", path: str = "reflect") -> Estimate:
+    """BRDF (`path` "reflect") or BTDF ("transmit") in 1/sr of a stack for one pair of directions, as
+    ScatteringFunction.brdf and btdf give it, or with `mu_o` None the directional albedo or the transmittance,
+    mirror and unscattered light included; light enters on `side`.
+
+    `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the
+    adding series as a walk between solved layers (it is off by its tables' error, which is reported); "scattering",
+    the integral scattering equation. `samples` are rounded up to blocks of 4096; 2^20 without a target.
+    With `target_error`, a standard error relative to the value, a channel's samples are doubled until it is
+    reached or `samples`, then the most that are drawn, are; to stop at a favourable error biases the value by
+    a small part of that error. The same seed gives the same numbers, whatever `threads` (0: all).
+    `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled raised when it says
+    yes. Raises ValueError, StackError, SolveError, NotAvailable."""
+    started = time.perf_counter()
+    query = Query(mu_o, mu_i, dphi, side, path)
+    blocks = blocks_of(samples, target_error)
+    check_seed(seed)
+    pool = thread_pool(threads)
+    done: dict = {}
+    channels = []
+    error = 0.0
+    for index in range(stack.channels):
+        key, layers, base = core_stack(stack, index)
+        if key not in done:
+            walk, off = make_walk(_core.Stack(layers, base), query, method, pool)
+            error = max(error, off)
+            part = (index / stack.channels, (index + 1) / stack.channels)
+            done[key] = _run(walk, seed, blocks, target_error, pool, _stepper(progress, cancel, part))
+        channels.append(done[key])
+    return summary(channels, time.perf_counter() - started, error)
+
+
+def make_walk(core, query: Query, method: str, pool):
+    """(walk, error of its tables) of one channel. Raises as estimate does."""
+    if method not in METHODS:
+        raise ValueError(f"method = {method!r}: must be one of {', '.join(METHODS)}")
+    try:
+        return METHODS[method](core, query, pool)
+    except RuntimeError as error:
+        if isinstance(error, NotAvailable):
+            raise
+        raise SolveError(str(error)) from None
+    except ValueError as error:
+        raise StackError(str(error)) from None
+
+
+def blocks_of(samples: int | None, target_error: float | None = None) -> int:
+    """How many blocks hold that many samples. Raises ValueError."""
+    if target_error is not None and not (isinstance(target_error, numbers.Real) and 0.0 < target_error < 1.0):
+        raise ValueError(f"target_error = {target_error!r}: must lie in (0, 1)")
+    if samples is None:
+        samples = SAMPLES if target_error is None else MOST_SAMPLES
+    if isinstance(samples, bool) or not isinstance(samples, int) or not 1 <= samples <= MOST_SAMPLES:
+        raise ValueError(f"samples = {samples!r}: must be a whole number from 1 to 2^40")
+    return -(-samples // BLOCK)
+
+
+def check_seed(seed: int) -> None:
+    """Raises ValueError unless it is one."""
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 1 << 64:
+        raise ValueError(f"seed = {seed!r}: must be a whole number from 0 to 2^64 - 1")
+
+
+def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step):
+    """Tallies (sum, squares, largest, count, events) of chunks [first, last) of a run of so many blocks."""
+    tallies = []
+    for chunk in range(first, last):
+        step((chunk - first) / (last - first), f"{(chunk - first) * CHUNK * BLOCK:,} samples")
+        until = min((chunk + 1) * CHUNK, blocks)
+        tallies.append(_core.run_walk(walk, seed, chunk * CHUNK, until, pool))
+    return tallies
+
+
+def chunks_in(blocks: int) -> int:
+    return -(-blocks // CHUNK)
+
+
+def summary(channels: list, seconds: float, table_error: float) -> Estimate:
+    """From the tallies of each channel's chunks, in any sequence: the sums are exact before they are rounded."""
+    columns = zip(*(_total(tallies) for tallies in channels), strict=True)
+    value, stderr, samples, events = (np.array(column) for column in columns)
+    return Estimate(value, stderr, seconds, samples, events, table_error)
+
+
+def _total(tallies: list) -> tuple[float, float, int, int]:
+    """(value, standard error, samples, events)."""
+    count = sum(tally[3] for tally in tallies)
+    mean = math.fsum(tally[0] for tally in tallies) / count
+    squares = math.fsum(tally[1] for tally in tallies) / count
+    return mean, math.sqrt(max(0.0, squares - mean * mean) / (count - 1)), count, sum(tally[4] for tally in tallies)
+
+
+def _run(walk, seed: int, blocks: int, target_error: float | None, pool, step) -> list:
+    """Tallies of all chunks; with a target error in rounds of twice as many."""
+    last = chunks_in(blocks)
+    if target_error is None:
+        return run_chunks(walk, seed, 0, last, blocks, pool, step)
+    tallies: list = []
+    until, reached = 1, 0.0
+    while True:
+        def within(_, text, reached=reached):
+            step(reached, text)
+
+        tallies += run_chunks(walk, seed, len(tallies), min(until, last), blocks, pool, within)
+        value, error, _, _ = _total(tallies)
+        if len(tallies) == last or error <= target_error * abs(value):
+            return tallies
+        until *= 2
+        reached = (target_error * abs(value) / error) ** 2
+
+
+def _stepper(progress: Progress | None, cancel: Callable[[], bool] | None, part: tuple[float, float]) -> Progress:
+    def step(fraction: float, text: str) -> None:
+        if cancel is not None and cancel():
+            raise Cancelled("the estimate was cancelled")
+        if progress is not None:
+            progress(part[0] + (part[1] - part[0]) * fraction, text)
+
+    return step

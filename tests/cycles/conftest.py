@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The add-on of this clone, for the tests that bake as a user does."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="session")
+def addon(tmp_path_factory):
+    """Enabled from an extension repository of our own."""
+    import addon_utils  # findable once bpy is there
+
+    running = sys.modules.get("bl_ext.user_default.lamina")
+    if getattr(running, "__addon_enabled__", False):
+        yield running
+        return
+    folder = tmp_path_factory.mktemp("extensions")
+    shutil.copytree(ROOT / "addon", folder / "lamina", ignore=shutil.ignore_patterns("__pycache__"))
+    repositories = bpy.context.preferences.extensions.repos
+    repository = repositories.new(name="Goniophotometer", module="gonio", custom_directory=str(folder))
+    package = addon_utils.enable("bl_ext.gonio.lamina", default_set=True)
+    assert package is not None and package.native.available(), package and package.native.reason()
+    yield package
+    addon_utils.disable("bl_ext.gonio.lamina", default_set=True)
+    if hasattr(bpy.types.Material, "lamina"):  # a class left at interpreter exit hangs Blender
+        package.unregister()
+    repositories.remove(repository)

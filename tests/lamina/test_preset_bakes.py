@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every preset of the library bakes at preview quality, and as well as it is known to."""
+
+import statistics
+
+import numpy as np
+import pytest
+
+from lamina import bake, presets
+
+# Fit errors that presets may reach, mean and worst slice; some are known to be hard, each for a reason.
+MEAN, WORST = 0.06, 0.16
+HARD = {
+    "frosted-glass": (0.18, 0.38),  # a rough sheet without scattering inside: two narrow lobes on either side
+    "dusty-bronze": (0.08, 0.24),  # one choice of closures for dust of any thickness, none to thick
+    "dusty-lacquer": (0.06, 0.31),
+    "tarnished-silver": (0.075, 0.26),  # a strongly absorbing layer over a narrow lobe
+}
+MEAN_OF_ALL = 0.022
+THROUGH, THROUGH_OF_ALL = 0.42, 0.23
+
+
+@pytest.fixture(scope="module")
+def reports():
+    """Filled by the test of each preset, for the test of all."""
+    return {}
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_a_preset_bakes(name, reports):
+    lut = bake(presets.load(name), "preview")
+    assert np.all(np.isfinite(lut.weights)) and lut.weights.min() >= 0.0 and lut.weights.max() > 0.0
+    report = reports[name] = lut.report
+    mean, worst = HARD.get(name, (MEAN, WORST))
+    assert report["fit_error"] < mean and report["worst_slice"]["error"] < worst
+    assert report["albedo_error"] < 1e-3 and report["energy_error"] < 1e-3
+    through = report["fit_error_transmission"]
+    assert (through is None) == (presets.load(name).base is not None)
+    assert through is None or through < THROUGH
+
+
+def test_all_presets_together(reports):
+    if len(reports) < len(presets.names()):
+        pytest.skip("only some presets were baked")
+    assert statistics.fmean(report["fit_error"] for report in reports.values()) < MEAN_OF_ALL
+    through = [report["fit_error_transmission"] for report in reports.values()]
+    assert statistics.fmean(error for error in through if error is not None) < THROUGH_OF_ALL
