@@ -53,7 +53,7 @@ std::size_t choose(const Values& value, Rng& rng) {
 }
 
 /// Several directions from where the tables say S is large, on a shifted lattice.
-void draw_from(const ScatteringGuide::Slice& slice, Ray* rays, std::size_t count, Rng& rng) {
+void draw_from(const ScatteringGuide::Slice& slice, SlabRay* rays, std::size_t count, Rng& rng) {
   // Additive recurrences of the plastic number's kind (Roberts 2018).
   constexpr double kFirst = 0.7548776662466927;
   constexpr double kSecond = 0.5698402909980532;
@@ -73,8 +73,8 @@ void draw_from(const ScatteringGuide::Slice& slice, Ray* rays, std::size_t count
 struct GuidedWalk::Branch {
   double top;
   std::size_t cell;
-  Ray a;
-  Ray b;
+  SlabRay a;
+  SlabRay b;
 };
 
 /// Where light scatters.
@@ -89,8 +89,8 @@ GuidedWalk::GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, dou
                        std::shared_ptr<const ScatteringGuide> guide)
     : medium_(medium),
       guide_(std::move(guide)),
-      view_(Ray::of(mu_o, dphi)),
-      light_(Ray::of(mu_i, 0.0)),
+      view_(SlabRay::of(mu_o, dphi)),
+      light_(SlabRay::of(mu_i, 0.0)),
       candidates_(candidates) {
   if (candidates != 8 && candidates != 16 && candidates != 32) {
     throw std::invalid_argument("candidates: must be 8, 16 or 32");
@@ -100,17 +100,17 @@ GuidedWalk::GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, dou
 /// k S: a direction by k around `from` or from where the tables say S is large, among candidates of both sorts in
 /// proportion to k S~ / mu'.
 template <int kOwn, int kDrawn>
-GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const {
+GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const {
   constexpr int kAll = kOwn + kDrawn;
   using Values = Eigen::Array<float, kAll, 1>;
   const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, other, vertex.scattering, rng.uniform(),
                                      rng.uniform());
-  const Frame frame(from);
+  const SlabFrame frame(from);
   const double shift = rng.uniform();
   const double turn = 2.0 * pi * rng.uniform();
   const double turn_cosine = std::cos(turn);
   const double turn_sine = std::sin(turn);
-  std::array<Ray, kAll> rays;
+  std::array<SlabRay, kAll> rays;
   for (std::size_t k = 0; k < kOwn; ++k) {
     const double c = vertex.scattering.sample((static_cast<double>(k) + shift) / static_cast<double>(kOwn));
     const double s = std::sqrt(std::max(0.0, 1.0 - c * c));
@@ -145,7 +145,7 @@ GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, cons
   if (chosen == kAll) {
     return {from, 0.0};
   }
-  const Ray& ray = rays[chosen];
+  const SlabRay& ray = rays[chosen];
   const double own = kSphere * vertex.scattering.evaluate(passed_on(from, ray)) / albedo;
   const double density = kOwn * own + kDrawn * static_cast<double>(drawn[static_cast<Eigen::Index>(chosen)]);
   const double odds = static_cast<double>(value[static_cast<Eigen::Index>(chosen)] / value.sum());
@@ -153,16 +153,16 @@ GuidedWalk::Step GuidedWalk::scatter(const Vertex& vertex, const Ray& from, cons
 }
 
 /// S k S: directions of both sides together, from all pairs of candidates.
-bool GuidedWalk::turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng& rng) const {
+bool GuidedWalk::turn(const Vertex& vertex, SlabRay& a, SlabRay& b, double& weight, Rng& rng) const {
   constexpr int kSides = 8;
   using Values = Eigen::Array<float, kSides, 1>;
-  std::array<std::array<Ray, kSides>, 2> rays;
+  std::array<std::array<SlabRay, kSides>, 2> rays;
   std::array<Values, 2> x;
   std::array<Values, 2> y;
   std::array<Values, 2> mu;
   std::array<Values, 2> density;
   std::array<Values, 2> share;
-  const Ray* sides[2] = {&a, &b};
+  const SlabRay* sides[2] = {&a, &b};
   for (std::size_t side = 0; side < 2; ++side) {
     const ScatteringGuide::Slice slice(*guide_, vertex.cell, vertex.up, vertex.t, *sides[side], vertex.scattering,
                                        rng.uniform(), rng.uniform());
@@ -190,8 +190,8 @@ bool GuidedWalk::turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng&
   }
   const std::size_t i = chosen / kSides;
   const std::size_t j = chosen % kSides;
-  const Ray& p = rays[0][i];
-  const Ray& q = rays[1][j];
+  const SlabRay& p = rays[0][i];
+  const SlabRay& q = rays[1][j];
   const double odds = static_cast<double>(value[static_cast<Eigen::Index>(chosen)] / value.sum());
   const double both = static_cast<double>(density[0][static_cast<Eigen::Index>(i)]) *
                       static_cast<double>(density[1][static_cast<Eigen::Index>(j)]) * kSides * kSides;
@@ -201,7 +201,8 @@ bool GuidedWalk::turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng&
   return true;
 }
 
-GuidedWalk::Step GuidedWalk::step_from(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const {
+GuidedWalk::Step GuidedWalk::step_from(const Vertex& vertex, const SlabRay& from, const SlabRay& other,
+                                       Rng& rng) const {
   switch (candidates_) {
     case 8:
       return scatter<4, 4>(vertex, from, other, rng);
@@ -220,8 +221,8 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
   const bool homogeneous = medium_.is_homogeneous();
   while (true) {
     ++events;
-    const Ray a = branch.a;
-    const Ray b = branch.b;
+    const SlabRay a = branch.a;
+    const SlabRay b = branch.b;
     const double cosine = turned_back(a, b);
     const ScatteringGuide::Terms terms(*guide_, a, b);
     const double plain = homogeneous ? medium_.at(0.0).evaluate(cosine) : 0.0;
@@ -261,8 +262,8 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
       weight *= step.weight / (first ? odds[1] : odds[2]);
       branch = {vertex.t, vertex.cell, step.ray, first ? b : a};
     } else {
-      Ray p = a;
-      Ray q = b;
+      SlabRay p = a;
+      SlabRay q = b;
       weight *= all / weights[3];
       if (!turn(vertex, p, q, weight, rng)) {
         return 0.0;

@@ -28,18 +28,18 @@ class GuidedWalk final : public Walk {
   struct Branch;
   struct Vertex;
   struct Step {
-    Ray ray;
+    SlabRay ray;
     double weight;  ///< 0: nothing comes
   };
   template <int kOwn, int kDrawn>
-  Step scatter(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const;
-  Step step_from(const Vertex& vertex, const Ray& from, const Ray& other, Rng& rng) const;
-  bool turn(const Vertex& vertex, Ray& a, Ray& b, double& weight, Rng& rng) const;
+  Step scatter(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const;
+  Step step_from(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const;
+  bool turn(const Vertex& vertex, SlabRay& a, SlabRay& b, double& weight, Rng& rng) const;
 
   GradedMedium medium_;
   std::shared_ptr<const ScatteringGuide> guide_;
-  Ray view_;
-  Ray light_;
+  SlabRay view_;
+  SlabRay light_;
   int candidates_;
 };
 

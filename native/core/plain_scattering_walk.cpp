@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "ray.hpp"
+#include "slab_ray.hpp"
 
 namespace lamina {
 namespace {
@@ -14,11 +14,11 @@ using std::numbers::pi;
 
 struct Branch {
   double top;
-  Ray a;
-  Ray b;
+  SlabRay a;
+  SlabRay b;
 };
 
-Ray any_direction(Rng& rng) {
+SlabRay any_direction(Rng& rng) {
   const double mu = rng.uniform();
   const double azimuth = 2.0 * pi * rng.uniform();
   const double sine = std::sqrt(1.0 - mu * mu);
@@ -33,7 +33,7 @@ PlainScatteringWalk::PlainScatteringWalk(const GradedMedium& medium, double mu_o
 double PlainScatteringWalk::sample(Rng& rng, std::uint64_t& events) const {
   double weight = 1.0 / (4.0 * pi * mu_o_ * mu_i_);
   std::vector<Branch> waiting;
-  Branch branch{medium_.tau(), Ray::of(mu_o_, dphi_), Ray::of(mu_i_, 0.0)};
+  Branch branch{medium_.tau(), SlabRay::of(mu_o_, dphi_), SlabRay::of(mu_i_, 0.0)};
   while (true) {
     ++events;
     const double s = 1.0 / branch.a.mu + 1.0 / branch.b.mu;
@@ -48,15 +48,15 @@ double PlainScatteringWalk::sample(Rng& rng, std::uint64_t& events) const {
     const bool on_b = rng.uniform() < chance;
     weight /= (on_a ? chance : 1.0 - chance) * (on_b ? chance : 1.0 - chance);
     if (on_a && on_b) {
-      const Ray p = any_direction(rng);
-      const Ray q = any_direction(rng);
+      const SlabRay p = any_direction(rng);
+      const SlabRay q = any_direction(rng);
       weight *= 0.25 * scattering.evaluate(turned_back(p, q)) / (p.mu * q.mu);
       waiting.push_back({t, q, branch.b});
       branch = {t, branch.a, p};
     } else if (on_a || on_b) {
-      const Ray& from = on_a ? branch.a : branch.b;
-      const Ray& other = on_a ? branch.b : branch.a;
-      const Ray next = Frame(from).turned(scattering.sample(rng.uniform()), 2.0 * pi * rng.uniform());
+      const SlabRay& from = on_a ? branch.a : branch.b;
+      const SlabRay& other = on_a ? branch.b : branch.a;
+      const SlabRay next = SlabFrame(from).turned(scattering.sample(rng.uniform()), 2.0 * pi * rng.uniform());
       if (next.mu <= 0.0) {
         return 0.0;
       }

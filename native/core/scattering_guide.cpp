@@ -123,7 +123,7 @@ void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
     const LocalScattering scattering = medium.at(t);
     for (std::size_t point = 0; point < kPoints; ++point) {
       const double mu_b = cosine_at(static_cast<double>(point) / static_cast<double>(kCells));
-      const Ray b{std::sqrt(1.0 - mu_b * mu_b), 0.0, mu_b};
+      const SlabRay b{std::sqrt(1.0 - mu_b * mu_b), 0.0, mu_b};
       const Slice slice(*this, std::min(j, heights - 2), j == heights - 1 ? 1.0 : 0.0, t, b, scattering, 0.5, 0.5);
       const Values mass = slice(x, y, mu) * size;
       // At most 255 slots to a bin; what rounding leaves goes to the largest.
@@ -153,7 +153,7 @@ void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
   }
 }
 
-ScatteringGuide::Terms::Terms(const ScatteringGuide& guide, const Ray& a, const Ray& b) : guide_(guide) {
+ScatteringGuide::Terms::Terms(const ScatteringGuide& guide, const SlabRay& a, const SlabRay& b) : guide_(guide) {
   const Place p = Place::of_cosine(a.mu);
   const Place q = Place::of_cosine(b.mu);
   const Place z = Place::between(a, b);
@@ -168,7 +168,7 @@ ScatteringGuide::Terms::Terms(const ScatteringGuide& guide, const Ray& a, const 
   }
 }
 
-ScatteringGuide::Slice::Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const Ray& b,
+ScatteringGuide::Slice::Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const SlabRay& b,
                               const LocalScattering& scattering, double u, double v)
     : b_(b), t_(t), scattering_(scattering) {
   const Place q = Place::of_cosine(b.mu);
@@ -195,7 +195,7 @@ ScatteringGuide::Slice::Slice(const ScatteringGuide& guide, std::size_t j, doubl
   }
 }
 
-Ray ScatteringGuide::Slice::draw(double u, double v, double w) const {
+SlabRay ScatteringGuide::Slice::draw(double u, double v, double w) const {
   const std::size_t bin = slots_[static_cast<std::size_t>(u * static_cast<double>(kSlots))];
   const double root = (static_cast<double>(bin / kAzimuths) + v) / static_cast<double>(kCells);
   // The bins cover one half of the circle: the last number also tells which.

@@ -8,7 +8,7 @@
 
 #include "graded_medium.hpp"
 #include "guide_heights.hpp"
-#include "ray.hpp"
+#include "slab_ray.hpp"
 
 namespace lamina {
 
@@ -40,7 +40,7 @@ class ScatteringGuide {
     }
     static Place of_cosine(double mu) { return of(std::sqrt(std::max(0.0, 1.0 - mu))); }
     /// Of the azimuth between two rays.
-    static Place between(const Ray& a, const Ray& b) {
+    static Place between(const SlabRay& a, const SlabRay& b) {
       const double sines = (a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y);
       const double cosine = sines > 1e-24 ? (a.x * b.x + a.y * b.y) / std::sqrt(sines) : 1.0;
       return of(std::sqrt(std::clamp(0.5 - 0.5 * cosine, 0.0, 1.0)));
@@ -50,7 +50,7 @@ class ScatteringGuide {
   /// What the terms of the equation add, for one pair of directions and any height.
   class Terms {
    public:
-    Terms(const ScatteringGuide& guide, const Ray& a, const Ray& b);
+    Terms(const ScatteringGuide& guide, const SlabRay& a, const SlabRay& b);
     /// kS + Sk + SkS at the guide's heights.
     Column repeated() const {
       Column sum = weights_[0] * guide_.repeated_[corners_[0]];
@@ -85,7 +85,7 @@ class ScatteringGuide {
    public:
     /// In the cell of heights j, at `up` of its way to the next, which is the height t. The numbers choose one of
     /// the tables around.
-    Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const Ray& b,
+    Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const SlabRay& b,
           const LocalScattering& scattering, double u, double v);
 
     /// S~(t; a, b) / mu of a, for many directions; cosines that are not positive get 0.
@@ -93,13 +93,13 @@ class ScatteringGuide {
     Values operator()(const Values& x, const Values& y, const Values& mu) const;
 
     /// A direction: u, v, w uniform in (0, 1).
-    Ray draw(double u, double v, double w) const;
+    SlabRay draw(double u, double v, double w) const;
     /// The density of draw().
     template <typename Values>
     Values density(const Values& x, const Values& y, const Values& mu) const;
 
    private:
-    Ray b_;
+    SlabRay b_;
     double t_;
     const LocalScattering& scattering_;
     float cosine_;  ///< of the azimuth of b
