@@ -3,7 +3,11 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <cmath>
+#include <stdexcept>
+
 #include "bindings.hpp"
+#include "evaluation.hpp"
 #include "scattering_ode.hpp"
 #include "scattering_walk.hpp"
 
@@ -35,6 +39,22 @@ py::array_t<double> values(const OdeSolution& solution, bool reflect, Eigen::Ind
     }
   }
   return result;
+}
+
+/// The walk of a stack that it knows: one medium, over nothing or over black, light and viewer above.
+std::unique_ptr<Walk> scattering_walk(const Stack& stack, double mu_o, double mu_i, double dphi, Side side, Path path,
+                                      bool flux) {
+  const auto* medium = stack.layers.size() == 1 ? std::get_if<Medium>(&stack.layers.front()) : nullptr;
+  const bool bare = stack.base.kind == Base::Kind::kNone ||
+                    (stack.base.kind == Base::Kind::kLambert && stack.base.reflectance == 0.0);
+  if (medium == nullptr || !bare || side != Side::kTop || path != Path::kReflect || flux || std::isinf(medium->tau)) {
+    throw std::invalid_argument(
+        "method = 'scattering': knows the BRDF from above of one finite medium over nothing or black; 'transfer' knows "
+        "all stacks");
+  }
+  return make_scattering_walk(GradedMedium::homogeneous(medium->albedo, medium->tau, medium->phase), mu_o, mu_i, dphi,
+                              "auto", 0)
+      .walk;
 }
 
 }  // namespace
@@ -74,6 +94,8 @@ void lamina::bind_scattering(py::module_& module) {
           py::arg("seed"), py::arg("first_block"), py::arg("last_block"), py::arg("pool"),
           "(sum, sum of squares, largest, samples, events) of blocks [first_block, last_block).");
 
+  module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
+             py::arg("side"), py::arg("path"), py::arg("flux") = false, unlocked);
   module.def(
       "scattering_ode",
       [](const GradedMedium& medium, const Eigen::VectorXd& mu, const std::vector<double>& dphi, ThreadPool& pool,

@@ -3,7 +3,7 @@
 
 from . import colours, export, metals, presets, rgl
 from .bake import bake
-from .errors import Cancelled, ExportError, LutError, NotAvailable, ShardError, SolveError, StackError, UnknownName
+from .errors import Cancelled, ExportError, LutError, ShardError, SolveError, StackError, UnknownName
 from .estimate import Estimate, Query, estimate
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
@@ -38,7 +38,6 @@ __all__ = [
     "LutError",
     "Medium",
     "Mixture",
-    "NotAvailable",
     "Query",
     "Rayleigh",
     "ScatteringFunction",

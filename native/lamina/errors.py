@@ -34,10 +34,6 @@ class SolveError(RuntimeError):
     """A solve that missed its tolerance at the finest resolution; carries the numbers."""
 
 
-class NotAvailable(ValueError, NotImplementedError):  # noqa: N818 - reads as what it says
-    """Something that this build of Lamina does not have."""
-
-
 class ShardError(ValueError):
     """A part of an estimate that cannot be read, or that belongs to another one."""
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import _core
-from .errors import Cancelled, NotAvailable, SolveError, StackError
+from .errors import Cancelled, SolveError, StackError
 from .solve import core_stack, path_of, side_of, thread_pool
 from .stack import Stack
 
@@ -75,10 +75,7 @@ def _adding(core, query: Query, pool):
 
 
 def _scattering(core, query: Query, pool):
-    factory = getattr(_core, "scattering_walk", None)
-    if factory is None:
-        raise NotAvailable("method = 'scattering': not part of this build; 'transfer' and 'adding' are")
-    return factory(core, *query.arguments(), pool), 0.0
+    return _core.scattering_walk(core, *query.arguments()), 0.0
 
 
 METHODS = {"scattering": _scattering, "transfer": _transfer, "adding": _adding}
@@ -94,12 +91,13 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
 
     `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the
     adding series as a walk between solved layers (it is off by its tables' error, which is reported); "scattering",
-    the integral scattering equation. `samples` are rounded up to blocks of 4096; 2^20 without a target.
+    the integral scattering equation guided by coarse tables, for the BRDF of one medium over nothing or black.
+    `samples` are rounded up to blocks of 4096; 2^20 without a target.
     With `target_error`, a standard error relative to the value, a channel's samples are doubled until it is
     reached or `samples`, then the most that are drawn, are; to stop at a favourable error biases the value by
     a small part of that error. The same seed gives the same numbers, whatever `threads` (0: all).
     `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled raised when it says
-    yes. Raises ValueError, StackError, SolveError, NotAvailable."""
+    yes. Raises ValueError, StackError, SolveError."""
     started = time.perf_counter()
     query = Query(mu_o, mu_i, dphi, side, path)
     blocks = blocks_of(samples, target_error)
@@ -126,8 +124,6 @@ def make_walk(core, query: Query, method: str, pool):
     try:
         return METHODS[method](core, query, pool)
     except RuntimeError as error:
-        if isinstance(error, NotAvailable):
-            raise
         raise SolveError(str(error)) from None
     except ValueError as error:
         raise StackError(str(error)) from None

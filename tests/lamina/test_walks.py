@@ -10,7 +10,7 @@ import pytest
 from walk_cases import CASES, SLAB, hg, solved_value
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Lambert, Medium, NotAvailable, Stack, StackError
+from lamina import HenyeyGreenstein, Interface, Lambert, Medium, Stack, StackError
 
 SAMPLES = 1 << 16
 # Two-sided normal quantile for 1 % over both walks of all cases, Bonferroni.
@@ -139,7 +139,18 @@ def test_light_from_below_needs_a_sheet():
         lamina.estimate(Stack([hg(0.5, 1.0, 0.0)], Lambert(0.5)), 0.5, 0.5, side="bottom")
 
 
-def test_a_method_that_is_not_there(monkeypatch):
-    monkeypatch.delattr("lamina._core.scattering_walk", raising=False)
-    with pytest.raises(NotAvailable, match="method = 'scattering'"):
-        lamina.estimate(SLAB, 0.5, 0.5, method="scattering")
+@pytest.mark.parametrize("g", [0.0, 0.75])
+def test_the_scattering_walk_finds_the_solved_value(g):
+    stack = Stack([hg(0.9, 2.0, g)])
+    found = lamina.estimate(stack, 0.5, 0.7, 1.5, method="scattering", samples=1 << 16)
+    exact = lamina.solve(stack).brdf(0.5, 0.7, 1.5)
+    # The solved value is good to 2e-5 of itself.
+    assert np.all(np.abs(found.value - exact) < 3.3 * np.hypot(found.stderr, 2e-5 * exact))
+    assert np.all(found.stderr < 2e-3 * exact)
+
+
+def test_stacks_that_the_scattering_walk_does_not_know():
+    for stack, more in [(Stack([hg(0.9, 1.0, 0.0)], Lambert(0.5)), {}), (Stack([Interface(1.5)], Lambert(0.5)), {}),
+                        (Stack([hg(0.9, 1.0, 0.0)]), {"path": "transmit"})]:
+        with pytest.raises(StackError, match="method = 'scattering': knows the BRDF"):
+            lamina.estimate(stack, 0.5, 0.5, method="scattering", **more)
