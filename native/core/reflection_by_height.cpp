@@ -9,7 +9,7 @@ ReflectionByHeight::ReflectionByHeight(const GradedMedium& medium, std::vector<d
                                        const Eigen::VectorXd& targets)
     : medium_(medium),
       heights_(std::move(heights)),
-      directions_(DirectionSet({1.0}, nodes, 1.0).in_medium(1.0, targets)) {}
+      directions_(DirectionSet({1.0}, nodes, {}).in_medium(1.0, targets)) {}
 
 TruncatedMedium ReflectionByHeight::medium(double height, double tau) const {
   const LocalScattering local = medium_.at(height);
@@ -31,10 +31,11 @@ TruncatedMedium ReflectionByHeight::medium(double height, double tau) const {
 ScatteringFunction ReflectionByHeight::layer(int m, double height, double tau) const {
   const TruncatedMedium seen = medium(height, tau);
   const PhaseKernel phase(seen, m, directions_.mu.head(directions_.live));
+  const LayerShapes shapes(directions_, seen.tau);
   return layer_on(
       directions_,
       multiple_scattering(HomogeneousModes(seen, m, directions_).layer(seen.tau), seen, phase, m, directions_), seen,
-      m);
+      shapes, single_on(directions_, seen, shapes, m), m);
 }
 
 std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
@@ -52,7 +53,9 @@ std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
     for (const double t : heights_) {
       const TruncatedMedium part = medium(0.0, t);
       const MultipleScattering multiple = multiple_scattering(modes.layer(part.tau), part, phase, m, directions_);
-      keep(multiple_on(directions_, multiple, part, m).reflect + single_on(directions_, part, m).reflect);
+      const LayerShapes shapes(directions_, part.tau);
+      keep(multiple_on(directions_, multiple, part, shapes, m).reflect +
+           single_on(directions_, part, shapes, m).reflect);
     }
     return all;
   }
