@@ -55,7 +55,7 @@ def measure_in_blender(repeats=40):
     import bpy
     from bake_bench import STACKS
 
-    solving = Stages(importlib.import_module("lamina.bake"), solve_rows="solve", slices="solve", _fit="fit")
+    solving = Stages(importlib.import_module("lamina.bake"), solve_rows="solve", slices="solve", mix="fit")
     rows = []
     for name, stack in STACKS.items():
         material = bpy.data.materials.new(name)
