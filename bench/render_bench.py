@@ -11,9 +11,7 @@ pixel at SAMPLES samples, from two seeds.
 """
 
 import argparse
-import json
 import math
-import os
 import sys
 import time
 from pathlib import Path
@@ -24,6 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "demo_scenes"))
 
 import extension  # noqa: E402
+import output  # noqa: E402
 
 SAMPLES = 32  # at which noise is given
 MANY, FEW = 64, 4  # samples of the two timed renders
@@ -157,9 +156,7 @@ def main(argv=None):
         "rows": [row | _facts(luts.get(row["material"])) for row in rows],
     }
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    partial = arguments.out.with_suffix(".part")
-    partial.write_text(json.dumps(facts, indent=2) + "\n", encoding="utf-8")
-    os.replace(partial, arguments.out)
+    output.save_json(arguments.out, facts)
     print(show(rows))
     for name, lut in luts.items():
         print(f"{name}: {lut.report['closures']} closures, fit error {lut.report['fit_error']:.2%}")

@@ -2,7 +2,7 @@
 """Two sets of renders of one scene against each other: means, their errors, and the verdict."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -46,6 +46,11 @@ class Comparison:
         # Written so that NaN never agrees.
         means = abs(self.mean_baked - self.mean_truth) <= self.allowed
         return bool(means and self.rms_without_noise <= self.allowed_rms)
+
+    def facts(self):
+        """All of it as plain data."""
+        return {**asdict(self), "agree": self.agree, "allowed_difference": self.allowed,
+                "allowed_rms": self.allowed_rms}
 
     def verdict(self, truth="volume"):
         """One sentence with the numbers; `truth`: what was path traced."""

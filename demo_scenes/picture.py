@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Three panels side by side: two renders and their difference, with captions and a colour bar."""
 
-import os
 
 import numpy as np
+import output
 from PIL import Image, ImageDraw, ImageFont
 
 MARGIN, GAP = 24, 16
@@ -31,9 +31,7 @@ def save_rows(path, title, rows, span):
     draw.text((MARGIN, MARGIN + 40), title[1], FAINT, _font(16))
     for k, row in enumerate(rows):
         _row(sheet, draw, first + k * row_height + 56, *row, span)
-    partial = f"{path}.part"
-    sheet.save(partial, "PNG", optimize=True)
-    os.replace(partial, path)
+    output.place(path, lambda partial: sheet.save(partial, "PNG", optimize=True))
 
 
 def _row(sheet, draw, top, panels, difference, notes, span):

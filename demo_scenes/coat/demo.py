@@ -2,13 +2,12 @@
 """A smooth and a rough coat, each twice: a painted slab of glass, path traced with caustics, and the baked plane."""
 
 import dataclasses
-import json
-import os
 
 import comparison
 import cycles_render
 import extension
 import numpy as np
+import output
 import picture
 from slab import view
 
@@ -56,10 +55,7 @@ def run(out, quality, stack_path, say):
     png, table = out / "coat.png", out / "coat.json"
     picture.save_rows(png, ("A coat, twice", "Painted glass and the baked plane under a grey "
                             "sky with a bright round cap. No denoising."), rows, SPAN)
-    partial = out / "coat.json.part"
-    partial.write_text(json.dumps({"quality": quality, **dataclasses.asdict(setting), "coats": facts}, indent=2) + "\n",
-                       encoding="utf-8")
-    os.replace(partial, table)
+    output.save_json(table, {"quality": quality, **dataclasses.asdict(setting), "coats": facts})
     return (png, table), "; ".join(text for text, _ in verdicts), all(agree for _, agree in verdicts)
 
 
@@ -73,14 +69,11 @@ def _compare(name, stack, setting, region, say):
     truth, baked = truth.mean(axis=0), baked.mean(axis=0)
     expected = _exact(stack)
     facts = {
-        **dataclasses.asdict(result),
+        **result.facts(),
         "mean_exact": float(expected.mean()),
         "seconds_truth": seconds_truth,
         "seconds_baked": seconds_baked,
         "seconds_bake": lut.report["seconds"],
-        "agree": result.agree,
-        "allowed_difference": result.allowed,
-        "allowed_rms": result.allowed_rms,
         "stack": stack,
     }
     shown = [picture.block_means(image @ LUMINANCE, region, BLOCK) for image in (baked, truth)]

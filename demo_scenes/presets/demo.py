@@ -2,16 +2,15 @@
 """All presets of the library on one sheet, by category, and how well each is fitted."""
 
 import importlib
-import json
 import os
 import tempfile
 import time
-from pathlib import Path
 
 import bpy
 import cycles_render
 import extension
 import numpy as np
+import output
 import picture
 from PIL import Image, ImageDraw, ImageFont
 
@@ -49,7 +48,9 @@ def run(out, quality, stack_path, say):
     _sheet(files[0], entries, facts, cells, size)
     worst = max(facts, key=lambda fact: fact["fit_error"])
     mean = sum(fact["fit_error"] for fact in facts) / len(facts)
-    _write(files[1], {"seconds_bakes": baked, "seconds_render": seconds, "mean_fit_error": mean, "presets": facts})
+    output.save_json(files[1], {
+        "seconds_bakes": baked, "seconds_render": seconds, "mean_fit_error": mean, "presets": facts,
+    })
     black = [fact["id"] for fact, cell in zip(facts, cells, strict=True) if not cell[..., :3].any()]
     verdict = f"{len(facts)} presets, fit error {mean:.1%} on average, {worst['fit_error']:.1%} for {worst['name']}"
     return files, verdict + (f"; black: {', '.join(black)}" if black else ""), not black
@@ -130,9 +131,7 @@ def _sheet(path, entries, facts, cells, size):
             for number, line in enumerate(_lines(entries[k].name, draw, small, size - 6)):
                 draw.text((x + size // 2, y + size + number * 13), line, picture.FAINT, small, "ma")
         y += size + LABEL
-    partial = f"{path}.part"
-    sheet.save(partial, "PNG", optimize=True)
-    os.replace(partial, path)
+    output.place(path, lambda partial: sheet.save(partial, "PNG", optimize=True))
 
 
 def _over_paper(cell, is_sheet):
@@ -160,9 +159,3 @@ def _lines(text, draw, font, width):
         else:
             lines[-1] = longer
     return lines[:2]
-
-
-def _write(path, facts):
-    partial = Path(f"{path}.part")
-    partial.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
-    os.replace(partial, path)

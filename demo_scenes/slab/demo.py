@@ -2,14 +2,13 @@
 """The standard problem, twice: Cycles' volume path tracing against the baked plane of the same stack."""
 
 import dataclasses
-import json
 import math
-import os
 
 import comparison
 import cycles_render
 import extension
 import numpy as np
+import output
 import picture
 
 from . import exact, light, scene, view
@@ -52,14 +51,11 @@ def run(out, quality, stack_path, say):
     result = comparison.compare(truth, baked, pixels.region, lut.report)
     truth, baked = truth.mean(axis=0), baked.mean(axis=0)
     facts = {
-        **dataclasses.asdict(result),
+        **result.facts(),
         "seconds_truth": seconds_truth,
         "seconds_baked": seconds_baked,
         "seconds_bake": lut.report["seconds"],
         **_against_exact(stack, setting.size, pixels.region, baked),
-        "agree": result.agree,
-        "allowed_difference": result.allowed,
-        "allowed_rms": result.allowed_rms,
         "quality": quality,
         **dataclasses.asdict(setting),
         "smallest_cosine": view.SMALLEST_COSINE,
@@ -67,9 +63,7 @@ def run(out, quality, stack_path, say):
     }
     png, table = out / "slab.png", out / "slab.json"
     _draw(png, facts, result, truth, baked, pixels.region)
-    partial = out / "slab.json.part"
-    partial.write_text(json.dumps(facts, indent=2) + "\n", encoding="utf-8")
-    os.replace(partial, table)
+    output.save_json(table, facts)
     return (png, table), result.verdict(), result.agree
 
 

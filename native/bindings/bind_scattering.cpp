@@ -77,22 +77,9 @@ void lamina::bind_scattering(py::module_& module) {
       .def_readonly("name", &ScatteringWalk::name)
       .def_property_readonly(
           "walk", [](const ScatteringWalk& self) -> const Walk& { return *self.walk; },
-          py::return_value_policy::reference_internal, "For run_walk, where Walk is bound.")
+          py::return_value_policy::reference_internal, "For run_walk.")
       .def_readonly("pilot_samples", &ScatteringWalk::pilot_samples)
-      .def_readonly("pilot_events", &ScatteringWalk::pilot_events)
-      .def(
-          "run",
-          [](const ScatteringWalk& self, std::uint64_t seed, std::uint64_t first, std::uint64_t last,
-             ThreadPool& pool) {
-            Tally tally;
-            {
-              const py::gil_scoped_release release;
-              tally = run_walk(*self.walk, seed, first, last, pool);
-            }
-            return py::make_tuple(tally.sum, tally.squares, tally.largest, tally.count, tally.events);
-          },
-          py::arg("seed"), py::arg("first_block"), py::arg("last_block"), py::arg("pool"),
-          "(sum, sum of squares, largest, samples, events) of blocks [first_block, last_block).");
+      .def_readonly("pilot_events", &ScatteringWalk::pilot_events);
 
   module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
              py::arg("side"), py::arg("path"), py::arg("flux") = false, unlocked);

@@ -10,15 +10,16 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from . import _core, lobes, peaks
-from .base_texture import PREFIX, THROWN_BACK, TexturedBase, over_texture
+from .base_texture import PREFIX, THROWN_BACK, over_texture
 from .closure_table import grid_for
-from .errors import Cancelled, StackError
+from .errors import StackError
 from .fields import channel
 from .fit_report import all_rows, fit_report
 from .layers import Interface, Lambert
 from .lut import COLUMNS, SCHEMA, Lut
 from .mixture import Effort, Mixture, mix
-from .slices import Slices, slices, solve_rows
+from .progress import Progress, portion, stepper
+from .slices import slices, solve_rows
 from .solve import thread_pool, tolerance_of
 from .stack import Stack
 
@@ -27,7 +28,6 @@ from .stack import Stack
 BASES = {"standard": ((5, 5, 8), (4, 4, 4), (0, 2, 2)), "accurate": ((12, 13, 20), (8, 8, 8), (0, 4, 4))}
 CHOICE = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},
           "final": {"overshoot": 2, "exchanges": 2, "column_stride": 4, "row_stride": 8}}
-Progress = Callable[[float, str], None]
 
 
 def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress | None = None,
@@ -65,30 +65,30 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
         raise ValueError(f"basis = {basis!r}: must be one of {', '.join(BASES)}")
     _require_air_below(stack)
     started = time.perf_counter()
-    step = _stepper(progress, cancel)
-    solved = solve_rows(peaks.resolved(stack), quality, threads, _part(step, 0.0, 0.3), row_stride, nodes)
+    step = stepper("the bake", progress, cancel)
+    solved = solve_rows(peaks.resolved(stack), quality, threads, portion(step, 0.0, 0.3), row_stride, nodes)
     pool = thread_pool(threads)
     grid, made = grid_for(quality, peaks.narrowest(stack)), peaks.closures(stack)
     reflected, through, below = (Effort(*counts, **CHOICE[quality]) for counts in BASES[basis])
     parts: dict[str, Mixture] = {}
     if _is_textured(stack):
-        seen, base = over_texture(solved, grid, pool, _part(step, 0.3, 0.7))
+        seen, base = over_texture(solved, grid, pool, portion(step, 0.3, 0.7))
     else:
-        seen, base = slices(solved, grid, pool, _part(step, 0.3, 0.7)), None
+        seen, base = slices(solved, grid, pool, portion(step, 0.3, 0.7)), None
     for kind, wanted in seen.items():
         effort, own = (reflected, made) if kind == "reflection" else (through, ())
-        parts[kind] = mix(kind, wanted, grid, effort, pool, _part(step, 0.7, 0.95), made=own, given=given[kind],
+        parts[kind] = mix(kind, wanted, grid, effort, pool, portion(step, 0.7, 0.95), made=own, given=given[kind],
                           mixed=solved.is_sheet)
         if np.any(wanted.direct):
             name = peaks.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])
     if base is not None:
-        parts |= _textured(stack, seen["reflection"], base, parts["reflection"], mix(
-            "reflection", base.slices, grid, below, pool, _part(step, 0.95, 1.0),
-            given=given["base"]))
+        fitted = mix("reflection", base.slices, grid, below, pool, portion(step, 0.95, 1.0), given=given["base"])
+        reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
+        parts |= base.parts(reflectance, seen["reflection"], parts["reflection"], fitted)
     step(1.0, "Done")
     # [side, closure, row, channel, column]
-    weights = np.concatenate([part.weights for part in parts.values()], axis=1)
+    weights = np.concatenate([one.weights for one in parts.values()], axis=1)
     weights = np.moveaxis(all_rows(weights, solved, 2), 3, 4)
     weights = np.ascontiguousarray(np.broadcast_to(weights, (*weights.shape[:4], 3)), np.float32)
     header = {
@@ -108,7 +108,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
                 "parameter": "t = tau/(tau+0.5), scaled so that the last row is the largest tau" if solved.axis else "",
             },
         },
-        "closures": [name for part in parts.values() for name in part.closures],
+        "closures": [name for one in parts.values() for name in one.closures],
         "report": fit_report(parts, solved),
     }
     return Lut(header, weights, time.perf_counter() - started)
@@ -143,40 +143,3 @@ def _require_air_below(stack: Stack) -> None:
 
 def _is_textured(stack: Stack) -> bool:
     return isinstance(stack.base, Lambert) and stack.base.textured
-
-
-def _textured(stack: Stack, black: Slices, base: TexturedBase, dark: Mixture, fitted: Mixture) -> dict[str, Mixture]:
-    """Parts of a textured base, and errors for the reflectance that the stack states: at most what both fits
-    add up to."""
-    reflectance = np.array([channel(stack.base.reflectance, c) for c in range(stack.channels)])[:, None]
-    gain = base.gain(reflectance)
-
-    def norms(values):
-        return np.sqrt((values**2) @ base.grid.solid_angle)
-
-    dark_norm, base_norm = norms(black.values), gain * norms(base.slices.values)
-    whole = norms(black.values + gain[..., None] * base.slices.values)
-    errors = np.nan_to_num(dark.errors) * dark_norm + np.nan_to_num(fitted.errors) * base_norm
-    errors = np.where(whole > 0.0, errors / np.where(whole > 0.0, whole, 1.0), np.nan)
-    return {
-        "reflection": Mixture(dark.closures, dark.weights, errors, dark.albedo_errors),
-        "base": Mixture([PREFIX + name for name in fitted.closures], fitted.weights, None, None),
-        "thrown back": base.strip(),
-    }
-
-
-def _stepper(progress: Progress | None, cancel: Callable[[], bool] | None) -> Progress:
-    """Tells the caller how far the bake is, and asks whether it shall stop."""
-
-    def step(fraction: float, text: str) -> None:
-        if cancel is not None and cancel():
-            raise Cancelled("the bake was cancelled")
-        if progress is not None:
-            progress(fraction, text)
-
-    return step
-
-
-def _part(step: Progress, first: float, last: float) -> Progress:
-    """A stepper for one part of the work."""
-    return lambda fraction, text: step(first + (last - first) * fraction, text)

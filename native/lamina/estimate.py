@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import _core
-from .errors import Cancelled, SolveError, StackError
+from .errors import SolveError, StackError
+from .progress import Progress, portion, stepper
 from .solve import core_stack, path_of, side_of, thread_pool
 from .stack import Stack
 
@@ -20,7 +21,6 @@ SAMPLES = 1 << 20
 MOST_SAMPLES = 1 << 40
 BLOCK = _core.WALK_BLOCK
 CHUNK = 16  # blocks that are summed apart: what shards are made of, whoever runs them
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
@@ -103,6 +103,7 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
     blocks = blocks_of(samples, target_error)
     check_seed(seed)
     pool = thread_pool(threads)
+    step = stepper("the estimate", progress, cancel)
     done: dict = {}
     channels = []
     error = 0.0
@@ -111,8 +112,8 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
         if key not in done:
             walk, off = make_walk(_core.Stack(layers, base), query, method, pool)
             error = max(error, off)
-            part = (index / stack.channels, (index + 1) / stack.channels)
-            done[key] = _run(walk, seed, blocks, target_error, pool, _stepper(progress, cancel, part))
+            within = portion(step, index / stack.channels, (index + 1) / stack.channels)
+            done[key] = _run(walk, seed, blocks, target_error, pool, within)
         channels.append(done[key])
     return summary(channels, time.perf_counter() - started, error)
 
@@ -192,13 +193,3 @@ def _run(walk, seed: int, blocks: int, target_error: float | None, pool, step) -
             return tallies
         until *= 2
         reached = (target_error * abs(value) / error) ** 2
-
-
-def _stepper(progress: Progress | None, cancel: Callable[[], bool] | None, part: tuple[float, float]) -> Progress:
-    def step(fraction: float, text: str) -> None:
-        if cancel is not None and cancel():
-            raise Cancelled("the estimate was cancelled")
-        if progress is not None:
-            progress(part[0] + (part[1] - part[0]) * fraction, text)
-
-    return step

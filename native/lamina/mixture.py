@@ -7,13 +7,14 @@ and their own small misfit, is fitted by closures of all kinds."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from . import _core, lobes
 from .closure_table import Closures, LightGrid, only, with_more
+from .progress import Progress
 from .slices import Slices
 
 # The objective's factor for a closure made of a Principled BSDF: slow, and noisier than the rest.
@@ -24,8 +25,6 @@ ACCURATE = 5e-3
 EVERYWHERE = {"reflection": "diffuse", "transmission": "translucent"}
 # A rest below this share of what there is, everywhere, is left to the lobes' closures.
 NEGLIGIBLE = 2e-3
-
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,8 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         given = [name for name in given if name not in own]
         values, albedo = wanted.values - found.values(), np.maximum(wanted.albedo - found.albedo(), 0.0)
         parts.append(found)
-        norms = _norms(wanted.values, grid)
-        left = _norms(values, grid) / np.where(norms > 0.0, norms, np.inf)
+        whole = norms(wanted.values, grid)
+        left = norms(values, grid) / np.where(whole > 0.0, whole, np.inf)
         share = max(float(left.mean()), ACCURATE)
     taken = [name for part in parts for name in part.closures]
     if not parts or np.any(albedo > NEGLIGIBLE * wanted.albedo):
@@ -159,6 +158,7 @@ def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candida
     return [basis.ids[k] for k in basis.table.select(targets, options, candidates, [], pool).closures]
 
 
-def _norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:
+def norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:
+    """L2 norms over solid angle, without the axis of lights."""
     return np.sqrt(np.maximum((values**2) @ grid.solid_angle, 0.0))
 

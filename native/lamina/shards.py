@@ -12,10 +12,9 @@ from pathlib import Path
 
 from . import _core
 from .atomic import write_atomically
-from .errors import Cancelled, ShardError
+from .errors import ShardError
 from .estimate import (
     Estimate,
-    Progress,
     Query,
     blocks_of,
     check_seed,
@@ -24,6 +23,7 @@ from .estimate import (
     run_chunks,
     summary,
 )
+from .progress import Progress, portion, stepper
 from .solve import core_stack, thread_pool
 from .stack import Stack
 
@@ -41,13 +41,7 @@ def run_shard(stack: Stack, query: Query, method: str, samples: int, seed: int, 
     pool = thread_pool(threads)
     chunks = chunks_in(blocks)
     first, last = (number - 1) * chunks // count, number * chunks // count
-
-    def step(fraction: float, text: str) -> None:
-        if cancel is not None and cancel():
-            raise Cancelled("the estimate was cancelled")
-        if progress is not None:
-            progress(fraction, text)
-
+    step = stepper("the estimate", progress, cancel)
     done: dict = {}
     channels, error = [], 0.0
     for index in range(stack.channels):
@@ -55,7 +49,8 @@ def run_shard(stack: Stack, query: Query, method: str, samples: int, seed: int, 
         if key not in done:
             walk, off = make_walk(_core.Stack(layers, base), query, method, pool)
             error = max(error, off)
-            done[key] = [list(tally) for tally in run_chunks(walk, seed, first, last, blocks, pool, step)]
+            within = portion(step, index / stack.channels, (index + 1) / stack.channels)
+            done[key] = [list(tally) for tally in run_chunks(walk, seed, first, last, blocks, pool, within)]
         channels.append(done[key])
     job = {"stack": stack.hash, **asdict(query), "method": method, "blocks": blocks, "seed": seed}
     return {"schema": SCHEMA, "job": job, "shard": [number, count], "table_error": error, "channels": channels}

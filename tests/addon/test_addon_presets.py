@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets: the library, the user's own, and metals by name."""
 
-import importlib.util
 import json
 import sys
 from types import ModuleType, SimpleNamespace
@@ -77,9 +76,6 @@ def test_an_unknown_preset_is_one_sentence(addon, material, library, call):
 
 
 def test_the_panel_holds_every_preset_of_the_library(addon, material, lamina):
-    if importlib.util.find_spec("lamina.presets") is None:
-        pytest.skip("this lamina has no presets")
-
     def as_kept(text):
         """The number as a float32, which is what the panel keeps."""
         return addon.decimals.shortest(float(np.float32(text)))
@@ -201,8 +197,6 @@ def test_a_metal_by_name(addon, material, metals, call):
 
 
 def test_every_metal_of_the_library(addon, material, lamina):
-    if importlib.util.find_spec("lamina.metals") is None:
-        pytest.skip("this lamina has no metals")
     assert addon.metals.names()
     for name in addon.metals.names():
         addon.metals.fill(material.lamina.base, name)
@@ -213,8 +207,6 @@ def test_every_metal_of_the_library(addon, material, lamina):
 
 
 def test_the_first_metal_is_the_librarys_gold(addon, material, lamina):
-    if importlib.util.find_spec("lamina.metals") is None:
-        pytest.skip("this lamina has no metals")
     material.lamina.base.kind = "conductor"
     assert addon.metals.name_of(material.lamina.base) == "gold"
     material.lamina.base.metal_form = "colours"

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The colour behind an albedo, the albedo behind a colour; and that the panel draws for every kind of layer."""
 
-import importlib.util
 import sys
 import time
 from types import ModuleType
@@ -116,8 +115,6 @@ def test_a_bug_in_the_thread_is_not_asked_for_again_and_again(addon, material, l
 
 
 def test_the_real_colours(addon, material, lamina):
-    if importlib.util.find_spec("lamina.colours") is None:
-        pytest.skip("this lamina knows no colours")
     layer = material.lamina.layers[0]
     layer.albedo, layer.infinite = (0.3, 0.6, 0.95), True
     text = addon.shown._text(layer, "colour")

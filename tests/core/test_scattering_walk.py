@@ -34,7 +34,7 @@ CASES = [
 
 def estimate(medium, directions, walk, blocks, seed=11, first=0):
     made = _core.ScatteringWalk(medium, *directions, walk, seed)
-    total, squares, largest, count, events = made.run(seed, first, first + blocks, POOL)
+    total, squares, largest, count, events = _core.run_walk(made.walk, seed, first, first + blocks, POOL)
     mean = total / count
     return mean, math.sqrt(max(squares / count - mean * mean, 0.0) / (count - 1)), largest, events / count
 
@@ -130,9 +130,9 @@ def test_the_pilot_falls_back_to_the_photon_walk():
 
 def test_blocks_and_threads():
     walk = _core.ScatteringWalk(homogeneous(0.9, 2.0, "hg", 0.8), 0.5, 0.5, 1.0, "guided-8", 0)
-    one = walk.run(5, 0, 4, _core.ThreadPool(1))
-    assert one == walk.run(5, 0, 4, _core.ThreadPool(2))
-    parts = [walk.run(5, k, k + 1, POOL) for k in range(4)]
+    one = _core.run_walk(walk.walk, 5, 0, 4, _core.ThreadPool(1))
+    assert one == _core.run_walk(walk.walk, 5, 0, 4, _core.ThreadPool(2))
+    parts = [_core.run_walk(walk.walk, 5, k, k + 1, POOL) for k in range(4)]
     assert one[0] == sum(part[0] for part in parts) and one[3] == 4 * BLOCK
 
 

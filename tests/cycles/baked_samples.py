@@ -22,7 +22,11 @@ OTHER = {"top": "bottom", "bottom": "top"}
 BLACK = 1e-6  # of a slice's largest value: what is darker is not told apart
 LAST_COLUMN = 60  # the last of the 64 with a view cosine above .05
 
-FURNACE_SIGMA = 3e-4
+MIXTURE_RMS = 5e-3
+PROMISE_FACTOR = 1.1
+# What a weight read between two columns or rows may add to a slice's error, which is stated at both ends.
+INTERPOLATION = 3.6e-3
+FURNACE_ERROR, FURNACE_SIGMA = 1e-3, 3e-4
 # Share of the incident light by which a sheet's R + T may be off. Of leaning and straight-through lobes a little is
 # sampled beyond the horizon, where Cycles weighs it against the densities of the closures on that side: exact beside
 # Diffuse and Translucent, but beside a Glossy closure or a Toon, whose density is higher than its value, up to 4 % of
@@ -217,6 +221,19 @@ class Sample:
         upper = table[..., min(row + 1, table.shape[-3] - 1), :, :]
         rows = lower * (1.0 - down) + upper * down
         return rows[..., column, :] * (1.0 - right) + rows[..., column + 1, :] * right
+
+
+def made(stacks, samples_of, names):
+    """Samples of stacks by their JSON, `samples_of(id, stack)` -> list, checked to have these names. A generator: the
+    materials are removed at its end."""
+    samples = []
+    for data in stacks:
+        stack = lamina.Stack.from_json({key: value for key, value in data.items() if key != "id"})
+        samples += samples_of(data["id"], stack)
+    assert [sample.name for sample in samples] == names
+    yield samples
+    for sample in samples:
+        bpy.data.materials.remove(sample.material)
 
 
 def make_sample(addon, name, stack, views, quality="final"):

@@ -9,11 +9,9 @@ import math
 from pathlib import Path
 
 import baked_samples
-import bpy
 import numpy as np
 import pytest
-
-import lamina
+from baked_samples import FURNACE_ERROR, INTERPOLATION, MIXTURE_RMS, PROMISE_FACTOR
 
 ROOT = Path(__file__).resolve().parents[2]
 STACKS = json.loads((ROOT / "tests/data/gonio_stacks.json").read_text())
@@ -24,28 +22,16 @@ VIEWS = baked_samples.gauss_views(5)
 LIGHTS = baked_samples.hemisphere(4, 6)
 DENSE = baked_samples.hemisphere(64, 64)
 
-MIXTURE_RMS = 5e-3
-PROMISE_FACTOR = 1.1
-# What a weight read between two columns or rows may add to a slice's error, which is stated at both ends.
-INTERPOLATION = 3.6e-3
-FURNACE_ERROR = 1e-3
-
 
 @pytest.fixture(scope="module")
 def samples(addon):
-    made = [sample for data in STACKS for sample in _samples_of(addon, data)]
-    assert [sample.name for sample in made] == NAMES
-    yield made
-    for sample in made:
-        bpy.data.materials.remove(sample.material)
+    def samples_of(name, stack):
+        sample = baked_samples.make_sample(addon, name, stack, VIEWS)
+        if stack.varying is None:
+            return [sample]
+        return [baked_samples.at_row(sample, ON_ROW), baked_samples.at_row(sample, OFF_ROW, name + ", off a row")]
 
-
-def _samples_of(addon, data):
-    stack = lamina.Stack.from_json({key: value for key, value in data.items() if key != "id"})
-    sample = baked_samples.make_sample(addon, data["id"], stack, VIEWS)
-    if stack.varying is None:
-        return [sample]
-    return [baked_samples.at_row(sample, ON_ROW), baked_samples.at_row(sample, OFF_ROW, data["id"] + ", off a row")]
+    yield from baked_samples.made(STACKS, samples_of, NAMES)
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ import bpy
 import goniophotometer
 import numpy as np
 import pytest
+from baked_samples import FURNACE_ERROR, INTERPOLATION, MIXTURE_RMS, PROMISE_FACTOR
 
 import lamina
 
@@ -25,11 +26,6 @@ ROW = 20.5  # of thickness, at which the varying dust is seen
 VIEWS = baked_samples.gauss_views(3)
 LIGHTS = baked_samples.about_the_mirror_direction(VIEWS, 3, 6, 3.0)
 DENSE = baked_samples.about_the_mirror_direction(VIEWS, 40, 64, 4.0)
-
-MIXTURE_RMS = 5e-3
-PROMISE_FACTOR = 1.1
-INTERPOLATION = 3.6e-3  # what a weight read between two columns or rows may add, as in test_baked_material
-FURNACE_ERROR = 1e-3
 
 
 def _names():
@@ -43,21 +39,15 @@ NAMES = list(_names())
 
 @pytest.fixture(scope="module")
 def samples(addon):
-    made = [sample for data in STACKS for sample in _samples_of(addon, data)]
-    assert [sample.name for sample in made] == NAMES
-    yield made
-    for sample in made:
-        bpy.data.materials.remove(sample.material)
+    def samples_of(name, stack):
+        sample = baked_samples.make_sample(addon, name, stack, VIEWS)
+        if stack.varying is not None:
+            return [baked_samples.at_row(sample, ROW)]
+        if getattr(stack.base, "textured", False):
+            return [_coloured(sample, f"{name}, {colour}", COLOURS[colour]) for colour in COLOURS]
+        return [sample]
 
-
-def _samples_of(addon, data):
-    stack = lamina.Stack.from_json({key: value for key, value in data.items() if key != "id"})
-    sample = baked_samples.make_sample(addon, data["id"], stack, VIEWS)
-    if stack.varying is not None:
-        return [baked_samples.at_row(sample, ROW)]
-    if getattr(stack.base, "textured", False):
-        return [_coloured(sample, f"{sample.name}, {name}", colour) for name, colour in COLOURS.items()]
-    return [sample]
+    yield from baked_samples.made(STACKS, samples_of, NAMES)
 
 
 def _coloured(sample, name, colour):

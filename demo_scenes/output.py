@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files of results, which appear whole or not at all."""
+
+import json
+import os
+
+
+def place(path, write):
+    """Calls `write` with the name of a file beside `path`, and gives that its place."""
+    partial = f"{path}.part"
+    write(partial)
+    os.replace(partial, path)
+
+
+def save_json(path, facts):
+    def write(partial):
+        with open(partial, "w", encoding="utf-8") as file:
+            file.write(json.dumps(facts, indent=2) + "\n")
+
+    place(path, write)
