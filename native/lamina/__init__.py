@@ -17,6 +17,7 @@ from .phase import (
     Rayleigh,
     Tabulated,
 )
+from .profile import Knot
 from .solve import ScatteringFunction, solve
 from .stack import Stack
 
@@ -33,6 +34,7 @@ __all__ = [
     "HenyeyGreenstein",
     "Interface",
     "Isotropic",
+    "Knot",
     "Lambert",
     "Lut",
     "LutError",

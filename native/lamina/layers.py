@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from .errors import StackError
 from .fields import Channels, Field, channel, check_forms
 from .phase import Isotropic, Phase, check_phase
+from .profile import Knot, check_profile, optical_thickness, turned
 
 UNIT = "must lie in [0, 1]"
 NOT_NEGATIVE = "must lie in [0, infinity]"
@@ -16,7 +18,7 @@ NOT_NEGATIVE = "must lie in [0, infinity]"
 
 @dataclass(frozen=True)
 class Medium:
-    """A homogeneous scattering layer. Every quantity is a number or one a channel.
+    """A scattering layer, homogeneous unless it has a `profile`. Every quantity is a number or one a channel.
 
     Either `albedo` (single scattering, sigma_s / sigma_t, in [0, 1]) and `tau` (optical thickness, from 0
     to infinity), or `sigma_s`, `sigma_a` (1/mm) and `thickness` (mm), or `color` and `tau`. `color`, in
@@ -24,7 +26,8 @@ class Medium:
     light that it returns as a layer without end, or, when `over` is given, as a layer of its own tau on a
     Lambert surface of that reflectance. The stack finds the albedo that shows it. `varying` marks the one
     layer whose thickness becomes an input of the baked material; its tau is then the largest thickness, and
-    the one that shows the colour. Values are checked when the layer becomes part of a Stack."""
+    the one that shows the colour. Or `profile`, two knots or more from top to bottom, and `tau` or `thickness`,
+    both finite: see Knot. Values are checked when the layer becomes part of a Stack."""
 
     albedo: Channels | None = None
     tau: Channels | None = None
@@ -36,6 +39,7 @@ class Medium:
     varying: bool = False
     color: Channels | None = None
     over: Channels | None = None
+    profile: Sequence[Knot] | None = None
 
     kind = "medium"
     forms = (
@@ -55,13 +59,15 @@ class Medium:
 
     def checked(self, path: str) -> Medium:
         """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
-        values = check_forms(self, path)
+        values = check_forms(self, path) if self.profile is None else check_profile(self, path)
         if not isinstance(self.varying, bool):
             raise StackError(f"{path}.varying = {self.varying!r}: must be true or false")
         return replace(self, phase=check_phase(self.phase, f"{path}.phase"), **values)
 
     def optics(self, index: int) -> tuple[float | None, float]:
-        """(albedo, tau) of one channel; the albedo is None where it is a colour that says it."""
+        """(albedo, tau) of one channel; the albedo is None where a colour or a profile says it."""
+        if self.profile is not None:
+            return None, optical_thickness(self, index)
         if self.tau is not None:
             return None if self.albedo is None else channel(self.albedo, index), channel(self.tau, index)
         sigma_s = channel(self.sigma_s, index)
@@ -69,6 +75,10 @@ class Medium:
         if sigma_t == 0.0:
             return 0.0, 0.0
         return sigma_s / sigma_t, sigma_t * channel(self.thickness, index)
+
+    def turned(self) -> Medium:
+        """The layer upside down."""
+        return self if self.profile is None else replace(self, profile=turned(self.profile))
 
 
 DISTRIBUTIONS = ("ggx", "beckmann")

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _core
 from .closure_table import LightGrid, view_cosines
+from .layers import Medium
 from .lut import tau_rows
 from .solve import ScatteringFunction, solve
 from .stack import Stack
@@ -55,7 +56,8 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     step(0.0, "Solving the stack")
     full = solve(stack, quality, threads, nodes)
     # Seen from below, the sheet is the reversed stack; where that is the same stack, one side serves both.
-    symmetric = Stack(tuple(reversed(stack.layers)), stack.base).canonical() == stack.canonical()
+    turned = [layer.turned() if isinstance(layer, Medium) else layer for layer in reversed(stack.layers)]
+    symmetric = Stack(turned, stack.base).canonical() == stack.canonical()
     is_sheet = stack.base is None
     sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
     if stack.varying is None:

@@ -62,6 +62,8 @@ def core_stack(stack: Stack, index: int):
     for number, layer in enumerate(stack.layers):
         if isinstance(layer, Interface):
             entries.append((_core.Interface, (channel(layer.ior, index), *_facets(layer, index))))
+        elif layer.profile is not None and layer.optics(index)[1] > 0.0:
+            entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
         else:
             entries.append((_core.Medium, (*stack.optics(number, index), *layer.phase.in_channel(index))))
     if isinstance(stack.base, HalfSpace):

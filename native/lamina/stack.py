@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 import os
@@ -18,6 +19,7 @@ from .fields import all_fields, channel, channel_count, check_forms, check_keys,
 from .layers import BASES, Base, Conductor, HalfSpace, Interface, Medium
 from .metals import indices_of
 from .phase import check_phase, read_phase
+from .profile import optical_knots, read_profile
 
 SCHEMA = 1
 
@@ -78,9 +80,19 @@ class Stack:
         return hashlib.sha256(self.canonical().encode()).hexdigest()
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
-        """(albedo, tau) of a layer in one channel; the albedo that shows the layer's colour where that is given."""
+        """(albedo, tau) of a layer in one channel; the albedo that shows the layer's colour where that is given, and
+        its mean over the optical depth where the layer has a profile."""
         albedo, tau = self.layers[layer].optics(channel_index)
+        if self.layers[layer].profile is not None:
+            knots = self.knots(layer, channel_index)
+            parts = [0.5 * (a + b) * (below - above) for (above, a, _), (below, b, _) in itertools.pairwise(knots)]
+            return (math.fsum(parts) / tau if tau > 0.0 else 0.0), tau
         return self._albedos[layer][channel_index] if albedo is None else albedo, tau
+
+    def knots(self, layer: int, channel_index: int) -> list[tuple[float, float, tuple]]:
+        """Of a layer with a profile in one channel: (optical depth, albedo, phase function as the core takes it), top
+        first; between these, albedo times phase function is linear."""
+        return optical_knots(self.layers[layer], self._albedos[layer], channel_index)
 
     def indices(self, channel_index: int) -> tuple[float, float]:
         """(eta, k) of a conductor base in one channel; those that show its two colours where these are given."""
@@ -95,6 +107,9 @@ class Stack:
         for index, layer in enumerate(self.layers):
             if isinstance(layer, Interface):
                 layers.append(_canonical(layer, self.channels))
+                continue
+            if layer.profile is not None:
+                layers.append(self._canonical_profile(index))
                 continue
             optics = [self.optics(index, c) for c in channels]
             layers.append({
@@ -122,6 +137,8 @@ class Stack:
                 continue
             entry.update(_given(layer))
             entry["phase"] = layer.phase.to_json()
+            if layer.profile is not None:
+                entry["profile"] = [knot.to_json() for knot in layer.profile]
             if layer.varying:
                 entry["varying"] = True
             layers.append(entry)
@@ -183,17 +200,49 @@ class Stack:
             yield from _fields_of(layer, f"layers[{index}]")
             if isinstance(layer, Medium):
                 yield from layer.phase.quantities(f"layers[{index}].phase")
+                for number, knot in enumerate(layer.profile or ()):
+                    yield from knot.quantities(f"layers[{index}].profile[{number}]")
         if self.base is not None:
             yield from _fields_of(self.base, "base")
             if isinstance(self.base, HalfSpace):
                 yield from self.base.phase.quantities("base.phase")
 
-    def _find_albedos(self) -> tuple[tuple[float, ...] | None, ...]:
-        """Those that show the colours of the layers that have one, by layer and channel."""
-        count = self.channels
-        return tuple(
-            albedos_of(layer, count, f"layers[{i}]") if isinstance(layer, Medium) and layer.color is not None else None
-            for i, layer in enumerate(self.layers))
+    def _find_albedos(self) -> tuple:
+        """Those that show the colours of the layers that have one, by layer and channel; of a profile by layer, knot
+        and channel."""
+        found = []
+        for index, layer in enumerate(self.layers):
+            path = f"layers[{index}]"
+            if isinstance(layer, Medium) and layer.profile is not None:
+                found.append(tuple(self._albedos_at(layer, number, path) for number in range(len(layer.profile))))
+            elif isinstance(layer, Medium) and layer.color is not None:
+                found.append(albedos_of(layer, self.channels, path))
+            else:
+                found.append(None)
+        return tuple(found)
+
+    def _albedos_at(self, layer: Medium, number: int, path: str) -> tuple[float, ...] | None:
+        knot = layer.profile[number]
+        if knot.color is None:
+            return None
+        homogeneous = replace(layer, profile=None, color=knot.color, phase=knot.phase or layer.phase)
+        return albedos_of(homogeneous, self.channels, f"{path}.profile[{number}]")
+
+    def _canonical_profile(self, index: int) -> dict:
+        layer, channels = self.layers[index], range(self.channels)
+        knots = []
+        for number, knot in enumerate(layer.profile):
+            entry = {"depth": knot.depth, "phase": (knot.phase or layer.phase).canonical(self.channels)}
+            if knot.has_coefficients:
+                entry["sigma_s"] = [channel(knot.sigma_s, c) for c in channels]
+                entry["sigma_a"] = [channel(knot.sigma_a, c) for c in channels]
+            else:
+                albedos = self._albedos[index][number]
+                entry["albedo"] = [channel(albedos or knot.albedo, c) for c in channels]
+            knots.append(entry)
+        size = "tau" if layer.thickness is None else "thickness"
+        return {"kind": layer.kind, size: [channel(getattr(layer, size), c) for c in channels], "profile": knots,
+                "varying": layer.varying}
 
 
 def _fields_of(thing, path):
@@ -268,8 +317,10 @@ def _canonical(thing, channels: int) -> dict:
 
 def _read_medium(entry, path: str) -> Medium:
     names = {quantity.name for quantity in all_fields(Medium)}
-    check_keys(entry, {"kind", "name", "phase", "varying", *names}, path)
-    values = {key: value for key, value in entry.items() if key not in ("kind", "phase")}
+    check_keys(entry, {"kind", "name", "phase", "profile", "varying", *names}, path)
+    values = {key: value for key, value in entry.items() if key not in ("kind", "phase", "profile")}
+    if "profile" in entry:
+        values["profile"] = read_profile(entry["profile"], f"{path}.profile")
     if "phase" in entry:
         values["phase"] = read_phase(entry["phase"], f"{path}.phase")
     return Medium(**values)
