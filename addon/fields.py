@@ -4,7 +4,7 @@
 Labels are short, for the editor is narrow; tooltips say the rest.
 """
 
-from . import metals, native, phases, shown
+from . import metals, native, phases, profiles, shown
 from .decimals import shortest
 
 
@@ -41,7 +41,7 @@ def facts(layer):
         ior = "/".join(f"{shortest(value):g}" for value in layer.ior_rgb) if layer.ior_per_channel else None
         ior = ior or f"{shortest(layer.ior):g}"
         return f"ior {ior}, rough {layer.roughness:.2g}" if layer.alpha > 0.0 else f"ior {ior}, smooth"
-    if layer.infinite:
+    if _is_infinite(layer):
         return "∞"
     if layer.mode == "coefficients":
         return f"{shortest(layer.thickness):g} mm"
@@ -80,52 +80,74 @@ def _draw_advanced(layout, owner):
 
 
 def _draw_medium(layout, layer):
-    layout.row().prop(layer, "mode", expand=True)
+    imported = profiles.imported(layer)
+    if not imported:
+        layout.row().prop(layer, "mode", expand=True)
     column = split(layout.column())
+    if imported:
+        row = _labelled(column, "Profile", f"Imported: {imported}")
+        row.operator("lamina.profile_replace", text="", icon="X")
+    else:
+        _draw_medium_at(column, layer, layer)
     amount = "Largest" if layer.varying else "Thickness"
     if layer.mode == "coefficients":
-        _rgb_column(column, layer, "sigma_s", "Scattering")
-        _rgb_column(column, layer, "sigma_a", "Absorption")
         _with_infinity(column, layer, "thickness", f"{amount} mm")
-        column.prop(layer, "shown_colour", text="As Thick Layer")
     else:
-        if layer.mode == "colour":
-            _draw_colour(column, layer)
-        else:
-            column.prop(layer, "albedo")
-            column.prop(layer, "shown_colour", text="As Thick Layer")
+        _draw_over(column, layer)
         _draw_tau(column, layer, f"{amount} τ")
     column.prop(layer, "varying", text="Varying")
+    if imported:
+        return
     _draw_phase(column, layer)
+    column.prop(layer, "graded")
+    if layer.graded:
+        box = layout.box()
+        box.label(text="At the Bottom", icon="TRIA_DOWN_BAR")
+        bottom = split(box.column())
+        _draw_medium_at(bottom, layer, layer.bottom)
+        _draw_phase(bottom, layer.bottom, is_bottom=True)
 
 
-def _draw_colour(column, layer):
-    column.prop(layer, "colour")
-    if not layer.infinite:
+def _draw_medium_at(column, layer, end):
+    """What scatters at the top, the layer itself, or at its bottom."""
+    if layer.mode == "colour":
+        column.prop(end, "colour")
+        albedo = shown.albedo(end)
+        waiting = "…" if albedo is None else "None shows this"
+        _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else waiting)
+        return
+    if layer.mode == "coefficients":
+        _rgb_column(column, end, "sigma_s", "Scattering")
+        _rgb_column(column, end, "sigma_a", "Absorption")
+    else:
+        column.prop(end, "albedo")
+    column.prop(end, "shown_colour", text="As Thick Layer")
+
+
+def _draw_over(column, layer):
+    if layer.mode == "colour" and not _is_infinite(layer):
         row = column.row(heading="Over")
         row.prop(layer, "over_given", text="")
         swatch = row.row()
         swatch.active = layer.over_given
         swatch.prop(layer, "over", text="")
-    albedo = shown.albedo(layer)
-    waiting = "…" if albedo is None else "None shows this"
-    _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else waiting)
 
 
 def _draw_tau(column, layer, text):
-    if layer.tau_per_channel and not layer.infinite:
+    if layer.tau_per_channel and not _is_infinite(layer):
         _rgb_column(column, layer, "tau_rgb", text)
     else:
         _with_infinity(column, layer, "tau", text)
-    if not layer.infinite:
+    if not _is_infinite(layer):
         column.prop(layer, "tau_per_channel")
 
 
-def _draw_phase(column, owner, is_base=False):
+def _draw_phase(column, owner, is_base=False, is_bottom=False):
     imported = phases.imported(owner)
     if imported:
         row = _labelled(column, "Phase", f"Imported: {imported}")
-        row.operator("lamina.phase_replace", text="", icon="X").base = is_base
+        operator = row.operator("lamina.phase_replace", text="", icon="X")
+        operator.base, operator.bottom = is_base, is_bottom
         return
     column.prop(owner, "phase", text="Phase")
     for prop in phases.FIELDS[owner.phase].values():
@@ -165,14 +187,20 @@ def _labelled(column, name, text):
 
 
 def _with_infinity(column, layer, name, text):
-    """A number with its infinity switch."""
+    """A number with its infinity switch; what changes with depth has an end."""
     row = _labelled(column, text, None)
     value = row.row(align=True)
-    value.active = not layer.infinite
+    value.active = not _is_infinite(layer)
     value.prop(layer, name, text="")
+    if profiles.is_graded(layer):
+        return
     switch = row.row(align=True)
     switch.ui_units_x = 1.6
     switch.prop(layer, "infinite", text="∞", toggle=True)
+
+
+def _is_infinite(layer):
+    return layer.infinite and not profiles.is_graded(layer)
 
 
 def _rgb_column(column, owner, name, text):

@@ -116,7 +116,9 @@ def _new_layer(material, kind):
 
 def _copy(source, target):
     for prop in source.bl_rna.properties:
-        if not prop.is_readonly and prop.identifier not in NOT_COPIED:
+        if prop.type == "POINTER" and prop.identifier == "bottom":
+            _copy(source.bottom, target.bottom)
+        elif not prop.is_readonly and prop.identifier not in NOT_COPIED:
             setattr(target, prop.identifier, getattr(source, prop.identifier))
 
 

@@ -6,7 +6,14 @@ never change, new ones are only added. No property is animatable: a bake cannot 
 """
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 from . import changes, decimals, shown
 
@@ -149,7 +156,59 @@ def _varying_changed(layer, _context):
     changes.edited(layer)
 
 
-class LaminaLayer(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
+def _graded_changed(layer, _context):
+    """The bottom starts as the top is: what was never set there is taken over."""
+    if layer.graded:
+        for prop in layer.bottom.bl_rna.properties:
+            name = prop.identifier
+            if not prop.is_readonly and name != "name" and not layer.bottom.is_property_set(name):
+                setattr(layer.bottom, name, getattr(layer, name))
+    changes.edited(layer)
+
+
+class MediumProperties(PhaseProperties):
+    """What scatters in a medium, at one depth."""
+
+    colour: _rgb(
+        "Colour", 0.8, "What the layer shows under diffuse light: infinitely thick, or over the given base",
+        subtype="COLOR",
+    )  # fmt: skip
+    albedo: _rgb(
+        "Albedo", 0.8, "Share of the light that a scattering event keeps, per channel", subtype="COLOR"
+    )
+    shown_colour: FloatVectorProperty(
+        name="Shown",
+        description="The colour of this medium, infinitely thick, under diffuse light",
+        size=3,
+        subtype="COLOR",
+        get=lambda medium: shown.thick_colour(medium) or (0.0, 0.0, 0.0),
+        options=set(),
+    )
+    sigma_s: _rgb(
+        "Scattering",
+        1.0,
+        "Scattering coefficient in 1/mm, per channel",
+        1.0e6,
+        soft_max=20.0,
+        precision=4,
+        step=10,
+    )
+    sigma_a: _rgb(
+        "Absorption",
+        0.1,
+        "Absorption coefficient in 1/mm, per channel",
+        1.0e6,
+        soft_max=20.0,
+        precision=4,
+        step=10,
+    )
+
+
+class LaminaDepth(MediumProperties, bpy.types.PropertyGroup):
+    """The bottom of a medium that changes with depth."""
+
+
+class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     name: StringProperty(
         name="Name", description="Name of this layer, for you", default="Layer", options=set()
     )
@@ -160,22 +219,16 @@ class LaminaLayer(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
     ior_rgb: _rgb("IOR", 1.5, "Refractive index in red, green and blue", 4.0, 1.0, precision=3, step=1)
     # A medium
     mode: _choice("Given By", MODES, "Which numbers describe the medium", "optical")
-    colour: _rgb(
-        "Colour", 0.8, "What the layer shows under diffuse light: infinitely thick, or over the given base",
-        subtype="COLOR",
-    )  # fmt: skip
     over_given: _switch("Over", "The colour is what this layer, as thick as it is, shows over a base")
     over: _rgb("Over", 0.5, "Reflectance of the base over which the colour is meant", subtype="COLOR")
-    albedo: _rgb(
-        "Albedo", 0.8, "Share of the light that a scattering event keeps, per channel", subtype="COLOR"
+    graded: _switch(
+        "Changes with Depth",
+        "Give the bottom of this layer numbers of its own; what lies between is a blend",
+        update=_graded_changed,
     )
-    shown_colour: FloatVectorProperty(
-        name="Shown",
-        description="The colour of this medium, infinitely thick, under diffuse light",
-        size=3,
-        subtype="COLOR",
-        get=lambda layer: shown.thick_colour(layer) or (0.0, 0.0, 0.0),
-        options=set(),
+    bottom: PointerProperty(type=LaminaDepth)
+    profile_text: StringProperty(
+        name="Imported Profile", description="JSON, as it was imported", update=changes.edited, options=set()
     )
     tau: _number(
         "Optical Thickness",
@@ -197,24 +250,6 @@ class LaminaLayer(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
         step=10,
     )
     infinite: _switch("Infinite", "This layer has no bottom; nothing below it is seen")
-    sigma_s: _rgb(
-        "Scattering",
-        1.0,
-        "Scattering coefficient in 1/mm, per channel",
-        1.0e6,
-        soft_max=20.0,
-        precision=4,
-        step=10,
-    )
-    sigma_a: _rgb(
-        "Absorption",
-        0.1,
-        "Absorption coefficient in 1/mm, per channel",
-        1.0e6,
-        soft_max=20.0,
-        precision=4,
-        step=10,
-    )
     thickness: _number(
         "Thickness",
         1.0,

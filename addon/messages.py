@@ -27,6 +27,8 @@ WORDS = {
 _FIELD = r"(?:\.((?:[\w.]|\[\d+\](?=\.))+))?(\[(\d)\])?(.*)$"
 _LAYER = re.compile(r"^layers\[(\d+)\]" + _FIELD, re.DOTALL)
 _BASE = re.compile(r"^base" + _FIELD, re.DOTALL)
+_KNOT = re.compile(r"profile\[(\d+)\]\.?(.*)$")
+_ENDS = {"0": "top", "1": "bottom"}  # an imported profile of more depths was valid as it came
 _CHANNELS = ("red", "green", "blue")
 
 
@@ -108,5 +110,8 @@ def _layer_name(material, index):
 def _field(field, channel):
     if not field:
         return ""
+    knot = _KNOT.match(field)
+    if knot:
+        return f", {_ENDS.get(knot.group(1), 'profile')}{_field(knot.group(2), channel)}"
     words = WORDS.get(field) or field.replace("phase.", "phase function ", 1).replace("_", " ")
     return f", {words}" + (f" ({_CHANNELS[int(channel)]})" if channel and int(channel) < 3 else "")

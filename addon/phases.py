@@ -4,9 +4,9 @@
 Such a one (a table, a mixture, an anisotropy per channel) is kept word for word as text, so nothing is lost.
 """
 
-import functools
 import json
 
+from . import texts
 from .decimals import shortest
 from .messages import RefusedError, unusual_channels
 
@@ -22,14 +22,13 @@ FIELDS = {
 WORDS = {"hg": "Henyey-Greenstein", "double-hg": "double Henyey-Greenstein", "draine": "Draine",
          "cornette-shanks": "Cornette-Shanks"}  # fmt: skip
 LARGEST = 0.99  # anisotropy that the panel's sliders reach
-UNREADABLE = "unreadable"
 TABLES = ("moments", "values", "cosines")
 
 
 def to_json(owner):
     """The phase function of a layer or base. A damaged text gives a kind that `lamina` refuses."""
     if owner.phase_text:
-        return _parsed(owner.phase_text)
+        return texts.parsed(owner.phase_text, dict)
     numbers = {name: shortest(getattr(owner, prop)) for name, prop in FIELDS[owner.phase].items()}
     return {"kind": owner.phase, **numbers}
 
@@ -51,24 +50,14 @@ def imported(owner):
     if not owner.phase_text:
         return ""
     try:
-        return _words(_parsed(owner.phase_text))
+        return _words(texts.parsed(owner.phase_text, dict))
     except (LookupError, TypeError, AttributeError):
-        return UNREADABLE
+        return texts.UNREADABLE
 
 
 def replace(owner):
     """Let go of an imported phase function: the panel's own takes its place."""
     owner.phase_text = ""
-
-
-@functools.lru_cache(64)
-def _parsed(text):
-    """The object is shared: read it only."""
-    try:
-        data = json.loads(text)
-    except (ValueError, RecursionError):
-        data = None
-    return data if isinstance(data, dict) else {"kind": UNREADABLE}
 
 
 def _words(data):

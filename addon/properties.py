@@ -16,7 +16,7 @@ from bpy.props import (
 )
 
 from . import changes
-from .layer_properties import LaminaBase, LaminaLayer
+from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
 from .preferences import BASES, QUALITIES
 
 SCHEMA = 2  # 1: media of three phase functions on four bases
@@ -68,7 +68,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     node_group: PointerProperty(type=bpy.types.NodeTree, description="What the bake keeps up to date")
 
 
-CLASSES = (LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)
+CLASSES = (LaminaDepth, LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)
 
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)

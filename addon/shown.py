@@ -26,15 +26,15 @@ _wanted = {}  # layer -> its newest question
 _worker = None
 
 
-def albedo(layer):
-    """The albedo of a medium that is given by its colour: three numbers, () when none shows that colour, or
-    None while unknown."""
-    return _ask("albedo", _text(layer, "albedo"), (layer.id_data.session_uid, layer.path_from_id()))
+def albedo(end):
+    """The albedo of a medium, or of its bottom, that is given by its colour: three numbers, () when none
+    shows that colour, or None while unknown."""
+    return _ask("albedo", _text(end, "albedo"), (end.id_data.session_uid, end.path_from_id()))
 
 
-def thick_colour(layer):
-    """What a medium shows when infinitely thick, under diffuse light; as `albedo`."""
-    return _ask("colour", _text(layer, "colour"), (layer.id_data.session_uid, layer.path_from_id()))
+def thick_colour(end):
+    """What a medium, or its bottom, shows when infinitely thick, under diffuse light; as `albedo`."""
+    return _ask("colour", _text(end, "colour"), (end.id_data.session_uid, end.path_from_id()))
 
 
 def is_checked(material, text):
@@ -100,13 +100,14 @@ def _ask(what, text, place):
     return known
 
 
-def _text(layer, what):
-    """The layer without what does not change the answer."""
-    entry = stack_write.layer(layer)
-    left_out = {"name", "varying"}
+def _text(end, what):
+    """The medium of a layer or of its bottom, as a layer of its own."""
+    path = end.path_from_id()
+    layer = end.id_data.path_resolve(path.removesuffix(".bottom"))
+    entry = stack_write.homogeneous(layer, end)
     if what == "colour":
-        entry["tau" if "albedo" in entry else "thickness"] = 1.0
-    return json.dumps({key: value for key, value in entry.items() if key not in left_out})
+        entry["thickness" if "thickness" in entry else "tau"] = 1.0
+    return json.dumps(entry)
 
 
 def _work(question):

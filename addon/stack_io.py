@@ -65,4 +65,7 @@ def export_file(material, path):
 
 def _write(group, values):
     for key, value in values.items():
-        setattr(group, key, value)
+        if isinstance(value, dict):
+            _write(getattr(group, key), value)
+        else:
+            setattr(group, key, value)

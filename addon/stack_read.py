@@ -70,25 +70,48 @@ def _facets(entry, where):
 
 
 def _medium(layer, where):
-    values = {"varying": bool(layer.get("varying", False))}
-    if "sigma_s" in layer:
-        thickness, infinite = _finite(_single(layer["thickness"], f"{where}.thickness"))
-        values |= {"mode": "coefficients", "infinite": infinite}
-        values["sigma_s"] = _triple(layer["sigma_s"], f"{where}.sigma_s")
-        values["sigma_a"] = _triple(layer.get("sigma_a", 0.0), f"{where}.sigma_a")
-        if not infinite:
-            values["thickness"] = thickness
-    elif "color" in layer:
-        values |= {"mode": "colour", "colour": _triple(layer["color"], f"{where}.color")}
-        over = layer.get("over")
-        values["over_given"] = over is not None
-        if over is not None:
-            values["over"] = _triple(over, f"{where}.over")
-        values |= _tau(layer.get("tau", "inf"), f"{where}.tau")
+    values = {"varying": bool(layer.get("varying", False)), **_amount(layer, where)}
+    if "profile" in layer:
+        return values | _profile(layer, where)
+    return values | {"mode": _mode(layer), **_medium_at(layer, layer, where)}
+
+
+def _profile(layer, where):
+    """One from top to bottom has numbers in the panel; any other is kept word for word."""
+    knots = layer["profile"]
+    mode = _mode(knots[0])
+    all_values = [_medium_at(knot, layer, f"{where}.profile[{index}]") for index, knot in enumerate(knots)]
+    ends = {"mode": mode, "graded": True, **all_values[0], "bottom": all_values[-1]}
+    if len(knots) == 2 and _mode(knots[1]) == mode:
+        return ends
+    phase = {"phase": layer["phase"]} if "phase" in layer else {}
+    return {**ends, "profile_text": json.dumps([{**phase, **knot} for knot in knots])}
+
+
+def _mode(entry):
+    return "coefficients" if "sigma_s" in entry else "colour" if "color" in entry else "optical"
+
+
+def _medium_at(entry, layer, where):
+    """What scatters in a medium, or at a knot of its profile."""
+    if "sigma_s" in entry:
+        values = {"sigma_s": _triple(entry["sigma_s"], f"{where}.sigma_s")}
+        values["sigma_a"] = _triple(entry.get("sigma_a", 0.0), f"{where}.sigma_a")
+    elif "color" in entry:
+        values = {"colour": _triple(entry["color"], f"{where}.color")}
     else:
-        values |= {"mode": "optical", "albedo": _triple(layer["albedo"], f"{where}.albedo")}
-        values |= _tau(layer["tau"], f"{where}.tau")
-    return values | phases.values(layer.get("phase"), f"{where}.phase")
+        values = {"albedo": _triple(entry["albedo"], f"{where}.albedo")}
+    return values | phases.values(entry.get("phase", layer.get("phase")), f"{where}.phase")
+
+
+def _amount(layer, where):
+    if "thickness" in layer:
+        thickness, infinite = _finite(_single(layer["thickness"], f"{where}.thickness"))
+        return {"infinite": True} if infinite else {"infinite": False, "thickness": thickness}
+    values = _tau(layer.get("tau", "inf"), f"{where}.tau")
+    if layer.get("over") is not None:
+        values |= {"over_given": True, "over": _triple(layer["over"], f"{where}.over")}
+    return values
 
 
 def _tau(tau, where):

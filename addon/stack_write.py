@@ -7,7 +7,7 @@ file and .9 in Python make one and the same hash. What has its usual value is le
 
 import json
 
-from . import phases
+from . import phases, profiles
 from .decimals import shortest
 
 JSON_SCHEMA = 1
@@ -36,10 +36,31 @@ def layer(layer):
     if layer.kind == "interface":
         entry["ior"] = _channels(layer.ior_rgb) if layer.ior_per_channel else shortest(layer.ior)
         return entry | _facets(layer)
-    entry |= _by_coefficients(layer) if layer.mode == "coefficients" else _by_thickness(layer)
-    entry["phase"] = phases.to_json(layer)
+    if layer.profile_text:
+        entry |= {"profile": profiles.knots(layer), **_amount(layer)}
+    elif layer.graded:
+        knots = [{"depth": 0.0, **medium_at(layer, layer)}, {"depth": 1.0, **medium_at(layer, layer.bottom)}]
+        entry |= {"profile": knots, **_amount(layer)}
+    else:
+        entry |= {**medium_at(layer, layer), **_amount(layer)}
     entry["varying"] = layer.varying
     return entry
+
+
+def homogeneous(layer, end):
+    """The medium of a layer as if it were everywhere as at one `end`: the layer itself, or its bottom."""
+    return {"kind": "medium", **medium_at(layer, end), **_amount(layer)}
+
+
+def medium_at(layer, end):
+    """What scatters at the top, the layer itself, or at its bottom."""
+    if layer.mode == "coefficients":
+        numbers = {"sigma_s": _channels(end.sigma_s), "sigma_a": _channels(end.sigma_a)}
+    elif layer.mode == "colour":
+        numbers = {"color": _channels(end.colour)}
+    else:
+        numbers = {"albedo": _channels(end.albedo)}
+    return {**numbers, "phase": phases.to_json(end)}
 
 
 def base(base):
@@ -60,24 +81,15 @@ def base(base):
     return entry
 
 
-def _by_coefficients(layer):
-    return {
-        "sigma_s": _channels(layer.sigma_s),
-        "sigma_a": _channels(layer.sigma_a),
-        "thickness": "inf" if layer.infinite else shortest(layer.thickness),
-    }
-
-
-def _by_thickness(layer):
-    if layer.mode == "colour":
-        entry = {"color": _channels(layer.colour)}
-        if layer.over_given and not layer.infinite:
-            entry["over"] = _channels(layer.over)
-    else:
-        entry = {"albedo": _channels(layer.albedo)}
-    if layer.infinite:
-        return entry | {"tau": "inf"}
-    return entry | {"tau": _channels(layer.tau_rgb) if layer.tau_per_channel else shortest(layer.tau)}
+def _amount(layer):
+    """How much of the medium there is."""
+    infinite = layer.infinite and not profiles.is_graded(layer)
+    if layer.mode == "coefficients":
+        return {"thickness": "inf" if infinite else shortest(layer.thickness)}
+    if infinite:
+        return {"tau": "inf"}
+    over = {"over": _channels(layer.over)} if layer.mode == "colour" and layer.over_given else {}
+    return over | {"tau": _channels(layer.tau_rgb) if layer.tau_per_channel else shortest(layer.tau)}
 
 
 def _facets(owner):

@@ -16,6 +16,7 @@ from .phase_replace import LAMINA_OT_phase_replace
 from .preset_apply import LAMINA_OT_preset_apply
 from .preset_delete import LAMINA_OT_preset_delete
 from .preset_save import LAMINA_OT_preset_save
+from .profile_replace import LAMINA_OT_profile_replace
 from .remove_stack import LAMINA_OT_remove_stack
 from .sheet_close import LAMINA_OT_sheet_close
 from .stack_export import LAMINA_OT_stack_export
@@ -30,6 +31,7 @@ CLASSES = (
     LAMINA_OT_layer_move,
     LAMINA_OT_sheet_close,
     LAMINA_OT_phase_replace,
+    LAMINA_OT_profile_replace,
     LAMINA_OT_metal,
     LAMINA_OT_preset_apply,
     LAMINA_OT_preset_save,

@@ -14,6 +14,7 @@ class LAMINA_OT_phase_replace(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     base: bpy.props.BoolProperty(name="Of the Base", options={"SKIP_SAVE"})
+    bottom: bpy.props.BoolProperty(name="Of the Layer's Bottom", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
@@ -24,5 +25,5 @@ class LAMINA_OT_phase_replace(bpy.types.Operator):
         owner = material.lamina.base if self.base else layer_list.active_layer(material)
         if owner is None:
             return {"CANCELLED"}
-        phases.replace(owner)
+        phases.replace(owner.bottom if self.bottom and not self.base else owner)
         return {"FINISHED"}

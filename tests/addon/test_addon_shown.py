@@ -140,7 +140,7 @@ class Layout:
         inside.__dict__["lines"] = self.lines
         return inside
 
-    row = column = split = _inside
+    row = column = split = box = _inside
 
     def panel(self, _name, default_closed=False):
         return self._inside(), self._inside()
