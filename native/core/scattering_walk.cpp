@@ -7,8 +7,10 @@
 
 #include "guided_walk.hpp"
 #include "isotropic_walk.hpp"
+#include "joined_media.hpp"
 #include "photon_walk.hpp"
 #include "plain_scattering_walk.hpp"
+#include "transfer_walk.hpp"
 
 namespace lamina {
 namespace {
@@ -37,6 +39,10 @@ std::unique_ptr<Walk> build(const GradedMedium& medium, double mu_o, double mu_i
                             std::shared_ptr<const ScatteringGuide>& guide) {
   if (name == "plain") {
     return std::make_unique<PlainScatteringWalk>(medium, mu_o, mu_i, dphi);
+  }
+  if (name == "photon" && (medium.ground() > 0.0 || !medium.is_homogeneous())) {
+    const WalkTarget target{Side::kTop, Path::kReflect, mu_o, mu_i, dphi, false};
+    return make_transfer_walk(stack_of(medium), target, NextEvent::kFitting);
   }
   if (name == "photon") {
     return std::make_unique<PhotonWalk>(medium, mu_o, mu_i, dphi);

@@ -23,9 +23,11 @@ STACKS = {
     "profile": Stack([Medium(tau=[2.0, 1.0, 3.0], name="silt", varying=True,
                              profile=[Knot(0.0, 0.9, HenyeyGreenstein(0.6)), Knot(0.4, [0.8, 0.7, 0.6]), Knot(0.4, 0.2),
                                       Knot(1.0, 0.5)])]),
-    "profile in mm": Stack([Medium(thickness=2.0, phase=Rayleigh(), profile=[Knot(0, sigma_s=1.0, sigma_a=[0.1, 0.2]),
-                                                                           Knot(1, sigma_s=0.0, sigma_a=0.0)])], Black()),
-    "coloured profile": Stack([Medium(tau=2.0, over=0.1, profile=[Knot(0, color=0.4), Knot(1, color=[0.3, 0.2, 0.5])])]),
+    "profile in mm": Stack([Medium(thickness=2.0, phase=Rayleigh(),
+                                   profile=[Knot(0, sigma_s=1.0, sigma_a=[0.1, 0.2]),
+                                            Knot(1, sigma_s=0.0, sigma_a=0.0)])], Black()),
+    "coloured profile": Stack([Medium(tau=2.0, over=0.1,
+                                      profile=[Knot(0, color=0.4), Knot(1, color=[0.3, 0.2, 0.5])])]),
     "endless channel": Stack([Medium(albedo=0.5, tau=[1.0, math.inf, 0.0])]),
 }
 
