@@ -51,7 +51,8 @@ std::unique_ptr<Walk> scattering_walk(const Stack& stack, double mu_o, double mu
   try {
     return make_scattering_walk(joined_media(stack), mu_o, mu_i, dphi, "auto", 0).walk;
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(std::string("method = 'scattering': ") + error.what() + "; 'transfer' knows all stacks");
+    throw std::invalid_argument(std::string("method = 'scattering': ") + error.what() +
+                                "; 'transfer' knows all stacks");
   }
 }
 

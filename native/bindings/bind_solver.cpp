@@ -91,9 +91,8 @@ void lamina::bind_solver(py::module_& module) {
            py::arg("layers"), py::arg("base") = Base{});
 
   module.def(
-      "slices_of",
-      [](const GradedMedium& medium, double coarseness) { return slices_of(medium, coarseness); }, py::arg("medium"),
-      py::arg("coarseness"), "Homogeneous slices that stand for a graded medium.");
+      "slices_of", [](const GradedMedium& medium, double coarseness) { return slices_of(medium, coarseness); },
+      py::arg("medium"), py::arg("coarseness"), "Homogeneous slices that stand for a graded medium.");
   module.def(
       "count_slices",
       [](const Stack& stack, double tolerance, ThreadPool& pool) {

@@ -67,9 +67,8 @@ const PhaseFunction& GradedMedium::sharpest_phase() const {
 }
 
 LocalScattering GradedMedium::at_depth(double depth) const {
-  const auto below =
-      std::upper_bound(knots_.begin() + 1, knots_.end() - 1, std::clamp(depth, 0.0, tau()),
-                       [](double value, const Knot& knot) { return value < knot.tau; });
+  const auto below = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, std::clamp(depth, 0.0, tau()),
+                                      [](double value, const Knot& knot) { return value < knot.tau; });
   const auto above = below - 1;
   const double share = std::clamp((depth - above->tau) / (below->tau - above->tau), 0.0, 1.0);
   const double upper = (1.0 - share) * above->albedo;

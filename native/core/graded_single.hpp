@@ -32,8 +32,8 @@ inline double scattered_once(const GradedMedium& medium, bool passes, double mu_
   const double rate = passes ? 1.0 / mu_i - 1.0 / mu_o : 1.0 / mu_i + 1.0 / mu_o;
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
     const double length = knots[k + 1].tau - knots[k].tau;
-    const double left = passes ? std::exp(-knots[k].tau / mu_i - (medium.tau() - knots[k].tau) / mu_o)
-                               : std::exp(-knots[k].tau * rate);
+    const double left =
+        passes ? std::exp(-knots[k].tau / mu_i - (medium.tau() - knots[k].tau) / mu_o) : std::exp(-knots[k].tau * rate);
     if (length == 0.0) {
       continue;
     }

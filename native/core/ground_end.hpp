@@ -7,8 +7,8 @@
 
 namespace lamina {
 
-/// The end of a branch on the Lambert surface below a slab of thickness `top`: S(0) = 4 a b rho for its cosines a and b,
-/// seen through the slab.
+/// The end of a branch on the Lambert surface below a slab of thickness `top`: S(0) = 4 a b rho for its cosines a and
+/// b, seen through the slab.
 struct GroundEnd {
   double value;  ///< exp(-s top) S(0), s = 1/a + 1/b
   double odds;   ///< with which a walk should take it, against vertices in the slab

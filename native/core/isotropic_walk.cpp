@@ -61,8 +61,7 @@ double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
       }
       weight /= 1.0 - ground.odds;
     }
-    const HeightSampling::Choice vertex =
-        HeightSampling::draw(heights, branch.top, branch.cell, s, source, rng);
+    const HeightSampling::Choice vertex = HeightSampling::draw(heights, branch.top, branch.cell, s, source, rng);
     weight *= vertex.weight * medium_.at(vertex.t).albedo();
     if (weight == 0.0) {
       return 0.0;

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "stack.hpp"
 #include "sphere.hpp"
+#include "stack.hpp"
 #include "thread_pool.hpp"
 
 namespace lamina {

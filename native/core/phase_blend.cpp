@@ -24,11 +24,8 @@ bool equal_values(const Phase& a, const Phase& b) {
 }
 
 bool alike(const SinglePhase& a, const SinglePhase& b) {
-  return a.index() == b.index() && std::visit(
-                                       [&](const auto& p) {
-                                         return equal_values(p, std::get<std::decay_t<decltype(p)>>(b));
-                                       },
-                                       a);
+  return a.index() == b.index() &&
+         std::visit([&](const auto& p) { return equal_values(p, std::get<std::decay_t<decltype(p)>>(b)); }, a);
 }
 
 }  // namespace

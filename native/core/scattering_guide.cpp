@@ -68,8 +68,8 @@ void ScatteringGuide::tabulate(const GradedMedium& medium) {
           const double shape = single_reflection(mu[a], mu[b], t);
           const double seen_ground =
               m == 0 ? 4.0 * mu[a] * mu[b] * ground_ * std::exp(-t * (1.0 / mu[a] + 1.0 / mu[b])) : 0.0;
-          const double rest =
-              (all(n + a, n + b) - seen_ground) / (4.0 * mu[a] * mu[b] * shape) - 0.25 * albedo * phase.reflect(n + a, n + b);
+          const double rest = (all(n + a, n + b) - seen_ground) / (4.0 * mu[a] * mu[b] * shape) -
+                              0.25 * albedo * phase.reflect(n + a, n + b);
           largest = std::max(largest, std::abs(rest) / (0.05 + albedo));
           const auto pair = static_cast<std::size_t>(a * points + b);
           const auto repeated = static_cast<float>(one(a, b) + one(b, a) + both(a, b));

@@ -17,8 +17,8 @@ namespace lamina {
 ///
 /// All are linear between points uniform in sqrt(1 - mu), which resolves the normal, and in sin(dphi / 2), which
 /// resolves the forward azimuth; of S only what is not single scattering, nor light that the surface below turns back
-/// without any, divided by the angular shape of single scattering, so that thin layers and grazing directions are smooth
-/// as well.
+/// without any, divided by the angular shape of single scattering, so that thin layers and grazing directions are
+/// smooth as well.
 class ScatteringGuide {
  public:
   explicit ScatteringGuide(const GradedMedium& medium);

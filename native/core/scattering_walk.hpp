@@ -10,8 +10,8 @@
 
 namespace lamina {
 
-/// Walks that estimate one BRDF value of a slab, on a Lambert surface or not, by the scattering equation, and the choice
-/// among them.
+/// Walks that estimate one BRDF value of a slab, on a Lambert surface or not, by the scattering equation, and the
+/// choice among them.
 struct ScatteringWalk {
   std::unique_ptr<Walk> walk;
   std::string name;                 ///< plain | guided-8 | guided-16 | guided-32 | isotropic | photon

@@ -225,7 +225,7 @@ void Solution::add_boundaries(ThreadPool& pool) {
   }
   if (stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0) {
     boundaries_.push_back({stack().layers.size(), std::make_shared<RoughSurface>(stack().base, *set_, indices.back(),
-                                                                                orders(), pool, fineness)});
+                                                                                 orders(), pool, fineness)});
   }
   // Once now, so that lobes too narrow to be resolved are refused here and not when values are wanted.
   const std::vector<Directions> here = directions(Eigen::VectorXd());

@@ -18,8 +18,7 @@ using Kind = WalkStack::Element::Kind;
 
 class TransferWalk final : public StackWalk {
  public:
-  TransferWalk(WalkStack stack, const WalkTarget& target, NextEvent next_event)
-      : StackWalk(std::move(stack), target) {
+  TransferWalk(WalkStack stack, const WalkTarget& target, NextEvent next_event) : StackWalk(std::move(stack), target) {
     for (const WalkStack::Element& element : this->stack().elements) {
       // Flights are integrated in closed form where what scatters is the same all along them.
       along_.push_back(next_event != NextEvent::kAtCollision && !element.graded);
