@@ -73,9 +73,14 @@ Solution::Solution(SlicedStack sliced, const Resolution& resolution, ThreadPool&
 }
 
 Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& pool) const {
+  const std::size_t begin = sliced_.first.at(layer);
+  const std::size_t end = sliced_.first.at(layer + 1);
+  if (!std::holds_alternative<Medium>(stack().layers[begin])) {
+    throw std::invalid_argument("with_thickness: layer " + std::to_string(layer) + " is not a medium");
+  }
   Solution other = *this;
   for (Scatterer& scatterer : other.scatterers_) {
-    if (scatterer.layer >= sliced_.first.at(layer) && scatterer.layer < sliced_.first.at(layer + 1)) {
+    if (scatterer.layer >= begin && scatterer.layer < end) {
       Medium& medium = std::get<Medium>(other.sliced_.stack.layers[scatterer.layer]);
       medium.tau = sliced_.share[scatterer.layer] * tau;
       scatterer.medium = TruncatedMedium(medium, resolution_.moments());

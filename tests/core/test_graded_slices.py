@@ -51,7 +51,7 @@ def test_solver_against_the_differential_form(name):
 @pytest.mark.parametrize("name", ["albedo", "both"])
 def test_order(name):
     """Half the intervals' length, an eighth of the error: fourth order, less what the radiance's kinks below the faces
-    take.
+    take."""
     medium = _core.GradedMedium([(tau, albedo, ("isotropic",)) for tau, albedo, _ in PROFILES[name]])
     solved = [values(_core.solve_at(_core.Stack(_core.slices_of(medium, c)), 24, 1e-8, POOL, 1.0))
               for c in (1.0, 0.5, 0.25, 0.0625)]
