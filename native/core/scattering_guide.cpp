@@ -168,6 +168,26 @@ ScatteringGuide::Terms::Terms(const ScatteringGuide& guide, const SlabRay& a, co
   }
 }
 
+double ScatteringGuide::value(std::size_t j, double up, double t, const SlabRay& a, const SlabRay& b,
+                              const LocalScattering& scattering) const {
+  const Place p = Place::of_cosine(a.mu);
+  const Place q = Place::of_cosine(b.mu);
+  const Place z = Place::between(a, b);
+  const auto high = static_cast<float>(up);
+  float smooth = 0.0F;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const std::size_t i = k & 1U;
+    const std::size_t o = (k >> 1U) & 1U;
+    const std::size_t w = k >> 2U;
+    const float* row = &smooth_[(((j + w) * kPoints + q.cell + o) * kPoints + p.cell + i) * kPoints + z.cell];
+    smooth += (i != 0 ? p.fraction : 1.0F - p.fraction) * (o != 0 ? q.fraction : 1.0F - q.fraction) *
+              (w != 0 ? high : 1.0F - high) * (row[0] + z.fraction * (row[1] - row[0]));
+  }
+  const double once = 0.25 * scattering.evaluate(turned_back(a, b));
+  return 4.0 * a.mu * b.mu * single_reflection(a.mu, b.mu, t) *
+         (once + std::max(static_cast<double>(smooth), -0.5 * once));
+}
+
 ScatteringGuide::Slice::Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const SlabRay& b,
                               const LocalScattering& scattering, double u, double v)
     : b_(b), t_(t), scattering_(scattering) {

@@ -79,6 +79,10 @@ class ScatteringGuide {
     std::array<float, 8> weights_;
   };
 
+  /// S~(t; a, b) in the cell of heights j, at `up` of its way to the next, which is the height t.
+  double value(std::size_t j, double up, double t, const SlabRay& a, const SlabRay& b,
+               const LocalScattering& scattering) const;
+
   /// A direction b for which others are drawn, where S~(t; ., b) / mu is large, and valued by it. All densities are
   /// over the hemisphere's solid angle.
   class Slice {

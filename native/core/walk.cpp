@@ -35,12 +35,8 @@ Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, 
     const std::uint64_t first = (first_block + k) * kWalkBlock;
     for (std::uint64_t sample = first; sample < first + kWalkBlock; ++sample) {
       Rng rng(seed, sample);
-      const double value = walk.sample(rng, tally.events);
-      tally.sum += value;
-      tally.squares += value * value;
-      tally.largest = std::max(tally.largest, value);
+      tally.add_sample(walk.sample(rng, tally.events));
     }
-    tally.count = kWalkBlock;
     blocks[k] = tally;
   });
   Tally total;

@@ -29,6 +29,14 @@ CASES = [
     ((0.9, 2.0, "hg", 0.8), (0.5, 0.5, math.pi / 2), "photon", 40),
     ((1.0, 5.0, "hg", -0.3), (0.3, 1.0, 0.0), "photon", 20),
     ((0.9, 0.5, "hg", 0.8), (0.7, 0.4, 1.5), "auto", 12),
+    ((0.5, 0.1, "hg", 0.8), (1.0, 1.0, 0.0), "residual-8", 12),
+    ((0.9, 1.0, "hg", 0.8), (0.1, 0.7, 0.5), "residual-16", 16),
+    ((0.9, 2.0, "hg", 0.8), (0.5, 0.5, math.pi / 2), "residual-32", 12),
+    ((0.99, 5.0, "hg", 0.5), (0.5, 0.9, 3.0), "residual-16", 8),
+    ((1.0, 1.0, "hg", -0.3), (0.6, 0.8, 2.5), "residual-8", 12),
+    ((0.9, 2.0, "rayleigh", 0.0), (0.8, 0.2, 0.3), "residual-8", 12),
+    ((0.9, 1.0, "isotropic", 0.0), (1.0, 0.5, 0.0), "residual-16", 12),
+    ((0.9, 2.0, "hg", 0.8), (0.5, 0.5, 0.0), "transfer", 60),
 ]
 
 
@@ -115,17 +123,32 @@ def test_guided_walks_beat_the_photon_walk():
     """By variance and events alone, at a tenth of what is measured: a guide that broke would show."""
     directions = (0.5, 0.5, math.pi / 2)
     for medium, walk, gain in [((0.9, 2.0, "isotropic", 0.0), "isotropic", 500.0),
-                               ((0.9, 0.5, "hg", 0.8), "guided-16", 10.0)]:
+                               ((0.9, 0.5, "hg", 0.8), "guided-16", 10.0),
+                               ((0.9, 0.5, "hg", 0.8), "residual-16", 10.0)]:
         guided = estimate(homogeneous(*medium), directions, walk, 4)
         photon = estimate(homogeneous(*medium), directions, "photon", 20)
         assert (photon[1] / guided[1]) ** 2 * 20.0 / 4.0 > gain
 
 
-def test_the_pilot_falls_back_to_the_photon_walk():
+def test_the_pilot_falls_back_to_the_transfer_walk():
     medium = homogeneous(1.0, 50.0, "hg", 0.8)
-    assert _core.ScatteringWalk(medium, 1.0, 1.0, 0.0, "auto", 1).name == "photon"
+    assert _core.ScatteringWalk(medium, 1.0, 1.0, 0.0, "auto", 1).name == "transfer"
     thin = _core.ScatteringWalk(homogeneous(0.5, 0.1, "hg", 0.8), 1.0, 1.0, 0.0, "auto", 1)
-    assert thin.name.startswith("guided") and thin.pilot_samples > 0
+    assert thin.name.startswith("residual") and thin.pilot_samples > 0
+
+
+def test_the_fallback_is_the_transfer_walk_itself():
+    one = (0.9, 2.0, "hg", 0.8)
+    plain = _core.transfer_walk(stack([one]), 0.5, 0.4, 1.0, _core.Side.top, _core.Path.reflect)
+    same = _core.ScatteringWalk(homogeneous(*one), 0.5, 0.4, 1.0, "transfer", 0).walk
+    assert _core.run_walk(plain, 5, 0, 2, POOL) == _core.run_walk(same, 5, 0, 2, POOL)
+
+
+def test_walks_that_know_homogeneous_media_only():
+    medium = _core.GradedMedium(GRADED[0])
+    for walk in ("transfer", "residual-8"):
+        with pytest.raises(ValueError, match="homogeneous|varies with depth"):
+            _core.ScatteringWalk(medium, 0.5, 0.4, 1.0, walk, 0)
 
 
 def test_blocks_and_threads():
@@ -147,5 +170,5 @@ def test_knots_that_are_none(knots, words):
 
 
 def test_a_walk_that_is_none():
-    with pytest.raises(ValueError, match="walk = 'swift': must be auto"):
+    with pytest.raises(ValueError, match="walk = 'swift': must be one of auto"):
         _core.ScatteringWalk(homogeneous(0.9, 1.0, "isotropic", 0.0), 1.0, 1.0, 0.0, "swift", 0)
