@@ -8,6 +8,7 @@
 
 #include "bindings.hpp"
 #include "evaluation.hpp"
+#include "guided_transfer_walk.hpp"
 #include "scattering_ode.hpp"
 #include "scattering_walk.hpp"
 
@@ -81,6 +82,13 @@ void lamina::bind_scattering(py::module_& module) {
       .def_readonly("pilot_samples", &ScatteringWalk::pilot_samples)
       .def_readonly("pilot_events", &ScatteringWalk::pilot_events);
 
+  module.def(
+      "guided_transfer_walk",
+      [](const GradedMedium& medium, double mu_o, double mu_i, double dphi) {
+        return make_guided_transfer_walk(medium, mu_o, mu_i, dphi);
+      },
+      py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), unlocked,
+      "A photon walk in a homogeneous slab guided by the scattering walk's tables.");
   module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
              py::arg("side"), py::arg("path"), py::arg("flux") = false, unlocked);
   module.def(
