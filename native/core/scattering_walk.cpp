@@ -127,7 +127,7 @@ ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, dou
     std::unique_ptr<Walk> walk = build(medium, mu_o, mu_i, dphi, candidate.name, guide);
     const bool fallback = candidate.name == all.front().name;
     // A guided walk's rare large samples hide in a short pilot: it must win clearly.
-    constexpr double kDoubt = 2.0;
+    constexpr double kDoubt = 1.5;
     const auto cost_of = [&](const Tally& tally) {
       return price(tally, candidate.cost) * (fallback ? 1.0 / kDoubt : 1.0);
     };

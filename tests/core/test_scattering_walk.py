@@ -85,6 +85,48 @@ def test_unbiased_where_it_is_hard(medium, directions, walk, blocks):
     assert error < 0.02 * truth
 
 
+GUIDED_TRANSFER = [
+    ((0.5, 0.1, "hg", 0.8), (1.0, 1.0, 0.0)),
+    ((0.9, 2.0, "hg", 0.8), (0.5, 0.5, math.pi / 2)),
+    ((0.9, 1.0, "hg", 0.8), (0.1, 0.7, 0.5)),
+    ((1.0, 1.0, "hg", -0.3), (0.6, 0.8, 2.5)),
+    ((0.99, 5.0, "hg", 0.5), (0.5, 0.9, 3.0)),
+    ((0.9, 1.0, "isotropic", 0.0), (1.0, 0.5, 0.0)),
+]
+
+
+@pytest.mark.parametrize("medium, directions", GUIDED_TRANSFER)
+def test_the_guided_transfer_walk_is_unbiased(medium, directions):
+    walk = _core.guided_transfer_walk(homogeneous(*medium), *directions)
+    total, squares, _, count, _ = _core.run_walk(walk, 4, 0, 24, POOL)
+    mean = total / count
+    error = math.sqrt((squares / count - mean * mean) / (count - 1))
+    truth = solved(medium, directions)
+    assert abs(mean - truth) < sidak(len(GUIDED_TRANSFER)) * math.hypot(error, 2e-5 * truth)
+    assert error < 0.02 * truth
+
+
+# A million samples each, where large weights would show.
+LONG = [
+    ((0.5, 0.5, "hg", 0.8), (1.0, 0.1, 0.0)),
+    ((0.9, 1.0, "hg", 0.8), (0.1, 0.7, 0.5)),
+    ((0.9, 0.5, "hg", 0.8), (0.5, 0.5, 0.0)),
+    ((0.9, 2.0, "hg", 0.8), (1.0, 1.0, 0.0)),
+    ((0.99, 0.5, "hg", 0.8), (0.5, 0.5, math.pi)),
+    ((1.0, 1.0, "hg", -0.3), (0.5, 0.5, math.pi / 2)),
+]
+
+
+@pytest.mark.parametrize("medium, directions", LONG)
+def test_no_tail_hides(medium, directions):
+    """What a million samples say, and that none of them is a large share of their variance."""
+    mean, error, largest, _ = estimate(homogeneous(*medium), directions, "residual-8", 256, seed=21)
+    truth = solved(medium, directions)
+    assert abs(mean - truth) < sidak(len(LONG)) * math.hypot(error, 2e-5 * truth)
+    count = 256 * BLOCK
+    assert (largest / count) ** 2 < 0.1 * error**2
+
+
 def test_the_value_of_the_equation():
     """Isotropic, albedo .9, tau 1, mu 1, mu0 .5: S = .596302."""
     mean, error, _, _ = estimate(homogeneous(0.9, 1.0, "isotropic", 0.0), (1.0, 0.5, 0.0), "isotropic", 40)
