@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | test | bench | lint | wheel | extension | clean     Each sets up what is missing, then runs.
+# make demo | test | bench | study | lint | wheel | extension | clean     Each sets up what is missing, then runs.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -21,7 +21,7 @@ NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name 
 ADDON_SOURCES := $(shell find addon -type f -not -name '*.pyc')
 EXTENSION := dist/lamina-$(VERSION).zip
 
-.PHONY: demo test bench lint wheel extension clean readme
+.PHONY: demo test bench study study-hard lint wheel extension clean readme
 .DEFAULT_GOAL := demo
 
 demo: build/stamps/extension
@@ -38,6 +38,14 @@ lint: build/stamps/wheel
 
 bench: build/stamps/extension build/stamps/bench
 	$(RUN) bench/run.py
+
+# The walks against each other: a quarter of an hour on two quiet cores; what was measured is not measured again.
+study: build/stamps/wheel
+	$(RUN) study/run.py
+
+# 1e8 samples of each walk on three hard cases: an hour of one core.
+study-hard: build/stamps/wheel
+	$(RUN) study/run.py hard show
 
 readme: build/stamps/wheel
 	$(RUN) tools/readme_tables.py

@@ -3,7 +3,7 @@
 
     python study/hard.py [case ...]
 
-Takes about three quarters of an hour of one thread; a run that is broken off goes on where it was."""
+Takes about an hour of one thread; a run that is broken off goes on where it was."""
 
 import hashlib
 import json
@@ -92,7 +92,8 @@ def measure(names=tuple(CASES), samples: int = SAMPLES) -> list[dict]:
             rows.append({
                 "case": case, "method": method, "walk": name, "samples": count, "value": mean, "truth": truth,
                 "difference": mean / truth - 1.0, "standard_error": error, "solver_error": solver_error,
-                "table_error": table_error, "z": (mean / truth - 1.0) / math.hypot(error, solver_error),
+                "table_error": table_error,
+                "z": (mean / truth - 1.0) / math.hypot(error, solver_error, table_error),
                 "largest_weight": largest / mean, "largest_share": largest**2 / squares,
                 "events_per_sample": events / count, "cpu_seconds": seconds})
             print(f"hard: {case}, {method} ({name}): {mean:.8g}, solver {truth:.8g}, Z = {rows[-1]['z']:.2f}, "

@@ -59,6 +59,18 @@ def doubling(rows):
                       percent(row["share"], 0)] for row in rows])
 
 
+def walks(rows):
+    head = ["estimate", "to .1 %", "times sooner", "relative variance", "samples/s", "events/s", "2 threads / 1"]
+    return markdown(head,
+                    [[row["name"], f"{row['seconds']:.3g} s", f"{row['times_sooner']:.3g}", f"{row['variance']:.3g}",
+                      f"{row['samples_per_second'] / 1e6:.2f} M", _millions(row, "events_per_second"),
+                      f"{row['second_thread']:.2f}" if "second_thread" in row else "-"] for row in rows])
+
+
+def _millions(row, key):
+    return f"{row[key] / 1e6:.1f} M" if key in row else "-"
+
+
 def bake(rows):
     return markdown(["stack", "quality", "time", "fit error", "closures"],
                     [[row["stack"], row["quality"], f"{row['ms']:.0f} ms", percent(row.get("fit_error")),
@@ -80,7 +92,7 @@ def render(report):
                       percent(row["noise"], 1), f"{row['time_to_equal_noise_over_principled']:.2f}"] for row in rows])
 
 
-TABLES = {"solver": solver, "doubling": doubling, "bake": bake, "fit": fit, "render": render}
+TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "bake": bake, "fit": fit, "render": render}
 
 
 def main():
