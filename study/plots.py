@@ -57,6 +57,7 @@ def draw_grid(rows: list[dict], column: str, methods: tuple, what: str):
             inside = [row for row in rows if row["g"] == g and row["albedo"] == albedo]
             for method in shown:
                 _cells(panel, [row for row in inside if row["method"] == method], column, method)
+            panel.axhline(1.0, color="black", linewidth=1.2)
             _frame(panel)
             panel.set_title(f"g {g:g}, albedo {albedo:g}", fontsize=11)
     for panel in axes[-1]:
@@ -93,7 +94,6 @@ def _cells(panel, rows, column, method):
 def _frame(panel):
     panel.set_xscale("log")
     panel.set_yscale("log")
-    panel.axhline(1.0, color="black", linewidth=1.2)
     panel.grid(True, which="major", color="0.88", linewidth=0.7)
     panel.set_xticks(TAUS, [f"{tau:g}" for tau in TAUS])
     panel.minorticks_off()
@@ -118,6 +118,8 @@ def draw_cost(rows: list[dict]):
     figure, axes = plt.subplots(len(columns), len(GS), figsize=(13, 11), sharex=True, sharey="row",
                                 layout="constrained")
     dashes = dict(zip(ALBEDOS, (":", "-.", "--", "-"), strict=True))
+    for panel, g in zip(axes[0], GS, strict=True):
+        panel.set_title(f"g {g:g}", fontsize=11)
     for line, (column, label) in zip(axes, columns.items(), strict=True):
         line[0].set_ylabel(label)
         for panel, g in zip(line, GS, strict=True):
@@ -129,8 +131,6 @@ def draw_cost(rows: list[dict]):
                     panel.plot([row["tau"] for row in found], [row[column] for row in found], dashes[albedo],
                                color=STYLES[method][0], marker=STYLES[method][1], markersize=4)
             _frame(panel)
-            if line is axes[0]:
-                panel.set_title(f"g {g:g}", fontsize=11)
     for panel in axes[-1]:
         panel.set_xlabel("optical thickness")
     handles = [Line2D([], [], color=STYLES[m][0], marker=STYLES[m][1], label=STYLES[m][2]) for m in methods]

@@ -75,4 +75,4 @@ def forced(slab: Slab) -> str:
 
 def fell_back(name: str) -> bool:
     """Whether the pilot's choice is no walk of the scattering equation."""
-    return not (name.startswith("guided") or name == "isotropic")
+    return name == "photon" or name.startswith("transfer")
