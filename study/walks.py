@@ -64,13 +64,20 @@ def make(method: str, slab: Slab, directions: tuple[float, float, float], seed: 
         walk = _core.guided_transfer_walk(slab.medium(), *directions)
         return Made(walk, method, time.process_time() - started)
     name = {OURS: "auto", "scattering, plain": "plain", FORCED: forced(slab)}[method]
+    started = time.process_time()
     made = _core.ScatteringWalk(slab.medium(), *directions, name, seed)
     return Made(made.walk, made.name, time.process_time() - started, made.pilot_samples, made.pilot_events)
 
 
 def forced(slab: Slab) -> str:
-    """The guided walk that stands for all where the pilot falls back."""
-    return "guided-16" if slab.g else "isotropic"
+    """The guided walk that stands for all where the pilot falls back: the best that the core knows."""
+    if not slab.g:
+        return "isotropic"
+    try:
+        _core.ScatteringWalk(Slab(0.5, 0.1, 0.0).medium(), 1.0, 1.0, 0.0, "residual-16", 0)
+    except ValueError:
+        return "guided-16"
+    return "residual-16"
 
 
 def fell_back(name: str) -> bool:
