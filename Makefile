@@ -39,7 +39,7 @@ lint: build/stamps/wheel
 bench: build/stamps/extension build/stamps/bench
 	$(RUN) bench/run.py
 
-# The walks against each other: a quarter of an hour on two quiet cores; what was measured is not measured again.
+# The walks against each other: six minutes on two quiet cores; what was measured is not measured again.
 study: build/stamps/wheel
 	$(RUN) study/run.py
 

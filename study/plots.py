@@ -103,7 +103,7 @@ def _legend(methods):
     handles = [Line2D([], [], color=STYLES[m][0], marker=STYLES[m][1], label=STYLES[m][2]) for m in methods]
     if OURS in methods:
         handles.append(Line2D([], [], color=STYLES[OURS][0], marker="o", markerfacecolor="white", linestyle="",
-                              label="the pilot fell back to a photon walk"))
+                              label="where the pilot fell back to a photon or transfer walk"))
     handles.append(Line2D([], [], color=UNSURE, marker="x", markersize=8, linestyle="",
                           label="not reliable: one sample has > 10 % of the squares"))
     return handles
@@ -130,10 +130,15 @@ def draw_cost(rows: list[dict]):
                              and row.get(column) is not None]
                     panel.plot([row["tau"] for row in found], [row[column] for row in found], dashes[albedo],
                                color=STYLES[method][0], marker=STYLES[method][1], markersize=4)
+                    away = [row for row in found if method == OURS and row["fell_back"]]
+                    panel.plot([row["tau"] for row in away], [row[column] for row in away], "o", markersize=5,
+                               color=STYLES[OURS][0], markerfacecolor="white")
             _frame(panel)
     for panel in axes[-1]:
         panel.set_xlabel("optical thickness")
     handles = [Line2D([], [], color=STYLES[m][0], marker=STYLES[m][1], label=STYLES[m][2]) for m in methods]
+    handles.append(Line2D([], [], color=STYLES[OURS][0], marker="o", markerfacecolor="white", linestyle="",
+                          label="where the pilot fell back"))
     handles += [Line2D([], [], color="0.3", linestyle=dashes[a], label=f"albedo {a:g}") for a in ALBEDOS]
     figure.suptitle(f"What a sample costs and brings, {COST_DIRECTIONS}", fontsize=12)
     figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=10, frameon=False)
