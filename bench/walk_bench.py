@@ -15,7 +15,7 @@ from lamina.solve import core_stack
 DIRECTIONS = (0.5, 0.5, math.pi / 2)
 ERROR = 1e-3
 THREADS = 2
-PATHS = 1 << 20
+PATHS = 1 << 19
 BLOCKS = 256
 
 
