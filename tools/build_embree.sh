@@ -3,7 +3,7 @@
 # Builds the rays that dust needs: Embree 3.13.5 as a static library, from Debian's source archive, and makes $1 a
 # link to it. What is built is kept outside the clone, under a name made of all that it depends on, and used again.
 # Our core needs x86-64-v3 anyway, so everything is compiled once, for that: Embree's own build would compile it for
-# several processors and choose at run time, which takes three times as long.
+# several processors and choose at run time, which takes five times as long.
 # LAMINA_CACHE: another folder to keep it in. LAMINA_EMBREE_TARBALL: the source, where apt cannot get it.
 set -eu
 
@@ -56,7 +56,7 @@ fetch_source() { # the original tarball into $work; the machine's own list of so
     mv "$work"/apt/source/embree_*.orig.tar.xz "$work/embree.orig.tar.xz"
 }
 
-echo "Building Embree $version (rays for dust; once, about five minutes on two cores)"
+echo "Building Embree $version (rays for dust; once, two to three minutes on two cores)"
 fetch_source
 echo "$tarball_sha256  $work/embree.orig.tar.xz" | sha256sum --check --quiet
 mkdir "$work/source"
@@ -77,8 +77,8 @@ cmake -S "$work/source" -B "$work/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INST
     -DEMBREE_GEOMETRY_POINT=OFF -DEMBREE_GEOMETRY_GRID=OFF -DEMBREE_GEOMETRY_QUAD=OFF -DEMBREE_GEOMETRY_USER=OFF \
     -DEMBREE_GEOMETRY_INSTANCE=OFF >"$work/log" 2>&1 &&
     cmake --build "$work/build" --parallel 2 >>"$work/log" 2>&1 &&
-    cmake --install "$work/build" >>"$work/log" 2>&1 || {
-    grep -iE -m 5 'error|undefined' "$work/log" >&2
+    cmake --install "$work/build" --component devel >>"$work/log" 2>&1 || {
+    grep -iE -m 5 'error:|undefined' "$work/log" >&2
     tail -5 "$work/log" >&2
     echo "lamina: Embree could not be built" >&2
     exit 1

@@ -19,6 +19,9 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t kPointsPerTask = 32;
 constexpr std::size_t kBatch = 256;
 constexpr std::uint64_t kGrainsPerTask = 8192;
+// Of the offset: a point may lie in the plane of a neighbouring face, at the foot of a wall for example, and must not
+// be in its own way there; a face that it was moved off is farther than this.
+constexpr float kNearest = 0.25F;
 
 float dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -123,6 +126,7 @@ class ArrivalAtPoint {
           ray.origin[k] = position[k] + off * normal[k];
           ray.direction[k] = fall_.up[k] + t1 * fall_.across1[k] + t2 * fall_.across2[k];
         }
+        ray.nearest = kNearest * offset / std::sqrt(1.0F + t1 * t1 + t2 * t2);
         ray.farthest = kInfinity;
         ++rays;
         SideSums& side = sums[weight > 0.0F ? 0 : 1];
@@ -258,6 +262,7 @@ std::uint64_t dust_exposures(const MeshScene& scene, const PointSet& points, con
             ray.origin[k] = position[k] + offset * normal[k];
             ray.direction[k] = sine * (x * a[k] + y * b[k]) + cosine * normal[k];
           }
+          ray.nearest = kNearest * offset;
           ray.farthest = reach;
           open += scene.occluded(ray) ? 0 : 1;
         }

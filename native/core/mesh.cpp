@@ -35,7 +35,7 @@ RTCRay embree_ray(const MeshRay& ray) {
   result.org_x = ray.origin[0];
   result.org_y = ray.origin[1];
   result.org_z = ray.origin[2];
-  result.tnear = 0.0F;
+  result.tnear = ray.nearest;
   result.dir_x = ray.direction[0];
   result.dir_y = ray.direction[1];
   result.dir_z = ray.direction[2];
@@ -150,8 +150,8 @@ std::string mesh_self_test() {
   }
   const MeshScene scene({{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}}}, 1, [](double) { return true; });
   constexpr float kFar = std::numeric_limits<float>::infinity();
-  const MeshRay hitting = {{0.25F, 0.25F, 1.0F}, {0.0F, 0.0F, -1.0F}, kFar};
-  const MeshRay missing = {{0.75F, 0.75F, 1.0F}, {0.0F, 0.0F, -1.0F}, kFar};
+  const MeshRay hitting = {{0.25F, 0.25F, 1.0F}, {0.0F, 0.0F, -1.0F}, 0.0F, kFar};
+  const MeshRay missing = {{0.75F, 0.75F, 1.0F}, {0.0F, 0.0F, -1.0F}, 0.0F, kFar};
   const MeshHit hit = scene.first_hit(hitting);
   if (!scene.occluded(hitting) || hit.part != 0 || !hit.front) {
     return "Embree does not find a triangle that a ray must hit";

@@ -17,10 +17,11 @@ struct TrianglePart {
   std::vector<std::uint32_t> triangles;
 };
 
-/// From `origin` along `direction`, of any length but 0, up to `farthest` lengths of it.
+/// From `origin` along `direction`, of any length but 0, between `nearest` and `farthest` lengths of it.
 struct MeshRay {
   float origin[3];
   float direction[3];
+  float nearest = 0.0F;
   float farthest;
 };
 
