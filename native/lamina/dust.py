@@ -20,7 +20,16 @@ import numpy as np
 from . import dust_balance, rays
 from .dust_balance import FallFrame
 from .dust_materials import extinction_of
-from .dust_mesh import Mesh, Points, check_points, checked_mesh, common_frame, unit_normals, vertex_points
+from .dust_mesh import (
+    Mesh,
+    Points,
+    check_points,
+    checked_mesh,
+    common_frame,
+    unit_normals,
+    used_vertices,
+    vertex_points,
+)
 from .dust_patches import patches
 from .dust_texels import dilate, texel_points
 from .errors import DustError
@@ -185,9 +194,9 @@ def settle(surface: Mesh, points: Points | tuple | None = None, occluders: Itera
     others = [checked_mesh(mesh, f"occluders[{index}]") for index, mesh in enumerate(occluders)]
     others = [mesh for mesh in others if len(mesh.triangles)]
     frame = common_frame(surface)
-    points = vertex_points(surface) if points is None else check_points(points)
+    points = vertex_points(surface, portion(step, 0.0, 0.05)) if points is None else check_points(points)
     meshes = [(frame.floats(mesh.vertices), mesh.triangles) for mesh in (surface, *others)]
-    used = meshes[0][0][np.unique(surface.triangles)]
+    used = meshes[0][0][used_vertices(surface)]
     build = portion(step, 0.05, 0.2)
     scene = layer.Scene(meshes, threads, lambda fraction: build(fraction, "sorting the faces"))
     fall = FallFrame.of(settings.gravity, settings.wind, settings.spread)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .errors import DustError
+from .progress import Progress
 
 FARTHEST = 1e12  # metres; beyond it not even doubles resolve what dust needs
 MOST = 1 << 31  # vertices, triangles: what 32-bit indices of the core can count
@@ -95,15 +96,23 @@ def triples(values, name: str) -> np.ndarray:
     return array
 
 
-def vertex_points(mesh: Mesh) -> Points:
+def used_vertices(mesh: Mesh) -> np.ndarray:
+    """(n,) bool: which vertices are of some face."""
+    used = np.zeros(len(mesh.vertices), bool)
+    used[mesh.triangles.ravel()] = True
+    return used
+
+
+def vertex_points(mesh: Mesh, step: Progress = lambda fraction, text: None) -> Points:
     """The vertices of a checked mesh with their normals and the areas they stand for, a third of each of their
     faces'. Vertices of no face have normal 0 unless the mesh gives normals, and area 0 in any case."""
     count = len(mesh.vertices)
     areas = np.zeros(count)
     normals = np.zeros((count, 3))
-    step = 1 << 20  # triangles at a time: ten million faces must not need gigabytes here
-    for first in range(0, len(mesh.triangles), step):
-        triangles = mesh.triangles[first:first + step]
+    block = 1 << 20  # triangles at a time: ten million faces must not need gigabytes here
+    for first in range(0, len(mesh.triangles), block):
+        step(first / len(mesh.triangles), "normals")
+        triangles = mesh.triangles[first:first + block]
         corners = [mesh.vertices[triangles[:, k]] for k in range(3)]
         cross = np.cross(corners[1] - corners[0], corners[2] - corners[0])
         doubled = np.linalg.norm(cross, axis=1)
@@ -150,9 +159,7 @@ def common_frame(surface: Mesh) -> Frame:
     """Of the vertices that faces of a checked surface use. Raises DustError when it has no extent."""
     if not len(surface.triangles):
         raise DustError("surface.triangles is empty: must have at least one face for dust to settle on")
-    used = np.zeros(len(surface.vertices), bool)
-    used[surface.triangles.ravel()] = True
-    vertices = surface.vertices if used.all() else surface.vertices[used]
+    vertices = surface.vertices[used_vertices(surface)]
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     scale = 0.5 * float(np.linalg.norm(high - low))
     if not scale > 1e-12:
