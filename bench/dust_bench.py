@@ -66,7 +66,7 @@ def surface_points(surface, count, seed=1):
 
 
 def measure():
-    """Rows of {what, Mrays/s, seconds, ...}."""
+    """Rows of {name, Mrays/s, seconds, ...}."""
     if dust.available():
         print(dust.available())
         return []

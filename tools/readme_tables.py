@@ -78,7 +78,8 @@ def dust(rows):
 
     return markdown(["mesh", "settling, Mrays/s", "bare Embree, Mrays/s", "share", "seconds", "CPU", "peak memory"],
                     [[row["name"], number(row, "settling, Mrays/s", ".2f"), number(row, "bare Embree, Mrays/s", ".2f"),
-                      percent(row.get("settling/bare"), 0), number(row, "seconds", ".1f"), number(row, "CPU seconds", ".1f"),
+                      percent(row.get("settling/bare"), 0), number(row, "seconds", ".1f"),
+                      number(row, "CPU seconds", ".1f"),
                       f"{row['peak MiB']:.0f} MiB" if "peak MiB" in row else "-"] for row in rows])
 
 
