@@ -20,6 +20,7 @@ from .remove_stack import LAMINA_OT_remove_stack
 from .sheet_close import LAMINA_OT_sheet_close
 from .stack_export import LAMINA_OT_stack_export
 from .stack_import import LAMINA_OT_stack_import
+from .thickness_wire import LAMINA_OT_thickness_wire
 
 CLASSES = (
     LAMINA_OT_add_stack,
@@ -39,6 +40,7 @@ CLASSES = (
     LAMINA_OT_bake,
     LAMINA_OT_bake_cancel,
     LAMINA_OT_connect,
+    LAMINA_OT_thickness_wire,
 )
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

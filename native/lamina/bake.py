@@ -22,6 +22,7 @@ from .progress import Progress, portion, stepper
 from .slices import slices, solve_rows
 from .solve import thread_pool, tolerance_of
 from .stack import Stack
+from .tau_error import tau_error
 
 # How many closures each basis holds at most: for lobes of rough boundaries, for other reflected light, for both
 # together; for transmitted light; for a textured base.
@@ -51,7 +52,9 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     solved as smooth, and keep their width in that closure.
     The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2
     error over solid angle relative to the slice's norm; `worst_slice`; `albedo_error`, the worst relative
-    error of a directional albedo; `energy_error`, the solver's; `slice_errors`, of each slice.
+    error of a directional albedo; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
+    thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, what is lost between rows, measured
+    at quality "final" when every row is solved, see lamina.tau_error.
     Raises SolveError, StackError (channels), ValueError."""
     tolerance_of(quality)
     if row_stride < 1:
@@ -86,6 +89,10 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
         fitted = mix("reflection", base.slices, grid, below, pool, portion(step, 0.95, 1.0), given=given["base"])
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
         parts |= base.parts(reflectance, seen["reflection"], parts["reflection"], fitted)
+    between = None
+    if stack.varying is not None and quality == "final":
+        largest = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
+        between = tau_error(solved, largest, stack.varying, grid, pool, portion(step, 0.97, 1.0))
     step(1.0, "Done")
     # [side, closure, row, channel, column]
     weights = np.concatenate([one.weights for one in parts.values()], axis=1)
@@ -109,7 +116,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
             },
         },
         "closures": [name for one in parts.values() for name in one.closures],
-        "report": fit_report(parts, solved),
+        "report": fit_report(parts, solved) | ({"tau_error": between} if between else {}),
     }
     return Lut(header, weights, time.perf_counter() - started)
 
