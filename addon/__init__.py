@@ -15,9 +15,10 @@ from . import (
     preferences,
     properties,
     shown,
+    thickness_panel,
 )
 
-PARTS = (properties, shown, migration, bake_job, live, operators, menus, panel, command_line)
+PARTS = (properties, shown, migration, bake_job, live, operators, menus, panel, thickness_panel, command_line)
 
 
 def register():

@@ -5,13 +5,14 @@ The worker sees a stack and numbers, never Blender data. What runs, and why the 
 material failed, lives here for the session and is never written to the .blend.
 """
 
+import json
 import logging
 import threading
 
 import bpy
 from bpy.app.handlers import persistent
 
-from . import judgement, messages, native, node_group, preferences, stack_io
+from . import judgement, messages, native, node_group, preferences, stack_io, thickness
 
 log = logging.getLogger(__package__)
 
@@ -114,7 +115,10 @@ def apply(material, lut, in_place=False):
     With `in_place`, a group of the same layout just gets a new picture.
     """
     if not (in_place and node_group.update(material, lut)):
+        had_input = thickness.has_input(material)
         node_group.build(material, lut)
+        if not had_input:
+            thickness.reconnect(material)
     _note_report(material.lamina.result, lut)
     clear_failure(material)
 
@@ -193,10 +197,20 @@ def _note_report(result, lut):
     result.worst_channel = int(worst.get("channel", 0))
     result.worst_side = str(worst.get("side", "top"))
     result.worst_tau = tau if tau is not None and header["axes"]["tau"]["count"] > 1 else -1.0
+    result.row_errors = json.dumps(_row_errors(report))
+    between = report.get("tau_error") or {}
+    result.between_rows = between.get("mean", -1.0)
+    result.between_rows_worst = between.get("worst", -1.0)
     result.albedo_error = report["albedo_error"]
     result.energy_error = report["energy_error"]
     result.closures = int(report["closures"])
     result.seconds = report["seconds"]
+
+
+def _row_errors(report):
+    """[[thickness, mean fit error, worst], ...] of a varying layer's rows; [] without one."""
+    rows = report.get("row_errors") or {"tau": [], "mean": [], "worst": []}
+    return [list(row) for row in zip(rows["tau"], rows["mean"], rows["worst"], strict=True)]
 
 
 @persistent

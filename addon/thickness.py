@@ -8,6 +8,7 @@ they may be replaced, an artist's own may not unless that is asked for.
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from . import node_group
 from .messages import RefusedError
@@ -23,10 +24,10 @@ _LABELS = {"attribute": "Thickness attribute", "image": "Thickness image", "uv":
 
 @dataclass(frozen=True)
 class Wiring:
-    """`source`: one of SOURCES, "custom" for nodes that are the artist's own, or "none" without a thickness input.
+    """`source`: one of SOURCES, "custom" for nodes of the artist's own, or "none" without a thickness input.
 
-    `name`: that of the attribute, the image, or the artist's node. `socket`: the input; `node`: what feeds it;
-    `uv`: the UV Map node of an image."""
+    `name`: that of the attribute, the image, or the artist's node. `socket`: the input; `node`: what feeds
+    it; `uv`: the UV Map node of an image."""
 
     source: str
     name: str = ""
@@ -54,14 +55,14 @@ def wiring(material):
 
 
 def wire_thickness(material, source, name="", uv_map="", replace=False):
-    """Feed the thickness input of `material`, a baked one with a varying layer, from `source`. Returns a Wiring.
+    """Feed the thickness input of `material`, a baked one with a varying layer. Returns its new Wiring.
 
-    source: "value" (the input's own number), "attribute" (`name`: a float attribute of the mesh that holds optical
-    thickness; default lamina_dust; 0 where a mesh has none), or "image" (`name`: an image or the name of one, of
-    optical thickness, read by the UV map `uv_map`, default the active one; without a name a new black one is made).
-    The image becomes Non-Color, and is packed when no file holds it. Links of the artist's own stay, and
-    RefusedError is raised, unless `replace`; their nodes stay in any case. Raises RefusedError, with nothing
-    changed, for what cannot be done.
+    source: "value" (the input's own number), "attribute" (`name`: a float attribute of the mesh that holds
+    optical thickness; default lamina_dust; 0 where a mesh has none), or "image" (`name`: an image of optical
+    thickness, or its name, read by the UV map `uv_map`, default the active one; without a name a new black
+    one is made). The image becomes Non-Color, and is packed when no file holds it. Links of the artist's own
+    stay, and RefusedError is raised, unless `replace`; their nodes stay in any case. Raises RefusedError,
+    with nothing changed, for what cannot be done.
     """
     if source not in SOURCES:
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
@@ -85,6 +86,11 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     elif source == "image":
         _feed(sockets, _texture(tree, sockets[0].node, image, uv_map).outputs["Color"])
     return wiring(material)
+
+
+def has_input(material):
+    """Whether the material's baked group takes a thickness."""
+    return bool(_sockets(material))
 
 
 def image_problem(image):
@@ -156,7 +162,10 @@ def _image(material, wanted):
     if not wanted:
         image = bpy.data.images.new(f"{material.name} thickness", IMAGE_SIZE, IMAGE_SIZE, alpha=False,
                                     float_buffer=True, is_data=True)
-        image.generated_color = (0.0, 0.0, 0.0, 1.0)
+        black = np.zeros((IMAGE_SIZE * IMAGE_SIZE, 4), np.float32)
+        black[:, 3] = 1.0
+        image.pixels.foreach_set(black.ravel())  # a generated picture that was never drawn cannot be packed
+        image.update()
     else:
         image = wanted if isinstance(wanted, bpy.types.Image) else bpy.data.images.get(wanted)
     if image is None:
