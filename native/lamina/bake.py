@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _core, lobes, peaks
 from .base_texture import PREFIX, THROWN_BACK, over_texture
+from .clean_row import mix_rows, without_varying
 from .closure_table import grid_for
 from .errors import StackError
 from .fields import channel
@@ -74,19 +75,25 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     grid, made = grid_for(quality, peaks.narrowest(stack)), peaks.closures(stack)
     reflected, through, below = (Effort(*counts, **CHOICE[quality]) for counts in BASES[basis])
     parts: dict[str, Mixture] = {}
+
+    def fit(kind, wanted, effort, step, own, given):
+        if stack.varying is None or given:
+            return mix(kind, wanted, grid, effort, pool, step, made=own, given=given, mixed=solved.is_sheet)
+        own_clean = peaks.closures(without_varying(stack)) if own else ()
+        return mix_rows(kind, wanted, grid, effort, pool, step, made=own, made_clean=own_clean, mixed=solved.is_sheet)
+
     if _is_textured(stack):
         seen, base = over_texture(solved, grid, pool, portion(step, 0.3, 0.7))
     else:
         seen, base = slices(solved, grid, pool, portion(step, 0.3, 0.7)), None
     for kind, wanted in seen.items():
         effort, own = (reflected, made) if kind == "reflection" else (through, ())
-        parts[kind] = mix(kind, wanted, grid, effort, pool, portion(step, 0.7, 0.95), made=own, given=given[kind],
-                          mixed=solved.is_sheet)
+        parts[kind] = fit(kind, wanted, effort, portion(step, 0.7, 0.95), own, given[kind])
         if np.any(wanted.direct):
             name = peaks.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])
     if base is not None:
-        fitted = mix("reflection", base.slices, grid, below, pool, portion(step, 0.95, 1.0), given=given["base"])
+        fitted = fit("reflection", base.slices, below, portion(step, 0.95, 0.97), (), given["base"])
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
         parts |= base.parts(reflectance, seen["reflection"], parts["reflection"], fitted)
     between = None
