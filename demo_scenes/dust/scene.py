@@ -22,8 +22,8 @@ GAP = THICKNESS / 50.0  # of vacuum between shell and base, since coplanar faces
 # What enters through the shell's outer face falls on a base of smaller area: by that share.
 CURVATURE = 2.0 * THICKNESS / shell.RADIUS
 BOUNCES = 48  # longer paths carry less than 1e-5 of the radiance
-SUN_AZIMUTH, SUN_ELEVATION = math.radians(-125.0), math.radians(38.0)
-EYE, TARGET, FIELD = Vector((0.4, -9.0, 3.6)), Vector((0.05, 0.0, 0.86)), math.radians(31.0)
+SUN_AZIMUTH, SUN_ELEVATION = math.radians(-165.0), math.radians(36.0)
+EYE, TARGET, FIELD = Vector((-3.4, -8.2, 3.7)), Vector((0.15, 0.0, 0.8)), math.radians(30.0)
 ASPECT = 0.62  # height of the picture over its width
 SMALLEST_COSINE = 0.2  # flatter views see along the shell's curvature
 EDGE = 6.0 * THICKNESS  # so near to an edge a shell is not a layer

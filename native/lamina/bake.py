@@ -77,10 +77,11 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     parts: dict[str, Mixture] = {}
 
     def fit(kind, wanted, effort, step, own, given):
-        if stack.varying is None or given:
+        if stack.varying is None:
             return mix(kind, wanted, grid, effort, pool, step, made=own, given=given, mixed=solved.is_sheet)
         own_clean = peaks.closures(without_varying(stack)) if own else ()
-        return mix_rows(kind, wanted, grid, effort, pool, step, made=own, made_clean=own_clean, mixed=solved.is_sheet)
+        return mix_rows(kind, wanted, grid, effort, pool, step, made=own, made_clean=own_clean,
+                        given=given, mixed=solved.is_sheet)
 
     if _is_textured(stack):
         seen, base = over_texture(solved, grid, pool, portion(step, 0.3, 0.7))

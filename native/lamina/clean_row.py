@@ -32,17 +32,21 @@ def without_varying(stack: Stack) -> Boundaries:
 
 
 def mix_rows(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *,
-             made: Sequence[str], made_clean: Sequence[str], mixed: bool) -> Mixture:
-    """As mixture.mix, of slices whose row 0 is the clean stack; `made_clean`: closures made to measure for that."""
+             made: Sequence[str], made_clean: Sequence[str], given: Sequence[str], mixed: bool) -> Mixture:
+    """As mixture.mix, of slices whose row 0 is the clean stack; `made_clean`: closures made to measure for that.
+    With `given` closures row 0 is that stack's own as far as these hold what it would get."""
     if not np.any(wanted.albedo[:, 0]):
-        return mix(kind, wanted, grid, effort, pool, step, made=made, mixed=mixed)
+        return mix(kind, wanted, grid, effort, pool, step, made=made, given=given, mixed=mixed)
     clean = mix(kind, _first_row(wanted), grid, effort, pool, portion(step, 0.0, 0.3), made=made_clean, mixed=mixed)
-    whole = mix(kind, wanted, grid, effort, pool, portion(step, 0.3, 1.0), made=made, mixed=mixed,
-                fixed=clean.closures)
+    whole = mix(kind, wanted, grid, effort, pool, portion(step, 0.3, 1.0), made=made, given=given,
+                mixed=mixed, fixed=clean.closures)
+    if given and not set(clean.closures) <= {*whole.closures, *given}:
+        return whole
     names = [*whole.closures, *(name for name in clean.closures if name not in whole.closures)]
+    names = list(given) if set(names) == set(given) else names
     sides, _, *rest = whole.weights.shape
     weights = np.zeros((sides, len(names), *rest))
-    weights[:, : len(whole.closures)] = whole.weights
+    weights[:, [names.index(name) for name in whole.closures]] = whole.weights
     weights[:, :, 0] = 0.0
     weights[:, [names.index(name) for name in clean.closures], 0] = clean.weights[:, :, 0]
     return Mixture(names, weights, _with_first_row(whole.errors, clean.errors),
