@@ -25,7 +25,7 @@ class Quality:
 
 QUALITIES = {
     "tiny": Quality(96, 8, 8, 4),
-    "small": Quality(272, 8, 8, 4),
+    "small": Quality(256, 8, 6, 3),
     "final": Quality(640, 16, 64, 16),
 }
 BLOCK = 8
