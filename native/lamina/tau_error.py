@@ -14,8 +14,8 @@ from .slices import SolvedRows, evaluated, shares_of_thickness
 
 # Rows after which a half row is looked at, as shares of all: thin layers change fastest.
 LOOKED_AT = (0, 1, 2, 3, 5, 8, 12, 16, 20, 24, 28, 31)
-# Columns at which it is done, none beyond the cosines for which errors are stated.
-COLUMNS = slice(0, 61, 8)
+# Columns at which it is done, up to the last for which errors are stated.
+COLUMNS = slice(4, 61, 8)
 
 
 def tau_error(solved: SolvedRows, largest: list[float], layer: int, grid: LightGrid, pool,

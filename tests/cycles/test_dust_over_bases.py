@@ -130,7 +130,7 @@ def test_thickness_0_is_the_clean_base(addon, tables, samples, name):
     clean = baked_samples.make_sample(addon, f"clean {name}", stack, VIEWS, lut.header["quality"])
     row = dict(zip(lut.closures, lut.weights[0, :, 0], strict=True))
     for closure, weights in zip(clean.lut.closures, clean.lut.weights[0, :, 0], strict=True):
-        assert row.pop(closure, np.zeros(())) == pytest.approx(weights, rel=1e-6), closure
+        assert row.pop(closure, np.zeros_like(weights)) == pytest.approx(weights, rel=1e-6), closure
     assert not any(np.any(weights) for weights in row.values()), "nothing else is there"
     shown = [clean.material, samples[name, 0.0].material]
     for mu_o, mu_i, dphi in ((0.9, 0.9, 0.1), (0.6, 0.5, 0.2), (0.3, 0.7, 2.0), (0.15, 0.2, 3.0)):

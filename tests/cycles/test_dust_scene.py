@@ -32,10 +32,10 @@ def test_the_shell_is_equally_thick_everywhere():
         inner, faces = shape(0.0)
         outer, _ = shape(scene.THICKNESS)
         for face in faces[:: max(1, len(faces) // 500)]:
-            a, b, c = (inner[k] for k in face[:3])
-            normal = np.cross(b - a, c - b)
+            ring = inner[list(face)]
+            normal = np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0)  # Newell's: faces may be concave
             normal /= np.linalg.norm(normal)
-            heights = (outer[list(face)] - a) @ normal
+            heights = (outer[list(face)] - ring[0]) @ normal
             assert heights == pytest.approx(np.full(len(face), scene.THICKNESS), rel=2e-3), name
 
 
