@@ -25,7 +25,10 @@ class Part:
 def melt(parts, points, reach):
     """The distance to all `parts` joined in order; each is asked for points nearer to its box than `reach` alone."""
     result = np.full(len(points), FAR)
+    low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
     for part in parts:
+        if np.any(part.box[1] < low) or np.any(part.box[0] > high):
+            continue
         near = np.all((points > part.box[0] - reach) & (points < part.box[1] + reach), axis=1)
         if not near.any():
             continue

@@ -7,6 +7,7 @@ from . import distance, shells, splines
 
 ORIGIN = np.array((52.0, -6.0, 214.0))
 YAW, PITCH, JAW = np.radians(-24.0), np.radians(-10.0), np.radians(30.0)
+SIZE = 1.14  # all lengths here are enlarged by this in the end
 HINGE = np.array((1.0, 0.0, -5.5))
 
 # x, half width, top, bottom.
@@ -41,6 +42,11 @@ def place(points):
 def place_jaw(points):
     """From the lower jaw's frame to the dragon's."""
     return np.asarray(points, float) @ JAW_FRAME + place(HINGE)
+
+
+def enlarged(points):
+    """What has been placed, at its final size."""
+    return ORIGIN + SIZE * (points - ORIGIN)
 
 
 def parts():

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from . import splines
 
 NEIGHBOURS = 10
-DEPTH = 0.17  # of a shield, over its length
+DEPTH = 0.21  # of a shield, over its length
 PLATE_ANGLE = np.radians(52.0)  # how far from the underside's middle plates reach
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All of the dragon as one mesh of closed surfaces, about 24 cm high; CC0."""
 
+import functools
+
 import numpy as np
 
 from . import body, crest, distance, head, shells, skin, subdivision, surface_nets, wings
@@ -13,7 +15,8 @@ def build(spacing=SPACING, head_spacing=HEAD_SPACING):
     """(vertices (n, 3) in mm, quadrangles (m, 4), triangles (k, 3)), turned outwards, z up, standing on z = 0."""
     trunk = _scaled(body.parts() + wings.arm_parts(), spacing, skin.of_trunk)
     skull = _scaled(head.parts(), head_spacing, skin.of_head)
-    pieces = [trunk, skull] + body.claws() + wings.made() + head.shells_of_head() + crest.blades() + crest.spade()
+    of_head = [(head.enlarged(points), quads, triangles) for points, quads, triangles in [skull, *head.shells_of_head()]]
+    pieces = [trunk, *of_head, *body.claws(), *wings.made(), *crest.blades(), *crest.spade()]
     return shells.join(pieces)
 
 
@@ -21,8 +24,7 @@ def _scaled(parts, spacing, skin_of):
     """What `parts` melt into, subdivided once, under its scales."""
     boxes = np.stack([part.box for part in parts if not part.carve])
     box = np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
-    reach = 3.0 * surface_nets.BLOCK * spacing
-    vertices, quads = surface_nets.mesh(lambda points: distance.melt(parts, points, reach), box, spacing)
+    vertices, quads = surface_nets.mesh(functools.partial(distance.melt, parts), box, spacing)
     vertices, quads = subdivision.catmull_clark(vertices, quads)
     normals = subdivision.normals(vertices, quads)
     height = skin_of(vertices, normals, SEED)

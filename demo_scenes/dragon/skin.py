@@ -54,11 +54,10 @@ def _grain(spine):
         found.append(_limb(leg.joints, np.array(leg.radii)))
         found += [_limb(toe, np.array((7.0, 6.4, 5.6))) for toe in leg.toes]
     for side in (1.0, -1.0):
-        arm = np.stack([wings.SHOULDER, wings.ELBOW, wings.WRIST]) * (1.0, side, 1.0)
-        found.append(_limb(arm, np.array((12.0, 9.0, 7.0))))
+        found.append(_limb(wings.arm(side), np.array((12.0, 9.0, 7.0))))
     return scales.Grain(*(np.concatenate([part[k] for part in found]) for k in range(3)))
 
 
 def _limb(joints, radii):
     curve = splines.curve(joints, (0.2, 0.9, 0.3), radii, step=2.0)
-    return curve.points, curve.tangent, np.clip(0.32 * curve.values[:, 0], 1.8, 5.0)
+    return curve.points, curve.tangent, np.clip(0.36 * curve.values[:, 0], 2.0, 5.2)

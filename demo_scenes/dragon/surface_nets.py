@@ -8,14 +8,14 @@ faces, since faces of cells whose corners alternate in sign are filled first.
 import numpy as np
 from scipy import ndimage
 
-BLOCK = 8
+BLOCK, BLOCKS_AT_ONCE = 8, 24
 
 
 def mesh(distance, box, spacing, relaxations=6):
-    """(vertices (n, 3), quadrangles (m, 4), turned outwards) where `distance` of points (n, 3) is zero.
+    """(vertices (n, 3), quadrangles (m, 4), turned outwards) where `distance` is zero.
 
-    box: (2, 3), must hold the surface. Far from the surface distances need only be of the right sign and not too large.
-    """
+    distance(points (n, 3), reach): right to within some per cent where it is below `reach` mm, and large beyond.
+    box: (2, 3), must hold the surface."""
     low = np.asarray(box[0], float)
     blocks = np.ceil((np.asarray(box[1], float) - low) / (spacing * BLOCK)).astype(int) + 1
     field = _sample(distance, low, blocks, spacing)
@@ -29,15 +29,16 @@ def mesh(distance, box, spacing, relaxations=6):
 def _sample(distance, low, blocks, spacing):
     """The distances on the grid; cells of blocks that the surface does not come near get that of the block's middle."""
     middle = low + spacing * BLOCK * (np.stack(np.meshgrid(*map(np.arange, blocks), indexing="ij"), axis=-1) + 0.5)
-    coarse = distance(middle.reshape(-1, 3)).reshape(blocks)
+    coarse = distance(middle.reshape(-1, 3), 3.0 * spacing * BLOCK).reshape(blocks)
     field = coarse.astype(np.float32)
     for axis in range(3):
         field = np.repeat(field, BLOCK, axis=axis)
     inner = np.stack(np.meshgrid(*[np.arange(BLOCK)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     near = np.argwhere(np.abs(coarse) < 1.5 * spacing * BLOCK)
-    for first in range(0, len(near), 2000):
-        index = (near[first : first + 2000, None, :] * BLOCK + inner).reshape(-1, 3)
-        field[tuple(index.T)] = distance(low + spacing * index)
+    # Few blocks at a time, so that most bodies are nowhere near them.
+    for first in range(0, len(near), BLOCKS_AT_ONCE):
+        index = (near[first : first + BLOCKS_AT_ONCE, None, :] * BLOCK + inner).reshape(-1, 3)
+        field[tuple(index.T)] = distance(low + spacing * index, 5.0 * spacing)
     return field
 
 

@@ -15,40 +15,57 @@ FINGERS = (
 )
 FLANK = ((-38, 44, 136), (-46, 36, 112), (-54, 26, 86), (-60, 18, 66))
 THICKNESS = 1.1
+# How far each wing is turned ahead about the upright through its shoulder: the left one opens towards a viewer in front.
+TURNED = {1.0: np.radians(24.0), -1.0: np.radians(4.0)}
+
+
+def arm(side):
+    """Shoulder, elbow and wrist (3, 3); side: 1 is left, -1 right."""
+    return _posed(np.stack([SHOULDER, ELBOW, WRIST]), side) * (1.0, side, 1.0)
 
 
 def arm_parts():
     """Both arms, to melt into the trunk."""
     made = []
     for side in (1.0, -1.0):
-        y = np.array([1.0, side, 1.0])
-        made.append(distance.bone(SHOULDER * y, ELBOW * y, 9.0, 5.6, 8.0))
-        made.append(distance.bone(SHOULDER * y, (SHOULDER + 0.5 * (ELBOW - SHOULDER)) * y, 8.0, 7.4, 5.0))
-        made.append(distance.bone(ELBOW * y, WRIST * y, 5.4, 4.0, 4.0))
-        made.append(distance.bone((ELBOW + 0.15 * (WRIST - ELBOW)) * y, (ELBOW + 0.5 * (WRIST - ELBOW)) * y, 6.2, 5.0, 4.0))
-        made.append(distance.ball(WRIST * y, 5.0, 3.0))
+        shoulder, elbow, wrist = arm(side)
+        made.append(distance.bone(shoulder, elbow, 9.0, 5.6, 8.0))
+        made.append(distance.bone(shoulder, 0.5 * (shoulder + elbow), 8.0, 7.4, 5.0))
+        made.append(distance.bone(elbow, wrist, 5.4, 4.0, 4.0))
+        made.append(distance.bone(elbow + 0.15 * (wrist - elbow), 0.5 * (elbow + wrist), 6.2, 5.0, 4.0))
+        made.append(distance.ball(wrist, 5.0, 3.0))
     return made
 
 
 def made():
     """Fingers, thumbs and skin of both wings: shells."""
-    found = []
-    for points, quads, triangles in _left():
-        found.append((points, quads, triangles))
+    found = _wing(1.0)
+    for points, quads, triangles in _wing(-1.0):
         found.append((splines.mirrored(points), quads[:, ::-1], triangles[:, ::-1]))
     return found
 
 
-def _left():
-    curves = [_finger(points, k) for k, points in enumerate(FINGERS)]
-    flank = splines.curve(FLANK, (0, 1, 0), np.full((len(FLANK), 2), 1.0))
+def _posed(points, side):
+    """Points of a left wing turned ahead, the more the farther they are from the trunk."""
+    points = np.asarray(points, float)
+    angle = TURNED[side] * np.clip((points[..., 1] - 20.0) / 45.0, 0.0, 1.0)
+    x, y = points[..., 0] - SHOULDER[0], points[..., 1] - SHOULDER[1]
+    return np.stack([SHOULDER[0] + x * np.cos(angle) + y * np.sin(angle),
+                     SHOULDER[1] - x * np.sin(angle) + y * np.cos(angle), points[..., 2]], axis=-1)
+
+
+def _wing(side):
+    """Shells of a wing posed as that of `side`, on the left."""
+    shoulder, elbow, wrist = _posed(np.stack([SHOULDER, ELBOW, WRIST]), side)
+    curves = [_finger(_posed(points, side), k) for k, points in enumerate(FINGERS)]
+    flank = splines.curve(_posed(FLANK, side), (0, 1, 0), np.full((len(FLANK), 2), 1.0))
     parts = [shells.swept(curve, 14) for curve in curves]
-    parts.append(shells.spike(WRIST + (1, 2, 3), (0.35, 0.25, 1.0), (5.0, 2.0, 0.0), 17.0, 3.0, fullness=0.8))
+    parts.append(shells.spike(wrist + (1, 2, 3), (0.35, 0.25, 1.0), (5.0, 2.0, 0.0), 17.0, 3.0, fullness=0.8))
     parts += [shells.spike(c.points[-1] - 2 * c.tangent[-1], c.tangent[-1], (0, 0, -3.0), 8.0, 1.5) for c in curves]
     for a, b, depth in zip(curves[:-1], curves[1:], (0.20, 0.20, 0.22), strict=True):
         parts.append(_skin(a, b, depth))
     parts.append(_skin(curves[-1], flank, 0.16))
-    parts.append(_front())
+    parts.append(_front(shoulder, elbow, wrist))
     return parts
 
 
@@ -75,13 +92,13 @@ def _skin(a, b, depth, rows=72, columns=40):
     return shells.sheet(points, THICKNESS)
 
 
-def _front(rows=40, columns=24):
+def _front(shoulder, elbow, wrist, rows=40, columns=24):
     """The small skin before the elbow, from the shoulder to the wrist."""
-    arm = np.stack([SHOULDER, ELBOW, WRIST])
     t = np.linspace(0.0, 1.0, rows)[:, None]
-    elbow = np.where(t < 0.5, arm[0] + 2 * t * (arm[1] - arm[0]), arm[1] + (2 * t - 1) * (arm[2] - arm[1]))
-    free = SHOULDER + (6, 2, 4) + t * (WRIST - SHOULDER - (6, 2, 4)) + np.sin(np.pi * t) * np.array([-9.0, 4.0, -4.0])
+    bones = np.where(t < 0.5, shoulder + 2 * t * (elbow - shoulder), elbow + (2 * t - 1) * (wrist - elbow))
+    start = shoulder + (6, 2, 4)
+    free = start + t * (wrist - start) + np.sin(np.pi * t) * np.array([-9.0, 4.0, -4.0])
     u = np.linspace(0.0, 1.0, columns)[None, :, None]
-    points = elbow[:, None] + u * (free - elbow)[:, None]
+    points = bones[:, None] + u * (free - bones)[:, None]
     points[:, :, 0] -= 3.0 * np.sin(np.pi * u[..., 0]) * np.sin(np.pi * t)
     return shells.sheet(points, THICKNESS)

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The same bronze three times: clean, under light dust, under heavy dust; or once, on a turntable. In metres.
+
+All copies share a mesh and its dust, settled once: what falls is proportional to time, so that each object carries
+its share of the thickness as the property SHARE, and the material multiplies the two.
+"""
+
+import importlib
+import math
+
+import bpy
+import extension
+import numpy as np
+
+from . import mesh_file, plinth, sculpture, settling, stage
+
+SHARE = "dust_share"
+SPACING = 0.325
+HEIGHT, WIDTH = 0.262, 0.30  # of the dragon; any other mesh is made as large
+PLINTH_RADIUS, PLINTH_HEIGHT = 0.118, 0.22 * 0.118
+PLINTH_CENTRE = (-0.006, -0.006, 0.0)  # under the dragon's feet and tail
+COARSE, FINE = (1.15, 0.6), (sculpture.SPACING, sculpture.HEAD_SPACING)  # mm
+
+
+def figure(mesh_path=None, fine=True, up="y"):
+    """The mesh that is shown: the dragon, or that of a file. Raises ValueError."""
+    if mesh_path is None:
+        vertices, quads, triangles = sculpture.build(*(FINE if fine else COARSE))
+        sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
+        return as_mesh("dragon", 1e-3 * vertices - PLINTH_CENTRE, sizes,
+                       np.concatenate([quads.ravel(), triangles.ravel()]))
+    return as_mesh("figure", *mesh_file.load(mesh_path, WIDTH, HEIGHT, up))
+
+
+def stand(radius=PLINTH_RADIUS, step=0.0008):
+    vertices, quads, triangles = plinth.build(radius, step)
+    sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
+    return as_mesh("plinth", vertices, sizes, np.concatenate([quads.ravel(), triangles.ravel()]))
+
+
+def as_mesh(name, vertices, sizes, corners):
+    """A Blender mesh with smooth faces: vertices (n, 3), the faces' numbers of corners (m,), their vertices (k,)."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(vertices))
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, np.float32).ravel())
+    mesh.loops.add(len(corners))
+    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corners, np.int32))
+    mesh.polygons.add(len(sizes))
+    mesh.polygons.foreach_set("loop_start", np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int32))
+    mesh.update(calc_edges=True)
+    mesh.validate()
+    mesh.shade_smooth()
+    return mesh
+
+
+def material(stack, quality, row_stride):
+    """(material whose dust is as thick as attribute times share, its LUT). stack: a dict with a varying layer."""
+    import lamina
+
+    if not any(layer.get("varying") for layer in stack["layers"]):
+        raise ValueError("layers: none of them is varying; the dust must be")
+    stack_io, bake_job = (importlib.import_module(f"{extension.PACKAGE}.{name}") for name in ("stack_io", "bake_job"))
+    made = bpy.data.materials.new("dusty bronze")
+    made.use_nodes = True
+    described = lamina.Stack.from_json(stack)
+    stack_io.assign_stack(made, described)
+    lut = lamina.bake(described, quality, row_stride=row_stride)
+    bake_job.apply(made, lut)
+    tree = made.node_tree
+    group = next(node for node in tree.nodes if node.type == "GROUP")
+    product = tree.nodes.new("ShaderNodeMath")
+    product.operation = "MULTIPLY"
+    for socket, (kind, name) in zip(product.inputs, (("GEOMETRY", settling.ATTRIBUTE), ("OBJECT", SHARE)), strict=False):
+        attribute = tree.nodes.new("ShaderNodeAttribute")
+        attribute.attribute_type, attribute.attribute_name = kind, name
+        tree.links.new(attribute.outputs["Fac"], socket)
+    tree.links.new(product.outputs[0], group.inputs["Thickness"])
+    return made, lut
+
+
+def build(figure_mesh, stand_mesh, dusty, amount, shares, aspect):
+    """(scene, statistics of the dust by object). shares: of `amount`, one an object, from left to right."""
+    made = bpy.data.scenes.new("dragon")
+    centre = 0.5 * (len(shares) - 1)
+    width = SPACING * (len(shares) + 0.08)
+    eye = stage.build(made, 0.112, width, aspect)
+    groups = []
+    for k, share in enumerate(shares):
+        place = stage.RIGHT * (k - centre) * SPACING
+        # Each turns the same side to the viewer.
+        seen = eye.location - place
+        turn = math.atan2(seen.y, seen.x) - stage.CAMERA_AZIMUTH
+        groups.append([_put(made, mesh, place, turn, share, dusty) for mesh in (figure_mesh, stand_mesh)])
+    stage.paper(made, -PLINTH_HEIGHT, 0.9, 4.0)
+    for mesh in (figure_mesh, stand_mesh):
+        mesh.materials.clear()
+        mesh.materials.append(dusty)
+    body, foot = groups[0]
+    made.view_layers[0].update()
+    return made, {"figure": settling.settle_on(body, amount, [foot]), "plinth": settling.settle_on(foot, amount, [body])}
+
+
+def _put(scene, mesh, place, turn, share, dusty):
+    thing = bpy.data.objects.new(mesh.name, mesh)
+    thing.location, thing.rotation_euler = place, (0.0, 0.0, turn)
+    thing[SHARE] = float(share)
+    scene.collection.objects.link(thing)
+    return thing
