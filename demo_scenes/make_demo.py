@@ -45,7 +45,7 @@ def main(argv=None):
     parser.add_argument("--quality", choices=QUALITIES, default="small")
     parser.add_argument("--stack", type=Path, help="a stack JSON in place of the scene's own")
     parser.add_argument("--mesh", type=Path, help="dragon: a PLY, OBJ or STL file in place of the dragon")
-    parser.add_argument("--up", choices=("y", "z"), default="y", help="dragon: what is upright in that file (default: y)")
+    parser.add_argument("--up", choices=("y", "z"), default="y", help="dragon: which axis is up in that file")
     parser.add_argument("--turntable", type=int, default=0, metavar="N", help="dragon: also N frames of a turn")
     parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
     parser.add_argument("--out", type=Path, default=HERE / "out")

@@ -50,7 +50,7 @@ def run(out, quality, stack_path, say, mesh=None, up="y", turntable=0):
     mesh: a PLY, OBJ or STL file shown in place of the dragon, whose axis `up` is upright; turntable: number of frames
     that are rendered besides. Raises ValueError, in a sentence."""
     setting = QUALITIES[quality]
-    stack = json.loads(Path(stack_path or STACK).read_text(encoding="utf-8"))
+    stack = load_stack(stack_path or STACK)
     clock = _Clock()
     figure, stand = scene.figure(mesh, setting.fine, up), scene.stand()
     clock.lap("mesh")
@@ -85,6 +85,12 @@ def run(out, quality, stack_path, say, mesh=None, up="y", turntable=0):
     verdict = (f"{len(figure.polygons)} faces, dust {dust['figure']['mean']:.2f} thick on average, "
                f"fit error {report['fit_error']:.1%}, {sum(clock.seconds.values()):.0f} s")
     return files, verdict if well else f"{verdict}; the picture is black or not finite", well
+
+
+def load_stack(path):
+    """A stack as a dict, without what presets and ours tell besides."""
+    stack = json.loads(Path(path).read_text(encoding="utf-8"))
+    return {key: value for key, value in stack.items() if key not in ("name", "category", "source")}
 
 
 class _Clock:

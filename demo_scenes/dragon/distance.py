@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bodies as signed distances (negative inside, mm, exact only near the surface), and how they melt into one.
 
-Each function takes points (n, 3) and returns (n,). See Quilez, "Smooth minimum" and "Distance functions" (iquilezles.org).
+Distances take points (n, 3) and return (n,). See Quilez, "Smooth minimum" and "Distance functions" (iquilezles.org).
 """
 
 from dataclasses import dataclass

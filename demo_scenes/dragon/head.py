@@ -155,8 +155,8 @@ def _upper_teeth():
 
 def _lower_teeth():
     made = []
-    for x, y, length, width in ((43.5, 2.2, 3.0, 0.8), (40.5, 4.0, 7.2, 1.35), (36, 4.7, 3.2, 0.95), (32, 5.2, 4.4, 1.1),
-                                (28, 5.6, 3.6, 1.0), (24, 6.1, 4.2, 1.05), (20, 6.8, 3.0, 0.9)):
+    for x, y, length, width in ((43.5, 2.2, 3.0, 0.8), (40.5, 4.0, 7.2, 1.35), (36, 4.7, 3.2, 0.95),
+                                (32, 5.2, 4.4, 1.1), (28, 5.6, 3.6, 1.0), (24, 6.1, 4.2, 1.05), (20, 6.8, 3.0, 0.9)):
         made += _both(shells.spike((x, y, -0.2), (0.08, 0.1, 1.0), (-0.25 * length, 0, 0), length + 1.0, width,
                                    fullness=0.7))
     return made
@@ -167,7 +167,11 @@ def _tongue():
     t = np.linspace(0.0, 1.0, 5)
     wide = np.interp(t, (0, 0.5, 0.8, 1.0), (3.4, 3.6, 2.6, 0.6))
     curve = splines.curve(points, (0, 0, 1), np.stack([wide, 0.42 * wide], axis=1), step=0.8)
-    return shells.swept(curve, 20, lambda along, angle: 1.0 - 0.3 * np.exp(-(((angle - np.pi / 2) / 0.35) ** 2)) + 0 * along)
+
+    def furrow(along, angle):
+        return 1.0 - 0.3 * np.exp(-(((angle - np.pi / 2) / 0.35) ** 2)) + 0.0 * along
+
+    return shells.swept(curve, 20, furrow)
 
 
 def _chin():

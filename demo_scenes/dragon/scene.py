@@ -70,10 +70,10 @@ def material(stack, quality, row_stride):
     group = next(node for node in tree.nodes if node.type == "GROUP")
     product = tree.nodes.new("ShaderNodeMath")
     product.operation = "MULTIPLY"
-    for socket, (kind, name) in zip(product.inputs, (("GEOMETRY", settling.ATTRIBUTE), ("OBJECT", SHARE)), strict=False):
+    for k, (kind, name) in enumerate((("GEOMETRY", settling.ATTRIBUTE), ("OBJECT", SHARE))):
         attribute = tree.nodes.new("ShaderNodeAttribute")
         attribute.attribute_type, attribute.attribute_name = kind, name
-        tree.links.new(attribute.outputs["Fac"], socket)
+        tree.links.new(attribute.outputs["Fac"], product.inputs[k])
     tree.links.new(product.outputs[0], group.inputs["Thickness"])
     return made, lut
 
@@ -97,7 +97,8 @@ def build(figure_mesh, stand_mesh, dusty, amount, shares, aspect):
         mesh.materials.append(dusty)
     body, foot = groups[0]
     made.view_layers[0].update()
-    return made, {"figure": settling.settle_on(body, amount, [foot]), "plinth": settling.settle_on(foot, amount, [body])}
+    on_figure, on_plinth = settling.settle_on(body, amount, [foot]), settling.settle_on(foot, amount, [body])
+    return made, {"figure": on_figure, "plinth": on_plinth}
 
 
 def _put(scene, mesh, place, turn, share, dusty):

@@ -15,7 +15,7 @@ def build(spacing=SPACING, head_spacing=HEAD_SPACING):
     """(vertices (n, 3) in mm, quadrangles (m, 4), triangles (k, 3)), turned outwards, z up, standing on z = 0."""
     trunk = _scaled(body.parts() + wings.arm_parts(), spacing, skin.of_trunk)
     skull = _scaled(head.parts(), head_spacing, skin.of_head)
-    of_head = [(head.enlarged(points), quads, triangles) for points, quads, triangles in [skull, *head.shells_of_head()]]
+    of_head = [(head.enlarged(points), *faces) for points, *faces in [skull, *head.shells_of_head()]]
     pieces = [trunk, *of_head, *body.claws(), *wings.made(), *crest.blades(), *crest.spade()]
     return shells.join(pieces)
 

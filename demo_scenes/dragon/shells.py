@@ -28,7 +28,8 @@ def swept(curve, sides=16, relief=None):
     angle = np.arange(sides) * 2.0 * np.pi / sides
     factor = np.ones((rings, sides)) if relief is None else relief(curve.along[:, None], angle[None, :])
     a, b = curve.values[:, 0, None, None], curve.values[:, 1, None, None]
-    wheel = a * np.cos(angle)[None, :, None] * curve.side[:, None] + b * np.sin(angle)[None, :, None] * curve.up[:, None]
+    cosine, sine = np.cos(angle)[None, :, None], np.sin(angle)[None, :, None]
+    wheel = a * cosine * curve.side[:, None] + b * sine * curve.up[:, None]
     points = (curve.points[:, None] + factor[..., None] * wheel).reshape(-1, 3)
     ends = np.stack([
         curve.points[0] - 0.3 * curve.values[0, :2].min() * curve.tangent[0],
@@ -43,13 +44,7 @@ def swept(curve, sides=16, relief=None):
         np.stack([following, ring, np.full(sides, rings * sides)], axis=1),
         np.stack([last + ring, last + following, np.full(sides, rings * sides + 1)], axis=1),
     ])
-    # side, up and tangent are left-handed (side = up x tangent), hence the turn.
-    return np.concatenate([points, ends]), quads[:, ::-1] if _left_handed(curve) else quads, (
-        triangles[:, ::-1] if _left_handed(curve) else triangles)
-
-
-def _left_handed(curve):
-    return float(np.cross(curve.side[0], curve.up[0]) @ curve.tangent[0]) < 0.0
+    return np.concatenate([points, ends]), quads, triangles
 
 
 def spike(base, towards, bend, length, radius, flat=1.0, sides=12, rings=14, relief=None, blunt=0.04, fullness=0.85):

@@ -15,7 +15,7 @@ FINGERS = (
 )
 FLANK = ((-38, 44, 136), (-46, 36, 112), (-54, 26, 86), (-60, 18, 66))
 THICKNESS = 1.1
-# How far each wing is turned ahead about the upright through its shoulder: the left one opens towards a viewer in front.
+# How far each wing is turned ahead about the upright through its shoulder: the left one opens to a viewer in front.
 TURNED = {1.0: np.radians(24.0), -1.0: np.radians(4.0)}
 
 
