@@ -61,7 +61,11 @@ build/stamps/venv: requirements.txt build/stamps/system
 	@$(RUN) -m pip install --quiet --disable-pip-version-check -r requirements.txt
 	@touch $@
 
-build/stamps/wheel: build/stamps/venv $(NATIVE_SOURCES)
+build/stamps/embree: tools/build_embree.sh build/stamps/system
+	@tools/build_embree.sh build/embree
+	@touch $@
+
+build/stamps/wheel: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
 	@echo "Building Lamina's native wheel (about a minute)"
 	@rm -f build/wheels/lamina-*-cp311-*.whl
 	@$(RUN) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation -w build/wheels .
@@ -69,7 +73,7 @@ build/stamps/wheel: build/stamps/venv $(NATIVE_SOURCES)
 		build/wheels/lamina-$(VERSION)-cp311-*.whl
 	@touch $@
 
-build/stamps/wheel-%: build/stamps/system $(NATIVE_SOURCES)
+build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)
 	@echo "Building Lamina's native wheel for $*"
 	@test -x build/venv-$*/bin/python || $* -m venv build/venv-$*
 	@build/venv-$*/bin/python -m pip install --quiet --disable-pip-version-check \
@@ -83,7 +87,7 @@ build/stamps/extension: build/stamps/wheel $(ADDON_SOURCES) tools/build_extensio
 	@$(RUN) tools/build_extension.py build/wheels/lamina-$(VERSION)-cp311-*.whl --output dist
 	@touch $@
 
-build/stamps/bench: build/stamps/venv $(NATIVE_SOURCES)
+build/stamps/bench: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
 	@echo "Building the core's benchmarks"
 	@cmake -S . -B build/native-bench -DLAMINA_BENCH=ON -DCMAKE_BUILD_TYPE=Release >/dev/null
 	@cmake --build build/native-bench --parallel 2 >/dev/null

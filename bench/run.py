@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """make bench: all benchmarks in turn, printed as tables and kept as JSON in build/bench.
 
-    python bench/run.py [solver|doubling|bake|fit|live|render ...]
+    python bench/run.py [solver|doubling|bake|fit|live|dust|render ...]
 """
 
 import json
@@ -43,6 +43,12 @@ def live():
     return live_bench.measure()
 
 
+def dust():
+    import dust_bench
+
+    return dust_bench.measure()
+
+
 def render():
     # In a process of its own: bpy neither likes company nor leaves politely.
     subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
@@ -55,6 +61,7 @@ BENCHES = {
     "bake": (bake, "Bake, wall clock, all threads"),
     "fit": (fit, "Closure fit, relative L2 errors of the slices"),
     "live": (live, "Live editing, wall clock from a changed property to updated pixels (limit 33 ms)"),
+    "dust": (dust, "Dust: rays of settling against a bare loop of Embree's, wall clock"),
     "render": (render, "Rendering in Cycles"),
 }
 

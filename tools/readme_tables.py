@@ -72,6 +72,16 @@ def fit(rows):
                      for row in rows if row["blind"] is None and row["quality"] == "final"])
 
 
+def dust(rows):
+    def number(row, key, form):
+        return format(row[key], form) if key in row else "-"
+
+    return markdown(["mesh", "settling, Mrays/s", "bare Embree, Mrays/s", "share", "seconds", "peak memory"],
+                    [[row["name"], number(row, "settling, Mrays/s", ".2f"), number(row, "bare Embree, Mrays/s", ".2f"),
+                      percent(row.get("settling/bare"), 0), number(row, "seconds", ".1f"),
+                      f"{row['peak MiB']:.0f} MiB" if "peak MiB" in row else "-"] for row in rows])
+
+
 def render(report):
     rows = report["rows"]
     return markdown(["material", "closures", "time / Principled", "noise at equal samples",
@@ -80,7 +90,7 @@ def render(report):
                       percent(row["noise"], 1), f"{row['time_to_equal_noise_over_principled']:.2f}"] for row in rows])
 
 
-TABLES = {"solver": solver, "doubling": doubling, "bake": bake, "fit": fit, "render": render}
+TABLES = {"solver": solver, "doubling": doubling, "bake": bake, "fit": fit, "dust": dust, "render": render}
 
 
 def main():
