@@ -33,14 +33,15 @@ class Quality:
     fine: bool
     bake: str
     row_stride: int  # of the table's rows over thickness
+    rays: int  # of each vertex, for the dust
     frame: int  # pixels of a turntable's square frames
     frame_samples: int
 
 
 QUALITIES = {
-    "tiny": Quality(192, 96, 4, False, "preview", 8, 96, 4),
-    "small": Quality(960, 480, 24, False, "preview", 4, 240, 16),
-    "final": Quality(1920, 960, 400, True, "final", 1, 640, 96),
+    "tiny": Quality(192, 96, 4, False, "preview", 8, 16, 96, 4),
+    "small": Quality(960, 480, 24, False, "preview", 8, 48, 240, 16),
+    "final": Quality(1920, 960, 400, True, "final", 1, 128, 640, 96),
 }
 
 
@@ -58,7 +59,8 @@ def run(out, quality, stack_path, say, mesh=None, up="y", turntable=0):
     dusty, lut = scene.material(stack, setting.bake, setting.row_stride)
     clock.lap("bake")
     say(f"dragon: baked in {clock.seconds['bake']:.0f} s, fit error {lut.report['fit_error']:.1%}")
-    stage, dust = scene.build(figure, stand, dusty, HEAVY, SHARES, setting.width / setting.height)
+    stage, groups = scene.build(figure, stand, dusty, SHARES)
+    dust = scene.settle(groups[0], HEAVY, setting.rays)
     clock.lap("dust")
     say(f"dragon: dust settled in {clock.seconds['dust']:.0f} s")
     pixels = _render(stage, setting.width, setting.height, setting.samples)
@@ -129,9 +131,8 @@ def _turntable(out, figure, stand, dusty, setting, frames, say):
     """`frames` pictures of one turn, no dust to heavy; and all of them as an animated PNG."""
     folder = out / "dragon_turntable"
     folder.mkdir(exist_ok=True)
-    stage, _ = scene.build(figure, stand, dusty, HEAVY, (0.0,), 1.0)
+    stage, (things,) = scene.build(figure, stand, dusty, (0.0,))
     stage.render.use_persistent_data = True
-    things = [thing for thing in stage.objects if scene.SHARE in thing]
     start, files, images = things[0].rotation_euler.z, [], []
     for k in range(frames):
         for thing in things:

@@ -15,7 +15,7 @@ import numpy as np
 from . import mesh_file, plinth, sculpture, settling, stage
 
 SHARE = "dust_share"
-SPACING = 0.325
+SPACING = 0.298
 HEIGHT, WIDTH = 0.262, 0.30  # of the dragon; any other mesh is made as large
 PLINTH_RADIUS, PLINTH_HEIGHT = 0.118, 0.22 * 0.118
 PLINTH_CENTRE = (-0.006, -0.006, 0.0)  # under the dragon's feet and tail
@@ -78,30 +78,33 @@ def material(stack, quality, row_stride):
     return made, lut
 
 
-def build(figure_mesh, stand_mesh, dusty, amount, shares, aspect):
-    """(scene, statistics of the dust by object). shares: of `amount`, one an object, from left to right."""
+def build(figure_mesh, stand_mesh, dusty, shares):
+    """(scene, its [(figure, plinth)] from left to right). shares: of the dust that settles, one a figure."""
     made = bpy.data.scenes.new("dragon")
-    centre = 0.5 * (len(shares) - 1)
-    width = SPACING * (len(shares) + 0.08)
-    eye = stage.build(made, 0.112, width, aspect)
-    groups = []
-    for k, share in enumerate(shares):
-        place = stage.RIGHT * (k - centre) * SPACING
-        # Each turns the same side to the viewer.
-        seen = eye.location - place
-        turn = math.atan2(seen.y, seen.x) - stage.CAMERA_AZIMUTH
-        groups.append([_put(made, mesh, place, turn, share, dusty) for mesh in (figure_mesh, stand_mesh)])
-    stage.paper(made, -PLINTH_HEIGHT, 0.9, 4.0)
+    eye = stage.build(made, 0.110, SPACING * (len(shares) + 0.08))
     for mesh in (figure_mesh, stand_mesh):
         mesh.materials.clear()
         mesh.materials.append(dusty)
-    body, foot = groups[0]
+    groups = []
+    for k, share in enumerate(shares):
+        place = stage.RIGHT * (k - 0.5 * (len(shares) - 1)) * SPACING
+        # Each turns the same side to the viewer.
+        seen = eye.location - place
+        turn = math.atan2(seen.y, seen.x) - stage.CAMERA_AZIMUTH
+        groups.append([_put(made, mesh, place, turn, share) for mesh in (figure_mesh, stand_mesh)])
+    stage.paper(made, -PLINTH_HEIGHT, 0.9, 4.0)
     made.view_layers[0].update()
-    on_figure, on_plinth = settling.settle_on(body, amount, [foot]), settling.settle_on(foot, amount, [body])
-    return made, {"figure": on_figure, "plinth": on_plinth}
+    return made, groups
 
 
-def _put(scene, mesh, place, turn, share, dusty):
+def settle(group, amount, rays):
+    """Let dust settle on a figure and its plinth, for all that share their meshes; statistics of both by name."""
+    figure, stand = group
+    return {"figure": settling.settle_on(figure, amount, [stand], rays),
+            "plinth": settling.settle_on(stand, amount, [figure], rays)}
+
+
+def _put(scene, mesh, place, turn, share):
     thing = bpy.data.objects.new(mesh.name, mesh)
     thing.location, thing.rotation_euler = place, (0.0, 0.0, turn)
     thing[SHARE] = float(share)
