@@ -15,6 +15,8 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 SCENE ?= all
 QUALITY ?= small
+# Of make_demo.py, such as --turntable 48.
+OPTIONS ?=
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name '*.json' -o -name CMakeLists.txt) \
 	CMakeLists.txt pyproject.toml
@@ -25,7 +27,7 @@ EXTENSION := dist/lamina-$(VERSION).zip
 .DEFAULT_GOAL := demo
 
 demo: build/stamps/extension
-	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY)
+	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY) $(OPTIONS)
 
 test: lint build/stamps/extension
 	$(RUN) -m pytest tests/core tests/lamina

@@ -17,10 +17,10 @@ from . import scene
 
 STACK = Path(__file__).resolve().parent / "stack.json"
 OPTIONS = ("mesh", "up", "turntable")  # what run() takes beyond what every scene does
-HEAVY = 6.0  # optical thickness on an open plate
-SHARES = (0.0, 0.15, 1.0)
+HEAVY = 8.0  # optical thickness on an open plate, the most that the table knows
+SHARES = (0.0, 0.125, 1.0)
 NAMES = ("Clean", "Light dust", "Heavy dust")
-EXPOSURE = 1.15
+EXPOSURE = 1.25
 
 
 @dataclasses.dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _sheet(path, image, captions):
     sheet = Image.new("RGB", (width, height + strip), picture.PAPER)
     sheet.paste(Image.fromarray(image), (0, 0))
     draw = ImageDraw.Draw(sheet)
-    across = width / (len(captions) + 0.08)
+    across = width / (len(captions) + scene.MARGIN)
     for k, text in enumerate(captions):
         x = 0.5 * width + (k - 0.5 * (len(captions) - 1)) * across
         draw.text((x, height + strip // 2), text, picture.INK, font, "mm")

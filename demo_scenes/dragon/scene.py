@@ -15,8 +15,8 @@ import numpy as np
 from . import mesh_file, plinth, sculpture, settling, stage
 
 SHARE = "dust_share"
-SPACING = 0.298
-HEIGHT, WIDTH = 0.262, 0.30  # of the dragon; any other mesh is made as large
+SPACING, MARGIN = 0.298, 0.14  # m between figures; half of the second is left free at either side, in figures
+HEIGHT, WIDTH = 0.262, 0.21  # m that any other mesh may fill: it stays on the plinth
 PLINTH_RADIUS, PLINTH_HEIGHT = 0.118, 0.22 * 0.118
 PLINTH_CENTRE = (-0.006, -0.006, 0.0)  # under the dragon's feet and tail
 COARSE, FINE = (1.15, 0.6), (sculpture.SPACING, sculpture.HEAD_SPACING)  # mm
@@ -81,7 +81,7 @@ def material(stack, quality, row_stride):
 def build(figure_mesh, stand_mesh, dusty, shares):
     """(scene, its [(figure, plinth)] from left to right). shares: of the dust that settles, one a figure."""
     made = bpy.data.scenes.new("dragon")
-    eye = stage.build(made, 0.110, SPACING * (len(shares) + 0.08))
+    eye = stage.build(made, 0.110, SPACING * (len(shares) + MARGIN))
     for mesh in (figure_mesh, stand_mesh):
         mesh.materials.clear()
         mesh.materials.append(dusty)

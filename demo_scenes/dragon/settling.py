@@ -8,7 +8,7 @@ import numpy as np
 ATTRIBUTE = "lamina_dust"
 SEED = 1
 # Fine grains in a room's air, that stay on slopes which sand slides off.
-HOW = {"spread": 1.0, "repose": 1.05, "repose_width": 0.7, "concavity": 0.6}
+HOW = {"spread": 1.0, "repose": 1.25, "repose_width": 0.7, "concavity": 0.6}
 
 
 def settle_on(thing, amount, occluders=(), rays=64):

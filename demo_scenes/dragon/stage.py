@@ -10,7 +10,7 @@ from mathutils import Vector
 CAMERA_AZIMUTH, CAMERA_HEIGHT = math.radians(-38.0), math.radians(12.0)
 SUN_AZIMUTH, SUN_HEIGHT, SUN_ANGLE = math.radians(-98.0), math.radians(40.0), math.radians(2.0)
 SUN_IRRADIANCE, SKY_STRENGTH = 4.2, 0.14
-PAPER = (0.085, 0.098, 0.115)
+PAPER = (0.055, 0.064, 0.076)
 AHEAD = Vector((math.cos(CAMERA_AZIMUTH), math.sin(CAMERA_AZIMUTH), 0.0))  # from what is shown to the viewer
 RIGHT = Vector((-AHEAD.y, AHEAD.x, 0.0))
 
