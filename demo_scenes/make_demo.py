@@ -62,7 +62,7 @@ def main(argv=None):
             names, arguments.quality, arguments.extension, arguments.out, arguments.stack, say,
             {"mesh": arguments.mesh, "up": arguments.up, "turntable": arguments.turntable},
         ):
-            lines.append(f"{' and '.join(_short(path) for path in files)}: {verdict}")
+            lines.append(f"{' and '.join(_short(path) for path in files) or 'nothing'}: {verdict}")
             all_well = all_well and well
     except (extension.ExtensionMissingError, ValueError, OSError, RuntimeError) as error:
         print(f"make_demo: {error}", file=sys.stderr)

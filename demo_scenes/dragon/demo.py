@@ -50,6 +50,10 @@ def run(out, quality, stack_path, say, mesh=None, up="y", turntable=0):
 
     mesh: a PLY, OBJ or STL file shown in place of the dragon, whose axis `up` is upright; turntable: number of frames
     that are rendered besides. Raises ValueError, in a sentence."""
+    from lamina import dust as layer  # the extension's wheel: not there before the extension is installed
+
+    if layer.available():
+        return (), f"dragon: {layer.available()}", False
     setting = QUALITIES[quality]
     stack = load_stack(stack_path or STACK)
     clock = _Clock()
@@ -80,8 +84,8 @@ def run(out, quality, stack_path, say, mesh=None, up="y", turntable=0):
         "quality": quality, "mesh": str(mesh) if mesh else "dragon", "faces": len(figure.polygons),
         "vertices": len(figure.vertices), **dataclasses.asdict(setting), "seconds": clock.seconds,
         "dust": {"amount": HEAVY, "shares": SHARES, **dust}, "fit_error": report["fit_error"],
-        "fit_error_by_row": report.get("fit_error_by_tau"), "worst_slice": report["worst_slice"],
-        "closures": report["closures"], "stack": stack,
+        "row_errors": report.get("row_errors"), "tau_error": report.get("tau_error"),
+        "worst_slice": report["worst_slice"], "closures": report["closures"], "stack": stack,
     })
     well = bool(np.isfinite(pixels).all() and pixels.max() > 0.0)
     verdict = (f"{len(figure.polygons)} faces, dust {dust['figure']['mean']:.2f} thick on average, "
