@@ -32,8 +32,9 @@ def figure(mesh_path=None, fine=True, up="y"):
     return as_mesh("figure", *mesh_file.load(mesh_path, WIDTH, HEIGHT, up))
 
 
-def stand(radius=PLINTH_RADIUS, step=0.0008):
-    vertices, quads, triangles = plinth.build(radius, step)
+def stand(fine=True):
+    """The plinth's mesh."""
+    vertices, quads, triangles = plinth.build(PLINTH_RADIUS, 0.0008 if fine else 0.0014)
     sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
     return as_mesh("plinth", vertices, sizes, np.concatenate([quads.ravel(), triangles.ravel()]))
 
