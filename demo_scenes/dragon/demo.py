@@ -41,7 +41,7 @@ class Quality:
 QUALITIES = {
     "tiny": Quality(192, 96, 4, False, "preview", 8, 16, 96, 4),
     "small": Quality(960, 480, 24, False, "preview", 8, 48, 240, 16),
-    "final": Quality(1920, 960, 400, True, "final", 1, 128, 640, 96),
+    "final": Quality(1920, 960, 256, True, "final", 1, 128, 640, 96),
 }
 
 
