@@ -120,7 +120,7 @@ def _render(stage, width, height, samples):
 def _sheet(path, image, captions):
     """The picture over a strip of captions, one below each figure."""
     height, width = image.shape[:2]
-    strip, font = max(24, width // 20), ImageFont.load_default(max(10, width // 56))
+    strip, font = max(24, width // 20), ImageFont.load_default(max(5, width // 56))
     sheet = Image.new("RGB", (width, height + strip), picture.PAPER)
     sheet.paste(Image.fromarray(image), (0, 0))
     draw = ImageDraw.Draw(sheet)
