@@ -15,7 +15,7 @@ import numpy as np
 from . import mesh_file, plinth, sculpture, settling, stage
 
 SHARE = "dust_share"
-SPACING, MARGIN = 0.298, 0.14  # m between figures; half of the second is left free at either side, in figures
+SPACING, MARGIN = 0.298, 0.18  # m between figures; half of the second is left free at either side, in figures
 HEIGHT, WIDTH = 0.262, 0.21  # m that any other mesh may fill: it stays on the plinth
 PLINTH_RADIUS, PLINTH_HEIGHT = 0.118, 0.22 * 0.118
 PLINTH_CENTRE = (-0.006, -0.006, 0.0)  # under the dragon's feet and tail
