@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | test | bench | lint | wheel | extension | clean     Each sets up what is missing, then runs.
+# make demo | test | bench | study | lint | wheel | extension | clean     Each sets up what is missing, then runs.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -15,17 +15,19 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 SCENE ?= all
 QUALITY ?= small
+# Of make_demo.py, such as --turntable 48.
+OPTIONS ?=
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name '*.json' -o -name CMakeLists.txt) \
 	CMakeLists.txt pyproject.toml
 ADDON_SOURCES := $(shell find addon -type f -not -name '*.pyc')
 EXTENSION := dist/lamina-$(VERSION).zip
 
-.PHONY: demo test bench lint wheel extension clean readme
+.PHONY: demo test bench study study-hard lint wheel extension clean readme
 .DEFAULT_GOAL := demo
 
 demo: build/stamps/extension
-	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY)
+	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY) $(OPTIONS)
 
 test: lint build/stamps/extension
 	$(RUN) -m pytest tests/core tests/lamina
@@ -38,6 +40,14 @@ lint: build/stamps/wheel
 
 bench: build/stamps/extension build/stamps/bench
 	$(RUN) bench/run.py
+
+# The walks against each other: six minutes on two quiet cores; what was measured is not measured again.
+study: build/stamps/wheel
+	$(RUN) study/run.py
+
+# 1e8 samples of each walk on three hard cases: an hour of one core.
+study-hard: build/stamps/wheel
+	$(RUN) study/run.py hard show
 
 readme: build/stamps/wheel
 	$(RUN) tools/readme_tables.py
@@ -61,7 +71,11 @@ build/stamps/venv: requirements.txt build/stamps/system
 	@$(RUN) -m pip install --quiet --disable-pip-version-check -r requirements.txt
 	@touch $@
 
-build/stamps/wheel: build/stamps/venv $(NATIVE_SOURCES)
+build/stamps/embree: tools/build_embree.sh build/stamps/system
+	@tools/build_embree.sh build/embree
+	@touch $@
+
+build/stamps/wheel: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
 	@echo "Building Lamina's native wheel (about a minute)"
 	@rm -f build/wheels/lamina-*-cp311-*.whl
 	@$(RUN) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation -w build/wheels .
@@ -69,7 +83,7 @@ build/stamps/wheel: build/stamps/venv $(NATIVE_SOURCES)
 		build/wheels/lamina-$(VERSION)-cp311-*.whl
 	@touch $@
 
-build/stamps/wheel-%: build/stamps/system $(NATIVE_SOURCES)
+build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)
 	@echo "Building Lamina's native wheel for $*"
 	@test -x build/venv-$*/bin/python || $* -m venv build/venv-$*
 	@build/venv-$*/bin/python -m pip install --quiet --disable-pip-version-check \
@@ -83,7 +97,7 @@ build/stamps/extension: build/stamps/wheel $(ADDON_SOURCES) tools/build_extensio
 	@$(RUN) tools/build_extension.py build/wheels/lamina-$(VERSION)-cp311-*.whl --output dist
 	@touch $@
 
-build/stamps/bench: build/stamps/venv $(NATIVE_SOURCES)
+build/stamps/bench: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
 	@echo "Building the core's benchmarks"
 	@cmake -S . -B build/native-bench -DLAMINA_BENCH=ON -DCMAKE_BUILD_TYPE=Release >/dev/null
 	@cmake --build build/native-bench --parallel 2 >/dev/null

@@ -6,6 +6,9 @@ import bpy
 from . import (
     bake_job,
     command_line,
+    dust_job,
+    dust_panel,
+    dust_properties,
     live,
     menus,
     migration,
@@ -15,9 +18,24 @@ from . import (
     preferences,
     properties,
     shown,
+    thickness_panel,
 )
 
-PARTS = (properties, shown, migration, bake_job, live, operators, menus, panel, command_line)
+PARTS = (
+    properties,
+    dust_properties,
+    shown,
+    migration,
+    bake_job,
+    dust_job,
+    live,
+    operators,
+    menus,
+    panel,
+    thickness_panel,
+    dust_panel,
+    command_line,
+)
 
 
 def register():

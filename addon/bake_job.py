@@ -5,13 +5,14 @@ The worker sees a stack and numbers, never Blender data. What runs, and why the 
 material failed, lives here for the session and is never written to the .blend.
 """
 
+import json
 import logging
-import threading
 
 import bpy
 from bpy.app.handlers import persistent
 
-from . import judgement, messages, native, node_group, preferences, stack_io
+from . import judgement, messages, native, node_group, preferences, stack_io, thickness
+from .worker import Worker
 
 log = logging.getLogger(__package__)
 
@@ -19,47 +20,24 @@ _running = None
 _failures = {}
 
 
-class Job:
+class Job(Worker):
     """One bake in a worker thread, of a stack or of what a function of no arguments makes there; `more` goes
-    to lamina.bake.
-
-    `fraction` and `text` follow it; `lut` or `error` is there at its end."""
+    to lamina.bake."""
 
     def __init__(self, stack, quality, threads, seed=0, **more):
-        self.fraction, self.text = 0.0, "Starting"
-        self.lut, self.error = None, None
-        self._stop = threading.Event()
-        self._arguments = {"quality": quality, "seed": seed, "threads": threads, **more}
-        self._stack = stack
-        self._bake = native.require().bake
-        self._thread = threading.Thread(target=self._run, name="lamina bake", daemon=True)
-        self._thread.start()
+        bake = native.require().bake
 
-    def cancel(self):
-        self._stop.set()
-
-    @property
-    def cancelling(self):
-        return self._stop.is_set()
-
-    @property
-    def done(self):
-        return not self._thread.is_alive()
-
-    def wait(self, seconds=None):
-        self._thread.join(seconds)
-
-    def _run(self):
-        try:
-            stack = self._stack() if callable(self._stack) else self._stack
-            self.lut = self._bake(
-                stack, progress=self._progress, cancel=self._stop.is_set, **self._arguments
+        def work(progress, cancel):
+            known = stack() if callable(stack) else stack
+            return bake(
+                known, quality=quality, seed=seed, progress=progress, cancel=cancel, threads=threads, **more
             )
-        except BaseException as error:  # Whatever happened is told on the main thread.
-            self.error = error
 
-    def _progress(self, fraction, text=""):
-        self.fraction, self.text = fraction, text or self.text
+        super().__init__(work, "lamina bake")
+
+    @property
+    def lut(self):
+        return self.result
 
 
 class MaterialJob(Job):
@@ -114,7 +92,10 @@ def apply(material, lut, in_place=False):
     With `in_place`, a group of the same layout just gets a new picture.
     """
     if not (in_place and node_group.update(material, lut)):
+        had_input = thickness.has_input(material)
         node_group.build(material, lut)
+        if not had_input:
+            thickness.reconnect(material)
     _note_report(material.lamina.result, lut)
     clear_failure(material)
 
@@ -193,10 +174,20 @@ def _note_report(result, lut):
     result.worst_channel = int(worst.get("channel", 0))
     result.worst_side = str(worst.get("side", "top"))
     result.worst_tau = tau if tau is not None and header["axes"]["tau"]["count"] > 1 else -1.0
+    result.row_errors = json.dumps(_row_errors(report))
+    between = report.get("tau_error") or {}
+    result.between_rows = between.get("mean", -1.0)
+    result.between_rows_worst = between.get("worst", -1.0)
     result.albedo_error = report["albedo_error"]
     result.energy_error = report["energy_error"]
     result.closures = int(report["closures"])
     result.seconds = report["seconds"]
+
+
+def _row_errors(report):
+    """[[thickness, mean fit error, worst], ...] of a varying layer's rows; [] without one."""
+    rows = report.get("row_errors") or {"tau": [], "mean": [], "worst": []}
+    return [list(row) for row in zip(rows["tau"], rows["mean"], rows["worst"], strict=True)]
 
 
 @persistent

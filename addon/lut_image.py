@@ -5,8 +5,9 @@ The height is rounded up to a power of two, so that every texel centre is exact 
 strip bleeds into its neighbour by rounding: weights of two strips may differ a thousandfold.
 """
 
-import bpy
 import numpy as np
+
+from . import float_image
 
 
 def height_of(lut):
@@ -21,11 +22,4 @@ def create(name, lut):
     padded = np.zeros((height_of(lut), width, 4), dtype=np.float32)
     padded[:rows] = texels
     padded[rows:, :, 3] = 1.0
-    image = bpy.data.images.new(name, width, len(padded), alpha=True, float_buffer=True, is_data=True)
-    # Defaults differ between Blender versions: say what the texels are.
-    image.colorspace_settings.name = "Non-Color"
-    image.alpha_mode = "CHANNEL_PACKED"
-    image.pixels.foreach_set(padded.ravel())
-    image.update()
-    image.pack()
-    return image
+    return float_image.create(name, padded)

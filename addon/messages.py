@@ -43,7 +43,8 @@ def expected(error):
     if not native.available():
         return False
     lamina = native.require()
-    return isinstance(error, lamina.StackError | lamina.LutError | lamina.SolveError)
+    solver = lamina.StackError | lamina.LutError | lamina.SolveError
+    return isinstance(error, solver | lamina.DustError | lamina.DustUnavailable)
 
 
 def sentence(error, material=None):

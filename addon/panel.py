@@ -71,11 +71,11 @@ class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
     def draw(self, context):
         layout, material = self.layout, context.material
         if not native.available():
-            _sentence(context, layout, native.reason(), "ERROR")
+            draw_sentence(context, layout, native.reason(), "ERROR")
         if migration.is_from_the_future(material):
-            _sentence(context, layout, "Made by a newer version of Lamina: update Lamina to edit it")
+            draw_sentence(context, layout, "Made by a newer version of Lamina: update Lamina to edit it")
         elif not material.is_editable:
-            _sentence(context, layout, "Linked from another file: edit the layers there", "LINKED")
+            draw_sentence(context, layout, "Linked from another file: edit the layers there", "LINKED")
         else:
             if not material.lamina.enabled:
                 layout.operator("lamina.add_stack", icon="ADD")
@@ -117,7 +117,7 @@ class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
         ior = layer_list.open_ior(material)
         if ior is not None:
             text = f"The sheet ends inside a dielectric of IOR {ior:.3g}: it has no back surface"
-            _sentence(context, layout, text)
+            draw_sentence(context, layout, text)
             layout.operator("lamina.sheet_close", icon="ADD")
 
 
@@ -134,14 +134,14 @@ class LAMINA_PT_bake(MaterialPanel, bpy.types.Panel):
         row.prop(material.lamina, "basis", expand=True)
         job = bake_job.running_for(material)
         if job is not None:
-            _draw_progress(layout, job)
+            draw_progress(layout, job, "lamina.bake_cancel")
             return
         row = layout.row()
         row.scale_y = 1.4
         row.operator("lamina.bake", text=_bake_label(material), icon="RENDER_STILL")
         failure = bake_job.failure(material) or _stack_error(material)
         if failure:
-            _sentence(context, layout, failure, "ERROR", alert=True)
+            draw_sentence(context, layout, failure, "ERROR", alert=True)
 
 
 class LAMINA_PT_result(MaterialPanel, bpy.types.Panel):
@@ -187,12 +187,13 @@ def result_lines(result):
     return lines
 
 
-def _draw_progress(layout, job):
+def draw_progress(layout, job, cancel):
+    """How far a worker is, and the operator that cancels it."""
     row = layout.row(align=True)
     row.scale_y = 1.4
     text = "Cancelling" if job.cancelling else f"{job.fraction:.0%}  {job.text}"
     row.progress(factor=job.fraction, text=text)
-    row.operator("lamina.bake_cancel", text="", icon="CANCEL")
+    row.operator(cancel, text="", icon="CANCEL")
 
 
 def _draw_state(layout, context, material):
@@ -204,9 +205,9 @@ def _draw_state(layout, context, material):
     elif state == "stale":
         layout.label(text="Out of date: the layers have changed", icon="FILE_REFRESH")
     elif state == "invalid":
-        _sentence(context, layout, "Out of date: the layers cannot be baked as they are", "ERROR")
+        draw_sentence(context, layout, "Out of date: the layers cannot be baked as they are", "ERROR")
     elif state == "none":
-        _sentence(context, layout, "The node group of the last bake is gone: bake again", "ERROR")
+        draw_sentence(context, layout, "The node group of the last bake is gone: bake again", "ERROR")
 
 
 def _bake_label(material):
@@ -237,7 +238,7 @@ def _error_layer(material):
     return None if error is None else messages.layer_index(str(error))
 
 
-def _sentence(context, layout, text, icon="INFO", alert=False):
+def draw_sentence(context, layout, text, icon="INFO", alert=False):
     """A sentence on as many lines as the panel's width asks for."""
     scale = context.preferences.system.ui_scale
     width = max(int((context.region.width / scale - 70.0) / 6.4), 20)

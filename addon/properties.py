@@ -35,6 +35,13 @@ class LaminaResult(bpy.types.PropertyGroup):
     worst_channel: IntProperty()
     worst_side: StringProperty()
     worst_tau: FloatProperty(description="Its row's optical thickness; negative when none varies")
+    row_errors: StringProperty(
+        description="JSON: [thickness, mean fit error, worst] of each row of the varying layer"
+    )
+    between_rows: FloatProperty(
+        default=-1.0, description="Mean error between rows of thickness; negative when not measured"
+    )
+    between_rows_worst: FloatProperty(default=-1.0)
     albedo_error: FloatProperty(description="Worst relative error of the directional albedo")
     energy_error: FloatProperty()
     closures: IntProperty()

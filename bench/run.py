@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """make bench: all benchmarks in turn, printed as tables and kept as JSON in build/bench.
 
-    python bench/run.py [solver|doubling|bake|fit|live|render ...]
+    python bench/run.py [solver|doubling|walks|bake|fit|live|dust|render ...]
 """
 
 import json
@@ -25,6 +25,12 @@ def doubling():
     return [json.loads(line) for line in done.stdout.splitlines() if line]
 
 
+def walks():
+    import walk_bench
+
+    return walk_bench.measure()
+
+
 def bake():
     import bake_bench
 
@@ -43,6 +49,12 @@ def live():
     return live_bench.measure()
 
 
+def dust():
+    import dust_bench
+
+    return dust_bench.measure()
+
+
 def render():
     # In a process of its own: bpy neither likes company nor leaves politely.
     subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
@@ -52,9 +64,11 @@ def render():
 BENCHES = {
     "solver": (solver, "Slab solve, CPU time, against other codes (error: largest, mu >= .05)"),
     "doubling": (doubling, "Doubling step against the rate of matrix products, one thread"),
+    "walks": (walks, "Walks on the standard slab to .1 % standard error, wall clock, 2 threads, against Mitsuba"),
     "bake": (bake, "Bake, wall clock, all threads"),
     "fit": (fit, "Closure fit, relative L2 errors of the slices"),
     "live": (live, "Live editing, wall clock from a changed property to updated pixels (limit 33 ms)"),
+    "dust": (dust, "Dust: rays of settling against a bare loop of Embree's, wall clock"),
     "render": (render, "Rendering in Cycles"),
 }
 

@@ -25,6 +25,7 @@ class Comparison:
     fit_error: float  # mean over the LUT's slices
     worst_slice_error: float
     pixels: int
+    geometry_error: float = 0.0  # relative: what the truth's own geometry adds, such as curvature
 
     @property
     def noise(self):
@@ -33,13 +34,13 @@ class Comparison:
 
     @property
     def allowed(self):
-        """How far the means may be apart: by noise, and by the fit's own error."""
-        return self.noise + self.fit_error * self.mean_truth
+        """How far the means may be apart: by noise, by the fit's own error, and by the truth's geometry."""
+        return self.noise + (self.fit_error + self.geometry_error) * self.mean_truth
 
     @property
     def allowed_rms(self):
         """How far pixels may be apart, noise aside: as far as the worst slice is from the truth."""
-        return self.noise + self.worst_slice_error * self.rms_truth
+        return self.noise + (self.worst_slice_error + self.geometry_error) * self.rms_truth
 
     @property
     def agree(self):
@@ -56,19 +57,20 @@ class Comparison:
         """One sentence with the numbers; `truth`: what was path traced."""
         word = "agree" if self.agree else "DO NOT AGREE"
         mean = self.mean_truth
+        geometry = f", geometry {self.geometry_error:.2%}" if self.geometry_error else ""
         return (
             f"{truth} {mean:.5f} and baked {self.mean_baked:.5f} {word}: "
             f"{self.mean_baked / mean - 1.0:+.2%} apart, {self.allowed / mean:.2%} allowed "
-            f"(noise {self.noise / mean:.2%}, fit {self.fit_error:.2%}); "
+            f"(noise {self.noise / mean:.2%}, fit {self.fit_error:.2%}{geometry}); "
             f"pixels {self.rms_without_noise / self.rms_truth:.2%} rms, "
             f"{self.allowed_rms / self.rms_truth:.2%} allowed (worst slice)"
         )
 
 
-def compare(truth, baked, region, report):
+def compare(truth, baked, region, report, geometry_error=0.0):
     """Comparison of renders, each (seeds, height, width, 3), over the pixels of `region` (height, width).
 
-    report: the LUT's, for `fit_error` and `worst_slice`.
+    report: the LUT's, for `fit_error` and `worst_slice`. geometry_error: see Comparison.
     """
     truth, baked = truth[:, region], baked[:, region]
     mean_truth, sigma_truth, variance_truth = _statistics(truth)
@@ -87,6 +89,7 @@ def compare(truth, baked, region, report):
         fit_error=float(report["fit_error"]),
         worst_slice_error=float(report["worst_slice"]["error"]),
         pixels=int(np.count_nonzero(region)),
+        geometry_error=float(geometry_error),
     )
 
 

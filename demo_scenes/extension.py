@@ -65,6 +65,14 @@ def newest_zip(folder):
     return found[-1]
 
 
+def part(name):
+    """A module of the enabled extension. Raises ExtensionMissingError."""
+    try:
+        return importlib.import_module(f"{PACKAGE}.{name}")
+    except ModuleNotFoundError as error:
+        raise ExtensionMissingError(f"the Lamina extension is not enabled here ({error})") from error
+
+
 def bake(name, stack, quality="final", say=lambda text: None, basis="standard"):
     """(a new material that wears the baked `stack`, its LUT). `stack` is a dict as in stack.json.
 
@@ -72,11 +80,7 @@ def bake(name, stack, quality="final", say=lambda text: None, basis="standard"):
     """
     import bpy
 
-    try:
-        stack_io = importlib.import_module(f"{PACKAGE}.stack_io")
-        bake_job = importlib.import_module(f"{PACKAGE}.bake_job")
-    except ModuleNotFoundError as error:
-        raise ExtensionMissingError(f"the Lamina extension is not enabled here ({error})") from error
+    stack_io, bake_job = part("stack_io"), part("bake_job")
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     with tempfile.TemporaryDirectory() as folder:

@@ -2,7 +2,8 @@
 """Render the demos: `python demo_scenes/make_demo.py [SCENE|all] [--quality tiny|small|final]`.
 
 A scene is a folder here with a demo.py, whose run(out, quality, stack_path, say) renders it, writes its
-files and returns (files, verdict, whether all is well). Exit code 0: all is well; 1: it is not.
+files and returns (files, verdict, whether all is well). Exit code 0: all is well; 1: it is not. What a scene takes
+beyond that, its OPTIONS name.
 """
 
 import argparse
@@ -22,16 +23,20 @@ def scenes():
     return sorted(path.parent.name for path in HERE.glob("*/demo.py"))
 
 
-def make(names, quality="small", zip_path=None, out=HERE / "out", stack_path=None, say=print):
+def make(names, quality="small", zip_path=None, out=HERE / "out", stack_path=None, say=print, options=None):
     """Render the scenes `names` with the extension of `zip_path`, in a Blender profile of its own.
 
-    Yields (files, verdict, whether all is well) for each. Raises extension.ExtensionMissingError.
+    options: values by name, for those scenes that have such an option. Yields (files, verdict, whether all is well)
+    for each. Raises extension.ExtensionMissingError.
     """
     zip_path = zip_path or extension.newest_zip(HERE.parent / "dist")
     out.mkdir(parents=True, exist_ok=True)
     with extension.isolate(), extension.installed(zip_path):
         for name in names:
-            yield importlib.import_module(f"{name}.demo").run(out, quality, stack_path, say)
+            demo = importlib.import_module(f"{name}.demo")
+            known = getattr(demo, "OPTIONS", ())
+            more = {key: value for key, value in (options or {}).items() if key in known}
+            yield demo.run(out, quality, stack_path, say, **more)
 
 
 def main(argv=None):
@@ -39,6 +44,9 @@ def main(argv=None):
     parser.add_argument("scene", nargs="?", default="all", choices=["all", *scenes()])
     parser.add_argument("--quality", choices=QUALITIES, default="small")
     parser.add_argument("--stack", type=Path, help="a stack JSON in place of the scene's own")
+    parser.add_argument("--mesh", type=Path, help="dragon: a PLY, OBJ or STL file in place of the dragon")
+    parser.add_argument("--up", choices=("y", "z"), default="y", help="dragon: which axis is up in that file")
+    parser.add_argument("--turntable", type=int, default=0, metavar="N", help="dragon: also N frames of a turn")
     parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
     parser.add_argument("--out", type=Path, default=HERE / "out")
     arguments = parser.parse_args(argv)
@@ -51,9 +59,10 @@ def main(argv=None):
     names = scenes() if arguments.scene == "all" else [arguments.scene]
     try:
         for files, verdict, well in make(
-            names, arguments.quality, arguments.extension, arguments.out, arguments.stack, say
+            names, arguments.quality, arguments.extension, arguments.out, arguments.stack, say,
+            {"mesh": arguments.mesh, "up": arguments.up, "turntable": arguments.turntable},
         ):
-            lines.append(f"{' and '.join(_short(path) for path in files)}: {verdict}")
+            lines.append(f"{' and '.join(_short(path) for path in files) or 'nothing'}: {verdict}")
             all_well = all_well and well
     except (extension.ExtensionMissingError, ValueError, OSError, RuntimeError) as error:
         print(f"make_demo: {error}", file=sys.stderr)

@@ -67,6 +67,14 @@ def block_means(values, region, size):
     return result
 
 
+def blocks(pictures, size):
+    """Means over size x size pixels of (n, h, w, channels); what is left over at the edges is cut off."""
+    n, height, width, channels = pictures.shape
+    rows, columns = height // size, width // size
+    cut = pictures[:, : rows * size, : columns * size]
+    return cut.reshape(n, rows, size, columns, size, channels).mean(axis=(2, 4))
+
+
 def diverging(values, span):
     """Blue below zero, grey at zero, red above; NaN is the paper's darker tone. (h, w) -> bytes (h, w, 3)."""
     position = np.clip(np.nan_to_num(values) / span, -1.0, 1.0)[..., None]

@@ -4,7 +4,7 @@
 # Does nothing when all are there; otherwise needs root or sudo.
 set -eu
 
-packages="g++ cmake git libeigen3-dev libx11-6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0
+packages="g++ cmake git xz-utils libeigen3-dev libx11-6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0
 libgomp1 libsm6 libice6 libxext6 libgl1"
 python="$1"
 "$python" -c 'import ensurepip, venv' 2>/dev/null || packages="$packages python3-venv"

@@ -59,6 +59,18 @@ def doubling(rows):
                       percent(row["share"], 0)] for row in rows])
 
 
+def walks(rows):
+    head = ["estimate", "to .1 %", "times sooner", "relative variance", "samples/s", "events/s", "2 threads / 1"]
+    return markdown(head,
+                    [[row["name"], f"{row['seconds']:.3g} s", f"{row['times_sooner']:.3g}", f"{row['variance']:.3g}",
+                      f"{row['samples_per_second'] / 1e6:.2f} M", _millions(row, "events_per_second"),
+                      f"{row['second_thread']:.2f}" if "second_thread" in row else "-"] for row in rows])
+
+
+def _millions(row, key):
+    return f"{row[key] / 1e6:.1f} M" if key in row else "-"
+
+
 def bake(rows):
     return markdown(["stack", "quality", "time", "fit error", "closures"],
                     [[row["stack"], row["quality"], f"{row['ms']:.0f} ms", percent(row.get("fit_error")),
@@ -72,6 +84,16 @@ def fit(rows):
                      for row in rows if row["blind"] is None and row["quality"] == "final"])
 
 
+def dust(rows):
+    def number(row, key, form):
+        return format(row[key], form) if key in row else "-"
+
+    return markdown(["mesh", "settling, Mrays/s", "bare Embree, Mrays/s", "share", "seconds", "peak memory"],
+                    [[row["name"], number(row, "settling, Mrays/s", ".2f"), number(row, "bare Embree, Mrays/s", ".2f"),
+                      percent(row.get("settling/bare"), 0), number(row, "seconds", ".1f"),
+                      f"{row['peak MiB']:.0f} MiB" if "peak MiB" in row else "-"] for row in rows])
+
+
 def render(report):
     rows = report["rows"]
     return markdown(["material", "closures", "time / Principled", "noise at equal samples",
@@ -80,7 +102,8 @@ def render(report):
                       percent(row["noise"], 1), f"{row['time_to_equal_noise_over_principled']:.2f}"] for row in rows])
 
 
-TABLES = {"solver": solver, "doubling": doubling, "bake": bake, "fit": fit, "render": render}
+TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "bake": bake, "fit": fit, "dust": dust,
+          "render": render}
 
 
 def main():

@@ -7,6 +7,9 @@ from .add_stack import LAMINA_OT_add_stack
 from .bake import LAMINA_OT_bake
 from .bake_cancel import LAMINA_OT_bake_cancel
 from .connect import LAMINA_OT_connect
+from .dust_cancel import LAMINA_OT_dust_cancel
+from .dust_clear import LAMINA_OT_dust_clear
+from .dust_settle import LAMINA_OT_dust_settle
 from .layer_add import LAMINA_OT_layer_add
 from .layer_duplicate import LAMINA_OT_layer_duplicate
 from .layer_move import LAMINA_OT_layer_move
@@ -21,6 +24,7 @@ from .remove_stack import LAMINA_OT_remove_stack
 from .sheet_close import LAMINA_OT_sheet_close
 from .stack_export import LAMINA_OT_stack_export
 from .stack_import import LAMINA_OT_stack_import
+from .thickness_wire import LAMINA_OT_thickness_wire
 
 CLASSES = (
     LAMINA_OT_add_stack,
@@ -41,6 +45,10 @@ CLASSES = (
     LAMINA_OT_bake,
     LAMINA_OT_bake_cancel,
     LAMINA_OT_connect,
+    LAMINA_OT_dust_settle,
+    LAMINA_OT_dust_cancel,
+    LAMINA_OT_dust_clear,
+    LAMINA_OT_thickness_wire,
 )
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -3,17 +3,18 @@
 
 import bpy
 
-from .. import bake_job, live, messages, native, redraw
+from .. import bake_job, live, messages, native
 from . import common
+from .following import Following
 
-INTERVAL = 0.1  # seconds between two looks at the worker
 
-
-class LAMINA_OT_bake(bpy.types.Operator):
+class LAMINA_OT_bake(Following, bpy.types.Operator):
     bl_idname = "lamina.bake"
     bl_label = "Bake"
     bl_description = "Compute the layers and build the node group of this material. ESC cancels"
     bl_options = {"REGISTER", "UNDO"}
+
+    jobs = bake_job
 
     @classmethod
     def poll(cls, context):
@@ -35,31 +36,18 @@ class LAMINA_OT_bake(bpy.types.Operator):
         material = common.material_of(context)
         live.leave(material)
         try:
-            self._job = bake_job.start(material)
+            job = bake_job.start(material)
         except Exception as error:
             return self._failed(material, error)
-        self._timer = context.window_manager.event_timer_add(INTERVAL, window=context.window)
-        self._workspace = context.workspace
-        context.window_manager.modal_handler_add(self)
-        self._tell(context, f"Lamina bakes {material.name} | ESC: Cancel")
-        return {"RUNNING_MODAL"}
+        return self.follow(context, job, f"Lamina bakes {material.name}")
 
-    def modal(self, context, event):
-        if event.type == "ESC" and event.value == "PRESS" and not self._job.cancelling:
-            self._job.cancel()
-            return {"RUNNING_MODAL"}
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        redraw.properties()
-        if not self._job.done:
-            return {"PASS_THROUGH"}
-        self._end(context)
+    def ended(self, _context, job):
         try:
-            material = self._job.finish()
+            material = job.finish()
         except native.require().Cancelled:
             material = None
         except Exception as error:
-            material = self._job.material()
+            material = job.material()
             return self._failed(material, error) if material else {"CANCELLED"}
         if material is None:
             self.report({"INFO"}, "Bake cancelled; the earlier one is kept")
@@ -68,21 +56,6 @@ class LAMINA_OT_bake(bpy.types.Operator):
         seconds, fit = result.seconds, result.fit_error
         self.report({"INFO"}, f"Baked {material.name} in {seconds:.1f} s, fit error {messages.percent(fit)}")
         return {"FINISHED"}
-
-    def cancel(self, context):
-        """Blender ends the operator: another file, or the end of the session."""
-        bake_job.stop()
-        self._end(context)
-
-    def _end(self, context):
-        bake_job.forget()
-        context.window_manager.event_timer_remove(self._timer)
-        self._tell(context, None)
-        redraw.properties()
-
-    def _tell(self, _context, text):
-        if self._workspace is not None:
-            self._workspace.status_text_set(text)
 
     def _failed(self, material, error):
         self.report({"ERROR"}, bake_job.note_failure(material, error))

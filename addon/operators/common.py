@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """When an operator may act on the material that the context shows."""
 
-from .. import bake_job, migration, native
+from .. import bake_job, dust, dust_job, migration, native
 
 
 def material_of(context):
@@ -55,5 +55,21 @@ def has_native(cls):
 def is_idle(cls):
     if bake_job.running() is not None:
         cls.poll_message_set("A bake is running")
+        return False
+    return True
+
+
+def can_be_dusty(cls, context):
+    """A mesh object of this file, and a working Embree layer. Sets the reason otherwise."""
+    sentence = dust.problem(context.object) or ("Dust is settling" if dust_job.running() is not None else "")
+    if sentence:
+        cls.poll_message_set(sentence)
+    return not sentence
+
+
+def has_dust(cls, context):
+    obj = context.object
+    if obj is None or obj.type != "MESH" or not obj.is_editable or not obj.lamina_dust.told:
+        cls.poll_message_set("There is no dust on the active object")
         return False
     return True

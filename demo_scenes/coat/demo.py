@@ -64,8 +64,9 @@ def _compare(name, stack, setting, region, say):
     material, lut = extension.bake(f"{name} coat", stack, say=lambda text: say(f"bake: {text}"))
     baked, seconds_baked = _render("baked", stack, material, setting, setting.samples_baked, say)
     truth, seconds_truth = _render("glass", stack, None, setting, setting.samples_glass, say)
-    inside = _blocks(region[None, ..., None]).min(axis=0)[..., 0] == 1.0
-    result = comparison.compare(_blocks(truth), _blocks(baked), inside, lut.report)
+    # Single pixels of glass are too noisy to compare.
+    inside = picture.blocks(region[None, ..., None], COMPARED).min(axis=0)[..., 0] == 1.0
+    result = comparison.compare(picture.blocks(truth, COMPARED), picture.blocks(baked, COMPARED), inside, lut.report)
     truth, baked = truth.mean(axis=0), baked.mean(axis=0)
     expected = _exact(stack)
     facts = {
@@ -95,13 +96,6 @@ def _compare(name, stack, setting, region, say):
         ],
     )
     return facts, row, result
-
-
-def _blocks(pictures):
-    """Means over COMPARED x COMPARED pixels of (n, h, w, channels): single pixels of glass are too noisy to compare."""
-    n, height, width, channels = pictures.shape
-    size = COMPARED
-    return pictures.reshape(n, height // size, size, width // size, size, channels).mean(axis=(2, 4))
 
 
 def _render(body, stack, material, setting, samples, say):

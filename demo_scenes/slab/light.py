@@ -25,13 +25,13 @@ def sky_radiance(mu):
     return np.where(mu >= 0.0, gradient, 0.0)
 
 
-def towards_sun(azimuth):
+def towards_sun(azimuth, elevation=SUN_ELEVATION):
     """Unit vector to the sun; azimuth in radians from +x."""
-    height, across = math.sin(SUN_ELEVATION), math.cos(SUN_ELEVATION)
+    height, across = math.sin(elevation), math.cos(elevation)
     return Vector((across * math.cos(azimuth), across * math.sin(azimuth), height))
 
 
-def build(scene, sun_azimuth):
+def build(scene, sun_azimuth, sun_elevation=SUN_ELEVATION):
     """Add sun and sky to `scene`."""
     lamp = bpy.data.lights.new("sun", "SUN")
     lamp.angle = 0.0
@@ -39,7 +39,7 @@ def build(scene, sun_azimuth):
     lamp.color = [value / lamp.energy for value in SUN_IRRADIANCE]
     sun = bpy.data.objects.new("sun", lamp)
     scene.collection.objects.link(sun)
-    sun.matrix_world = frame(towards_sun(sun_azimuth))
+    sun.matrix_world = frame(towards_sun(sun_azimuth, sun_elevation))
     scene.world = _sky()
 
 

@@ -31,8 +31,8 @@ def build(scene, stack, half_width):
     return objects
 
 
-def medium_material(layer):
-    """A volume-only material with the layer's coefficients over THICKNESS."""
+def medium_material(layer, thickness=THICKNESS):
+    """A volume-only material with the layer's coefficients over a length `thickness`."""
     albedo, tau = _rgb(layer["albedo"]), _rgb(layer["tau"])
     largest = max(tau)
     # Cycles multiplies: sigma_s = colour * density, sigma_a = (1 - colour) * density.
@@ -49,7 +49,7 @@ def medium_material(layer):
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     for k, (node, colour) in enumerate(((scattering, scatter), (absorption, absorb))):
         node.inputs["Color"].default_value = (*colour, 1.0)
-        node.inputs["Density"].default_value = largest / THICKNESS
+        node.inputs["Density"].default_value = largest / thickness
         tree.links.new(node.outputs[0], total.inputs[k])
     tree.links.new(total.outputs[0], output.inputs["Volume"])
     return material

@@ -3,11 +3,13 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "bindings.hpp"
 #include "evaluation.hpp"
+#include "guided_transfer_walk.hpp"
+#include "joined_media.hpp"
 #include "scattering_ode.hpp"
 #include "scattering_walk.hpp"
 
@@ -41,20 +43,18 @@ py::array_t<double> values(const OdeSolution& solution, bool reflect, Eigen::Ind
   return result;
 }
 
-/// The walk of a stack that it knows: one medium, over nothing or over black, light and viewer above.
+/// The walk of a stack that it knows: media over nothing or a Lambert surface, light and viewer above.
 std::unique_ptr<Walk> scattering_walk(const Stack& stack, double mu_o, double mu_i, double dphi, Side side, Path path,
                                       bool flux) {
-  const auto* medium = stack.layers.size() == 1 ? std::get_if<Medium>(&stack.layers.front()) : nullptr;
-  const bool bare = stack.base.kind == Base::Kind::kNone ||
-                    (stack.base.kind == Base::Kind::kLambert && stack.base.reflectance == 0.0);
-  if (medium == nullptr || !bare || side != Side::kTop || path != Path::kReflect || flux || std::isinf(medium->tau)) {
-    throw std::invalid_argument(
-        "method = 'scattering': knows the BRDF from above of one finite medium over nothing or black; 'transfer' knows "
-        "all stacks");
+  if (side != Side::kTop || path != Path::kReflect || flux) {
+    throw std::invalid_argument("method = 'scattering': knows the BRDF from above; 'transfer' knows all quantities");
   }
-  return make_scattering_walk(GradedMedium::homogeneous(medium->albedo, medium->tau, medium->phase), mu_o, mu_i, dphi,
-                              "auto", 0)
-      .walk;
+  try {
+    return make_scattering_walk(joined_media(stack), mu_o, mu_i, dphi, "auto", 0).walk;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("method = 'scattering': ") + error.what() +
+                                "; 'transfer' knows all stacks");
+  }
 }
 
 }  // namespace
@@ -68,7 +68,9 @@ void lamina::bind_scattering(py::module_& module) {
             return GradedMedium::homogeneous(albedo, tau, make_phase(kind, parameters));
           },
           py::arg("albedo"), py::arg("tau"), py::arg("phase"))
+      .def("over", &GradedMedium::over, py::arg("reflectance"), "The same on a Lambert surface.")
       .def_property_readonly("tau", &GradedMedium::tau);
+  module.def("joined_media", &joined_media, py::arg("stack"), "The media of a stack, and its Lambert base, as one.");
 
   const auto unlocked = py::call_guard<py::gil_scoped_release>();
   py::class_<ScatteringWalk>(module, "ScatteringWalk")
@@ -81,6 +83,13 @@ void lamina::bind_scattering(py::module_& module) {
       .def_readonly("pilot_samples", &ScatteringWalk::pilot_samples)
       .def_readonly("pilot_events", &ScatteringWalk::pilot_events);
 
+  module.def(
+      "guided_transfer_walk",
+      [](const GradedMedium& medium, double mu_o, double mu_i, double dphi) {
+        return make_guided_transfer_walk(medium, mu_o, mu_i, dphi);
+      },
+      py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), unlocked,
+      "A photon walk in a homogeneous slab guided by the scattering walk's tables.");
   module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
              py::arg("side"), py::arg("path"), py::arg("flux") = false, unlocked);
   module.def(

@@ -6,6 +6,7 @@
 
 #include "bindings.hpp"
 #include "evaluation.hpp"
+#include "graded_slices.hpp"
 #include "slice_evaluation.hpp"
 #include "solution.hpp"
 
@@ -89,6 +90,16 @@ void lamina::bind_solver(py::module_& module) {
       .def(py::init([](std::vector<Layer> layers, const Base& base) { return Stack{std::move(layers), base}; }),
            py::arg("layers"), py::arg("base") = Base{});
 
+  module.def(
+      "slices_of", [](const GradedMedium& medium, double coarseness) { return slices_of(medium, coarseness); },
+      py::arg("medium"), py::arg("coarseness"), "Homogeneous slices that stand for a graded medium.");
+  module.def(
+      "count_slices",
+      [](const Stack& stack, double tolerance, ThreadPool& pool) {
+        return SlicedStack(stack, tolerance, pool).stack.layers.size();
+      },
+      py::arg("stack"), py::arg("tolerance"), py::arg("pool"), "Layers of the stack as it is solved.");
+
   py::class_<SolveChecks>(module, "SolveChecks")
       .def_readonly("quadrature", &SolveChecks::quadrature)
       .def_readonly("phase", &SolveChecks::phase)
@@ -163,7 +174,7 @@ void lamina::bind_solver(py::module_& module) {
         resolution.nodes = nodes;
         resolution.azimuth_tolerance = azimuth_tolerance;
         resolution.thinnest = thinnest;
-        return Solution(stack, resolution, pool);
+        return Solution(SlicedStack(stack, resolution.tolerance, pool), resolution, pool);
       },
       py::arg("stack"), py::arg("nodes"), py::arg("azimuth_tolerance"), py::arg("pool"), py::arg("thinnest") = 1.0,
       unlocked, "Solves at a stated resolution, without refinement; the checks tell what it is worth.");

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 
 #include "layer_table.hpp"
 #include "stack_walk.hpp"
@@ -18,11 +18,18 @@ class LayerWalk final : public StackWalk {
   LayerWalk(WalkStack stack, const WalkTarget& target, ThreadPool& pool) : StackWalk(std::move(stack), target) {
     for (const WalkStack::Element& element : this->stack().elements) {
       tables_.emplace_back();
+      Sides& sides = tables_.back();
       const Medium& medium = element.medium;
-      if (element.kind == Kind::kMedium && medium.albedo > 0.0 && medium.tau > 0.0) {
-        tables_.back().emplace(medium, pool);
-        table_error_ = std::max(table_error_, tables_.back()->error());
+      if (element.kind != Kind::kMedium || medium.albedo == 0.0 || medium.tau == 0.0) {
+        continue;
       }
+      if (element.graded) {
+        sides.top = std::make_shared<const LayerTable>(*element.graded, pool);
+        sides.bottom = std::make_shared<const LayerTable>(element.graded->turned(), pool);
+      } else {
+        sides.top = sides.bottom = std::make_shared<const LayerTable>(medium, pool);
+      }
+      table_error_ = std::max({table_error_, sides.top->error(), sides.bottom->error()});
     }
     begin();
   }
@@ -30,38 +37,49 @@ class LayerWalk final : public StackWalk {
   double table_error() const { return table_error_; }
 
  private:
+  /// A layer's tables, for light that enters either side; none where nothing scatters.
+  struct Sides {
+    std::shared_ptr<const LayerTable> top;
+    std::shared_ptr<const LayerTable> bottom;
+
+    const LayerTable* met_by(const Ray& ray) const { return ray.z < 0.0 ? top.get() : bottom.get(); }
+  };
+
   bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
              std::uint64_t& events) const override {
     ++events;
-    if (!tables_[element]) {
+    const LayerTable* table = tables_[element].met_by(light.ray);
+    if (table == nullptr) {
       return rng.uniform() < std::exp(-stack().elements[element].medium.tau / std::abs(light.ray.z));
     }
     if (!first && !is_flux()) {
       score += light.weight * leaving(element, out, light.ray);
     }
-    return tables_[element]->cross(light.ray, light.weight, first, rng);
+    return table->cross(light.ray, light.weight, first, rng);
   }
 
   double leaving(std::size_t element, const Exit& out, const Ray& in) const override {
-    if (!tables_[element]) {
+    const LayerTable* table = tables_[element].met_by(in);
+    if (table == nullptr) {
       return 0.0;
     }
     const double n = stack().ior[element];
     double sum = 0.0;
     if (out.up_share > 0.0) {
-      sum += out.up_share * tables_[element]->value(in, out.up);
+      sum += out.up_share * table->value(in, out.up);
     }
     if (out.down_share > 0.0) {
-      sum += out.down_share * tables_[element]->value(in, out.down);
+      sum += out.down_share * table->value(in, out.down);
     }
     return sum / (n * n);
   }
 
   double scattered_share(std::size_t element, const Ray& in) const override {
-    return tables_[element] ? tables_[element]->scattered(in) : 0.0;
+    const LayerTable* table = tables_[element].met_by(in);
+    return table != nullptr ? table->scattered(in) : 0.0;
   }
 
-  std::vector<std::optional<LayerTable>> tables_;
+  std::vector<Sides> tables_;
   double table_error_ = 0.0;
 };
 

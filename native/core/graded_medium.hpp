@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <vector>
 
 #include "phase/phase.hpp"
@@ -39,7 +40,7 @@ struct LocalScattering {
 };
 
 /// A slab whose properties vary with depth. Between knots, albedo times phase function varies linearly with the
-/// optical depth.
+/// optical depth; two knots at one depth are a jump.
 class GradedMedium {
  public:
   struct Knot {
@@ -48,29 +49,48 @@ class GradedMedium {
     PhaseFunction phase;
   };
 
-  /// Knots from the top, tau 0, to the bottom; tau ascends strictly. Throws std::invalid_argument otherwise.
+  /// Knots from the top, tau 0, to the bottom; tau never falls, and rises from the first and to the last. Throws
+  /// std::invalid_argument otherwise.
   explicit GradedMedium(std::vector<Knot> knots);
   static GradedMedium homogeneous(double albedo, double tau, const PhaseFunction& phase);
+
+  /// The same on a Lambert surface of that reflectance, [0, 1], for the roads of the scattering equation, to which it
+  /// is S where t = 0. Without, there is nothing below, or something black.
+  GradedMedium over(double reflectance) const;
+  double ground() const { return ground_; }
+  /// Upside down, over nothing.
+  GradedMedium turned() const;
 
   double tau() const { return knots_.back().tau; }
   bool is_homogeneous() const { return homogeneous_; }
   bool is_isotropic() const { return isotropic_; }
   const std::vector<Knot>& knots() const { return knots_; }
+  /// Optical heights of the knots between top and bottom, ascending; a jump's is there twice.
+  std::vector<double> inner_heights() const;
+  double largest_albedo() const;
+  /// The phase function of a knot that has the largest mean cosine, either way.
+  const PhaseFunction& sharpest_phase() const;
+  /// Whether both ends of the piece below knot `above` have the same phase function.
+  bool keeps_phase(std::size_t above) const { return keeps_phase_[above]; }
+  bool is_constant(std::size_t above) const {
+    return keeps_phase_[above] && knots_[above].albedo == knots_[above + 1].albedo;
+  }
 
-  /// What scatters at the optical height t above the bottom.
+  /// What scatters at the optical height t above the bottom; at a jump, what lies below it.
   LocalScattering at(double t) const {
     if (homogeneous_) {
       return {knots_.front().albedo, 0.0, &knots_.front().phase, &knots_.front().phase};
     }
-    return between(t);
+    return at_depth(tau() - t);
   }
+  LocalScattering at_depth(double depth) const;
 
  private:
-  LocalScattering between(double t) const;
-
   std::vector<Knot> knots_;
+  std::vector<bool> keeps_phase_;
   bool homogeneous_ = false;
   bool isotropic_ = false;
+  double ground_ = 0.0;
 };
 
 }  // namespace lamina

@@ -6,22 +6,31 @@
 #include <cstddef>
 #include <vector>
 
+#include "graded_medium.hpp"
+
 namespace lamina {
 
-/// Heights at which a guide knows a slab: 0, then rising by a constant factor to the slab's thickness.
+/// Heights at which a guide knows a slab: 0, then rising by a constant factor to the slab's thickness; and those where
+/// its properties jump or bend, a jump's from both sides.
 class GuideHeights {
  public:
   static constexpr std::size_t kCount = 24;
   using Column = Eigen::Array<float, static_cast<int>(kCount), 1>;
 
-  explicit GuideHeights(double tau) : t_(kCount) {
+  explicit GuideHeights(const GradedMedium& medium) : GuideHeights(medium.tau(), own_heights(medium)) {}
+
+  /// `own` ascend between 0 and tau; at most kMostOwn.
+  explicit GuideHeights(double tau, const std::vector<double>& own = {}) : t_(kCount) {
     constexpr double kLowest = 0.02;
     const double first = std::min(0.1 * tau, kLowest);
-    const double steps = static_cast<double>(kCount - 2);
-    for (std::size_t j = 1; j < kCount; ++j) {
+    const std::size_t plain = kCount - own.size();
+    const double steps = static_cast<double>(plain - 2);
+    for (std::size_t j = 1; j < plain; ++j) {
       t_[j] = first * std::pow(tau / first, static_cast<double>(j - 1) / steps);
     }
-    t_.back() = tau;
+    t_[plain - 1] = tau;
+    std::copy(own.begin(), own.end(), t_.begin() + static_cast<std::ptrdiff_t>(plain));
+    std::sort(t_.begin(), t_.end());
     for (std::size_t j = 0; j < kCount; ++j) {
       const auto k = static_cast<Eigen::Index>(j);
       column_[k] = static_cast<float>(t_[j]);
@@ -50,6 +59,30 @@ class GuideHeights {
   std::vector<double> above_zero() const { return {t_.begin() + 1, t_.end()}; }
 
  private:
+  static constexpr std::size_t kMostOwn = 12;
+
+  /// The medium's knots, jumps first where there are too many; what lies between others the guide takes for linear.
+  static std::vector<double> own_heights(const GradedMedium& medium) {
+    constexpr double kApart = 1e-6;
+    const std::vector<double> inner = medium.inner_heights();
+    std::vector<double> own;
+    for (std::size_t k = 1; k < inner.size() && own.size() + 2 <= kMostOwn; ++k) {
+      if (inner[k] == inner[k - 1]) {
+        own.push_back(inner[k]);
+        own.push_back(inner[k] + kApart * medium.tau());
+      }
+    }
+    const std::size_t jumps = own.size();
+    for (std::size_t k = 0; k < inner.size() && own.size() < kMostOwn; ++k) {
+      if (std::find(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(jumps), inner[k]) ==
+          own.begin() + static_cast<std::ptrdiff_t>(jumps)) {
+        own.push_back(inner[k]);
+      }
+    }
+    std::sort(own.begin(), own.end());
+    return own;
+  }
+
   std::vector<double> t_;
   Column column_;
   Column steps_;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "ground_end.hpp"
 #include "height_sampling.hpp"
 
 namespace lamina {
@@ -16,6 +17,8 @@ using std::numbers::pi;
 
 /// Least probability of a term.
 constexpr double kLeast = 0.02;
+/// Least of what vertices of a graded medium are taken to add, against the most.
+constexpr float kLeastSource = 1e-3F;
 /// Azimuths of the candidates' lattice, to be turned by a random angle.
 struct Lattice {
   std::array<double, GuidedWalk::kMostCandidates> cosine;
@@ -232,11 +235,30 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
       for (std::size_t j = 0; j <= branch.cell + 1; ++j) {
         source[static_cast<Eigen::Index>(j)] += static_cast<float>(medium_.at(heights[j]).evaluate(cosine));
       }
+      // What lies between the guide's heights may scatter where they do not.
+      source = source.max(kLeastSource * source.maxCoeff());
+    }
+    if (medium_.ground() > 0.0) {
+      const GroundEnd ground(medium_.ground(), a.mu, b.mu, heights, branch.top, source);
+      if (rng.uniform() < ground.odds) {
+        weight *= ground.value / ground.odds;
+        if (waiting.empty()) {
+          return weight;
+        }
+        branch = waiting.back();
+        waiting.pop_back();
+        continue;
+      }
+      weight /= 1.0 - ground.odds;
     }
     const HeightSampling::Choice choice =
         HeightSampling::draw(heights, branch.top, branch.cell, 1.0 / a.mu + 1.0 / b.mu, source, rng);
     weight *= choice.weight;
     const Vertex vertex{choice.t, choice.cell, heights.fraction(choice.t, choice.cell), medium_.at(choice.t)};
+
+    if (vertex.scattering.albedo() == 0.0) {
+      return 0.0;
+    }
 
     // One term, in proportion to the tables.
     const double k = homogeneous ? plain : vertex.scattering.evaluate(cosine);

@@ -71,6 +71,19 @@ class HeightSampling {
     if (!(thickness > 0.0) || !(total > 0.0F)) {
       return {low, k, 0.0};
     }
+    const Point point = within(low, high, s, g_low, g_high, rng);
+    const auto probability = static_cast<double>(mass[own] / total);
+    return {point.t, k, std::exp(-s * (top - high)) * point.weight / probability};
+  }
+
+  struct Point {
+    double t;
+    double weight;  ///< one over the density, times exp(-s (high - t))
+  };
+
+  /// The same between two heights alone, g linear from `g_low` to `g_high`.
+  static Point within(double low, double high, double s, double g_low, double g_high, Rng& rng) {
+    const double thickness = high - low;
     const double depth = s * thickness;
     const double fallen = std::exp(-depth);
     const bool thin = depth < 1e-6;
@@ -83,8 +96,7 @@ class HeightSampling {
       const double t = std::max(low, high + (thin ? -passed : std::log(1.0 - passed)) / s);
       const double g = g_high + (g_low - g_high) * (high - t) / thickness;
       if (rng.uniform() * largest <= g) {
-        const auto probability = static_cast<double>(mass[own] / total);
-        return {t, k, std::exp(-s * (top - high)) * integral / (probability * g)};
+        return {t, integral / g};
       }
     }
   }

@@ -19,7 +19,7 @@ IsotropicGuide::Place IsotropicGuide::place(double mu) {
   return {cell, x - static_cast<double>(cell)};
 }
 
-IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium.tau()) {
+IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium) {
   const std::size_t heights = heights_.size();
   Eigen::VectorXd mu(kPoints);
   Eigen::VectorXd root(kPoints);
@@ -61,12 +61,26 @@ IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium.tau
       sum[0] = 0.0;
       for (std::size_t k = 0; k < kPoints; ++k) {
         const double x = static_cast<double>(k) / static_cast<double>(kCells);
-        density[k] = (1.0 - kPlain) * density[k] / whole + kPlain * 2.0 * x;
+        density[k] = whole > 0.0 ? (1.0 - kPlain) * density[k] / whole + kPlain * 2.0 * x : 2.0 * x;
         if (k > 0) {
           sum[k] = sum[k - 1] + 0.5 * (density[k] + density[k - 1]) / static_cast<double>(kCells);
         }
       }
     }
+  }
+  // X and directions where the surface is all there is: S / mu' = 4 mu rho.
+  for (std::size_t point = 0; point < kPoints; ++point) {
+    escape_[point][0] = static_cast<float>(1.0 + 2.0 * medium.ground() * mu[static_cast<Eigen::Index>(point)]);
+  }
+  if (medium.ground() > 0.0) {
+    for (std::size_t point = 0; point < kPoints; ++point) {
+      for (std::size_t k = 0; k < kPoints; ++k) {
+        const double x = static_cast<double>(k) / static_cast<double>(kCells);
+        density_[point * kPoints + k] = 2.0 * x;
+        cumulative_[point * kPoints + k] = x * x;
+      }
+    }
+    return;
   }
   // At height 0 there is nothing to divide by: the directions of the next height serve.
   std::copy_n(density_.begin() + kPoints * kPoints, kPoints * kPoints, density_.begin());

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "ground_end.hpp"
 #include "height_sampling.hpp"
 
 namespace lamina {
@@ -20,6 +21,7 @@ struct Branch {
 };
 
 constexpr double kLeast = 0.01;
+constexpr float kLeastSource = 1e-3F;
 
 }  // namespace
 
@@ -41,9 +43,29 @@ double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
     const IsotropicGuide::Place place_b = IsotropicGuide::place(branch.b);
     const double s = 1.0 / branch.a + 1.0 / branch.b;
     const GuideHeights::Column escapes[2] = {guide_.escape(place_a), guide_.escape(place_b)};
-    const HeightSampling::Choice vertex =
-        HeightSampling::draw(heights, branch.top, branch.cell, s, guide_.albedo() * escapes[0] * escapes[1], rng);
+    GuideHeights::Column source = guide_.albedo() * escapes[0] * escapes[1];
+    if (!medium_.is_homogeneous()) {
+      // What lies between the guide's heights may scatter where they do not.
+      source = source.max(kLeastSource * source.maxCoeff());
+    }
+    if (medium_.ground() > 0.0) {
+      const GroundEnd ground(medium_.ground(), branch.a, branch.b, heights, branch.top, source);
+      if (rng.uniform() < ground.odds) {
+        weight *= ground.value / ground.odds;
+        if (waiting.empty()) {
+          return weight;
+        }
+        branch = waiting.back();
+        waiting.pop_back();
+        continue;
+      }
+      weight /= 1.0 - ground.odds;
+    }
+    const HeightSampling::Choice vertex = HeightSampling::draw(heights, branch.top, branch.cell, s, source, rng);
     weight *= vertex.weight * medium_.at(vertex.t).albedo();
+    if (weight == 0.0) {
+      return 0.0;
+    }
 
     // Each side: either light comes straight, or from S of the slab below.
     const double up = heights.fraction(vertex.t, vertex.cell);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "evaluation.hpp"
+#include "graded_single.hpp"
 #include "single_scattering.hpp"
 #include "solution.hpp"
 #include "survival.hpp"
@@ -35,8 +36,15 @@ double knot_cosine(double knot, double last) { return std::max(kLeastCosine, std
 
 }  // namespace
 
-LayerTable::LayerTable(const Medium& medium, ThreadPool& pool) : medium_(medium) {
-  const Solution solution = solve(Stack{{medium}, {}}, kTolerance, pool);
+LayerTable::LayerTable(const Medium& medium, ThreadPool& pool) : medium_(medium) { lay(Stack{{medium}, {}}, pool); }
+
+LayerTable::LayerTable(const GradedMedium& graded, ThreadPool& pool)
+    : medium_{graded.largest_albedo(), graded.tau(), PhaseFunction()}, graded_(graded) {
+  lay(Stack{{graded}, {}}, pool);
+}
+
+void LayerTable::lay(const Stack& layer, ThreadPool& pool) {
+  const Solution solution = solve(layer, kTolerance, pool);
   Eigen::VectorXd mu(kAngles);
   Eigen::VectorXd middle(kAngles - 1);
   Eigen::VectorXd azimuths(kAzimuths);
@@ -131,6 +139,10 @@ double LayerTable::repeated(Way way, double mu_o, double mu_i, double cosine) co
 double LayerTable::once(Way way, double mu_o, double mu_i, double cosine) const {
   const double across = sine_of(mu_o) * sine_of(mu_i) * cosine;
   const bool turned = way == kReflected;
+  if (graded_) {
+    const double angle = std::clamp(across + (turned ? -mu_o : mu_o) * mu_i, -1.0, 1.0);
+    return scattered_once(*graded_, !turned, mu_o, mu_i, angle) / (4.0 * pi);
+  }
   const double shape =
       turned ? single_reflection(mu_o, mu_i, medium_.tau) : single_transmission(mu_o, mu_i, medium_.tau);
   const double angle = std::clamp(across + (turned ? -mu_o : mu_o) * mu_i, -1.0, 1.0);
@@ -227,8 +239,18 @@ bool LayerTable::scatter_once(Ray& ray, double& weight, Rng& rng) const {
   const double length = -std::log(passing + (1.0 - passing) * rng.uniform());
   const double covered = std::min(length * mu, medium_.tau);  // from the face where it came in
   const bool down = ray.z < 0.0;
-  weight *= (1.0 - passing) * medium_.albedo;
-  ray = lamina::scattered(ray, medium_.phase.sample(rng.uniform()), rng);
+  weight *= 1.0 - passing;
+  if (graded_) {
+    const LocalScattering local = graded_->at_depth(covered);
+    weight *= local.albedo();
+    if (weight == 0.0) {
+      return false;
+    }
+    ray = lamina::scattered(ray, local.sample(rng.uniform()), rng);
+  } else {
+    weight *= medium_.albedo;
+    ray = lamina::scattered(ray, medium_.phase.sample(rng.uniform()), rng);
+  }
   const double left = (ray.z < 0.0) == down ? medium_.tau - covered : covered;
   weight *= std::exp(-left / std::abs(ray.z));
   return weight != 0.0 && survives(weight, rng);

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
-#include "medium.hpp"
 #include "sphere.hpp"
+#include "stack.hpp"
 #include "thread_pool.hpp"
 
 namespace lamina {
 
-/// The scattering function of one homogeneous layer, to be looked up and sampled. Light scattered once is in closed
-/// form; what is scattered more often, which is smooth, is a table of the solved layer: uniform in the angles,
-/// cubics between. Both sides of the layer are alike.
+/// The scattering function of one layer for light that enters one side of it, to be looked up and sampled. Light
+/// scattered once is in closed form; what is scattered more often, which is smooth, is a table of the solved layer:
+/// uniform in the angles, cubics between. Both sides of a homogeneous layer are alike.
 class LayerTable {
  public:
   /// Throws std::runtime_error where the layer cannot be solved.
   LayerTable(const Medium& medium, ThreadPool& pool);
+  /// For light that enters the top of a graded layer.
+  LayerTable(const GradedMedium& graded, ThreadPool& pool);
 
   /// BRDF or BTDF of the layer in its own medium, for light along `in` that leaves along `out`.
   double value(const Ray& in, const Ray& out) const;
@@ -57,7 +60,10 @@ class LayerTable {
   bool scatter_once(Ray& ray, double& weight, Rng& rng) const;
   bool scatter_again(Way way, const Sampling& sampling, Ray& ray, double& weight, Rng& rng) const;
 
-  Medium medium_;
+  void lay(const Stack& layer, ThreadPool& pool);
+
+  Medium medium_;  ///< of a graded layer, the thickness
+  std::optional<GradedMedium> graded_;
   std::array<std::vector<double>, 2> table_;  ///< f (mu_o + mu_i): [o][i][azimuth]
   std::vector<Sampling> sampling_;
   double error_ = 0.0;

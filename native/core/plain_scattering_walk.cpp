@@ -37,13 +37,27 @@ double PlainScatteringWalk::sample(Rng& rng, std::uint64_t& events) const {
   while (true) {
     ++events;
     const double s = 1.0 / branch.a.mu + 1.0 / branch.b.mu;
+    if (medium_.ground() > 0.0) {
+      const double odds = std::exp(-branch.top) / (2.0 - std::exp(-branch.top));
+      if (rng.uniform() < odds) {
+        weight *= 4.0 * branch.a.mu * branch.b.mu * medium_.ground() * std::exp(-s * branch.top) / odds;
+        if (waiting.empty()) {
+          return weight;
+        }
+        branch = waiting.back();
+        waiting.pop_back();
+        continue;
+      }
+      weight /= 1.0 - odds;
+    }
     const double span = -std::expm1(-s * branch.top);
     const double t = std::max(0.0, branch.top + std::log1p(-span * rng.uniform()) / s);
     const LocalScattering scattering = medium_.at(t);
     const double albedo = scattering.albedo();
     weight *= span / s;
     // Each side goes on into S as often as a slab so thick might send light there.
-    const double chance = -std::expm1(-t) / (2.0 - std::exp(-t));
+    const double dark = (1.0 - medium_.ground()) * std::exp(-t);
+    const double chance = medium_.ground() > 0.0 ? (1.0 - dark) / (2.0 - dark) : -std::expm1(-t) / (2.0 - std::exp(-t));
     const bool on_a = rng.uniform() < chance;
     const bool on_b = rng.uniform() < chance;
     weight /= (on_a ? chance : 1.0 - chance) * (on_b ? chance : 1.0 - chance);

@@ -32,10 +32,14 @@ ScatteringFunction ReflectionByHeight::layer(int m, double height, double tau) c
   const TruncatedMedium seen = medium(height, tau);
   const PhaseKernel phase(seen, m, directions_.mu.head(directions_.live));
   const LayerShapes shapes(directions_, seen.tau);
-  return layer_on(
-      directions_,
-      multiple_scattering(HomogeneousModes(seen, m, directions_).layer(seen.tau), seen, phase, m, directions_), seen,
-      shapes, single_on(directions_, seen, shapes, m), m);
+  // Where hardly anything is scattered twice, rounding would show instead.
+  constexpr double kFaintest = 1e-7;
+  const Eigen::Index n = directions_.live;
+  const MultipleScattering multiple =
+      seen.albedo * seen.tau > kFaintest
+          ? multiple_scattering(HomogeneousModes(seen, m, directions_).layer(seen.tau), seen, phase, m, directions_)
+          : MultipleScattering{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd()};
+  return layer_on(directions_, multiple, seen, shapes, single_on(directions_, seen, shapes, m), m);
 }
 
 std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
@@ -45,7 +49,7 @@ std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
   const auto keep = [&](const Eigen::MatrixXd& kernel) {
     all.push_back(unscaled.asDiagonal() * kernel * unscaled.asDiagonal());
   };
-  if (medium_.is_homogeneous()) {
+  if (medium_.is_homogeneous() && medium_.ground() == 0.0) {
     const double whole = medium_.tau();
     const TruncatedMedium seen = medium(0.0, whole);
     const HomogeneousModes modes(seen, m, directions_);
@@ -60,7 +64,7 @@ std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
     return all;
   }
   double below = 0.0;
-  DirectionOperator reflect = DirectionOperator::zero(directions_.size(), directions_.nodes);
+  DirectionOperator reflect = ScatteringFunction::lambert(medium_.ground(), m, directions_).reflect_above;
   for (const double t : heights_) {
     reflect = join_opaque(layer(m, 0.5 * (below + t), t - below), reflect);
     keep(reflect.kernel);

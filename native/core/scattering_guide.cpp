@@ -22,7 +22,7 @@ double cosine_at(double y) { return std::max(kLeastCosine, 1.0 - y * y); }
 
 }  // namespace
 
-ScatteringGuide::ScatteringGuide(const GradedMedium& medium) : heights_(medium.tau()) {
+ScatteringGuide::ScatteringGuide(const GradedMedium& medium) : heights_(medium), ground_(medium.ground()) {
   tabulate(medium);
   tabulate_bins(medium);
 }
@@ -66,8 +66,10 @@ void ScatteringGuide::tabulate(const GradedMedium& medium) {
       for (Eigen::Index b = 0; b < points; ++b) {
         for (Eigen::Index a = 0; a < points; ++a) {
           const double shape = single_reflection(mu[a], mu[b], t);
-          const double rest =
-              all(n + a, n + b) / (4.0 * mu[a] * mu[b] * shape) - 0.25 * albedo * phase.reflect(n + a, n + b);
+          const double seen_ground =
+              m == 0 ? 4.0 * mu[a] * mu[b] * ground_ * std::exp(-t * (1.0 / mu[a] + 1.0 / mu[b])) : 0.0;
+          const double rest = (all(n + a, n + b) - seen_ground) / (4.0 * mu[a] * mu[b] * shape) -
+                              0.25 * albedo * phase.reflect(n + a, n + b);
           largest = std::max(largest, std::abs(rest) / (0.05 + albedo));
           const auto pair = static_cast<std::size_t>(a * points + b);
           const auto repeated = static_cast<float>(one(a, b) + one(b, a) + both(a, b));
@@ -125,7 +127,10 @@ void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
       const double mu_b = cosine_at(static_cast<double>(point) / static_cast<double>(kCells));
       const SlabRay b{std::sqrt(1.0 - mu_b * mu_b), 0.0, mu_b};
       const Slice slice(*this, std::min(j, heights - 2), j == heights - 1 ? 1.0 : 0.0, t, b, scattering, 0.5, 0.5);
-      const Values mass = slice(x, y, mu) * size;
+      Values mass = slice(x, y, mu) * size;
+      if (!(mass.sum() > 0.0F)) {
+        mass = size;  // nothing comes from there
+      }
       // At most 255 slots to a bin; what rounding leaves goes to the largest.
       const double whole = static_cast<double>(mass.sum());
       std::uint8_t* count = &counts_[(j * kPoints + point) * kBins];
@@ -168,9 +173,43 @@ ScatteringGuide::Terms::Terms(const ScatteringGuide& guide, const SlabRay& a, co
   }
 }
 
+std::vector<float> ScatteringGuide::one_side_towards(double mu, std::size_t j) const {
+  const Place q = Place::of_cosine(mu);
+  std::vector<float> all(kPoints * kPoints);
+  for (std::size_t p = 0; p < kPoints; ++p) {
+    for (std::size_t z = 0; z < kPoints; ++z) {
+      const Column& low = one_side_[(p * kPoints + q.cell) * kPoints + z];
+      const Column& high = one_side_[(p * kPoints + q.cell + 1) * kPoints + z];
+      const auto row = static_cast<Eigen::Index>(j);
+      all[p * kPoints + z] = low[row] + q.fraction * (high[row] - low[row]);
+    }
+  }
+  return all;
+}
+
+double ScatteringGuide::value(std::size_t j, double up, double t, const SlabRay& a, const SlabRay& b,
+                              const LocalScattering& scattering) const {
+  const Place p = Place::of_cosine(a.mu);
+  const Place q = Place::of_cosine(b.mu);
+  const Place z = Place::between(a, b);
+  const auto high = static_cast<float>(up);
+  float smooth = 0.0F;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const std::size_t i = k & 1U;
+    const std::size_t o = (k >> 1U) & 1U;
+    const std::size_t w = k >> 2U;
+    const float* row = &smooth_[(((j + w) * kPoints + q.cell + o) * kPoints + p.cell + i) * kPoints + z.cell];
+    smooth += (i != 0 ? p.fraction : 1.0F - p.fraction) * (o != 0 ? q.fraction : 1.0F - q.fraction) *
+              (w != 0 ? high : 1.0F - high) * (row[0] + z.fraction * (row[1] - row[0]));
+  }
+  const double once = 0.25 * scattering.evaluate(turned_back(a, b));
+  return 4.0 * a.mu * b.mu * single_reflection(a.mu, b.mu, t) *
+         (once + std::max(static_cast<double>(smooth), -0.5 * once));
+}
+
 ScatteringGuide::Slice::Slice(const ScatteringGuide& guide, std::size_t j, double up, double t, const SlabRay& b,
                               const LocalScattering& scattering, double u, double v)
-    : b_(b), t_(t), scattering_(scattering) {
+    : b_(b), t_(t), scattering_(scattering), ground_(static_cast<float>(guide.ground_)) {
   const Place q = Place::of_cosine(b.mu);
   const double length = std::sqrt(b.x * b.x + b.y * b.y);
   cosine_ = static_cast<float>(length > 0.0 ? b.x / length : 1.0);

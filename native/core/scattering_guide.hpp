@@ -16,8 +16,9 @@ namespace lamina {
 /// between any two directions, and what each term of the equation adds there.
 ///
 /// All are linear between points uniform in sqrt(1 - mu), which resolves the normal, and in sin(dphi / 2), which
-/// resolves the forward azimuth; of S only what is not single scattering, divided by the angular shape of single
-/// scattering, so that thin layers and grazing directions are smooth as well.
+/// resolves the forward azimuth; of S only what is not single scattering, nor light that the surface below turns back
+/// without any, divided by the angular shape of single scattering, so that thin layers and grazing directions are
+/// smooth as well.
 class ScatteringGuide {
  public:
   explicit ScatteringGuide(const GradedMedium& medium);
@@ -79,6 +80,14 @@ class ScatteringGuide {
     std::array<float, 8> weights_;
   };
 
+  /// What b gets from S by scattering once on its own way, at the guide's height j, for the fixed points of b's cosine
+  /// and of the azimuth between the two: [point, azimuth].
+  std::vector<float> one_side_towards(double mu, std::size_t j) const;
+
+  /// S~(t; a, b) in the cell of heights j, at `up` of its way to the next, which is the height t.
+  double value(std::size_t j, double up, double t, const SlabRay& a, const SlabRay& b,
+               const LocalScattering& scattering) const;
+
   /// A direction b for which others are drawn, where S~(t; ., b) / mu is large, and valued by it. All densities are
   /// over the hemisphere's solid angle.
   class Slice {
@@ -102,6 +111,7 @@ class ScatteringGuide {
     SlabRay b_;
     double t_;
     const LocalScattering& scattering_;
+    float ground_;
     float cosine_;  ///< of the azimuth of b
     float sine_;
     const std::uint8_t* slots_;
@@ -118,6 +128,7 @@ class ScatteringGuide {
   void tabulate_bins(const GradedMedium& medium);
 
   GuideHeights heights_;
+  double ground_;                     // reflectance of the surface below, whose part of S is in closed form
   std::vector<float> smooth_;         // [height, cosine of b, cosine of a, azimuth]
   std::vector<Column> one_side_;      // [cosine of the side, other cosine, azimuth]
   std::vector<Column> repeated_;      // [cosine, cosine, azimuth]
@@ -147,9 +158,9 @@ Values ScatteringGuide::Slice::operator()(const Values& x, const Values& y, cons
   const auto b_mu = static_cast<float>(b_.mu);
   const Values cosine = static_cast<float>(b_.x) * x + static_cast<float>(b_.y) * y - b_mu * mu;
   const Values once = 0.25F * scattering_.evaluate_all(cosine);
-  const Values shape =
-      (1.0F - (static_cast<float>(-t_) * (positive.inverse() + 1.0F / b_mu)).exp()) / (positive + b_mu);
-  return (mu > 1e-6F).select(4.0F * b_mu * shape * (once + smooth.max(-0.5F * once)), 0.0F);
+  const Values kept = (static_cast<float>(-t_) * (positive.inverse() + 1.0F / b_mu)).exp();
+  const Values shape = (1.0F - kept) / (positive + b_mu);
+  return (mu > 1e-6F).select(4.0F * b_mu * (shape * (once + smooth.max(-0.5F * once)) + ground_ * kept), 0.0F);
 }
 
 template <typename Values>

@@ -118,6 +118,9 @@ OdeSolution::OdeSolution(const GradedMedium& medium, const OdeSettings& settings
     ExponentialSteps steps(rates, settings.tolerance);
     Array& u = moments_[m];
     u = Array::Zero(2 * all, all);
+    if (m == 0) {
+      u.topRows(all) = 4.0 * medium.ground() * (mu_ * mu_.transpose()).array();
+    }
     // From knot to knot, upwards: between them the profile is smooth.
     double step = 1e-3 * std::min(1.0, medium.tau());
     for (std::size_t above = medium.knots().size() - 1; above-- > 0;) {

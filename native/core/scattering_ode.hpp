@@ -15,10 +15,11 @@ struct OdeSettings {
 };
 
 /// A slab by the differential form of the scattering equation, on quadrature nodes and in azimuth orders:
-///   dS/dt = -(1/mu + 1/mu0) S + k + kS + Sk + SkS,      S = 0 where t = 0, the bottom,
+///   dS/dt = -(1/mu + 1/mu0) S + k + kS + Sk + SkS,      S = 4 mu mu0 rho where t = 0, the bottom,
 /// and for light that passes downwards, without what does so unscattered, the direct beam E = exp(-t/mu),
 ///   dT/dt = -T/mu0 + (E + T)(k + kS),
-/// integrated upwards through whatever profile the medium has. No adding, no eigenvectors: a road of its own.
+/// rho being the reflectance of the surface below, integrated upwards through whatever profile the medium has. No
+/// adding, no eigenvectors: a road of its own.
 class OdeSolution {
  public:
   /// Throws std::invalid_argument where the nodes do not hold a phase function's peak.

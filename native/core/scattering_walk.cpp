@@ -7,17 +7,19 @@
 
 #include "guided_walk.hpp"
 #include "isotropic_walk.hpp"
-#include "photon_walk.hpp"
+#include "joined_media.hpp"
 #include "plain_scattering_walk.hpp"
+#include "residual_walk.hpp"
+#include "transfer_walk.hpp"
 
 namespace lamina {
 namespace {
 
-/// Cost of a sample and of each of its events, in nanoseconds of one processor: measured, and only their ratios
-/// matter.
+/// Cost of a sample's first event and of each further one, in nanoseconds of one processor: measured, and only their
+/// ratios matter.
 struct Cost {
-  double sample;
-  double event;
+  double first;
+  double further;
 };
 
 struct Candidate {
@@ -25,12 +27,18 @@ struct Candidate {
   Cost cost;
 };
 
-const std::vector<Candidate>& candidates() {
-  static const std::vector<Candidate> all = {{"photon", {35.0, 55.0}},
-                                             {"guided-16", {50.0, 650.0}},
-                                             {"guided-32", {50.0, 900.0}},
-                                             {"guided-8", {50.0, 560.0}}};
-  return all;
+/// The walk to fall back to comes first.
+std::vector<Candidate> candidates(const GradedMedium& medium) {
+  if (medium.is_homogeneous() && medium.ground() == 0.0) {
+    const bool both = fitted(NextEvent::kFitting, medium.at(0.0).p[0]) == NextEvent::kFromBothEnds;
+    return {{"transfer", both ? Cost{150.0, 118.0} : Cost{110.0, 70.0}},
+            {"residual-16", {320.0, 900.0}},
+            {"residual-8", {290.0, 770.0}}};
+  }
+  return {{"transfer", {90.0, 55.0}},
+          {"guided-16", {700.0, 650.0}},
+          {"guided-32", {950.0, 900.0}},
+          {"guided-8", {610.0, 560.0}}};
 }
 
 std::unique_ptr<Walk> build(const GradedMedium& medium, double mu_o, double mu_i, double dphi, const std::string& name,
@@ -38,13 +46,20 @@ std::unique_ptr<Walk> build(const GradedMedium& medium, double mu_o, double mu_i
   if (name == "plain") {
     return std::make_unique<PlainScatteringWalk>(medium, mu_o, mu_i, dphi);
   }
-  if (name == "photon") {
-    return std::make_unique<PhotonWalk>(medium, mu_o, mu_i, dphi);
+  if (name == "transfer") {
+    const WalkTarget target{Side::kTop, Path::kReflect, mu_o, mu_i, dphi, false};
+    return make_transfer_walk(stack_of(medium), target, NextEvent::kFitting);
   }
   if (name == "isotropic") {
     return std::make_unique<IsotropicWalk>(medium, mu_o, mu_i);
   }
   for (const int count : {8, 16, 32}) {
+    if (name == "residual-" + std::to_string(count)) {
+      if (!guide) {
+        guide = std::make_shared<const ScatteringGuide>(medium);
+      }
+      return std::make_unique<ResidualWalk>(medium, mu_o, mu_i, dphi, count, guide);
+    }
     if (name == "guided-" + std::to_string(count)) {
       if (!guide) {
         guide = std::make_shared<const ScatteringGuide>(medium);
@@ -52,8 +67,11 @@ std::unique_ptr<Walk> build(const GradedMedium& medium, double mu_o, double mu_i
       return std::make_unique<GuidedWalk>(medium, mu_o, mu_i, dphi, count, guide);
     }
   }
-  throw std::invalid_argument("walk = '" + name +
-                              "': must be auto, plain, guided-8, guided-16, guided-32, isotropic or photon");
+  std::string known;
+  for (const std::string& one : scattering_walk_names()) {
+    known += (known.empty() ? "" : ", ") + one;
+  }
+  throw std::invalid_argument("walk = '" + name + "': must be one of " + known);
 }
 
 /// Relative variance times cost.
@@ -63,27 +81,24 @@ double price(const Tally& tally, const Cost& cost) {
     return std::numeric_limits<double>::infinity();
   }
   const double relative = tally.standard_error() / tally.mean();
-  return relative * relative * n * (cost.sample + cost.event * static_cast<double>(tally.events) / n);
+  const double further = static_cast<double>(tally.events) - n;
+  return relative * relative * (cost.first * n + cost.further * further);
 }
 
-Tally pilot(const Walk& walk, std::uint64_t seed) {
-  constexpr std::uint64_t kSamples = 2048;
-  Tally tally;
-  tally.count = kSamples;
-  for (std::uint64_t k = 0; k < kSamples; ++k) {
+/// Samples of the pilot, added to what it has.
+void draw_more(const Walk& walk, std::uint64_t seed, std::uint64_t samples, Tally& tally) {
+  const std::uint64_t end = tally.count + samples;
+  for (std::uint64_t k = tally.count; k < end; ++k) {
     Rng rng(seed, k);
-    const double value = walk.sample(rng, tally.events);
-    tally.sum += value;
-    tally.squares += value * value;
-    tally.largest = std::max(tally.largest, value);
+    tally.add_sample(walk.sample(rng, tally.events));
   }
-  return tally;
 }
 
 }  // namespace
 
 std::vector<std::string> scattering_walk_names() {
-  return {"auto", "plain", "guided-8", "guided-16", "guided-32", "isotropic", "photon"};
+  return {"auto",        "plain",       "guided-8",  "guided-16", "guided-32", "residual-8",
+          "residual-16", "residual-32", "isotropic", "transfer"};
 }
 
 ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi,
@@ -100,19 +115,33 @@ ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, dou
   double best = std::numeric_limits<double>::infinity();
   std::uint64_t spent_samples = 0;
   std::uint64_t spent_events = 0;
-  for (const Candidate& candidate : candidates()) {
+  const std::vector<Candidate> all = candidates(medium);
+  for (const Candidate& candidate : all) {
     std::unique_ptr<Walk> walk = build(medium, mu_o, mu_i, dphi, candidate.name, guide);
-    const Tally tally = pilot(*walk, pilot_seed);
+    const bool fallback = candidate.name == all.front().name;
+    // A guided walk's rare large samples hide in a short pilot: it must win clearly.
+    constexpr double kDoubt = 1.5;
+    const auto cost_of = [&](const Tally& tally) {
+      return price(tally, candidate.cost) * (fallback ? 1.0 / kDoubt : 1.0);
+    };
+    // A few samples show a walk that is hopeless; the fallback's own are cheap.
+    constexpr std::uint64_t kFew = 256;
+    constexpr std::uint64_t kMany = 2048;
+    constexpr double kHopeless = 4.0;
+    Tally tally;
+    draw_more(*walk, pilot_seed, kFew, tally);
+    const bool hopeless = cost_of(tally) > kHopeless * best;
+    if (!hopeless) {
+      draw_more(*walk, pilot_seed, kMany - kFew, tally);
+    }
     spent_samples += tally.count;
     spent_events += tally.events;
-    // A guided walk's rare large samples hide in a short pilot: it must win clearly against the photon walk.
-    constexpr double kDoubt = 2.0;
-    const double found = price(tally, candidate.cost) * (candidate.name == "photon" ? 1.0 / kDoubt : 1.0);
+    const double found = cost_of(tally);
     if (found < best) {
       best = found;
       chosen.walk = std::move(walk);
       chosen.name = candidate.name;
-    } else if (chosen.name == "photon" && found > 10.0 * best) {
+    } else if (hopeless && chosen.name == all.front().name) {
       break;
     }
   }

@@ -56,14 +56,14 @@ int reflectors(const Stack& stack) {
 
 }  // namespace
 
-Solution::Solution(Stack stack, const Resolution& resolution, ThreadPool& pool)
-    : stack_(std::move(stack)),
+Solution::Solution(SlicedStack sliced, const Resolution& resolution, ThreadPool& pool)
+    : sliced_(std::move(sliced)),
       resolution_(resolution),
-      set_(std::make_shared<DirectionSet>(refractive_indices(stack_), resolution.nodes,
-                                          thinnest_layers(stack_, resolution.thinnest))) {
-  const std::vector<double> indices = refractive_indices(stack_);
-  for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
-    if (const auto* medium = std::get_if<Medium>(&stack_.layers[layer])) {
+      set_(std::make_shared<DirectionSet>(refractive_indices(stack()), resolution.nodes,
+                                          thinnest_layers(stack(), resolution.thinnest))) {
+  const std::vector<double> indices = refractive_indices(stack());
+  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
+    if (const auto* medium = std::get_if<Medium>(&stack().layers[layer])) {
       scatterers_.push_back({layer, indices[layer], TruncatedMedium(*medium, resolution.moments()), medium->phase});
       native_directions_.push_back(set_->in_medium(indices[layer], Eigen::VectorXd()));
       modes_.push_back(std::make_shared<Modes>());
@@ -73,11 +73,16 @@ Solution::Solution(Stack stack, const Resolution& resolution, ThreadPool& pool)
 }
 
 Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& pool) const {
+  const std::size_t begin = sliced_.first.at(layer);
+  const std::size_t end = sliced_.first.at(layer + 1);
+  if (!std::holds_alternative<Medium>(stack().layers[begin])) {
+    throw std::invalid_argument("with_thickness: layer " + std::to_string(layer) + " is not a medium");
+  }
   Solution other = *this;
-  Medium& medium = std::get<Medium>(other.stack_.layers.at(layer));
-  medium.tau = tau;
   for (Scatterer& scatterer : other.scatterers_) {
-    if (scatterer.layer == layer) {
+    if (scatterer.layer >= begin && scatterer.layer < end) {
+      Medium& medium = std::get<Medium>(other.sliced_.stack.layers[scatterer.layer]);
+      medium.tau = sliced_.share[scatterer.layer] * tau;
       scatterer.medium = TruncatedMedium(medium, resolution_.moments());
     }
   }
@@ -87,11 +92,11 @@ Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& poo
 }
 
 Solution Solution::with_reflectance(double reflectance) const {
-  if (stack_.base.kind != Base::Kind::kLambert) {
+  if (stack().base.kind != Base::Kind::kLambert) {
     throw std::invalid_argument("with_reflectance: the base is not a Lambert surface");
   }
   Solution other = *this;
-  other.stack_.base.reflectance = reflectance;
+  other.sliced_.stack.base.reflectance = reflectance;
   return other;
 }
 
@@ -174,7 +179,7 @@ double Solution::share_of_order(int order) const {
 
 std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) const {
   std::vector<Directions> all;
-  for (const double ior : refractive_indices(stack_)) {
+  for (const double ior : refractive_indices(stack())) {
     all.push_back(set_->in_medium(ior, targets));
   }
   return all;
@@ -183,11 +188,11 @@ std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) con
 /// What lies beneath a rough boundary shows its azimuth orders through lobes, also those of light scattered
 /// once; and lobes that meet lobes need orders by their width.
 int Solution::fewest_orders() const {
-  const std::vector<double> indices = refractive_indices(stack_);
+  const std::vector<double> indices = refractive_indices(stack());
   double variance = 0.0;
   int rough = 0;
-  for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
-    const auto* interface = std::get_if<Interface>(&stack_.layers[layer]);
+  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
+    const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
     if (interface != nullptr && interface->is_rough(indices[layer])) {
       variance += interface->facets.alpha * interface->facets.alpha;
       ++rough;
@@ -205,8 +210,8 @@ int Solution::fewest_orders() const {
       }
     }
   }
-  if (stack_.base.kind == Base::Kind::kConductor) {
-    variance += stack_.base.facets.alpha * stack_.base.facets.alpha;
+  if (stack().base.kind == Base::Kind::kConductor) {
+    variance += stack().base.facets.alpha * stack().base.facets.alpha;
     ++rough;
   }
   return rough > 1 ? std::max(orders, orders_for(std::sqrt(variance))) : orders;
@@ -214,18 +219,18 @@ int Solution::fewest_orders() const {
 
 void Solution::add_boundaries(ThreadPool& pool) {
   boundaries_.clear();
-  const std::vector<double> indices = refractive_indices(stack_);
-  const double fineness = reflectors(stack_) > 1 ? 2.2 : 1.0;  // measured: albedo within a few 1e-4
-  for (std::size_t layer = 0; layer < stack_.layers.size(); ++layer) {
-    const auto* interface = std::get_if<Interface>(&stack_.layers[layer]);
+  const std::vector<double> indices = refractive_indices(stack());
+  const double fineness = reflectors(stack()) > 1 ? 2.2 : 1.0;  // measured: albedo within a few 1e-4
+  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
+    const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
     if (interface != nullptr && interface->is_rough(indices[layer])) {
       boundaries_.push_back(
           {layer, std::make_shared<RoughSurface>(*interface, *set_, indices[layer], orders(), pool, fineness)});
     }
   }
-  if (stack_.base.kind == Base::Kind::kConductor && stack_.base.facets.alpha > 0.0) {
-    boundaries_.push_back({stack_.layers.size(), std::make_shared<RoughSurface>(stack_.base, *set_, indices.back(),
-                                                                                orders(), pool, fineness)});
+  if (stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0) {
+    boundaries_.push_back({stack().layers.size(), std::make_shared<RoughSurface>(stack().base, *set_, indices.back(),
+                                                                                 orders(), pool, fineness)});
   }
   // Once now, so that lobes too narrow to be resolved are refused here and not when values are wanted.
   const std::vector<Directions> here = directions(Eigen::VectorXd());
@@ -244,8 +249,9 @@ void Solution::require_sound() const {
 
 Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
   Resolution resolution = choose_resolution(stack, tolerance);
+  const SlicedStack sliced(stack, tolerance, pool);
   while (true) {
-    Solution solution(stack, resolution, pool);
+    Solution solution(sliced, resolution, pool);
     const Resolution finer = refined(resolution);
     if (solution.checks().problem(tolerance).empty() || finer.nodes == resolution.nodes) {
       solution.require_sound();
@@ -259,7 +265,7 @@ Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPo
   Resolution resolution = choose_resolution(stack, tolerance);
   resolution.nodes = nodes;
   resolution.tolerance = std::numeric_limits<double>::infinity();
-  Solution solution(stack, resolution, pool);
+  Solution solution(SlicedStack(stack, tolerance, pool), resolution, pool);
   solution.require_sound();
   return solution;
 }

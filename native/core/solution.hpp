@@ -7,6 +7,7 @@
 #include "homogeneous_layer.hpp"
 #include "resolution.hpp"
 #include "rough_surface.hpp"
+#include "sliced_stack.hpp"
 #include "solve_checks.hpp"
 #include "stack.hpp"
 #include "thread_pool.hpp"
@@ -17,16 +18,20 @@ namespace lamina {
 /// from which the stack's scattering function follows for any directions.
 class Solution {
  public:
-  Solution(Stack stack, const Resolution& resolution, ThreadPool& pool);
+  /// Graded layers are sliced to the resolution's tolerance.
+  Solution(const Stack& stack, const Resolution& resolution, ThreadPool& pool)
+      : Solution(SlicedStack(stack, resolution.tolerance, pool), resolution, pool) {}
+  Solution(SlicedStack sliced, const Resolution& resolution, ThreadPool& pool);
 
-  /// The same stack with another thickness of one medium. The modes, which do not depend on it, are shared
-  /// and may grow: not for several threads at once.
+  /// The same stack with another thickness of one medium, by its number in the stack as it was given; a graded one
+  /// is stretched. The modes, which do not depend on it, are shared and may grow: not for several threads at once.
   Solution with_thickness(std::size_t layer, double tau, ThreadPool& pool) const;
 
   /// The same stack over a Lambert surface of another reflectance, which no layer's own function depends on.
   Solution with_reflectance(double reflectance) const;
 
-  const Stack& stack() const { return stack_; }
+  /// As it is solved: graded layers are slices.
+  const Stack& stack() const { return sliced_.stack; }
   const Resolution& resolution() const { return resolution_; }
   const SolveChecks& checks() const { return checks_; }
   /// Throws std::runtime_error, with the numbers, when a check misses the tolerance.
@@ -65,7 +70,7 @@ class Solution {
   int fewest_orders() const;
   void add_boundaries(ThreadPool& pool);
 
-  Stack stack_;
+  SlicedStack sliced_;
   Resolution resolution_;
   std::shared_ptr<const DirectionSet> set_;
   std::vector<Scatterer> scatterers_;

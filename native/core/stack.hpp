@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include "graded_medium.hpp"
 #include "medium.hpp"
 #include "microfacet.hpp"
 
@@ -20,7 +21,7 @@ struct Interface {
   bool is_rough(double ior_above) const { return facets.alpha > 0.0 && ior != ior_above; }
 };
 
-using Layer = std::variant<Medium, Interface>;
+using Layer = std::variant<Medium, Interface, GradedMedium>;
 
 /// What lies below the last layer.
 struct Base {

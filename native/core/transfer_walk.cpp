@@ -18,10 +18,12 @@ using Kind = WalkStack::Element::Kind;
 
 class TransferWalk final : public StackWalk {
  public:
-  TransferWalk(WalkStack stack, const WalkTarget& target, NextEvent next_event)
-      : StackWalk(std::move(stack), target), along_(next_event != NextEvent::kAtCollision) {
+  TransferWalk(WalkStack stack, const WalkTarget& target, NextEvent next_event) : StackWalk(std::move(stack), target) {
     for (const WalkStack::Element& element : this->stack().elements) {
-      both_.push_back(fitted(next_event, element.medium.phase) == NextEvent::kFromBothEnds && !target.flux);
+      // Flights are integrated in closed form where what scatters is the same all along them.
+      along_.push_back(next_event != NextEvent::kAtCollision && !element.graded);
+      both_.push_back(along_.back() && fitted(next_event, element.medium.phase) == NextEvent::kFromBothEnds &&
+                      !target.flux);
     }
     begin();
   }
@@ -29,13 +31,15 @@ class TransferWalk final : public StackWalk {
  private:
   bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
              std::uint64_t& events) const override {
-    const Medium& medium = this->stack().elements[element].medium;
+    const WalkStack::Element& here = this->stack().elements[element];
+    const Medium& medium = here.medium;
+    const bool along = along_[element];
     double depth = light.ray.z < 0.0 ? 0.0 : medium.tau;
     double share = 1.0;  // of the samples of this flight in what both ends sample
     for (bool forced = first;; forced = false) {
       const double length = to_face(medium, light.ray, depth);
       const double through = std::exp(-length);
-      if (along_ && !is_flux() && !forced) {
+      if (along && !is_flux() && !forced) {
         score += light.weight * share * on_flight(element, out, light.ray, depth, length, through);
       }
       double choice = rng.uniform();
@@ -46,8 +50,20 @@ class TransferWalk final : public StackWalk {
       }
       depth = std::clamp(depth + light.ray.z * std::log(choice), 0.0, medium.tau);
       ++events;
+      if (here.graded) {
+        const LocalScattering local = here.graded->at_depth(depth);
+        if (!is_flux()) {
+          score += light.weight * at_depth(element, out, light.ray, depth, local);
+        }
+        light.weight *= local.albedo();
+        if (!survives(light.weight, rng)) {
+          return false;
+        }
+        light.ray = scattered(light.ray, local.sample(rng.uniform()), rng);
+        continue;
+      }
       light.weight *= medium.albedo;
-      if (!along_ && !is_flux()) {
+      if (!along && !is_flux()) {
         score += light.weight * at_collision(element, out, light.ray, depth);
       }
       if (!survives(light.weight, rng)) {
@@ -93,7 +109,7 @@ class TransferWalk final : public StackWalk {
   }
 
   double leaving(std::size_t element, const Exit& out, const Ray& in) const override {
-    if (!along_) {
+    if (!along_[element]) {
       return 0.0;
     }
     const double tau = this->stack().elements[element].medium.tau;
@@ -144,15 +160,32 @@ class TransferWalk final : public StackWalk {
     return sum;
   }
 
-  bool along_;
-  std::vector<bool> both_;  ///< by element
+  /// The same for what scatters at one depth of a graded medium, its albedo included.
+  double at_depth(std::size_t element, const Exit& out, const Ray& in, double depth,
+                  const LocalScattering& local) const {
+    const double n = this->stack().ior[element];
+    const double tau = this->stack().elements[element].medium.tau;
+    double sum = 0.0;
+    const auto add = [&](const Ray& ray, double share, double to_face) {
+      if (share > 0.0) {
+        const double mu = std::abs(ray.z);
+        sum += share * std::exp(-to_face / mu) * local.evaluate(in.dot(ray)) / mu;
+      }
+    };
+    add(out.up, out.up_share, depth);
+    add(out.down, out.down_share, tau - depth);
+    return sum / (4.0 * pi * n * n);
+  }
+
+  std::vector<bool> along_;  ///< by element
+  std::vector<bool> both_;   ///< by element
 };
 
 /// One medium alone.
 bool is_slab(const WalkStack& stack) {
   const auto& elements = stack.elements;
   return stack.ior.front() == 1.0 && stack.ior.back() == 1.0 && !elements.empty() &&
-         elements[0].kind == Kind::kMedium &&
+         elements[0].kind == Kind::kMedium && !elements[0].graded &&
          (elements.size() == 1 ||
           (elements.size() == 2 && elements[1].kind == Kind::kLambert && elements[1].reflectance == 0.0));
 }

@@ -29,22 +29,26 @@ void Tally::add(const Tally& other) {
 
 Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,
                ThreadPool& pool) {
-  std::vector<Tally> blocks(last_block - first_block);
-  pool.run(blocks.size(), [&](std::size_t k) {
+  // Threads share a block's work in pieces, so that none waits for another's long block at the end; pieces are always
+  // the same and summed in order.
+  constexpr std::uint64_t kPiece = 512;
+  static_assert(kWalkBlock % kPiece == 0);
+  std::vector<Tally> pieces((last_block - first_block) * (kWalkBlock / kPiece));
+  pool.run(pieces.size(), [&](std::size_t k) {
     Tally tally;
-    const std::uint64_t first = (first_block + k) * kWalkBlock;
-    for (std::uint64_t sample = first; sample < first + kWalkBlock; ++sample) {
+    const std::uint64_t first = first_block * kWalkBlock + k * kPiece;
+    for (std::uint64_t sample = first; sample < first + kPiece; ++sample) {
       Rng rng(seed, sample);
-      const double value = walk.sample(rng, tally.events);
-      tally.sum += value;
-      tally.squares += value * value;
-      tally.largest = std::max(tally.largest, value);
+      tally.add_sample(walk.sample(rng, tally.events));
     }
-    tally.count = kWalkBlock;
-    blocks[k] = tally;
+    pieces[k] = tally;
   });
   Tally total;
-  for (const Tally& block : blocks) {
+  for (std::size_t first = 0; first < pieces.size(); first += kWalkBlock / kPiece) {
+    Tally block;
+    for (std::size_t k = first; k < first + kWalkBlock / kPiece; ++k) {
+      block.add(pieces[k]);
+    }
     total.add(block);
   }
   return total;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "rng.hpp"
@@ -24,12 +26,18 @@ class Walk {
 struct Tally {
   double sum = 0.0;
   double squares = 0.0;
-  double largest = 0.0;  ///< the largest sample: a few that dominate show a variance not to be trusted
+  double largest = 0.0;  ///< the largest sample's size: a few that dominate show a variance not to be trusted
   std::uint64_t count = 0;
   std::uint64_t events = 0;
 
   double mean() const;
   double standard_error() const;
+  void add_sample(double value) {
+    sum += value;
+    squares += value * value;
+    largest = std::max(largest, std::abs(value));
+    ++count;
+  }
   void add(const Tally& other);
 };
 

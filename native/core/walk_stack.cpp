@@ -23,6 +23,11 @@ Element element_of(const Layer& layer, double ior_above, double ior_below) {
     element.medium = *medium;
     return element;
   }
+  if (const auto* graded = std::get_if<GradedMedium>(&layer)) {
+    element.medium = {graded->largest_albedo(), graded->tau(), graded->sharpest_phase()};
+    element.graded = std::make_shared<const GradedMedium>(*graded);
+    return element;
+  }
   const auto& boundary = std::get<Interface>(layer);
   element.kind = Kind::kSmooth;
   if (boundary.is_rough(boundary.ior == ior_above ? ior_below : ior_above)) {
@@ -57,6 +62,11 @@ WalkStack::WalkStack(const Stack& stack, Side side, bool ended) : ior(refractive
   if (side == Side::kBottom) {
     std::reverse(layers.begin(), layers.end());
     std::reverse(ior.begin(), ior.end());
+    for (Layer& layer : layers) {
+      if (auto* graded = std::get_if<GradedMedium>(&layer)) {
+        *graded = graded->turned();
+      }
+    }
   }
   for (std::size_t k = 0; k < layers.size(); ++k) {
     elements.push_back(element_of(layers[k], ior[k], ior[k + 1]));

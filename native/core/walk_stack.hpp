@@ -27,7 +27,8 @@ struct WalkStack {
   struct Element {
     enum class Kind { kMedium, kSmooth, kRough, kLambert, kMetal };
     Kind kind = Kind::kMedium;
-    Medium medium = {};                          ///< kMedium
+    Medium medium = {};                          ///< kMedium; of a graded one the largest albedo
+    std::shared_ptr<const GradedMedium> graded;  ///< kMedium, where it varies with depth
     double reflectance = 0.0;                    ///< kLambert
     std::complex<double> metal = {};             ///< kMetal, polished: relative index
     std::shared_ptr<const FacetScatter> facets;  ///< kRough

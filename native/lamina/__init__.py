@@ -1,9 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
-from . import colours, export, metals, presets, rgl
+from . import colours, dust, export, metals, presets, rgl
 from .bake import bake
-from .errors import Cancelled, ExportError, LutError, ShardError, SolveError, StackError, UnknownName
+from .errors import (
+    Cancelled,
+    DustError,
+    DustUnavailable,
+    ExportError,
+    LutError,
+    ShardError,
+    SolveError,
+    StackError,
+    UnknownName,
+)
 from .estimate import Estimate, Query, estimate
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
@@ -28,6 +38,8 @@ __all__ = [
     "CornetteShanks",
     "DoubleHenyeyGreenstein",
     "Draine",
+    "DustError",
+    "DustUnavailable",
     "Estimate",
     "ExportError",
     "HalfSpace",
@@ -51,6 +63,7 @@ __all__ = [
     "UnknownName",
     "bake",
     "colours",
+    "dust",
     "estimate",
     "export",
     "metals",

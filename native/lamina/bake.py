@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _core, lobes, peaks
 from .base_texture import PREFIX, THROWN_BACK, over_texture
+from .clean_row import mix_rows, without_varying
 from .closure_table import grid_for
 from .errors import StackError
 from .fields import channel
@@ -22,6 +23,7 @@ from .progress import Progress, portion, stepper
 from .slices import slices, solve_rows
 from .solve import thread_pool, tolerance_of
 from .stack import Stack
+from .tau_error import tau_error
 
 # How many closures each basis holds at most: for lobes of rough boundaries, for other reflected light, for both
 # together; for transmitted light; for a textured base.
@@ -51,7 +53,9 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     solved as smooth, and keep their width in that closure.
     The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2
     error over solid angle relative to the slice's norm; `worst_slice`; `albedo_error`, the worst relative
-    error of a directional albedo; `energy_error`, the solver's; `slice_errors`, of each slice.
+    error of a directional albedo; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
+    thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, what is lost between rows, measured
+    at quality "final" when every row is solved, see lamina.tau_error.
     Raises SolveError, StackError (channels), ValueError."""
     tolerance_of(quality)
     if row_stride < 1:
@@ -71,21 +75,32 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     grid, made = grid_for(quality, peaks.narrowest(stack)), peaks.closures(stack)
     reflected, through, below = (Effort(*counts, **CHOICE[quality]) for counts in BASES[basis])
     parts: dict[str, Mixture] = {}
+
+    def fit(kind, wanted, effort, step, own, given):
+        if stack.varying is None:
+            return mix(kind, wanted, grid, effort, pool, step, made=own, given=given, mixed=solved.is_sheet)
+        own_clean = peaks.closures(without_varying(stack)) if own else ()
+        return mix_rows(kind, wanted, grid, effort, pool, step, made=own, made_clean=own_clean,
+                        given=given, mixed=solved.is_sheet)
+
     if _is_textured(stack):
         seen, base = over_texture(solved, grid, pool, portion(step, 0.3, 0.7))
     else:
         seen, base = slices(solved, grid, pool, portion(step, 0.3, 0.7)), None
     for kind, wanted in seen.items():
         effort, own = (reflected, made) if kind == "reflection" else (through, ())
-        parts[kind] = mix(kind, wanted, grid, effort, pool, portion(step, 0.7, 0.95), made=own, given=given[kind],
-                          mixed=solved.is_sheet)
+        parts[kind] = fit(kind, wanted, effort, portion(step, 0.7, 0.95), own, given[kind])
         if np.any(wanted.direct):
             name = peaks.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])
     if base is not None:
-        fitted = mix("reflection", base.slices, grid, below, pool, portion(step, 0.95, 1.0), given=given["base"])
+        fitted = fit("reflection", base.slices, below, portion(step, 0.95, 0.97), (), given["base"])
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
         parts |= base.parts(reflectance, seen["reflection"], parts["reflection"], fitted)
+    between = None
+    if stack.varying is not None and quality == "final":
+        largest = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
+        between = tau_error(solved, largest, stack.varying, grid, pool, portion(step, 0.97, 1.0))
     step(1.0, "Done")
     # [side, closure, row, channel, column]
     weights = np.concatenate([one.weights for one in parts.values()], axis=1)
@@ -109,7 +124,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
             },
         },
         "closures": [name for one in parts.values() for name in one.closures],
-        "report": fit_report(parts, solved),
+        "report": fit_report(parts, solved) | ({"tau_error": between} if between else {}),
     }
     return Lut(header, weights, time.perf_counter() - started)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: python -m lamina bake | report | export | estimate | merge | presets."""
+"""The command line: python -m lamina bake | report | export | estimate | merge | presets | dust."""
 
 from __future__ import annotations
 
@@ -10,9 +10,18 @@ import sys
 import time
 from pathlib import Path
 
-from . import presets
+from . import cli_dust, presets
 from .bake import BASES, bake
-from .errors import Cancelled, LutError, ShardError, SolveError, StackError
+from .errors import (
+    Cancelled,
+    DustError,
+    DustUnavailable,
+    LutError,
+    MeshFileError,
+    ShardError,
+    SolveError,
+    StackError,
+)
 from .estimate import METHODS, SAMPLES, Estimate, Query, estimate
 from .export import save_npz
 from .lut import Lut
@@ -33,9 +42,9 @@ def main(argv: list[str] | None = None) -> int:
         return arguments.run(arguments)
     except (KeyboardInterrupt, Cancelled):
         return _fail("interrupted; nothing was written", INTERRUPTED)
-    except (StackError, LutError, ShardError) as error:
+    except (StackError, LutError, ShardError, DustError, MeshFileError) as error:
         return _fail(str(error), BAD_INPUT)
-    except (SolveError, ValueError) as error:
+    except (SolveError, DustUnavailable, ValueError) as error:
         return _fail(str(error), FAILED)
     except OSError as error:
         return _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error), FAILED)
@@ -71,6 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(run=_presets)
     _add_export(commands)
     _add_estimate(commands)
+    cli_dust.add(commands, _dust)
     return parser
 
 
@@ -237,6 +247,23 @@ def _export(arguments: argparse.Namespace) -> int:
         print(f"{arguments.stack}: exported in {time.monotonic() - start:.2f} s to {output}")
         if lost:
             print(f"{output}: the format has no place for {' and '.join(lost)}")
+    return 0
+
+
+def _dust(arguments: argparse.Namespace) -> int:
+    output = Path(arguments.output)
+    problem = _unwritable(output)
+    if problem:
+        return _fail(problem, BAD_INPUT)
+    progress = None if arguments.quiet else _Progress()
+    found = cli_dust.settled(arguments, progress)
+    if progress is not None:
+        progress.end()
+    cli_dust.save(found, output)
+    if not arguments.quiet:
+        print(f"{arguments.mesh}: {found.statistics}")
+        for note in found.statistics.notes:
+            print(note)
     return 0
 
 

@@ -38,5 +38,17 @@ class ShardError(ValueError):
     """A part of an estimate that cannot be read, or that belongs to another one."""
 
 
+class DustError(ValueError):
+    """Dust that cannot settle: names the field, its value and the allowed range."""
+
+
+class DustUnavailable(RuntimeError):  # noqa: N818 - reads as what it says
+    """There is no working layer of rays in this installation; says why."""
+
+
+class MeshFileError(ValueError):
+    """A mesh file that cannot be read."""
+
+
 class Cancelled(Exception):  # noqa: N818 - an outcome that the caller asked for, not an error
     """The caller's `cancel` said yes; nothing was written."""

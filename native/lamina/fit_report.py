@@ -26,6 +26,7 @@ def fit_report(parts: dict[str, Mixture], solved: SolvedRows) -> dict:
         "slice_errors": all_rows(np.nan_to_num(reflection.errors), solved, 1).round(6).tolist(),
         "fit_error_transmission": None if through is None else _mean(through.errors[..., stated]),
         "slice_errors_transmission": through_errors,
+        **_by_row(reflection.errors[..., stated], solved),
         "albedo_error": max(float(part.albedo_errors[..., stated].max()) for part in fitted),
         "energy_error": max(f.checks["energy"] for f in functions),
         "closures": sum(len(part.closures) for part in parts.values()),
@@ -55,6 +56,15 @@ def _mean(errors: np.ndarray) -> float:
     """Mean over the slices that are not black; 0 when all are."""
     seen = errors[np.isfinite(errors)]
     return float(seen.mean()) if seen.size else 0.0
+
+
+def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
+    """Fit error by thickness, of all rows; nothing where no layer varies."""
+    if not solved.axis:
+        return {}
+    errors = np.moveaxis(all_rows(np.nan_to_num(errors), solved, 1), 1, 0).reshape(len(solved.axis), -1)
+    return {"row_errors": {"tau": solved.axis, "mean": errors.mean(axis=1).round(6).tolist(),
+                           "worst": errors.max(axis=1).round(6).tolist()}}
 
 
 def _worst(errors: np.ndarray, stated: np.ndarray, solved: SolvedRows) -> dict:

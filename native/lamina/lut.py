@@ -26,10 +26,15 @@ def column_angles() -> np.ndarray:
 def tau_rows(largest: float) -> np.ndarray:
     """Thicknesses of a varying layer's rows, shape (33,): uniform in t = tau / (tau + 0.5), the last row
     at `largest`. Thin layers change fastest and so have the most rows."""
-    t = np.linspace(0.0, largest / (largest + TAU_BEND), TAU_ROWS)
-    rows = TAU_BEND * t / (1.0 - t)
+    rows = tau_at(largest, np.arange(TAU_ROWS))
     rows[-1] = largest
     return rows
+
+
+def tau_at(largest: float, rows: np.ndarray) -> np.ndarray:
+    """Thickness at `rows` of that axis, whole ones or between two."""
+    t = largest / (largest + TAU_BEND) * np.asarray(rows, float) / (TAU_ROWS - 1)
+    return TAU_BEND * t / (1.0 - t)
 
 
 # What the panel and report() read.

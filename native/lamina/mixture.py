@@ -25,6 +25,8 @@ ACCURATE = 5e-3
 EVERYWHERE = {"reflection": "diffuse", "transmission": "translucent"}
 # A rest below this share of what there is, everywhere, is left to the lobes' closures.
 NEGLIGIBLE = 2e-3
+# Room that fixed closures leave at least, beside those for lobes and beside others; what lobes leave for the rest.
+LOBES_BESIDE_FIXED, BESIDE_FIXED, LEAST_REST = 1, 3, 2
 
 
 @dataclass(frozen=True)
@@ -53,26 +55,30 @@ class Mixture:
 
 
 def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *, made: Sequence[str] = (),
-        given: Sequence[str] = (), mixed: bool = False) -> Mixture:
+        given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = ()) -> Mixture:
     """Chooses closures of a kind, among the dictionary's and those `made` to measure for lobes, and fits them to all
     slices. `given` ones are taken as they are, unless one is for other lobes or a view has none. `mixed`: reflection
-    and transmission share the material."""
+    and transmission share the material. `fixed` ones are part of every choice, and leave room for some more."""
     given = list(given) if all(":" not in name or name in made for name in given) else []
     values, albedo = wanted.values, wanted.albedo
     parts, errors, share = [], None, 1.0
 
-    def choose(count, allowed):
+    def choose(count, allowed, for_lobes=False):
         step(0.1 if parts else 0.0, "Choosing closures")
         basis = with_more(kind, grid, mixed, effort.column_stride, tuple(made))
         candidates = [k for k, name in enumerate(basis.ids) if allowed(name)]
-        return _choose(basis, values, albedo, count, effort, candidates, pool, ACCURATE / share)
+        kept = [k for k in candidates if basis.ids[k] in fixed and (basis.ids[k] in made or not for_lobes)]
+        if kept:
+            beside = LOBES_BESIDE_FIXED if for_lobes else min(BESIDE_FIXED, count)
+            count = min(max(count, len(kept) + beside), _core.MAX_CLOSURES)
+        return _choose(basis, values, albedo, count, effort, candidates, kept, pool, ACCURATE / share)
 
     if made and wanted.lobes is not None and np.any(wanted.lobes):
         values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, albedo)
         own = [name for name in given if name in made][:effort.lobes]
         # Greedy choices among more are not always better ones: of both, that which fits the lobes better.
-        chosen = [own] if own else [choose(effort.lobes, lambda name: name in made),
-                                    choose(effort.lobes, lambda _: True)]
+        chosen = [own] if own else [choose(effort.lobes, lambda name: name in made, True),
+                                    choose(effort.lobes, lambda _: True, True)]
         found, _ = min((_fit(names, values, albedo, grid, mixed, pool) for names in chosen),
                        key=lambda fitted: float(fitted[1].mean()))
         given = [name for name in given if name not in own]
@@ -83,7 +89,7 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         share = max(float(left.mean()), ACCURATE)
     taken = [name for part in parts for name in part.closures]
     if not parts or np.any(albedo > NEGLIGIBLE * wanted.albedo):
-        count = min(effort.rest, effort.all - len(taken))
+        count = max(min(effort.rest, effort.all - len(taken)), LEAST_REST)
         names = given if _serves_all_views(given, grid, mixed) else choose(count, lambda name: name not in taken)
         if not _serves_all_views(names, grid, mixed):
             names = [*names, EVERYWHERE[kind]]
@@ -140,8 +146,9 @@ def _targets(basis: Closures, values: np.ndarray, albedo: np.ndarray, pool):
     return basis.table.targets(flat, np.ascontiguousarray(albedo).reshape(-1, columns), pool)
 
 
-def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candidates, pool, accurate) -> list[str]:
-    """The closures that together serve all slices best: the same for the whole material."""
+def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candidates, fixed, pool,
+            accurate) -> list[str]:
+    """The closures that together serve all slices best, `fixed` among them: the same for the whole material."""
     rows = albedo.shape[1]
     kept = sorted({*range(0, rows, effort.row_stride), rows - 1})
     stride = effort.column_stride
@@ -155,7 +162,7 @@ def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candida
     options.target_error = accurate
     principled = [lobes.by_id(name).node.type == "ShaderNodeBsdfPrincipled" for name in basis.ids]
     options.penalty = [PRINCIPLED_PENALTY if slow else 1.0 for slow in principled]
-    return [basis.ids[k] for k in basis.table.select(targets, options, candidates, [], pool).closures]
+    return [basis.ids[k] for k in basis.table.select(targets, options, candidates, fixed, pool).closures]
 
 
 def norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:

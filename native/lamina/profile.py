@@ -209,7 +209,7 @@ def _chords(above: tuple, below: tuple, tau: float, depth: float):
     count = max(1, math.ceil(math.sqrt(1.5 * errors * abs(u0 - u1) / (u0 + u1))))
     knots = []
     for k in range(count + 1):
-        e = e1 if k == count else (u0 + (u1 - u0) * k / count) ** -2
+        e = {0: e0, count: e1}.get(k, (u0 + (u1 - u0) * k / count) ** -2)
         way = k / count if e0 == e1 else (e - e0) / (e1 - e0)
         part0, part1 = (1.0 - way) * s0, way * s1
         t = tau if k == count else tau * way * (e0 + e) / (e0 + e1)

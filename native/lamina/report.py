@@ -30,4 +30,19 @@ def describe(lut: Lut) -> str:
     lines.append(f"energy error  {report['energy_error']:.1e}")
     if report["tau_rows"] > 1:
         lines.append(f"thickness     {report['tau_rows']} rows up to {header['axes']['tau']['values'][-1]:g}")
+        lines += _by_thickness(report)
     return "\n".join(lines)
+
+
+def _by_thickness(report: dict) -> list[str]:
+    """Fit error by row, and what is lost between rows; tables of earlier versions tell neither."""
+    lines = []
+    if "row_errors" in report:
+        rows = list(zip(*(report["row_errors"][key] for key in ("tau", "mean", "worst")), strict=True))
+        lines += [f"  at {tau:<9.4g} {mean:.2%} mean, {worst:.2%} worst" for tau, mean, worst in rows]
+    if report.get("tau_error"):
+        between = report["tau_error"]
+        angle = math.degrees(math.acos(between["worst_at"]["mu_o"]))
+        lines.append(f"between rows  {between['mean']:.2%} mean, {between['worst']:.2%} worst ({angle:.0f} degrees, "
+                     f"thickness {between['worst_at']['tau']:.3g}), mirrored light {between['mirror']:.2%} worst")
+    return lines

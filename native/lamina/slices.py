@@ -12,7 +12,7 @@ import numpy as np
 from . import _core
 from .closure_table import LightGrid, view_cosines
 from .layers import Medium
-from .lut import tau_rows
+from .lut import tau_at, tau_rows
 from .solve import ScatteringFunction, solve
 from .stack import Stack
 
@@ -77,13 +77,12 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
 def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> dict[str, Slices]:
     """Of each kind, "reflection" and for sheets "transmission", all rows as a viewer on each side sees them;
     `step` is called before each few."""
-    kinds = ["reflection", "transmission"] if solved.is_sheet else ["reflection"]
-    sights = [(SIDES[side], PATHS[kind]) for kind in kinds for side in solved.sides]
+    kinds, sights = _sights(solved)
     made = []
     for first in range(0, len(solved.functions), ROWS_AT_ONCE):
         last = min(first + ROWS_AT_ONCE, len(solved.functions))
         step(first / len(solved.functions), f"Evaluating thickness {first + 1} of {len(solved.functions)}")
-        made.append(_evaluate(solved.functions[first:last], sights, grid, pool))
+        made.append(_evaluate(solved.functions[first:last], sights, view_cosines(), grid, pool))
     values, lobes, albedo, direct = (
         None if parts[0] is None else np.concatenate(parts, axis=1) for parts in zip(*made, strict=True))
     by_kind = {}
@@ -94,12 +93,31 @@ def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str
     return by_kind
 
 
-def _evaluate(functions: list[ScatteringFunction], sights, grid: LightGrid, pool):
-    """values [sight, row, channel, column, light], their lobes or None, albedo and direct [sight, row, channel,
-    column]."""
+def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.ndarray, grid: LightGrid,
+              pool) -> Slices:
+    """Slices of the stack `solved` with other thicknesses, `functions`, at view cosines `mu_o`; for a sheet, those of
+    reflection and then those of transmission along the first axis."""
+    values, lobes, albedo, direct = _evaluate(functions, _sights(solved)[1], mu_o, grid, pool)
+    return Slices(values, np.maximum(albedo, 0.0), lobes, direct)
+
+
+def shares_of_thickness(largest: float, rows: np.ndarray) -> np.ndarray:
+    """Thickness at `rows`, whole or not, as shares of the largest."""
+    return tau_at(largest, rows) / largest if largest > 0.0 else np.zeros(len(rows))
+
+
+def _sights(solved: SolvedRows):
+    """(kinds, [(side, path) of each kind and side])."""
+    kinds = ["reflection", "transmission"] if solved.is_sheet else ["reflection"]
+    return kinds, [(SIDES[side], PATHS[kind]) for kind in kinds for side in solved.sides]
+
+
+def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, grid: LightGrid, pool):
+    """values [sight, row, channel, view, light], their lobes or None, albedo and direct [sight, row, channel,
+    view]."""
     solutions = [solution for function in functions for solution in function.solutions]
     distinct = list({id(solution): solution for solution in solutions}.values())
-    parts = _core.slices(distinct, sights, view_cosines(), grid.mu, grid.dphi, pool)
+    parts = _core.slices(distinct, sights, mu_o, grid.mu, grid.dphi, pool)
     place = {id(solution): k for k, solution in enumerate(distinct)}
     every = [place[id(solution)] for solution in solutions]  # channels may be the same problem
     shape = (len(sights), len(functions), len(functions[0].solutions))

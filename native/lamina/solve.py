@@ -41,10 +41,15 @@ def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | N
     return ScatteringFunction(stack, channels, pool)
 
 
-def thread_pool(threads: int) -> _core.ThreadPool:
-    """The core's pool of that many threads, 0 for all hardware threads. Raises ValueError."""
+def check_threads(threads: int) -> None:
+    """Raises ValueError unless it is a count of threads, or 0 for all."""
     if isinstance(threads, bool) or not isinstance(threads, int) or not 0 <= threads <= 1024:
         raise ValueError(f"threads = {threads!r}: must be a whole number from 0 (all) to 1024")
+
+
+def thread_pool(threads: int) -> _core.ThreadPool:
+    """The core's pool of that many threads, 0 for all hardware threads. Raises ValueError."""
+    check_threads(threads)
     return _core.ThreadPool(threads)
 
 

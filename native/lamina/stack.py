@@ -210,13 +210,13 @@ class Stack:
     def _find_albedos(self) -> tuple:
         """Those that show the colours of the layers that have one, by layer and channel; of a profile by layer, knot
         and channel."""
-        found = []
+        found, count = [], self.channels
         for index, layer in enumerate(self.layers):
             path = f"layers[{index}]"
             if isinstance(layer, Medium) and layer.profile is not None:
                 found.append(tuple(self._albedos_at(layer, number, path) for number in range(len(layer.profile))))
             elif isinstance(layer, Medium) and layer.color is not None:
-                found.append(albedos_of(layer, self.channels, path))
+                found.append(albedos_of(layer, count, path))
             else:
                 found.append(None)
         return tuple(found)

@@ -198,9 +198,9 @@ def test_a_slow_stack_is_coarse_while_edited_and_whole_at_rest(addon, live, mate
     real = live.LiveJob
 
     class Watched(real):
-        def __init__(self, *arguments):
-            super().__init__(*arguments)
-            strides.append(self._arguments.get("row_stride", 1))
+        def __init__(self, material, closures, coarse):
+            strides.append(coarse.get("row_stride", 1))
+            super().__init__(material, closures, coarse)
 
     monkeypatch.setattr(live, "LiveJob", Watched)
     material.lamina.layers[0].g = 0.2

@@ -26,9 +26,16 @@ CASES = [
     ((0.99, 5.0, "hg", 0.5), (0.5, 0.9, 3.0), "guided-16", 8),
     ((0.9, 2.0, "rayleigh", 0.0), (0.8, 0.2, 0.3), "guided-8", 8),
     ((0.5, 0.3, "hg", 0.5), (0.5, 0.7, 1.0), "plain", 40),
-    ((0.9, 2.0, "hg", 0.8), (0.5, 0.5, math.pi / 2), "photon", 40),
-    ((1.0, 5.0, "hg", -0.3), (0.3, 1.0, 0.0), "photon", 20),
+    ((1.0, 5.0, "hg", -0.3), (0.3, 1.0, 0.0), "transfer", 20),
     ((0.9, 0.5, "hg", 0.8), (0.7, 0.4, 1.5), "auto", 12),
+    ((0.5, 0.1, "hg", 0.8), (1.0, 1.0, 0.0), "residual-8", 12),
+    ((0.9, 1.0, "hg", 0.8), (0.1, 0.7, 0.5), "residual-16", 16),
+    ((0.9, 2.0, "hg", 0.8), (0.5, 0.5, math.pi / 2), "residual-32", 12),
+    ((0.99, 5.0, "hg", 0.5), (0.5, 0.9, 3.0), "residual-16", 8),
+    ((1.0, 1.0, "hg", -0.3), (0.6, 0.8, 2.5), "residual-8", 12),
+    ((0.9, 2.0, "rayleigh", 0.0), (0.8, 0.2, 0.3), "residual-8", 12),
+    ((0.9, 1.0, "isotropic", 0.0), (1.0, 0.5, 0.0), "residual-16", 12),
+    ((0.9, 2.0, "hg", 0.8), (0.5, 0.5, 0.0), "transfer", 60),
 ]
 
 
@@ -77,6 +84,48 @@ def test_unbiased_where_it_is_hard(medium, directions, walk, blocks):
     assert error < 0.02 * truth
 
 
+GUIDED_TRANSFER = [
+    ((0.5, 0.1, "hg", 0.8), (1.0, 1.0, 0.0)),
+    ((0.9, 2.0, "hg", 0.8), (0.5, 0.5, math.pi / 2)),
+    ((0.9, 1.0, "hg", 0.8), (0.1, 0.7, 0.5)),
+    ((1.0, 1.0, "hg", -0.3), (0.6, 0.8, 2.5)),
+    ((0.99, 5.0, "hg", 0.5), (0.5, 0.9, 3.0)),
+    ((0.9, 1.0, "isotropic", 0.0), (1.0, 0.5, 0.0)),
+]
+
+
+@pytest.mark.parametrize("medium, directions", GUIDED_TRANSFER)
+def test_the_guided_transfer_walk_is_unbiased(medium, directions):
+    walk = _core.guided_transfer_walk(homogeneous(*medium), *directions)
+    total, squares, _, count, _ = _core.run_walk(walk, 4, 0, 24, POOL)
+    mean = total / count
+    error = math.sqrt((squares / count - mean * mean) / (count - 1))
+    truth = solved(medium, directions)
+    assert abs(mean - truth) < sidak(len(GUIDED_TRANSFER)) * math.hypot(error, 2e-5 * truth)
+    assert error < 0.02 * truth
+
+
+# A million samples each, where large weights would show.
+LONG = [
+    ((0.5, 0.5, "hg", 0.8), (1.0, 0.1, 0.0)),
+    ((0.9, 1.0, "hg", 0.8), (0.1, 0.7, 0.5)),
+    ((0.9, 0.5, "hg", 0.8), (0.5, 0.5, 0.0)),
+    ((0.9, 2.0, "hg", 0.8), (1.0, 1.0, 0.0)),
+    ((0.99, 0.5, "hg", 0.8), (0.5, 0.5, math.pi)),
+    ((1.0, 1.0, "hg", -0.3), (0.5, 0.5, math.pi / 2)),
+]
+
+
+@pytest.mark.parametrize("medium, directions", LONG)
+def test_no_tail_hides(medium, directions):
+    """What a million samples say, and that none of them is a large share of their variance."""
+    mean, error, largest, _ = estimate(homogeneous(*medium), directions, "residual-8", 256, seed=21)
+    truth = solved(medium, directions)
+    assert abs(mean - truth) < sidak(len(LONG)) * math.hypot(error, 2e-5 * truth)
+    count = 256 * BLOCK
+    assert (largest / count) ** 2 < 0.1 * error**2
+
+
 def test_the_value_of_the_equation():
     """Isotropic, albedo .9, tau 1, mu 1, mu0 .5: S = .596302."""
     mean, error, _, _ = estimate(homogeneous(0.9, 1.0, "isotropic", 0.0), (1.0, 0.5, 0.0), "isotropic", 40)
@@ -92,7 +141,7 @@ GRADED = [
 
 
 @pytest.mark.parametrize("knots", GRADED, ids=["albedo", "phase"])
-@pytest.mark.parametrize("walk, blocks", [("auto", 8), ("guided-16", 8), ("photon", 40)])
+@pytest.mark.parametrize("walk, blocks", [("auto", 8), ("guided-16", 8), ("transfer", 40)])
 def test_media_that_vary_with_depth(knots, walk, blocks):
     medium = _core.GradedMedium(knots)
     mu_o, mu_i, dphi = 0.6, 0.35, 1.2
@@ -111,21 +160,38 @@ def test_thin_slabs(tau, kind, g, walk):
     assert abs(mean - truth) < sidak(4) * math.hypot(error, 1e-6 * truth)
 
 
-def test_guided_walks_beat_the_photon_walk():
+def test_guided_walks_beat_the_plain_transfer_walk():
     """By variance and events alone, at a tenth of what is measured: a guide that broke would show."""
     directions = (0.5, 0.5, math.pi / 2)
     for medium, walk, gain in [((0.9, 2.0, "isotropic", 0.0), "isotropic", 500.0),
-                               ((0.9, 0.5, "hg", 0.8), "guided-16", 10.0)]:
+                               ((0.9, 0.5, "hg", 0.8), "guided-16", 10.0),
+                               ((0.9, 0.5, "hg", 0.8), "residual-16", 10.0)]:
         guided = estimate(homogeneous(*medium), directions, walk, 4)
-        photon = estimate(homogeneous(*medium), directions, "photon", 20)
-        assert (photon[1] / guided[1]) ** 2 * 20.0 / 4.0 > gain
+        plain = _core.transfer_walk(stack([medium]), *directions, _core.Side.top, _core.Path.reflect,
+                                    next_event=_core.NextEvent.at_collision)
+        total, squares, _, count, _ = _core.run_walk(plain, 11, 0, 20, POOL)
+        variance = (squares / count - (total / count) ** 2) / (count - 1)
+        assert variance / guided[1] ** 2 * 20.0 / 4.0 > gain
 
 
-def test_the_pilot_falls_back_to_the_photon_walk():
+def test_the_pilot_falls_back_to_the_transfer_walk():
     medium = homogeneous(1.0, 50.0, "hg", 0.8)
-    assert _core.ScatteringWalk(medium, 1.0, 1.0, 0.0, "auto", 1).name == "photon"
+    assert _core.ScatteringWalk(medium, 1.0, 1.0, 0.0, "auto", 1).name == "transfer"
     thin = _core.ScatteringWalk(homogeneous(0.5, 0.1, "hg", 0.8), 1.0, 1.0, 0.0, "auto", 1)
-    assert thin.name.startswith("guided") and thin.pilot_samples > 0
+    assert thin.name.startswith("residual") and thin.pilot_samples > 0
+
+
+def test_the_fallback_is_the_transfer_walk_itself():
+    one = (0.9, 2.0, "hg", 0.8)
+    plain = _core.transfer_walk(stack([one]), 0.5, 0.4, 1.0, _core.Side.top, _core.Path.reflect)
+    same = _core.ScatteringWalk(homogeneous(*one), 0.5, 0.4, 1.0, "transfer", 0).walk
+    assert _core.run_walk(plain, 5, 0, 2, POOL) == _core.run_walk(same, 5, 0, 2, POOL)
+
+
+def test_the_residual_walk_knows_homogeneous_media_over_nothing():
+    for medium in (_core.GradedMedium(GRADED[0]), homogeneous(0.9, 2.0, "hg", 0.8).over(0.5)):
+        with pytest.raises(ValueError, match="must be homogeneous, over nothing"):
+            _core.ScatteringWalk(medium, 0.5, 0.4, 1.0, "residual-8", 0)
 
 
 def test_blocks_and_threads():
@@ -147,5 +213,5 @@ def test_knots_that_are_none(knots, words):
 
 
 def test_a_walk_that_is_none():
-    with pytest.raises(ValueError, match="walk = 'swift': must be auto"):
+    with pytest.raises(ValueError, match="walk = 'swift': must be one of auto"):
         _core.ScatteringWalk(homogeneous(0.9, 1.0, "isotropic", 0.0), 1.0, 1.0, 0.0, "swift", 0)

@@ -259,6 +259,13 @@ def at_row(sample, row, name=None):
     return Sample(name or sample.name, material, sample.lut, exact, sample.views, row)
 
 
+def row_of(lut, thickness):
+    """Where on the table's axis that thickness lies, in rows."""
+    axis = lut.header["axes"]["tau"]
+    largest = axis["values"][-1]
+    return (axis["count"] - 1) * thickness / (thickness + 0.5) * (largest + 0.5) / largest
+
+
 def group_node(material, lut):
     """The node of the baked group in a material or a copy of it."""
     return next(node for node in material.node_tree.nodes

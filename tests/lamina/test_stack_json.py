@@ -8,7 +8,7 @@ import math
 import pytest
 
 import lamina
-from lamina import Black, Conductor, HalfSpace, HenyeyGreenstein, Isotropic, Lambert, Medium, Rayleigh, Stack
+from lamina import Black, Conductor, HalfSpace, HenyeyGreenstein, Isotropic, Knot, Lambert, Medium, Rayleigh, Stack
 
 STACKS = {
     "sheet": Stack([Medium(albedo=0.9, tau=2.0, phase=HenyeyGreenstein(0.75))]),
@@ -20,6 +20,14 @@ STACKS = {
     "coloured": Stack([Medium(color=[0.8, 0.4, 0.1], tau=3.0), Medium(color=0.2, over=[0.1, 0.2, 0.3], tau=1.0)],
                       base=Conductor(facing=[0.9, 0.7, 0.4], grazing=0.92)),
     "named": Stack([Medium(albedo=0.5, tau=1.0)], name="Fog", category="Weather", source="chosen by eye"),
+    "profile": Stack([Medium(tau=[2.0, 1.0, 3.0], name="silt", varying=True,
+                             profile=[Knot(0.0, 0.9, HenyeyGreenstein(0.6)), Knot(0.4, [0.8, 0.7, 0.6]), Knot(0.4, 0.2),
+                                      Knot(1.0, 0.5)])]),
+    "profile in mm": Stack([Medium(thickness=2.0, phase=Rayleigh(),
+                                   profile=[Knot(0, sigma_s=1.0, sigma_a=[0.1, 0.2]),
+                                            Knot(1, sigma_s=0.0, sigma_a=0.0)])], Black()),
+    "coloured profile": Stack([Medium(tau=2.0, over=0.1,
+                                      profile=[Knot(0, color=0.4), Knot(1, color=[0.3, 0.2, 0.5])])]),
     "endless channel": Stack([Medium(albedo=0.5, tau=[1.0, math.inf, 0.0])]),
 }
 
@@ -113,7 +121,7 @@ BAD = [
     (LAYER, {"kind": "black"}, "layers[0].kind = 'black': a base can only stand at the bottom"),
     (("layers", 1), {"kind": "black"}, "layers[1].kind = 'black': a base can only stand at the bottom"),
     ((*LAYER, "thikness"), 1.0, "layers[0].thikness: unknown key; known are albedo, color, kind, name, over, "
-                                "phase, sigma_a, sigma_s, tau, thickness, varying"),
+                                "phase, profile, sigma_a, sigma_s, tau, thickness, varying"),
     ((*LAYER, "albedo"), 1.2, "layers[0].albedo = 1.2: must lie in [0, 1]"),
     ((*LAYER, "albedo"), -1, "layers[0].albedo = -1: must lie in [0, 1]"),
     ((*LAYER, "albedo"), math.nan, "layers[0].albedo = nan: must lie in [0, 1]"),

@@ -39,6 +39,8 @@ class Mixture {
     }
   }
 
+  const std::vector<Part>& parts() const { return parts_; }
+
   double evaluate(double cosine) const {
     return sum([cosine](const auto& phase) { return phase.evaluate(cosine); });
   }

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluated objects as plain arrays in world space, metres: what long work in a thread may see."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .messages import RefusedError
+
+KINDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
+MOST_TRIANGLES = 100_000_000  # of all occluders together: some 6 GB
+
+_TAG = "lamina_vertex"
+
+
+@dataclass(frozen=True)
+class Arrays:
+    """vertices: (n, 3); triangles: (m, 3), counter-clockwise seen from outside; uvs: (m, 3, 2) by corner, or
+    None; origins: (n,), the vertex of the object's own mesh that each stands for, -1 for none, or None.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    uvs: np.ndarray | None = None
+    origins: np.ndarray | None = None
+
+
+def of_object(context, obj, uv_map=None):
+    """An object as it is rendered: modifiers and transformation applied. `uv_map`: also that map, "" is the
+    active one. Raises RefusedError.
+    """
+    scale = context.scene.unit_settings.scale_length
+    mesh = obj.data
+    tags = _tag(mesh) if any(modifier.show_viewport for modifier in obj.modifiers) else None
+    try:
+        depsgraph = context.evaluated_depsgraph_get()
+        depsgraph.update()
+        evaluated = obj.evaluated_get(depsgraph)
+        result = evaluated.to_mesh()
+        try:
+            vertices, triangles = _arrays(result, evaluated.matrix_world, scale)
+            mirrored = evaluated.matrix_world.determinant() < 0.0
+            uvs = None if uv_map is None else _uvs(obj, result, uv_map, mirrored)
+            origins = np.arange(len(vertices)) if tags is None else _origins(result, tags)
+        finally:
+            evaluated.to_mesh_clear()
+    finally:
+        if tags is not None:
+            mesh.attributes.remove(mesh.attributes[_TAG])
+    if not len(triangles):
+        raise RefusedError(f"{obj.name} has no faces for dust to settle on")
+    return Arrays(vertices, triangles, uvs, origins)
+
+
+def others(context, obj):
+    """What is in the way of dust on `obj`: all that is rendered and casts shadows, instances too.
+    Raises RefusedError.
+    """
+    scale = context.scene.unit_settings.scale_length
+    found, count = [], 0
+    for instance in context.evaluated_depsgraph_get().object_instances:
+        other = instance.object
+        if other.type not in KINDS or not _stops(instance) or _is_itself(instance, obj):
+            continue
+        mesh = other.to_mesh()
+        if mesh is None:
+            continue
+        try:
+            vertices, triangles = _arrays(mesh, instance.matrix_world, scale)
+        finally:
+            other.to_mesh_clear()
+        count += len(triangles)
+        if count > MOST_TRIANGLES:
+            text = f"The other objects have more than {MOST_TRIANGLES:,} triangles: hide some in renders"
+            raise RefusedError(text)
+        if len(triangles):
+            found.append(Arrays(vertices, triangles))
+    return found
+
+
+def _stops(instance):
+    other = instance.object.original
+    if other.hide_render or not other.visible_shadow or not other.lamina_dust.stops:
+        return False
+    return instance.is_instance or instance.show_self
+
+
+def _is_itself(instance, obj):
+    return not instance.is_instance and instance.object.original == obj
+
+
+def _arrays(mesh, matrix, scale):
+    local = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", local)
+    matrix = np.array(matrix, np.float64)
+    vertices = (local.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]) * scale
+    mesh.calc_loop_triangles()
+    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    triangles = triangles.reshape(-1, 3)
+    # A mirrored object keeps its outside: its faces turn the other way round.
+    return vertices, triangles[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else triangles
+
+
+def _uvs(obj, mesh, name, mirrored):
+    layers = mesh.uv_layers
+    layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
+    if layer is None:
+        wanted = f" named {name}" if name else ""
+        raise RefusedError(f"{obj.name} has no UV map{wanted}: unwrap it, or keep the dust in an attribute")
+    corners = np.empty(2 * len(layer.uv), np.float32)
+    layer.uv.foreach_get("vector", corners)
+    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    uvs = corners.reshape(-1, 2)[loops.reshape(-1, 3)]
+    return uvs[:, ::-1] if mirrored else uvs
+
+
+def _tag(mesh):
+    """Marks each vertex with numbers that no blend of others equals, to be known again behind modifiers."""
+    tags = np.random.default_rng(len(mesh.vertices)).random((len(mesh.vertices), 3), np.float32)
+    if _TAG in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[_TAG])
+    attribute = mesh.attributes.new(_TAG, "FLOAT_VECTOR", "POINT")
+    attribute.data.foreach_set("vector", tags.ravel())
+    return tags
+
+
+def _origins(mesh, tags):
+    attribute = mesh.attributes.get(_TAG)
+    if attribute is None or attribute.domain != "POINT" or not len(tags):
+        return None
+    found = np.empty(3 * len(mesh.vertices), np.float32)
+    attribute.data.foreach_get("vector", found)
+    found = found.reshape(-1, 3)
+    order = np.argsort(tags[:, 0])
+    places = np.searchsorted(tags[order, 0], found[:, 0]).clip(0, len(tags) - 1)
+    nearest = order[places]
+    return np.where((tags[nearest] == found).all(axis=1), nearest, -1)

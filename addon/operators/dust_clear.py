@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Take the dust of an object away."""
+
+import bpy
+
+from .. import dust
+from . import common
+
+
+class LAMINA_OT_dust_clear(bpy.types.Operator):
+    bl_idname = "lamina.dust_clear"
+    bl_label = "Clear Dust"
+    bl_description = "Take the settled dust of this object away"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_dust(cls, context)
+
+    def execute(self, context):
+        dust.clear(context.object)
+        return {"FINISHED"}

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Choose what feeds the thickness of the varying layer."""
+
+import bpy
+
+from .. import messages, thickness
+from . import common
+
+ITEMS = (
+    ("VALUE", "Value", "One thickness everywhere: the number of the input"),
+    ("ATTRIBUTE", "Attribute", "A float attribute of the mesh, such as settled dust"),
+    ("IMAGE", "Image", "A float image of optical thickness and a UV map"),
+)
+
+
+class LAMINA_OT_thickness_wire(bpy.types.Operator):
+    bl_idname = "lamina.thickness_wire"
+    bl_label = "Thickness From"
+    bl_description = "Choose what feeds the thickness of the varying layer; your own nodes stay"
+    bl_options = {"REGISTER", "UNDO"}
+
+    source: bpy.props.EnumProperty(name="Source", items=ITEMS, options={"SKIP_SAVE"})
+    name: bpy.props.StringProperty(
+        name="Name", description="Of the attribute or the image; empty: the usual one, a new one",
+        options={"SKIP_SAVE"},
+    )
+    uv_map: bpy.props.StringProperty(
+        name="UV Map", description="That the image is read by; empty: the active one", options={"SKIP_SAVE"}
+    )
+    replace: bpy.props.BoolProperty(
+        name="Replace", description="Take the place of a link of your own", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if not common.has_stack(cls, context):
+            return False
+        if thickness.wiring(common.material_of(context)).source == "none":
+            cls.poll_message_set("There is no thickness input: mark a layer as varying and bake")
+            return False
+        return True
+
+    def execute(self, context):
+        material = common.material_of(context)
+        try:
+            thickness.wire_thickness(material, self.source.lower(), self.name, self.uv_map, self.replace)
+        except messages.RefusedError as error:
+            self.report({"ERROR"}, messages.sentence(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Long work in a thread of its own, that the main thread polls. It never sees Blender data."""
+
+import threading
+
+
+class Worker:
+    """Runs work(progress, cancel) in a thread: `fraction` and `text` follow it, `result` or `error` is there
+    at its end.
+    """
+
+    def __init__(self, work, name):
+        self.fraction, self.text = 0.0, "Starting"
+        self.result, self.error = None, None
+        self._stop = threading.Event()
+        self._work = work
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def cancel(self):
+        self._stop.set()
+
+    @property
+    def cancelling(self):
+        return self._stop.is_set()
+
+    @property
+    def done(self):
+        return not self._thread.is_alive()
+
+    def wait(self, seconds=None):
+        self._thread.join(seconds)
+
+    def _run(self):
+        try:
+            self.result = self._work(self._progress, self._stop.is_set)
+        except BaseException as error:  # Whatever happened is told on the main thread.
+            self.error = error
+
+    def _progress(self, fraction, text=""):
+        self.fraction, self.text = fraction, text or self.text

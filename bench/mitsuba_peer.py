@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mitsuba 3's volpath on one homogeneous slab: paths per second and relative variance of a path.
+
+    python bench/mitsuba_peer.py VARIANT PATHS RR_DEPTH REPEATS      prints one line of JSON
+
+A process of its own: an LLVM too old for Mitsuba ends the process that loads it."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+SLAB = (0.9, 2.0, 0.75)
+MU = 0.5
+PIXELS = 32
+
+
+def measure(paths: int, rr_depth: int, repeats: int) -> dict:
+    """{variant, value, variance: relative, of a path, paths_per_second: wall clock, all threads} of light at cosine
+    MU: by llvm with the newest library that works, else scalar."""
+    for variant, library in [*(("llvm_ad_rgb", path) for path in _llvm_libraries()), ("scalar_rgb", None)]:
+        environment = {**os.environ, **({"DRJIT_LIBLLVM_PATH": str(library)} if library else {})}
+        call = [sys.executable, __file__, variant, str(paths), str(rr_depth), str(repeats)]
+        done = subprocess.run(call, env=environment, capture_output=True, text=True, check=False)
+        if done.returncode == 0:
+            return json.loads(done.stdout.splitlines()[-1])
+        reason = done.stderr.strip().splitlines()[:1] or ["no reason given"]
+        print(f"bench: Mitsuba {variant} {library or ''}: {reason[0]}", file=sys.stderr)
+    raise RuntimeError("Mitsuba renders by no variant: see above")
+
+
+def _llvm_libraries() -> list[Path]:
+    """Those of the system, the newest first."""
+    found: dict = {}
+    for folder in ("/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64"):
+        for path in Path(folder).glob("libLLVM*.so*"):
+            version = re.search(r"(\d+)", path.name.removeprefix("libLLVM"))
+            if version:
+                found.setdefault(int(version[1]), path)
+    return [found[version] for version in sorted(found, reverse=True)]
+
+
+def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
+    """The radiance seen at MU under unit radiance from above, in images of independent pixels."""
+    import mitsuba as mi
+
+    import lamina
+
+    sys.path.insert(0, str(ROOT / "tests/lamina"))
+    mi.set_variant(variant)
+    from mitsuba_scenes import slab
+
+    stack = lamina.Stack([lamina.Medium(albedo=SLAB[0], tau=SLAB[1], phase=lamina.HenyeyGreenstein(SLAB[2]))])
+    shapes, bottom = slab(stack)
+    # The other half of the light is hidden.
+    black = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}}}
+    below = mi.ScalarTransform4f().translate([0.0, 0.0, bottom - 1.0]).scale(1e5)
+    place = mi.ScalarTransform4f().look_at(origin=[5.0 * (1.0 - MU * MU) ** 0.5, 0.0, 5.0 * MU],
+                                           target=[0.0, 0.0, 0.0], up=[0.1, 0.8, 0.6])
+    scene = mi.load_dict({
+        "type": "scene", **shapes, "lid": {"type": "rectangle", "to_world": below, "bsdf": black},
+        "light": {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}},
+        "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": rr_depth},
+        "sensor": {"type": "orthographic", "to_world": place @ mi.ScalarTransform4f().scale(0.01),
+                   "film": {"type": "hdrfilm", "width": PIXELS, "height": PIXELS, "rfilter": {"type": "box"},
+                            "pixel_format": "luminance"},
+                   "sampler": {"type": "independent"}},
+    })
+    spp = -(-paths // PIXELS**2)
+    images, seconds = [], []
+    for seed in range(repeats + 1):
+        started = time.perf_counter()
+        image = np.array(mi.render(scene, spp=spp, seed=seed), dtype=float).ravel()
+        if seed > 0:  # the first compiles
+            images.append(image)
+            seconds.append(time.perf_counter() - started)
+    value = float(np.mean(images))
+    return {"variant": variant, "value": value, "variance": float(np.var(images, ddof=1)) * spp / value**2,
+            "paths_per_second": spp * PIXELS**2 / min(seconds)}
+
+
+if __name__ == "__main__":
+    print(json.dumps(render(sys.argv[1], *(int(text) for text in sys.argv[2:5]))))

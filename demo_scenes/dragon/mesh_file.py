@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Any mesh in place of the dragon: read by Blender's importers, put upright, as large as the dragon, on the plinth."""
+
+from pathlib import Path
+
+import bpy
+import cycles_render
+import numpy as np
+
+IMPORTERS = {".ply": "ply_import", ".obj": "obj_import", ".stl": "stl_import"}
+
+
+def load(path, width, height, up="y"):
+    """(vertices (n, 3), face sizes (m,), corners (k,)) of the file's faces: z up, standing on z = 0 with the middle of
+    its box over the origin, as large as goes into a box of `width` x `width` x `height`.
+
+    up: the file's own upright axis, "y" or "z". Vertices of no face are left out. Raises ValueError, in a sentence."""
+    path = Path(path)
+    if path.suffix.lower() not in IMPORTERS:
+        raise ValueError(f"{path}: must end in {', '.join(IMPORTERS)}")
+    if not path.is_file():
+        raise ValueError(f"{path}: no such file")
+    vertices, sizes, corners = _read(path)
+    if not len(sizes):
+        raise ValueError(f"{path}: holds no faces")
+    used, corners = np.unique(corners, return_inverse=True)
+    vertices = vertices[used]
+    if not np.all(np.isfinite(vertices)):
+        raise ValueError(f"{path}: {np.count_nonzero(~np.isfinite(vertices).all(axis=1))} vertices are not finite")
+    if up == "y":
+        vertices = vertices[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    if not high[2] > low[2]:
+        raise ValueError(f"{path}: has no height")
+    foot = np.array([*(0.5 * (low + high))[:2], low[2]])
+    scale = np.min(np.array([width, width, height]) / np.maximum(high - low, 1e-30))
+    return (vertices - foot) * scale, sizes, corners.ravel()
+
+
+def _read(path):
+    """The file's vertices and faces, its axes and lengths as they are."""
+    before = set(bpy.data.objects)
+    # Without turning anything: what is up, `load` knows.
+    with cycles_render.quiet():
+        getattr(bpy.ops.wm, IMPORTERS[path.suffix.lower()])(filepath=str(path), forward_axis="Y", up_axis="Z")
+    made = [thing for thing in bpy.data.objects if thing not in before]
+    vertices, sizes, corners, first = [np.empty((0, 3))], [np.empty(0, int)], [np.empty(0, int)], 0
+    for thing in made:
+        mesh = thing.data
+        points, at = np.empty(3 * len(mesh.vertices), np.float32), np.empty(len(mesh.loops), np.int32)
+        size = np.empty(len(mesh.polygons), np.int32)
+        mesh.vertices.foreach_get("co", points)
+        mesh.loops.foreach_get("vertex_index", at)
+        mesh.polygons.foreach_get("loop_total", size)
+        vertices.append(points.reshape(-1, 3).astype(float))
+        sizes.append(size)
+        corners.append(at.astype(int) + first)
+        first += len(mesh.vertices)
+        bpy.data.objects.remove(thing)
+        bpy.data.meshes.remove(mesh)
+    return np.concatenate(vertices), np.concatenate(sizes), np.concatenate(corners)

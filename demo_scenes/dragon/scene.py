@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The same bronze three times: clean, under light dust, under heavy dust; or once, on a turntable. In metres.
+
+All copies share a mesh and its dust, settled once: what falls is proportional to time, so that each object carries
+its share of the thickness as the property SHARE, and the material multiplies the two.
+"""
+
+import importlib
+import math
+
+import bpy
+import extension
+import numpy as np
+
+from . import mesh_file, plinth, sculpture, settling, stage
+
+SHARE = "dust_share"
+SPACING, MARGIN = 0.298, 0.18  # m between figures; half of the second is left free at either side, in figures
+HEIGHT, WIDTH = 0.262, 0.21  # m that any other mesh may fill: it stays on the plinth
+PLINTH_RADIUS, PLINTH_HEIGHT = 0.118, 0.22 * 0.118
+PLINTH_CENTRE = (-0.006, -0.006, 0.0)  # under the dragon's feet and tail
+COARSE, FINE = (1.15, 0.6), (sculpture.SPACING, sculpture.HEAD_SPACING)  # mm
+
+
+def figure(mesh_path=None, fine=True, up="y"):
+    """The mesh that is shown: the dragon, or that of a file. Raises ValueError."""
+    if mesh_path is None:
+        vertices, quads, triangles = sculpture.build(*(FINE if fine else COARSE))
+        sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
+        return as_mesh("dragon", 1e-3 * vertices - PLINTH_CENTRE, sizes,
+                       np.concatenate([quads.ravel(), triangles.ravel()]))
+    return as_mesh("figure", *mesh_file.load(mesh_path, WIDTH, HEIGHT, up))
+
+
+def stand(fine=True):
+    """The plinth's mesh."""
+    vertices, quads, triangles = plinth.build(PLINTH_RADIUS, 0.0008 if fine else 0.0014)
+    sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
+    return as_mesh("plinth", vertices, sizes, np.concatenate([quads.ravel(), triangles.ravel()]))
+
+
+def as_mesh(name, vertices, sizes, corners):
+    """A Blender mesh with smooth faces: vertices (n, 3), the faces' numbers of corners (m,), their vertices (k,)."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(vertices))
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, np.float32).ravel())
+    mesh.loops.add(len(corners))
+    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corners, np.int32))
+    mesh.polygons.add(len(sizes))
+    mesh.polygons.foreach_set("loop_start", np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int32))
+    mesh.update(calc_edges=True)
+    mesh.validate()
+    mesh.shade_smooth()
+    return mesh
+
+
+def material(stack, quality, row_stride):
+    """(material whose dust is as thick as attribute times share, its LUT). stack: a dict with a varying layer."""
+    import lamina
+
+    if not any(layer.get("varying") for layer in stack["layers"]):
+        raise ValueError("layers: none of them is varying; the dust must be")
+    stack_io, bake_job = (importlib.import_module(f"{extension.PACKAGE}.{name}") for name in ("stack_io", "bake_job"))
+    made = bpy.data.materials.new("dusty bronze")
+    made.use_nodes = True
+    described = lamina.Stack.from_json(stack)
+    stack_io.assign_stack(made, described)
+    lut = lamina.bake(described, quality, row_stride=row_stride)
+    bake_job.apply(made, lut)
+    tree = made.node_tree
+    group = next(node for node in tree.nodes if node.type == "GROUP")
+    product = tree.nodes.new("ShaderNodeMath")
+    product.operation = "MULTIPLY"
+    for k, (kind, name) in enumerate((("GEOMETRY", settling.ATTRIBUTE), ("OBJECT", SHARE))):
+        attribute = tree.nodes.new("ShaderNodeAttribute")
+        attribute.attribute_type, attribute.attribute_name = kind, name
+        tree.links.new(attribute.outputs["Fac"], product.inputs[k])
+    tree.links.new(product.outputs[0], group.inputs["Thickness"])
+    return made, lut
+
+
+def build(figure_mesh, stand_mesh, dusty, shares):
+    """(scene, its [(figure, plinth)] from left to right). shares: of the dust that settles, one a figure."""
+    made = bpy.data.scenes.new("dragon")
+    eye = stage.build(made, 0.110, SPACING * (len(shares) + MARGIN))
+    for mesh in (figure_mesh, stand_mesh):
+        mesh.materials.clear()
+        mesh.materials.append(dusty)
+    groups = []
+    for k, share in enumerate(shares):
+        place = stage.RIGHT * (k - 0.5 * (len(shares) - 1)) * SPACING
+        # Each turns the same side to the viewer.
+        seen = eye.location - place
+        turn = math.atan2(seen.y, seen.x) - stage.CAMERA_AZIMUTH
+        groups.append([_put(made, mesh, place, turn, share) for mesh in (figure_mesh, stand_mesh)])
+    stage.paper(made, -PLINTH_HEIGHT, 0.9, 4.0)
+    made.view_layers[0].update()
+    return made, groups
+
+
+def settle(group, amount, rays):
+    """Let dust settle on a figure and its plinth, for all that share their meshes; statistics of both by name."""
+    figure, stand = group
+    return {"figure": settling.settle_on(figure, amount, [stand], rays),
+            "plinth": settling.settle_on(stand, amount, [figure], rays)}
+
+
+def _put(scene, mesh, place, turn, share):
+    thing = bpy.data.objects.new(mesh.name, mesh)
+    thing.location, thing.rotation_euler = place, (0.0, 0.0, turn)
+    thing[SHARE] = float(share)
+    scene.collection.objects.link(thing)
+    return thing

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The module of what needs rays, apart from _core: a build without Embree, or one that does not work here, leaves
+// all else as it is.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <future>
+#include <optional>
+
+#include "dust.hpp"
+#include "processor.hpp"
+#include "texel_raster.hpp"
+
+namespace py = pybind11;
+
+namespace {
+
+using namespace lamina;
+using Floats = py::array_t<float, py::array::c_style>;
+using Indices = py::array_t<std::uint32_t, py::array::c_style>;
+using Doubles = py::array_t<double, py::array::c_style>;
+
+void require_triples(const py::array& array, const char* name) {
+  if (array.ndim() != 2 || array.shape(1) != 3) {
+    throw py::value_error(std::string(name) + " must have shape (n, 3)");
+  }
+}
+
+TrianglePart part_of(const Floats& vertices, const Indices& triangles) {
+  require_triples(vertices, "vertices");
+  require_triples(triangles, "triangles");
+  TrianglePart part{{vertices.data(), vertices.data() + vertices.size()},
+                    {triangles.data(), triangles.data() + triangles.size()}};
+  const auto count = static_cast<std::size_t>(vertices.shape(0));
+  for (const std::uint32_t index : part.triangles) {
+    if (index >= count) {
+      throw py::value_error("triangles must hold indices below the number of vertices");
+    }
+  }
+  return part;
+}
+
+struct BoundFall : Fall {
+  OpenShare open;
+  explicit BoundFall(const Fall& fall) : Fall(fall), open(fall) {}
+};
+
+/// A scene and the threads that trace it.
+class Scene {
+ public:
+  Scene(const std::vector<std::pair<Floats, Indices>>& meshes, unsigned threads, const py::function& go_on)
+      : pool_(threads) {
+    std::vector<TrianglePart> parts;
+    for (const auto& [vertices, triangles] : meshes) {
+      parts.push_back(part_of(vertices, triangles));
+    }
+    build(std::move(parts), go_on);
+  }
+
+  py::tuple arrivals(const BoundFall& fall, const Floats& positions, const Floats& normals, std::uint64_t first_number,
+                     const ArrivalOptions& options) {
+    const PointSet points = points_of(positions, normals, first_number, options);
+    Floats shares(positions.shape(0));
+    std::uint64_t rays = 0;
+    {
+      float* out = shares.mutable_data();
+      const py::gil_scoped_release release;
+      rays = dust_arrivals(*scene_, fall, fall.open, points, options, out, pool_);
+    }
+    return py::make_tuple(shares, rays);
+  }
+
+  py::tuple exposures(const Floats& positions, const Floats& normals, std::uint64_t first_number,
+                      const ArrivalOptions& options, float reach) {
+    const PointSet points = points_of(positions, normals, first_number, options);
+    Floats exposures(positions.shape(0));
+    std::uint64_t rays = 0;
+    {
+      float* out = exposures.mutable_data();
+      const py::gil_scoped_release release;
+      rays = dust_exposures(*scene_, points, options, reach, out, pool_);
+    }
+    return py::make_tuple(exposures, rays);
+  }
+
+  py::tuple grains(const BoundFall& fall, const Vec3f& corner, const Vec3f& edge1, const Vec3f& edge2, float lengths,
+                   std::uint64_t count, std::uint64_t seed) {
+    GrainCount counted;
+    {
+      const py::gil_scoped_release release;
+      counted = trace_grains(*scene_, fall, {corner, edge1, edge2, lengths}, count, seed, pool_);
+    }
+    return py::make_tuple(counted.front, counted.back, counted.stopped, counted.missed);
+  }
+
+  std::size_t bytes() const { return scene_->bytes(); }
+
+ private:
+  /// On a thread of its own, so that Python can be asked here whether to go on.
+  void build(std::vector<TrianglePart> parts, const py::function& go_on) {
+    std::atomic<double> fraction = 0.0;
+    std::atomic<bool> stop = false;
+    std::optional<py::error_already_set> raised;
+    auto built = std::async(std::launch::async, [&] {
+      return std::make_unique<MeshScene>(std::move(parts), pool_.threads(), [&](double done) {
+        fraction = done;
+        return !stop;
+      });
+    });
+    {
+      const py::gil_scoped_release release;
+      while (built.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
+        const py::gil_scoped_acquire acquire;
+        try {
+          if (!stop) {
+            go_on(fraction.load());
+          }
+        } catch (py::error_already_set& error) {
+          raised = error;
+          stop = true;
+        }
+      }
+    }
+    try {
+      scene_ = built.get();
+    } catch (const MeshScene::Stopped&) {
+    }
+    if (raised) {
+      throw py::error_already_set(*raised);
+    }
+  }
+
+  static PointSet points_of(const Floats& positions, const Floats& normals, std::uint64_t first_number,
+                            const ArrivalOptions& options) {
+    require_triples(positions, "positions");
+    require_triples(normals, "normals");
+    if (positions.shape(0) != normals.shape(0)) {
+      throw py::value_error("positions and normals must have as many rows");
+    }
+    if (options.rays < 1) {
+      throw py::value_error("rays must be at least 1");
+    }
+    return {positions.data(), normals.data(), static_cast<std::size_t>(positions.shape(0)), first_number};
+  }
+
+  ThreadPool pool_;
+  std::unique_ptr<MeshScene> scene_;
+};
+
+py::tuple texels(const Doubles& uvs, int width, int height) {
+  if (uvs.ndim() != 3 || uvs.shape(1) != 3 || uvs.shape(2) != 2 || width < 1 || height < 1) {
+    throw py::value_error("uvs must have shape (m, 3, 2), and the image at least one texel");
+  }
+  py::array_t<std::int32_t> triangle({height, width});
+  Floats weights({height, width, 2});
+  raster_texels(uvs.data(), static_cast<std::size_t>(uvs.shape(0)), width, height, triangle.mutable_data(),
+                weights.mutable_data());
+  return py::make_tuple(triangle, weights);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_mesh, module) {
+  require_processor();
+  const std::string wrong = mesh_self_test();
+  if (!wrong.empty()) {
+    throw py::import_error(wrong);
+  }
+  py::class_<BoundFall>(module, "Fall", "How grains fall: directions orthonormal, wind over the speed of the fall.")
+      .def(py::init([](const Vec3f& up, const Vec3f& across1, const Vec3f& across2, float wind1, float wind2,
+                       float sin_spread) {
+             if (!(sin_spread >= 0.0F && sin_spread < 1.0F)) {
+               throw py::value_error("sin_spread must lie in [0, 1)");
+             }
+             return BoundFall(Fall{up, across1, across2, wind1, wind2, sin_spread});
+           }),
+           py::arg("up"), py::arg("across1"), py::arg("across2"), py::arg("wind1"), py::arg("wind2"),
+           py::arg("sin_spread"))
+      .def("open_share", [](const BoundFall& fall, double up, double across1, double across2) {
+        return fall.open(up, across1, across2);
+      });
+  py::class_<ArrivalOptions>(module, "Options")
+      .def(py::init<int, std::uint64_t, bool, float>(), py::arg("rays"), py::arg("seed"), py::arg("two_sided"),
+           py::arg("offset"));
+  py::class_<Scene>(module, "Scene", "Meshes (vertices, triangles); the first is the one that dust settles on.")
+      .def(py::init<const std::vector<std::pair<Floats, Indices>>&, unsigned, const py::function&>(), py::arg("meshes"),
+           py::arg("threads"), py::arg("go_on"))
+      .def("arrivals", &Scene::arrivals, py::arg("fall"), py::arg("positions").noconvert(),
+           py::arg("normals").noconvert(), py::arg("first_number"), py::arg("options"), "(shares, rays traced)")
+      .def("exposures", &Scene::exposures, py::arg("positions").noconvert(), py::arg("normals").noconvert(),
+           py::arg("first_number"), py::arg("options"), py::arg("reach"), "(exposures, rays traced)")
+      .def("grains", &Scene::grains, py::arg("fall"), py::arg("corner"), py::arg("edge1"), py::arg("edge2"),
+           py::arg("lengths"), py::arg("count"), py::arg("seed"), "(front, back, stopped, missed)")
+      .def_property_readonly("bytes", &Scene::bytes);
+  module.def("texels", &texels, py::arg("uvs"), py::arg("width"), py::arg("height"),
+             "(triangle, weights of corners 2 and 3) of each texel.");
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+
+#include "graded_medium.hpp"
+#include "root_vertex.hpp"
+#include "scattering_guide.hpp"
+#include "walk.hpp"
+
+namespace lamina {
+
+/// The BRDF of a homogeneous slab by an unbiased walk of the integral scattering equation that estimates only what
+/// tables do not know. Of each S it meets,
+///   S = S1 + R,  R = int exp(-(1/mu + 1/mu0)(tau - t)) (kS + Sk + SkS) dt,
+/// single scattering S1 is exact and R is taken as
+///   R~ + (R' - R~) / q with probability q, else R~,
+/// where R~ is what the guide's tables say and R' one vertex more, whose S are again such estimates: whatever R~ is,
+/// the mean is R. q is what the walk's weight times R~ is worth against the whole, so that branches of little worth
+/// end early and heavy ones do not. The first vertex, between directions that never change, has tables of its own.
+class ResidualWalk final : public Walk {
+ public:
+  static constexpr int kMostCandidates = 32;
+
+  /// `candidates` for each direction after the first: 8, 16 or 32. The guide, of the same medium, may be shared.
+  /// Throws std::invalid_argument for other numbers, for media that vary with depth, and for those over a surface.
+  ResidualWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi, int candidates,
+               std::shared_ptr<const ScatteringGuide> guide);
+
+  double sample(Rng& rng, std::uint64_t& events) const override;
+
+ private:
+  struct Branch;
+  struct Vertex;
+  struct Step;
+  struct Pair;
+
+  Branch branch(const Vertex& vertex, const SlabRay& a, const SlabRay& b, double value) const;
+  double estimate(Branch branch, double worth, Rng& rng, std::uint64_t& events) const;
+  template <int kOwn, int kDrawn>
+  Step scatter(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const;
+  Step step_from(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const;
+  Pair turn(const Vertex& vertex, const SlabRay& a, const SlabRay& b, Rng& rng) const;
+
+  GradedMedium medium_;
+  std::shared_ptr<const ScatteringGuide> guide_;
+  SlabRay view_;
+  SlabRay light_;
+  int candidates_;
+  LocalScattering scattering_;
+  RootVertex root_;
+  double once_;                    ///< the BRDF's single scattering
+  double scale_;                   ///< from S to the BRDF
+  ScatteringGuide::Column floor_;  ///< what the terms are taken for at least
+};
+
+}  // namespace lamina

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace lamina {
+
+/// Which triangle of a UV map covers the centre of each texel: `uvs` holds u v of the three corners of each
+/// triangle, u to the right and v up over [0, 1]; texels run in rows from the bottom. Writes the triangle's number
+/// into `triangle`, the lowest where several overlap and -1 where none is, and the weights of its second and third
+/// corner into `weights`, two a texel. What lies outside [0, 1] is left out.
+void raster_texels(const double* uvs, std::size_t triangles, int width, int height, std::int32_t* triangle,
+                   float* weights);
+
+}  // namespace lamina

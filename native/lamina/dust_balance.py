@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The other way round: grains traced from above, to check by independent rays how much dust a surface gets."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+GRAINS = 1 << 18
+_STREAM = 0x6772_6169_6E73_0000  # random numbers of their own
+
+
+@dataclass(frozen=True)
+class FallFrame:
+    """Directions of a fall: up and two across, orthonormal, and the wind along those two over the fall's speed."""
+
+    up: np.ndarray
+    across1: np.ndarray
+    across2: np.ndarray
+    wind1: float
+    wind2: float
+    spread: float
+
+    @classmethod
+    def of(cls, gravity, wind, spread: float) -> FallFrame:
+        down = np.asarray(gravity, np.float64)
+        up = -down / np.linalg.norm(down)
+        across1 = np.zeros(3)
+        across1[int(np.argmin(np.abs(up)))] = 1.0
+        across1 -= up * (up @ across1)
+        across1 /= np.linalg.norm(across1)
+        across2 = np.cross(up, across1)
+        wind = np.asarray(wind, np.float64)
+        return cls(up, across1, across2, float(wind @ across1), float(wind @ across2), spread)
+
+    def core(self, layer):
+        """The core's own."""
+        return layer.Fall(self.up, self.across1, self.across2, self.wind1, self.wind2, math.sin(self.spread))
+
+
+@dataclass(frozen=True)
+class Forward:
+    """Areas in m^2 of an open horizontal plane that catches as much: what was launched, what met the front and the
+    back of the surface's faces, occluders, and nothing; and the standard errors of the first two and their sum."""
+
+    launched: float
+    front: float
+    back: float
+    stopped: float
+    missed: float
+    front_stderr: float
+    both_stderr: float
+    grains: int
+
+
+def trace(scene, core_fall, fall: FallFrame, surface: np.ndarray, others: list[np.ndarray], scale: float, seed: int,
+          grains: int = GRAINS) -> Forward:
+    """`surface`, `others`: (n, 3) vertices of the scene's meshes in its frame, whose unit is `scale` metres.
+
+    Grains are aimed at a rectangle at the height of the surface's highest point, so large that each grain that could
+    touch the surface's box passes through it."""
+    (low_up, top), (low1, high1), (low2, high2) = (_extent(surface, axis) for axis in
+                                                  (fall.up, fall.across1, fall.across2))
+    slope, depth = math.tan(fall.spread), top - low_up
+    low1, high1 = _widened(low1, high1, -fall.wind1, slope, depth)
+    low2, high2 = _widened(low2, high2, -fall.wind2, slope, depth)
+    area = (high1 - low1) * (high2 - low2) * scale * scale
+    if not area > 0.0:
+        return Forward(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
+    highest = max([top, *(_extent(other, fall.up)[1] for other in others if len(other))])
+    corner = top * fall.up + low1 * fall.across1 + low2 * fall.across2
+    counts = scene.grains(core_fall, corner, (high1 - low1) * fall.across1, (high2 - low2) * fall.across2,
+                          highest - top + 0.01, grains, seed ^ _STREAM)
+    front, back, stopped, missed = (area * count / grains for count in counts)
+
+    def stderr(count: int) -> float:
+        share = count / grains
+        return area * math.sqrt(share * (1.0 - share) / grains)
+
+    return Forward(area, front, back, stopped, missed, stderr(counts[0]), stderr(counts[0] + counts[1]), grains)
+
+
+def _extent(vertices: np.ndarray, axis: np.ndarray) -> tuple[float, float]:
+    along = vertices @ axis.astype(vertices.dtype)
+    return float(along.min()), float(along.max())
+
+
+def _widened(low: float, high: float, drift: float, slope: float, depth: float) -> tuple[float, float]:
+    return low + min(0.0, (drift - slope) * depth), high + max(0.0, (drift + slope) * depth)
