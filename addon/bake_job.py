@@ -12,11 +12,12 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import judgement, messages, native, node_group, preferences, stack_io, thickness
-from .worker import Worker
+from .worker import Place, Worker
 
 log = logging.getLogger(__package__)
 
-_running = None
+_place = Place()
+running, forget, stop = _place.running, _place.forget, _place.stop
 _failures = {}
 
 
@@ -102,32 +103,12 @@ def apply(material, lut, in_place=False):
 
 def start(material, quality=None):
     """Start a bake in the background; one at a time. Raises like bake_material, before it starts."""
-    global _running
-    _running = MaterialJob(material, quality or material.lamina.quality, preferences.threads())
-    return _running
-
-
-def running():
-    """The running job, or None."""
-    return _running
+    return _place.take(MaterialJob(material, quality or material.lamina.quality, preferences.threads()))
 
 
 def running_for(material):
-    return _running if _running is not None and _running.uid == material.session_uid else None
-
-
-def forget():
-    """The running job has been dealt with."""
-    global _running
-    _running = None
-
-
-def stop():
-    """Cancel the running job and wait for its thread."""
-    if _running is not None:
-        _running.cancel()
-        _running.wait()
-        forget()
+    job = running()
+    return job if job is not None and job.uid == material.session_uid else None
 
 
 def note_failure(material, error):

@@ -7,11 +7,12 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import dust, native, preferences
-from .worker import Worker
+from .worker import Place, Worker
 
 log = logging.getLogger(__package__)
 
-_running = None
+_place = Place()
+running, forget, stop = _place.running, _place.forget, _place.stop
 
 
 class DustJob(Worker):
@@ -53,29 +54,8 @@ class DustJob(Worker):
 
 def start(context, objects):
     """Start in the background, one job at a time. Raises as dust.gather does, before it starts."""
-    global _running
     tasks = [dust.gather(context, obj) for obj in objects]
-    _running = DustJob(tasks, preferences.threads())
-    return _running
-
-
-def running():
-    """The running job, or None."""
-    return _running
-
-
-def forget():
-    """The running job has been dealt with."""
-    global _running
-    _running = None
-
-
-def stop():
-    """Cancel the running job and wait for its thread."""
-    if _running is not None:
-        _running.cancel()
-        _running.wait()
-        forget()
+    return _place.take(DustJob(tasks, preferences.threads()))
 
 
 @persistent

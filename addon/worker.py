@@ -39,3 +39,29 @@ class Worker:
 
     def _progress(self, fraction, text=""):
         self.fraction, self.text = fraction, text or self.text
+
+
+class Place:
+    """Where one worker at a time runs."""
+
+    def __init__(self):
+        self._job = None
+
+    def take(self, job):
+        self._job = job
+        return job
+
+    def running(self):
+        """The running worker, or None."""
+        return self._job
+
+    def forget(self):
+        """The running worker has been dealt with."""
+        self._job = None
+
+    def stop(self):
+        """Cancel the running worker and wait for its thread."""
+        if self._job is not None:
+            self._job.cancel()
+            self._job.wait()
+            self.forget()
