@@ -29,7 +29,7 @@ SUBSTANCES = (
 
 TARGETS = (
     ("attribute", "Attribute", "A float attribute of the mesh, one value a vertex", 0),
-    ("image", "Image", "A packed float image, one value a texel of a UV map", 1),
+    ("image", "Image", "A packed float image over a UV map, for a material of this object alone", 1),
 )
 
 ATTRIBUTE = "lamina_dust"
