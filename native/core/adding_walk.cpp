@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "layer_table.hpp"
 #include "stack_walk.hpp"
@@ -24,8 +25,9 @@ class LayerWalk final : public StackWalk {
         continue;
       }
       if (element.graded) {
-        sides.top = std::make_shared<const LayerTable>(*element.graded, pool);
-        sides.bottom = std::make_shared<const LayerTable>(element.graded->turned(), pool);
+        auto [top, bottom] = LayerTable::both_sides(*element.graded, pool);
+        sides.top = std::make_shared<const LayerTable>(std::move(top));
+        sides.bottom = std::make_shared<const LayerTable>(std::move(bottom));
       } else {
         sides.top = sides.bottom = std::make_shared<const LayerTable>(medium, pool);
       }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "assembly.hpp"
 #include "once_scattered.hpp"
@@ -41,13 +42,16 @@ Eigen::MatrixXd kernel_of(const ScatteringFunction& s, Side side, Path path) {
   return s.transmit.kernel.transpose();
 }
 
-/// For each azimuth order, the part of pi f that is smooth, between all targets.
-std::vector<Eigen::MatrixXd> smooth_orders(const Assembly& assembly, Side side, Path path, Eigen::Index targets,
-                                           ThreadPool& pool) {
-  std::vector<Eigen::MatrixXd> orders(static_cast<std::size_t>(assembly.solution().orders()));
-  pool.run(orders.size(), [&](std::size_t m) {
+/// For each passage and azimuth order, the part of pi f that is smooth, between all targets.
+std::vector<std::vector<Eigen::MatrixXd>> smooth_orders(const Assembly& assembly, const std::vector<Passage>& passages,
+                                                        Eigen::Index targets, ThreadPool& pool) {
+  const auto count = static_cast<std::size_t>(assembly.solution().orders());
+  std::vector<std::vector<Eigen::MatrixXd>> orders(passages.size(), std::vector<Eigen::MatrixXd>(count));
+  pool.run(count, [&](std::size_t m) {
     const ScatteringFunction rest = assembly.without_single(static_cast<int>(m));
-    orders[m] = kernel_of(rest, side, path).bottomRightCorner(targets, targets);
+    for (std::size_t k = 0; k < passages.size(); ++k) {
+      orders[k][m] = kernel_of(rest, passages[k].side, passages[k].path).bottomRightCorner(targets, targets);
+    }
   });
   return orders;
 }
@@ -92,33 +96,44 @@ struct AngleTable {
 
 std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
                                   const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
+  return std::move(evaluate_grids(solution, {{side, path}}, mu_o, mu_i, dphi, pool).front());
+}
+
+std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const std::vector<Passage>& passages,
+                                                const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
+                                                const Eigen::VectorXd& dphi, ThreadPool& pool) {
   const Targets targets({&mu_o, &mu_i});
   const Assembly assembly(solution, targets.mu, pool);
-  const std::vector<Eigen::MatrixXd> orders = smooth_orders(assembly, side, path, targets.mu.size(), pool);
-  const OnceScattered once(assembly, side, path);
+  const std::vector<std::vector<Eigen::MatrixXd>> all = smooth_orders(assembly, passages, targets.mu.size(), pool);
   const Eigen::ArrayXd cosines = dphi.array().cos();
-  Eigen::MatrixXd waves(static_cast<Eigen::Index>(orders.size()), dphi.size());
+  Eigen::MatrixXd waves(static_cast<Eigen::Index>(solution.orders()), dphi.size());
   for (Eigen::Index m = 0; m < waves.rows(); ++m) {
     waves.row(m) = (m == 0 ? 1.0 : 2.0) / pi * (static_cast<double>(m) * dphi.array()).cos();
   }
-  std::vector<double> values(static_cast<std::size_t>(mu_o.size() * mu_i.size() * dphi.size()));
-  pool.run(static_cast<std::size_t>(mu_o.size()), [&](std::size_t row) {
-    const Eigen::Index o = targets.find(mu_o[static_cast<Eigen::Index>(row)]);
-    Eigen::MatrixXd coefficients(mu_i.size(), waves.rows());
-    for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
-      const Eigen::Index column = targets.find(mu_i[i]);
-      for (Eigen::Index m = 0; m < waves.rows(); ++m) {
-        coefficients(i, m) = orders[static_cast<std::size_t>(m)](o, column);
+  std::vector<std::vector<double>> grids(passages.size());
+  for (std::size_t k = 0; k < passages.size(); ++k) {
+    const std::vector<Eigen::MatrixXd>& orders = all[k];
+    const OnceScattered once(assembly, passages[k].side, passages[k].path);
+    std::vector<double>& values = grids[k];
+    values.resize(static_cast<std::size_t>(mu_o.size() * mu_i.size() * dphi.size()));
+    pool.run(static_cast<std::size_t>(mu_o.size()), [&](std::size_t row) {
+      const Eigen::Index o = targets.find(mu_o[static_cast<Eigen::Index>(row)]);
+      Eigen::MatrixXd coefficients(mu_i.size(), waves.rows());
+      for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
+        const Eigen::Index column = targets.find(mu_i[i]);
+        for (Eigen::Index m = 0; m < waves.rows(); ++m) {
+          coefficients(i, m) = orders[static_cast<std::size_t>(m)](o, column);
+        }
       }
-    }
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> slice(
-        values.data() + row * static_cast<std::size_t>(mu_i.size() * dphi.size()), mu_i.size(), dphi.size());
-    slice.noalias() = coefficients * waves;
-    for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
-      slice.row(i) += once(o, targets.find(mu_i[i]), cosines).matrix().transpose();
-    }
-  });
-  return values;
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> slice(
+          values.data() + row * static_cast<std::size_t>(mu_i.size() * dphi.size()), mu_i.size(), dphi.size());
+      slice.noalias() = coefficients * waves;
+      for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
+        slice.row(i) += once(o, targets.find(mu_i[i]), cosines).matrix().transpose();
+      }
+    });
+  }
+  return grids;
 }
 
 std::vector<double> evaluate_points(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
@@ -127,7 +142,7 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
   const bool tabulate = exact.mu.size() > AngleTable::kKnots;
   const Assembly smooth(solution, tabulate ? AngleTable::cosines() : exact.mu, pool);
   const std::vector<Eigen::MatrixXd> orders =
-      smooth_orders(smooth, side, path, smooth.directions().front().targets, pool);
+      std::move(smooth_orders(smooth, {{side, path}}, smooth.directions().front().targets, pool).front());
   const Assembly all(solution, exact.mu);
   const OnceScattered once(all, side, path);
   std::vector<double> values(static_cast<std::size_t>(mu_o.size()));

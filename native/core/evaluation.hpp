@@ -18,6 +18,15 @@ enum class Path { kReflect, kTransmit };
 std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
                                   const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool);
 
+/// The same for several sides and paths at once: the stack is put together once for all of them.
+struct Passage {
+  Side side;
+  Path path;
+};
+std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const std::vector<Passage>& passages,
+                                                const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
+                                                const Eigen::VectorXd& dphi, ThreadPool& pool);
+
 /// For lists of equal length, one value for each triple.
 std::vector<double> evaluate_points(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
                                     const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool);

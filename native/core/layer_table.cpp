@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "evaluation.hpp"
 #include "graded_single.hpp"
@@ -16,9 +17,11 @@ namespace {
 
 using std::numbers::pi;
 
-/// Finer than any walk will notice.
-constexpr double kTolerance = 2e-4;
+/// What a layer is solved to: finer than any walk will notice.
+constexpr double kSolvedTo = 2e-4;
 constexpr double kLeastCosine = 1e-6;
+/// Down to here a table is compared with the solution.
+constexpr double kLeastCompared = 0.05;
 
 /// Cubic of Lagrange on four neighbours of a uniform grid, `x` from the first of them.
 std::array<double, 4> cubic_weights(double x) {
@@ -32,74 +35,161 @@ double cosine_between(const Ray& a, const Ray& b) {
   return lengths > 0.0 ? std::clamp((a.x * b.x + a.y * b.y) / std::sqrt(lengths), -1.0, 1.0) : 1.0;
 }
 
-double knot_cosine(double knot, double last) { return std::max(kLeastCosine, std::cos(0.5 * pi * knot / last)); }
+/// Knots in the angle with the normal are the denser the closer to grazing, where the scattering function varies over
+/// cosines as small as the layer is thin: as a share of a right angle it is u (1 + c - c u), u uniform.
+constexpr double kBend = 0.6;
+
+double knot_cosine(double knot, double last) {
+  const double u = knot / last;
+  return std::max(kLeastCosine, std::cos(0.5 * pi * u * (1.0 + kBend - kBend * u)));
+}
+
+/// The inverse.
+double knot_of_cosine(double mu, double last) {
+  const double share = std::acos(std::min(mu, 1.0)) / (0.5 * pi);
+  constexpr double kHalf = 0.5 * (1.0 + kBend);
+  return last * (kHalf - std::sqrt(std::max(0.0, kHalf * kHalf - kBend * share))) / kBend;
+}
+
+/// Knots in azimuth are denser by this ahead, where peaks of phase functions are, and as much sparser behind: half
+/// its tangent is stretched, which keeps functions even about both ends.
+constexpr double kAhead = 0.6;
+
+double knot_azimuth(double knot, double last) {
+  return knot < last ? 2.0 * std::atan(kAhead * std::tan(0.5 * pi * knot / last)) : pi;
+}
+
+/// Where all knots lie.
+struct Edges {
+  std::array<double, LayerTable::kAngles> cosine;
+  std::array<double, LayerTable::kAzimuths> azimuth;
+
+  Edges() {
+    for (std::size_t k = 0; k < cosine.size(); ++k) {
+      cosine[k] = knot_cosine(static_cast<double>(k), LayerTable::kAngles - 1);
+    }
+    for (std::size_t k = 0; k < azimuth.size(); ++k) {
+      azimuth[k] = knot_azimuth(static_cast<double>(k), LayerTable::kAzimuths - 1);
+    }
+  }
+};
+const Edges kEdges;
+
+/// The inverse, of the azimuth's cosine.
+double knot_of_azimuth(double cosine, double last) {
+  return last * (2.0 / pi) * std::atan2(std::sqrt(1.0 - cosine), kAhead * std::sqrt(1.0 + cosine));
+}
+
+Eigen::VectorXd middle_cosines() {
+  Eigen::VectorXd mu(LayerTable::kAngles - 1);
+  for (Eigen::Index k = 0; k < mu.size(); ++k) {
+    mu[k] = knot_cosine(static_cast<double>(k) + 0.5, LayerTable::kAngles - 1);
+  }
+  return mu;
+}
+
+/// All middles between knots down to the least cosine compared, and that: where cubics are worst.
+Eigen::VectorXd compared_cosines() {
+  std::vector<double> all;
+  for (const double mu : middle_cosines()) {
+    if (mu > kLeastCompared) {
+      all.push_back(mu);
+    }
+  }
+  all.push_back(kLeastCompared);
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), std::ssize(all));
+}
+
+Eigen::VectorXd compared_azimuths() {
+  constexpr std::array kRanges = {0.0, 2.0, 4.0, 8.0, 16.0, 32.0, 48.0, 62.0};
+  Eigen::VectorXd all(std::ssize(kRanges));
+  for (std::size_t k = 0; k < kRanges.size(); ++k) {
+    all[static_cast<Eigen::Index>(k)] = knot_azimuth(kRanges[k] + 0.5, LayerTable::kAzimuths - 1);
+  }
+  return all;
+}
 
 }  // namespace
 
-LayerTable::LayerTable(const Medium& medium, ThreadPool& pool) : medium_(medium) { lay(Stack{{medium}, {}}, pool); }
+/// A layer's solution and what tables need of it: by side, first reflected, then passed.
+struct LayerTable::Solved {
+  Solution solution;
+  std::vector<Side> sides;
+  std::vector<std::vector<double>> at_knots;
+  std::vector<std::vector<double>> between;
 
-LayerTable::LayerTable(const GradedMedium& graded, ThreadPool& pool)
-    : medium_{graded.largest_albedo(), graded.tau(), PhaseFunction()}, graded_(graded) {
-  lay(Stack{{graded}, {}}, pool);
+  Solved(const Stack& layer, std::vector<Side> entered, ThreadPool& pool)
+      : solution(solve(layer, kSolvedTo, pool)), sides(std::move(entered)) {
+    std::vector<Passage> passages;
+    for (const Side side : sides) {
+      passages.push_back({side, Path::kReflect});
+      passages.push_back({side, Path::kTransmit});
+    }
+    const Eigen::VectorXd mu = Eigen::Map<const Eigen::VectorXd>(kEdges.cosine.data(), kAngles);
+    const Eigen::VectorXd azimuths = Eigen::Map<const Eigen::VectorXd>(kEdges.azimuth.data(), kAzimuths);
+    at_knots = evaluate_grids(solution, passages, mu, mu, azimuths, pool);
+    const Eigen::VectorXd compared = compared_cosines();
+    between = evaluate_grids(solution, passages, compared, compared, compared_azimuths(), pool);
+  }
+};
+
+LayerTable::LayerTable(const Medium& medium, ThreadPool& pool) : medium_(medium) {
+  lay(Solved(Stack{{medium}, {}}, {Side::kTop}, pool), 0, pool);
 }
 
-void LayerTable::lay(const Stack& layer, ThreadPool& pool) {
-  const Solution solution = solve(layer, kTolerance, pool);
-  Eigen::VectorXd mu(kAngles);
-  Eigen::VectorXd middle(kAngles - 1);
-  Eigen::VectorXd azimuths(kAzimuths);
-  for (std::size_t k = 0; k < kAngles; ++k) {
-    mu[static_cast<Eigen::Index>(k)] = knot_cosine(static_cast<double>(k), kAngles - 1);
-  }
-  for (Eigen::Index k = 0; k < middle.size(); ++k) {
-    middle[k] = knot_cosine(static_cast<double>(k) + 0.5, kAngles - 1);
-  }
-  for (std::size_t p = 0; p < kAzimuths; ++p) {
-    azimuths[static_cast<Eigen::Index>(p)] = pi * static_cast<double>(p) / (kAzimuths - 1);
-  }
+std::array<LayerTable, 2> LayerTable::both_sides(const GradedMedium& graded, ThreadPool& pool) {
+  const Solved solved(Stack{{graded}, {}}, {Side::kTop, Side::kBottom}, pool);
+  return {LayerTable(graded, solved, 0, pool), LayerTable(graded.turned(), solved, 1, pool)};
+}
+
+LayerTable::LayerTable(const GradedMedium& graded, const Solved& solved, std::size_t side, ThreadPool& pool)
+    : medium_{graded.largest_albedo(), graded.tau(), PhaseFunction()}, graded_(graded) {
+  lay(solved, side, pool);
+}
+
+void LayerTable::lay(const Solved& solved, std::size_t side, ThreadPool& pool) {
   for (const Way way : {kReflected, kPassed}) {
-    const Path path = way == kReflected ? Path::kReflect : Path::kTransmit;
-    table_[way] = evaluate_grid(solution, Side::kTop, path, mu, mu, azimuths, pool);
-    std::size_t place = 0;
+    const std::vector<double>& exact = solved.at_knots[2 * side + way];
+    table_[way].resize(exact.size());
+    pool.run(kAngles, [&](std::size_t row) {
+      const double o = kEdges.cosine[row];
+      std::size_t place = row * kAngles * kAzimuths;
+      for (const double i : kEdges.cosine) {
+        for (const double azimuth : kEdges.azimuth) {
+          table_[way][place] = static_cast<float>((exact[place] - once(way, o, i, std::cos(azimuth))) * (o + i));
+          ++place;
+        }
+      }
+    });
+  }
+  const Fluxes flux = fluxes(solved.solution, solved.sides[side], middle_cosines(), pool);
+  lay_sampling(pool, flux.reflected + flux.transmitted);
+  compare(solved, side);
+}
+
+void LayerTable::compare(const Solved& solved, std::size_t side) {
+  const Eigen::VectorXd mu = compared_cosines();
+  const Eigen::VectorXd azimuths = compared_azimuths();
+  for (const Way way : {kReflected, kPassed}) {
+    auto exact = solved.between[2 * side + way].begin();
     for (const double o : mu) {
       for (const double i : mu) {
         for (const double azimuth : azimuths) {
-          double& entry = table_[way][place++];
-          entry = (entry - once(way, o, i, std::cos(azimuth))) * (o + i);
+          const double cosine = std::cos(azimuth);
+          const double difference = once(way, o, i, cosine) + repeated(way, o, i, cosine) - *exact;
+          if (*exact > 0.0) {
+            error_ = std::max(error_, std::abs(difference) / *exact);
+          }
+          ++exact;
         }
       }
     }
   }
-  const Fluxes flux = fluxes(solution, Side::kTop, middle, pool);
-  lay_sampling(pool, flux.reflected + flux.transmitted);
-
-  // The middles of all ranges of angles and azimuths, where cubics are worst, with every incidence once.
-  constexpr Eigen::Index kPoints = 200;
-  Eigen::VectorXd o(kPoints);
-  Eigen::VectorXd i(kPoints);
-  Eigen::VectorXd azimuth(kPoints);
-  const Eigen::Index ranges = middle.size() - 2;  // the last two lie below .05
-  for (Eigen::Index k = 0; k < kPoints; ++k) {
-    o[k] = middle[(7 * k) % ranges];
-    i[k] = middle[(11 * k + k / ranges) % ranges];
-    azimuth[k] = pi * (static_cast<double>((5 * k) % (kAzimuths - 1)) + 0.5) / (kAzimuths - 1);
-  }
-  for (const Way way : {kReflected, kPassed}) {
-    const Path path = way == kReflected ? Path::kReflect : Path::kTransmit;
-    const std::vector<double> exact = evaluate_points(solution, Side::kTop, path, o, i, azimuth, pool);
-    for (Eigen::Index k = 0; k < kPoints; ++k) {
-      const double cosine = std::cos(azimuth[k]);
-      const double difference =
-          once(way, o[k], i[k], cosine) + repeated(way, o[k], i[k], cosine) - exact[static_cast<std::size_t>(k)];
-      if (exact[static_cast<std::size_t>(k)] > 0.0) {
-        error_ = std::max(error_, std::abs(difference) / exact[static_cast<std::size_t>(k)]);
-      }
-    }
-  }
+  error_ += solved.solution.checks().resolution;
 }
 
 LayerTable::Stencil LayerTable::angle_stencil(double mu) {
-  const double x = std::acos(std::min(mu, 1.0)) / (0.5 * pi) * (kAngles - 1);
+  const double x = knot_of_cosine(mu, kAngles - 1);
   const auto first = static_cast<std::size_t>(std::clamp(std::floor(x) - 1.0, 0.0, kAngles - 4.0));
   return {{first, first + 1, first + 2, first + 3}, cubic_weights(x - static_cast<double>(first))};
 }
@@ -107,7 +197,7 @@ LayerTable::Stencil LayerTable::angle_stencil(double mu) {
 LayerTable::Stencil LayerTable::azimuth_stencil(double cosine) {
   // Even about both ends.
   constexpr std::size_t kLast = kAzimuths - 1;
-  const double x = std::acos(cosine) / pi * kLast;
+  const double x = knot_of_azimuth(cosine, kLast);
   const auto here = std::min(static_cast<std::size_t>(x), kLast - 1);
   const std::size_t before = here == 0 ? 1 : here - 1;
   const std::size_t after = here + 2 > kLast ? kLast - 1 : here + 2;
@@ -115,7 +205,7 @@ LayerTable::Stencil LayerTable::azimuth_stencil(double cosine) {
 }
 
 std::size_t LayerTable::range_of(double mu) {
-  const double x = std::acos(std::min(mu, 1.0)) / (0.5 * pi) * (kAngles - 1);
+  const double x = knot_of_cosine(mu, kAngles - 1);
   return std::min(static_cast<std::size_t>(x), kAngles - 2);
 }
 
@@ -127,7 +217,7 @@ double LayerTable::repeated(Way way, double mu_o, double mu_i, double cosine) co
   for (std::size_t a = 0; a < 4; ++a) {
     double inner = 0.0;
     for (std::size_t b = 0; b < 4; ++b) {
-      const double* row = table_[way].data() + (o.at[a] * kAngles + i.at[b]) * kAzimuths;
+      const float* row = table_[way].data() + (o.at[a] * kAngles + i.at[b]) * kAzimuths;
       inner += i.weights[b] * (p.weights[0] * row[p.at[0]] + p.weights[1] * row[p.at[1]] + p.weights[2] * row[p.at[2]] +
                                p.weights[3] * row[p.at[3]]);
     }
@@ -172,12 +262,15 @@ void LayerTable::lay_sampling(ThreadPool& pool, const Eigen::VectorXd& scattered
       double whole = 0.0;
       for (std::size_t a = 0; a < kRanges; ++a) {
         const double mu_o = knot_cosine(static_cast<double>(a) + 0.5, kRanges);
-        const double width =
-            knot_cosine(static_cast<double>(a), kRanges) - knot_cosine(static_cast<double>(a) + 1.0, kRanges);
+        const double width = kEdges.cosine[a] - kEdges.cosine[a + 1];
+        const float* corners = table_[way].data() + (a * kAngles + incident) * kAzimuths;
         for (std::size_t p = 0; p < kSectors; ++p) {
-          const double cosine = std::cos(pi * (static_cast<double>(p) + 0.5) / kSectors);
-          const double solid = 2.0 * mu_o * width * pi / kSectors;
-          shares.push_back(solid * std::max(0.0, repeated(way, mu_o, mu_i, cosine)));
+          double mean = 0.0;
+          for (const std::size_t corner : {p, p + kAzimuths, p + kAngles * kAzimuths, p + (kAngles + 1) * kAzimuths}) {
+            mean += 0.125 * (corners[corner] + corners[corner + 1]);
+          }
+          const double solid = 2.0 * mu_o * width * (kEdges.azimuth[p + 1] - kEdges.azimuth[p]);
+          shares.push_back(solid * std::max(0.0, mean / (mu_o + mu_i)));
           until.push_back(solid);
           whole += shares.back();
         }
@@ -262,15 +355,16 @@ bool LayerTable::scatter_again(Way way, const Sampling& sampling, Ray& ray, doub
   const auto cell = static_cast<std::size_t>(std::lower_bound(until.begin(), until.end(), u) - until.begin());
   const double probability = (until[cell] - (cell > 0 ? until[cell - 1] : 0.0)) / until.back();
   constexpr std::size_t kSectors = kAzimuths - 1;
-  const double angle = static_cast<double>(cell / kSectors);
-  const double upper = knot_cosine(angle, kAngles - 1);
-  const double lower = knot_cosine(angle + 1.0, kAngles - 1);
+  const double upper = kEdges.cosine[cell / kSectors];
+  const double lower = kEdges.cosine[cell / kSectors + 1];
   const double mu = lower + (upper - lower) * rng.uniform();
-  const double turn = pi * (static_cast<double>(cell % kSectors) + rng.uniform()) / kSectors;
+  const double begin = kEdges.azimuth[cell % kSectors];
+  const double wide = kEdges.azimuth[cell % kSectors + 1] - begin;
+  const double turn = begin + wide * rng.uniform();
   const double cosine = std::cos(turn);
   const double sine = std::copysign(sine_of(cosine), rng.uniform() - 0.5);
   // Both signs of the azimuth.
-  const double density = probability / (2.0 * (upper - lower) * pi / kSectors);
+  const double density = probability / (2.0 * (upper - lower) * wide);
   const double mu_i = std::max(kLeastCosine, std::abs(ray.z));
   weight *= repeated(way, mu, mu_i, cosine) * mu / density;
   const double across = std::hypot(ray.x, ray.y);

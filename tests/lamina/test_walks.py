@@ -10,7 +10,7 @@ import pytest
 from walk_cases import CASES, SLAB, hg, solved_value
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Lambert, Medium, Stack, StackError
+from lamina import HenyeyGreenstein, Interface, Knot, Lambert, Medium, Stack, StackError
 
 SAMPLES = 1 << 16
 # Two-sided normal quantile for 1 % over both walks of all cases, Bonferroni.
@@ -155,3 +155,30 @@ def test_stacks_that_the_scattering_walk_does_not_know():
                                (Stack([hg(0.9, 1.0, 0.0)]), {"side": "bottom"}, "knows the BRDF from above")]:
         with pytest.raises(StackError, match=f"method = 'scattering': {words}"):
             lamina.estimate(stack, 0.5, 0.5, method="scattering", **more)
+
+
+# Cosines, azimuth: at the end of what a table's error speaks of, between its knots, and where peaks are.
+LOOKED_UP = [(0.05, 0.05, 0.5), (0.05, 0.05, 2.5), (0.053, 0.062, 0.03), (0.06, 0.9, 0.1), (0.97, 0.99, 0.1)]
+
+
+@pytest.mark.parametrize("path", ["reflect", "transmit"])
+@pytest.mark.parametrize(("albedo", "tau", "g"), [(0.95, 0.5, 0.6), (0.95, 1.0, 0.6), (1.0, 8.0, 0.0), (1.0, 0.5, 0.9)])
+def test_tables_are_as_good_as_they_say(albedo, tau, g, path):
+    """The adding walk of one layer is a look-up in its table."""
+    stack = Stack([hg(albedo, tau, g)])
+    exact = lamina.solve(stack, threads=1)
+    values = exact.brdf if path == "reflect" else exact.btdf
+    for at in LOOKED_UP:
+        truth = values(*at)[0]
+        found = lamina.estimate(stack, *at, "adding", 1, threads=1, path=path)
+        assert found.stderr[0] < 1e-7 * truth
+        assert abs(found.value[0] / truth - 1.0) < found.table_error < 3e-4
+
+
+def test_a_graded_layers_table_is_as_good_from_below():
+    stack = Stack([Medium(tau=1.0, profile=[Knot(0.0, 0.95, HenyeyGreenstein(0.6)), Knot(1.0, 0.5)])])
+    exact = lamina.solve(stack, threads=1)
+    for at in LOOKED_UP[:2]:
+        found = lamina.estimate(stack, *at, "adding", 1, threads=1, side="bottom")
+        # Two solves, each with slices good to 2e-4 at worst.
+        assert found.value[0] == pytest.approx(exact.brdf(*at, "bottom")[0], rel=found.table_error + 2e-4)
