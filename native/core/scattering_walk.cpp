@@ -29,16 +29,22 @@ struct Candidate {
 
 /// The walk to fall back to comes first.
 std::vector<Candidate> candidates(const GradedMedium& medium) {
+  const bool both = fitted(NextEvent::kFitting, medium.at(0.0).p[0]) == NextEvent::kFromBothEnds;
   if (medium.is_homogeneous() && medium.ground() == 0.0) {
-    const bool both = fitted(NextEvent::kFitting, medium.at(0.0).p[0]) == NextEvent::kFromBothEnds;
     return {{"transfer", both ? Cost{150.0, 118.0} : Cost{110.0, 70.0}},
             {"residual-16", {320.0, 900.0}},
             {"residual-8", {290.0, 770.0}}};
   }
-  return {{"transfer", {90.0, 55.0}},
-          {"guided-16", {700.0, 650.0}},
-          {"guided-32", {950.0, 900.0}},
-          {"guided-8", {610.0, 560.0}}};
+  if (medium.is_homogeneous()) {
+    return {{"transfer", both ? Cost{110.0, 199.0} : Cost{115.0, 84.0}},
+            {"guided-16", {200.0, 1000.0}},
+            {"guided-32", {200.0, 1300.0}},
+            {"guided-8", {220.0, 840.0}}};
+  }
+  return {{"transfer", {155.0, 84.0}},
+          {"guided-16", {480.0, 1250.0}},
+          {"guided-32", {510.0, 1610.0}},
+          {"guided-8", {500.0, 1080.0}}};
 }
 
 std::unique_ptr<Walk> build(const GradedMedium& medium, double mu_o, double mu_i, double dphi, const std::string& name,
@@ -97,8 +103,8 @@ void draw_more(const Walk& walk, std::uint64_t seed, std::uint64_t samples, Tall
 }  // namespace
 
 std::vector<std::string> scattering_walk_names() {
-  return {"auto",        "plain",       "guided-8",  "guided-16", "guided-32", "residual-8",
-          "residual-16", "residual-32", "isotropic", "transfer"};
+  return {"auto",       "plain",       "guided-8",    "guided-16", "guided-32",
+          "residual-8", "residual-16", "residual-32", "isotropic", "transfer"};
 }
 
 ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi,
