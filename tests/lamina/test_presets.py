@@ -71,6 +71,14 @@ def test_the_leaf_shows_the_spectra_that_it_was_inverted_from():
     np.testing.assert_allclose(leaf.transmittance(1.0), [0.0586, 0.1922, 0.0027], atol=5e-4)
 
 
+def test_the_pond_is_measured_water_in_which_silt_settles():
+    """Pope and Fry (1997): water absorbs .34, .0565, .00922 a metre; 30 times as much silt lies at the bottom."""
+    top, bottom = presets.load("silted-pond").layers[1].profile
+    np.testing.assert_allclose(np.divide(bottom.sigma_s, top.sigma_s), 30.0, rtol=1e-9)
+    water = (30.0 * np.array(top.sigma_a) - bottom.sigma_a) / 29.0
+    np.testing.assert_allclose(1000.0 * water, [0.34, 0.0565, 0.00922], rtol=1e-9)
+
+
 def test_an_unknown_preset():
     for kind in (KeyError, StackError):
         with pytest.raises(kind) as caught:
