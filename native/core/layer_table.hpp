@@ -15,7 +15,7 @@ namespace lamina {
 /// cubics between knots that lie denser towards grazing and where light keeps its azimuth.
 class LayerTable {
  public:
-  static constexpr std::size_t kAngles = 72;    ///< from the normal to grazing
+  static constexpr std::size_t kAngles = 76;    ///< from the normal to grazing
   static constexpr std::size_t kAzimuths = 64;  ///< from forward to backward
 
   /// Of a homogeneous layer, whose sides are alike. Throws std::runtime_error where it cannot be solved.
