@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "graded_medium.hpp"
+#include "guided_directions.hpp"
 #include "scattering_guide.hpp"
 #include "walk.hpp"
 
@@ -16,8 +17,6 @@ namespace lamina {
 /// 2005, with the candidates on a randomly shifted lattice).
 class GuidedWalk final : public Walk {
  public:
-  static constexpr int kMostCandidates = 32;
-
   /// `candidates` for each direction: 8, 16 or 32. The guide, of the same medium, may be shared.
   GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi, int candidates,
              std::shared_ptr<const ScatteringGuide> guide);
@@ -26,21 +25,12 @@ class GuidedWalk final : public Walk {
 
  private:
   struct Branch;
-  struct Vertex;
-  struct Step {
-    SlabRay ray;
-    double weight;  ///< 0: nothing comes
-  };
-  template <int kOwn, int kDrawn>
-  Step scatter(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const;
-  Step step_from(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const;
-  bool turn(const Vertex& vertex, SlabRay& a, SlabRay& b, double& weight, Rng& rng) const;
 
   GradedMedium medium_;
   std::shared_ptr<const ScatteringGuide> guide_;
   SlabRay view_;
   SlabRay light_;
-  int candidates_;
+  GuidedDirections directions_;
 };
 
 }  // namespace lamina

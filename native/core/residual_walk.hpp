@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "graded_medium.hpp"
+#include "guided_directions.hpp"
 #include "root_vertex.hpp"
 #include "scattering_guide.hpp"
 #include "walk.hpp"
@@ -19,8 +20,6 @@ namespace lamina {
 /// end early and heavy ones do not. The first vertex, between directions that never change, has tables of its own.
 class ResidualWalk final : public Walk {
  public:
-  static constexpr int kMostCandidates = 32;
-
   /// `candidates` for each direction after the first: 8, 16 or 32. The guide, of the same medium, may be shared.
   /// Throws std::invalid_argument for other numbers, for media that vary with depth, and for those over a surface.
   ResidualWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi, int candidates,
@@ -30,22 +29,15 @@ class ResidualWalk final : public Walk {
 
  private:
   struct Branch;
-  struct Vertex;
-  struct Step;
-  struct Pair;
 
-  Branch branch(const Vertex& vertex, const SlabRay& a, const SlabRay& b, double value) const;
+  Branch branch(const GuidedVertex& vertex, const SlabRay& a, const SlabRay& b, double value) const;
   double estimate(Branch branch, double worth, Rng& rng, std::uint64_t& events) const;
-  template <int kOwn, int kDrawn>
-  Step scatter(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const;
-  Step step_from(const Vertex& vertex, const SlabRay& from, const SlabRay& other, Rng& rng) const;
-  Pair turn(const Vertex& vertex, const SlabRay& a, const SlabRay& b, Rng& rng) const;
 
   GradedMedium medium_;
   std::shared_ptr<const ScatteringGuide> guide_;
   SlabRay view_;
   SlabRay light_;
-  int candidates_;
+  GuidedDirections directions_;
   LocalScattering scattering_;
   RootVertex root_;
   double once_;                    ///< the BRDF's single scattering
