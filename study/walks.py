@@ -13,7 +13,7 @@ FORCED = "scattering, guided"
 METHODS = {
     BASELINE: "photon walk of the equation of transfer, next events at collisions",
     "transfer": "the same with the library's best next events (kFitting)",
-    "transfer, guided": "transfer walk guided by the tables of the scattering walk",
+    "transfer, guided": "transfer walk guided by the internal field of the same coarse solution",
     "scattering, plain": "scattering equation as it stands, unguided",
     OURS: "scattering equation, by the walk that the pilot chooses, guided or not",
     FORCED: "guided scattering walk where the pilot fell back to another",

@@ -6,25 +6,14 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "azimuth_lattice.hpp"
+
 namespace lamina {
 namespace {
 
 using std::numbers::pi;
 
-/// Azimuths of the candidates' lattice, to be turned by a random angle.
-struct Lattice {
-  std::array<double, GuidedDirections::kMostCandidates> cosine;
-  std::array<double, GuidedDirections::kMostCandidates> sine;
-
-  Lattice() {
-    for (std::size_t k = 0; k < cosine.size(); ++k) {
-      const double turn = 2.0 * pi * static_cast<double>(k) / std::numbers::phi;
-      cosine[k] = std::cos(turn);
-      sine[k] = std::sin(turn);
-    }
-  }
-};
-const Lattice lattice;
+const AzimuthLattice<GuidedDirections::kMostCandidates> lattice;
 
 /// One of several in proportion to their values; their number where none has any.
 template <typename Values>

@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "flight.hpp"
+#include "adjoint_source.hpp"
+#include "azimuth_lattice.hpp"
 #include "next_event.hpp"
+#include "single_scattering.hpp"
 #include "sphere.hpp"
 
 namespace lamina {
@@ -20,144 +22,127 @@ using std::numbers::pi;
 constexpr int kCandidates = 8;
 using Values = Eigen::Array<float, kCandidates, 1>;
 
-/// What a collision is worth: the tables' k + kS towards the viewer from its height, and what a diffuse field brings.
-class CollisionWorth {
+/// Probability of going on from a collision that is worth all that is to be found, and from one that is worth nothing.
+constexpr double kEager = 0.6;
+constexpr double kLeastOn = 0.05;
+
+const AzimuthLattice<kCandidates> lattice;
+
+/// Directions about a ray; the frame is that of Duff et al. (JCGT 2017).
+class RayFrame {
  public:
-  CollisionWorth(const GradedMedium& medium, const ScatteringGuide& guide, const Ray& out)
-      : heights_(guide.heights()), slowness_(1.0 / out.z), tau_(medium.tau()) {
-    const double sine = std::hypot(out.x, out.y);
-    across_ = sine > 0.0 ? Ray{out.x / sine, out.y / sine, 0.0} : Ray{1.0, 0.0, 0.0};
-    for (std::size_t j = 0; j < heights_.size(); ++j) {
-      const std::vector<float> towards = guide.one_side_towards(out.z, j);
-      double sum = 0.0;
-      for (const float one : towards) {
-        sum += static_cast<double>(one);
-      }
-      table_.insert(table_.end(), towards.begin(), towards.end());
-      mean_[j] = static_cast<float>(sum / static_cast<double>(towards.size()));
-    }
-    const LocalScattering scattering = medium.at(0.0);
-    const double albedo = scattering.albedo();
-    const double g = scattering.p->moment(1);
-    decay_ = std::sqrt(std::max(0.0, 3.0 * (1.0 - albedo) * (1.0 - albedo * g)));
-    diffuse_ = 3.0 * albedo * out.z * (0.2 + static_cast<double>(mean_.back()));
+  explicit RayFrame(const Ray& axis) : axis_(axis) {
+    const double sign = std::copysign(1.0, axis.z);
+    const double a = -1.0 / (sign + axis.z);
+    const double b = axis.x * axis.y * a;
+    first_ = {1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x};
+    second_ = {b, sign + axis.y * axis.y * a, -axis.y};
   }
-
-  /// Without single scattering, and without what the way to the viewer keeps; height t, direction of travel.
-  float repeated(double t, const Ray& ray) const {
-    const std::size_t j = heights_.cell(t, heights_.last_cell());
-    const auto up = static_cast<float>(heights_.fraction(t, j));
-    if (ray.z >= 0.0) {
-      return mean_[j] + up * (mean_[j + 1] - mean_[j]);
-    }
-    using Place = ScatteringGuide::Place;
-    constexpr std::size_t kPoints = ScatteringGuide::kPoints;
-    const Place p = Place::of_cosine(-ray.z);
-    const double square = ray.x * ray.x + ray.y * ray.y;
-    const double cosine = square > 1e-24 ? (ray.x * across_.x + ray.y * across_.y) / std::sqrt(square) : 1.0;
-    const Place z = Place::of(std::sqrt(std::clamp(0.5 - 0.5 * cosine, 0.0, 1.0)));
-    const auto at = [&](std::size_t k) {
-      const float* low = &table_[(k * kPoints + p.cell) * kPoints + z.cell];
-      const float* high = low + kPoints;
-      const float lower = low[0] + z.fraction * (low[1] - low[0]);
-      const float upper = high[0] + z.fraction * (high[1] - high[0]);
-      return lower + p.fraction * (upper - lower);
-    };
-    const float below = at(j);
-    return below + up * (at(j + 1) - below);
+  Ray tilted(double cosine, double along, double aside) const {
+    return normalised({cosine * axis_.x + along * first_.x + aside * second_.x,
+                       cosine * axis_.y + along * first_.y + aside * second_.y,
+                       cosine * axis_.z + along * first_.z + aside * second_.z});
   }
-
-  double kept(double t) const { return std::exp((t - tau_) * slowness_); }
-  double slowness() const { return slowness_; }
-  double decay() const { return decay_; }
-  double diffuse() const { return diffuse_; }
 
  private:
-  GuideHeights heights_;
-  Ray across_;
-  double slowness_;
-  double tau_;
-  double decay_ = 0.0;  ///< of a diffuse field, by optical depth
-  double diffuse_ = 0.0;
-  std::vector<float> table_;  // [height, cosine, azimuth]
-  std::array<float, GuideHeights::kCount> mean_{};
+  Ray axis_;
+  Ray first_;
+  Ray second_;
 };
+
+/// (1 - exp(-rate way)) / rate, rate >= 0.
+Values decayed(const Values& rate, const Values& way) {
+  const Values depth = rate * way;
+  return (depth < 1e-4F).select(way * (1.0F - 0.5F * depth), -(-depth).expm1() / rate.max(1e-30F));
+}
 
 class GuidedTransferWalk final : public Walk {
  public:
-  GuidedTransferWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi, const ScatteringGuide& guide)
+  GuidedTransferWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi)
       : medium_(medium),
         scattering_(medium_.at(0.0)),
         tau_(medium.tau()),
         in_{sine_of(mu_i), 0.0, -mu_i},
         out_{sine_of(mu_o) * std::cos(dphi), sine_of(mu_o) * std::sin(dphi), mu_o},
-        worth_(medium_, guide, out_),
-        both_(fitted(NextEvent::kFitting, *scattering_.p) == NextEvent::kFromBothEnds) {
-    first_.fill(in_);
-    // What the first flight is worth, by the midpoint rule in the probability of its end.
-    constexpr int kPoints = 64;
-    const double whole = -std::expm1(-tau_ / mu_i);
-    for (int k = 0; k < kPoints; ++k) {
-      const double t = std::max(0.0, tau_ + mu_i * std::log(1.0 - (k + 0.5) / kPoints * whole));
-      usual_ += whole / kPoints * value(t, in_);
+        exit_(out_),
+        worth_(medium_, out_),
+        both_(fitted(NextEvent::kFitting, *scattering_.p) == NextEvent::kFromBothEnds),
+        once_(scattering_.evaluate(in_.dot(out_)) * single_reflection(mu_o, mu_i, tau_) / (4.0 * pi)),
+        collides_(-std::expm1(-tau_ / mu_i)) {
+    // The first collision's worth, by the probability of coming there.
+    double before = worth(0.0, in_);
+    for (std::size_t k = 0; k < kFirst; ++k) {
+      const double after = worth(first_depth(static_cast<double>(k + 1) / kFirst), in_);
+      below_[k] = total_;
+      total_ += 0.5 * (before + after);
+      before = after;
     }
+    below_[kFirst] = total_;
   }
 
   double sample(Rng& rng, std::uint64_t& events) const override {
+    ++events;
+    if (!(total_ > 0.0)) {
+      return once_;
+    }
+    const double place = rng.uniform() * total_;
+    const auto above = std::upper_bound(below_.begin() + 1, below_.end() - 1, place);
+    const auto bin = static_cast<std::size_t>(above - below_.begin()) - 1;
+    const double mass = below_[bin + 1] - below_[bin];
+    double depth = first_depth((static_cast<double>(bin) + rng.uniform()) / kFirst);
+    double weight = collides_ / kFirst * total_ / mass;
+    double value = worth(depth, in_);
+    Ray ray = in_;
+    const double usual = collides_ / kFirst * total_;
     double score = 0.0;
-    double weight = 1.0;
-    double t = tau_;
-    Values share = Values::Ones();
-    std::array<Ray, kCandidates> rays = first_;
     while (true) {
-      ++events;
-      // Ends of flights, one on each ray.
-      const double shift = rng.uniform();
-      Values length;
-      Values part;
-      for (int k = 0; k < kCandidates; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        const double z = rays[i].z;
-        length[k] = static_cast<float>(std::min(1e6, z > 0.0 ? (tau_ - t) / z : -t / z));
-        // A lattice with the directions, shifted in both, so that each end alone is uniform.
-        const double place = shift + static_cast<double>((5 * k) % kCandidates) / kCandidates;
-        part[k] = static_cast<float>(place < 1.0 ? place : place - 1.0);
-      }
-      const Values whole = 1.0F - (-length).exp();
-      const Values way = -(1.0F - part * whole).log();
-      std::array<double, kCandidates> height;
-      Values cosine;
-      Values rise;
-      for (int k = 0; k < kCandidates; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        height[i] = std::clamp(t + rays[i].z * static_cast<double>(way[k]), 0.0, tau_);
-        cosine[k] = static_cast<float>(rays[i].dot(out_));
-        rise[k] = static_cast<float>(height[i] - tau_);
-      }
-      const Values k_out = scattering_.evaluate_all(cosine);
-      const Values kept = (rise * static_cast<float>(worth_.slowness())).exp();
-      const Values diffuse = (rise * static_cast<float>(worth_.decay())).exp() * static_cast<float>(worth_.diffuse());
-      Values more;
-      for (int k = 0; k < kCandidates; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        more[k] = worth_.repeated(height[i], rays[i]);
-      }
-      // Next event, at all candidates.
-      const Values arriving = share * whole;
-      score += weight * static_cast<double>((arriving * kept * k_out).mean());
-      const Values further = kept * more + diffuse;
-      const Values chances = arriving * further;
-      const double total = static_cast<double>(chances.sum());
-      if (!(total > 0.0)) {
-        break;
-      }
-      // Whether to go on at all: by what is to come against what is usual.
-      const double on = std::min(1.0, kEager * weight * total / kCandidates / usual_);
+      const double on = std::clamp(kEager * weight * value / usual, kLeastOn, 1.0);
       if (rng.uniform() >= on) {
+        score += weight * value;
         break;
       }
-      double rest = rng.uniform() * total;
-      int chosen = kCandidates - 1;
+      score += weight * value * (1.0 - 1.0 / on);
+      weight /= on;
+      ++events;
+      std::array<Ray, kCandidates> rays;
+      const Values share = both_ ? scatter<kCandidates * 5 / 8>(ray, rays, rng) : scatter<kCandidates>(ray, rays, rng);
+      Values x;
+      Values y;
+      Values z;
+      Values part;
+      const double shift = rng.uniform();
+      for (int k = 0; k < kCandidates; ++k) {
+        const Ray& next = rays[static_cast<std::size_t>(k)];
+        x[k] = static_cast<float>(next.x);
+        y[k] = static_cast<float>(next.y);
+        z[k] = static_cast<float>(next.z);
+        // A lattice with the directions, shifted in both, so that each end alone is uniform.
+        const double place_of_end = shift + static_cast<double>((5 * k) % kCandidates) / kCandidates;
+        part[k] = static_cast<float>(place_of_end < 1.0 ? place_of_end : place_of_end - 1.0);
+      }
+      const auto here = static_cast<float>(depth);
+      const auto slowness = static_cast<float>(1.0 / out_.z);
+      const Values distance = (z > 0.0F).select(Values::Constant(here), here - static_cast<float>(tau_)) / z;
+      const Values length = (z.abs() > 1e-7F).select(distance, 1e6F).min(1e6F);
+      // Next event, along all flights: of exp(-s) times what the viewer gets from there, exp(-(depth - s z) / mu_o).
+      const Values rate = 1.0F - z * slowness;
+      const Values through = (-length).exp();
+      const Values kept = (rate < 0.0F).select(through, static_cast<float>(std::exp(-depth / out_.z)));
+      const Values k_out = scattering_.evaluate_all(
+          Values(static_cast<float>(out_.x) * x + static_cast<float>(out_.y) * y + static_cast<float>(out_.z) * z));
+      score += weight * static_cast<double>((share * k_out * kept * decayed(rate.abs(), length)).mean());
+      // Ends, and which of them the walk goes on from.
+      const Values collides = -(-length).expm1();
+      const Values way = -(-part.min(0.9999999F) * collides).log1p();
+      const Values ends = (here - z * way).max(0.0F).min(static_cast<float>(tau_));
+      const Values further = worth_(ends, x, y, z);
+      const Values chances = share * collides * further;
+      const auto all = static_cast<double>(chances.sum());
+      if (!(all > 0.0)) {
+        break;
+      }
+      double rest = rng.uniform() * all;
+      int chosen = 0;
       for (int k = 0; k < kCandidates; ++k) {
         if (chances[k] > 0.0F) {
           chosen = k;
@@ -167,38 +152,49 @@ class GuidedTransferWalk final : public Walk {
           }
         }
       }
-      weight *= total / (kCandidates * static_cast<double>(further[chosen]) * on);
-      const Ray ray = rays[static_cast<std::size_t>(chosen)];
-      t = height[static_cast<std::size_t>(chosen)];
-      share = both_ ? scatter<kCandidates - 3>(ray, rays, rng) : scatter<kCandidates>(ray, rays, rng);
+      value = static_cast<double>(further[chosen]);
+      weight *= all / (kCandidates * value);
+      ray = rays[static_cast<std::size_t>(chosen)];
+      depth = static_cast<double>(ends[chosen]);
     }
-    return score / (4.0 * pi * out_.z);
+    return once_ + score / (4.0 * pi * out_.z);
   }
 
  private:
-  /// Walks end only where next to nothing is to come: measured, 1 loses a factor of 2 and 25 a tenth.
-  static constexpr double kEager = 8.0;
+  static constexpr std::size_t kFirst = 512;
 
-  double value(double t, const Ray& ray) const {
-    return worth_.kept(t) * static_cast<double>(worth_.repeated(t, ray)) +
-           worth_.diffuse() * std::exp((t - tau_) * worth_.decay());
+  double first_depth(double u) const { return std::min(tau_, in_.z * std::log1p(-u * collides_)); }
+
+  double worth(double depth, const Ray& ray) const {
+    using One = Eigen::Array<float, 1, 1>;
+    const auto one = [](double x) { return One::Constant(static_cast<float>(x)); };
+    return static_cast<double>(worth_(One(one(depth)), One(one(ray.x)), One(one(ray.y)), One(one(ray.z)))[0]);
   }
 
-  /// Directions after a collision, some scattered backwards from the exit, and the albedo times their weights by the
-  /// balance heuristic.
+  /// Directions after a collision, on a lattice, some scattered backwards from the exit, and the albedo times their
+  /// weights by the balance heuristic.
   template <int kOwn>
   Values scatter(const Ray& ray, std::array<Ray, kCandidates>& rays, Rng& rng) const {
     constexpr int kBack = kCandidates - kOwn;
     const double shift = rng.uniform();
+    const double turn = 2.0 * pi * rng.uniform();
+    const double turn_cosine = std::cos(turn);
+    const double turn_sine = std::sin(turn);
+    const RayFrame around(ray);
     Values from_ray;
     Values from_exit;
-    for (int k = 0; k < kCandidates; ++k) {
+    for (std::size_t k = 0; k < kCandidates; ++k) {
       const bool own = k < kOwn;
-      const double place = own ? (k + shift) / kOwn : (k - kOwn + shift) / std::max(kBack, 1);
-      const Ray next = scattered(own ? ray : out_, scattering_.sample(place), rng);
-      rays[static_cast<std::size_t>(k)] = next;
-      from_ray[k] = static_cast<float>(ray.dot(next));
-      from_exit[k] = static_cast<float>(next.dot(out_));
+      const auto number = static_cast<double>(own ? k : k - kOwn);
+      const double cosine = scattering_.sample((number + shift) / (own ? kOwn : kBack));
+      const double sine = sine_of(cosine);
+      const double along = sine * (turn_cosine * lattice.cosine[k] - turn_sine * lattice.sine[k]);
+      const double aside = sine * (turn_sine * lattice.cosine[k] + turn_cosine * lattice.sine[k]);
+      const Ray next = (own ? around : exit_).tilted(cosine, along, aside);
+      rays[k] = next;
+      const auto i = static_cast<Eigen::Index>(k);
+      from_ray[i] = static_cast<float>(ray.dot(next));
+      from_exit[i] = static_cast<float>(next.dot(out_));
     }
     const auto albedo = static_cast<float>(scattering_.albedo());
     if constexpr (kBack == 0) {
@@ -216,23 +212,22 @@ class GuidedTransferWalk final : public Walk {
   double tau_;
   Ray in_;
   Ray out_;
-  CollisionWorth worth_;
+  RayFrame exit_;
+  AdjointSource worth_;
   bool both_;
-  std::array<Ray, kCandidates> first_;
-  double usual_ = 0.0;  ///< what the first flight is worth
+  double once_;      ///< the BRDF's single scattering
+  double collides_;  ///< share of the first flight
+  double total_ = 0.0;
+  std::array<double, kFirst + 1> below_{};  ///< the first collision's worth up to each bin of its probability
 };
 
 }  // namespace
 
-std::unique_ptr<Walk> make_guided_transfer_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi,
-                                                std::shared_ptr<const ScatteringGuide> guide) {
-  if (!medium.is_homogeneous()) {
-    throw std::invalid_argument("medium: must be homogeneous");
+std::unique_ptr<Walk> make_guided_transfer_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi) {
+  if (!medium.is_homogeneous() || medium.ground() > 0.0) {
+    throw std::invalid_argument("medium: must be homogeneous, over nothing");
   }
-  if (!guide) {
-    guide = std::make_shared<const ScatteringGuide>(medium);
-  }
-  return std::make_unique<GuidedTransferWalk>(medium, mu_o, mu_i, dphi, *guide);
+  return std::make_unique<GuidedTransferWalk>(medium, mu_o, mu_i, dphi);
 }
 
 }  // namespace lamina

@@ -3,19 +3,18 @@
 #include <memory>
 
 #include "graded_medium.hpp"
-#include "scattering_guide.hpp"
 #include "walk.hpp"
 
 namespace lamina {
 
-/// The BRDF of a homogeneous slab by a photon walk of the equation of transfer that the tables of the scattering
-/// equation guide. A collision at height t is taken to be worth, beyond its own next event,
-///   exp(-(tau - t) / mu_o) (kS~)(t; view, ray) + what a diffuse field adds, which falls by the diffusion law:
-/// S~ of the slab below the collision, seen through what lies above; for rays upwards, of which the tables know
-/// nothing, kS~ is a mean. From each collision several flights with ends are drawn, by the phase function from the ray
-/// and from the exit; next event counts at all ends, and the walk goes on from one, resampled by worth. Unbiased
-/// whatever the tables say. Throws std::invalid_argument for media that vary with depth.
-std::unique_ptr<Walk> make_guided_transfer_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi,
-                                                std::shared_ptr<const ScatteringGuide> guide = nullptr);
+/// The BRDF of a homogeneous slab by a photon walk of the equation of transfer that is guided as the residual walk of
+/// the scattering equation is: by the coarse deterministic solution, here what a collision is worth to the viewer
+/// (AdjointSource). Single scattering is exact and the first collision is drawn in proportion to its worth. A
+/// collision's worth C is taken as
+///   C~ + (C' - C~) / q with probability q, else C~,
+/// where C~ is what the table says and C' comes from several flights with ends, by the phase function from the ray and
+/// from the exit: next event, in closed form, along all of them, and the worth of one end, resampled by the table.
+/// Unbiased whatever the table says. Throws std::invalid_argument for media that vary with depth, or over a surface.
+std::unique_ptr<Walk> make_guided_transfer_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi);
 
 }  // namespace lamina

@@ -173,20 +173,6 @@ ScatteringGuide::Terms::Terms(const ScatteringGuide& guide, const SlabRay& a, co
   }
 }
 
-std::vector<float> ScatteringGuide::one_side_towards(double mu, std::size_t j) const {
-  const Place q = Place::of_cosine(mu);
-  std::vector<float> all(kPoints * kPoints);
-  for (std::size_t p = 0; p < kPoints; ++p) {
-    for (std::size_t z = 0; z < kPoints; ++z) {
-      const Column& low = one_side_[(p * kPoints + q.cell) * kPoints + z];
-      const Column& high = one_side_[(p * kPoints + q.cell + 1) * kPoints + z];
-      const auto row = static_cast<Eigen::Index>(j);
-      all[p * kPoints + z] = low[row] + q.fraction * (high[row] - low[row]);
-    }
-  }
-  return all;
-}
-
 double ScatteringGuide::value(std::size_t j, double up, double t, const SlabRay& a, const SlabRay& b,
                               const LocalScattering& scattering) const {
   const Place p = Place::of_cosine(a.mu);

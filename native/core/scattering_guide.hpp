@@ -80,10 +80,6 @@ class ScatteringGuide {
     std::array<float, 8> weights_;
   };
 
-  /// What b gets from S by scattering once on its own way, at the guide's height j, for the fixed points of b's cosine
-  /// and of the azimuth between the two: [point, azimuth].
-  std::vector<float> one_side_towards(double mu, std::size_t j) const;
-
   /// S~(t; a, b) in the cell of heights j, at `up` of its way to the next, which is the height t.
   double value(std::size_t j, double up, double t, const SlabRay& a, const SlabRay& b,
                const LocalScattering& scattering) const;
