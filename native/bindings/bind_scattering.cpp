@@ -89,7 +89,7 @@ void lamina::bind_scattering(py::module_& module) {
         return make_guided_transfer_walk(medium, mu_o, mu_i, dphi);
       },
       py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), unlocked,
-      "A photon walk in a homogeneous slab guided by the scattering walk's tables.");
+      "A photon walk in a homogeneous slab guided by the adjoint internal field of a coarse solution.");
   module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
              py::arg("side"), py::arg("path"), py::arg("flux") = false, unlocked);
   module.def(

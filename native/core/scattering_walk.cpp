@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "guided_transfer_walk.hpp"
 #include "guided_walk.hpp"
 #include "isotropic_walk.hpp"
 #include "joined_media.hpp"
@@ -32,6 +33,7 @@ std::vector<Candidate> candidates(const GradedMedium& medium) {
   const bool both = fitted(NextEvent::kFitting, medium.at(0.0).p[0]) == NextEvent::kFromBothEnds;
   if (medium.is_homogeneous() && medium.ground() == 0.0) {
     return {{"transfer", both ? Cost{150.0, 118.0} : Cost{110.0, 70.0}},
+            {"transfer-guided", {120.0, 600.0}},
             {"residual-16", {320.0, 900.0}},
             {"residual-8", {290.0, 770.0}}};
   }
@@ -55,6 +57,9 @@ std::unique_ptr<Walk> build(const GradedMedium& medium, double mu_o, double mu_i
   if (name == "transfer") {
     const WalkTarget target{Side::kTop, Path::kReflect, mu_o, mu_i, dphi, false};
     return make_transfer_walk(stack_of(medium), target, NextEvent::kFitting);
+  }
+  if (name == "transfer-guided") {
+    return make_guided_transfer_walk(medium, mu_o, mu_i, dphi);
   }
   if (name == "isotropic") {
     return std::make_unique<IsotropicWalk>(medium, mu_o, mu_i);
@@ -103,8 +108,8 @@ void draw_more(const Walk& walk, std::uint64_t seed, std::uint64_t samples, Tall
 }  // namespace
 
 std::vector<std::string> scattering_walk_names() {
-  return {"auto",       "plain",       "guided-8",    "guided-16", "guided-32",
-          "residual-8", "residual-16", "residual-32", "isotropic", "transfer"};
+  return {"auto",        "plain",       "guided-8",  "guided-16", "guided-32",      "residual-8",
+          "residual-16", "residual-32", "isotropic", "transfer",  "transfer-guided"};
 }
 
 ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi,

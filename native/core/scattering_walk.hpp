@@ -20,9 +20,10 @@ struct ScatteringWalk {
 };
 
 /// A walk by its name, or "auto": the isotropic walk where scattering is isotropic; else the guided walk that does best
-/// in a pilot of a fixed number of samples - residual in a homogeneous medium over nothing, guided elsewhere - or the
-/// transfer walk where no guided one is clearly better. The choice goes by variance times a fixed cost of each sort of
-/// event, never by the clock, so that it depends on nothing but the arguments. Throws std::invalid_argument for an unknown name.
+/// in a pilot of a fixed number of samples - residual, or of the equation of transfer, in a homogeneous medium over
+/// nothing, guided elsewhere - or the transfer walk where no guided one is clearly better. The choice goes by variance
+/// times a fixed cost of each sort of event, never by the clock, so that it depends on nothing but the arguments.
+/// Throws std::invalid_argument for an unknown name.
 ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi,
                                     const std::string& name, std::uint64_t seed);
 
