@@ -33,7 +33,7 @@ std::vector<Candidate> candidates(const GradedMedium& medium) {
   const bool both = fitted(NextEvent::kFitting, medium.at(0.0).p[0]) == NextEvent::kFromBothEnds;
   if (medium.is_homogeneous() && medium.ground() == 0.0) {
     return {{"transfer", both ? Cost{150.0, 118.0} : Cost{110.0, 70.0}},
-            {"transfer-guided", {120.0, 600.0}},
+            {"transfer-guided", {90.0, 1800.0}},
             {"residual-16", {320.0, 900.0}},
             {"residual-8", {290.0, 770.0}}};
   }
