@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Monte Carlo estimates of single values of a stack's scattering function, by three walks that share no estimator."""
+"""Monte Carlo estimates of single values of a stack's scattering function, by walks of three equations."""
 
 from __future__ import annotations
 
@@ -92,7 +92,8 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
     `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the
     adding series as a walk between solved layers (it is off by its tables' error, which is reported); "scattering",
     the integral scattering equation guided by coarse tables, for the BRDF from above of media, with profiles or
-    without, over nothing, black or a Lambert surface.
+    without, over nothing, black or a Lambert surface; where a pilot, whose samples are discarded, finds a transfer
+    walk to do better, plain or guided by such tables, that one takes its place.
     `samples` are rounded up to blocks of 4096; 2^20 without a target.
     With `target_error`, a standard error relative to the value, a channel's samples are doubled until it is
     reached or `samples`, then the most that are drawn, are; to stop at a favourable error biases the value by
