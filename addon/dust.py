@@ -16,6 +16,7 @@ from . import float_image, geometry, native, thickness
 from .dust_properties import ATTRIBUTE
 from .messages import RefusedError
 
+FINER = 3  # times the mesh's own vertices, behind modifiers, are worth a word
 MARGIN = 4  # texels by which an image's islands grow, so that filtering finds dust at their borders
 
 
@@ -123,7 +124,8 @@ def apply(obj, task, answer):
         source, name = "image", _write_image(obj, answer.image).name
     settings = obj.lamina_dust
     statistics = answer.dust.statistics
-    settings.told, settings.largest = "; ".join([str(statistics), *statistics.notes]), statistics.maximum
+    notes = [str(statistics), *statistics.notes, *_coarseness(obj, task)]
+    settings.told, settings.largest = "; ".join(notes), statistics.maximum
     for slot in obj.material_slots:
         if slot.material is not None and slot.material.is_editable and _is_free(slot.material):
             thickness.wire_thickness(slot.material, source, name, settings.uv_map)
@@ -198,6 +200,16 @@ def _on_own_vertices(obj, surface, tau):
             _, nearest, _ = tree.find(scale * (obj.matrix_world @ obj.data.vertices[index].co))
             values[index] = tau[nearest]
     return values
+
+
+def _coarseness(obj, task):
+    """What an attribute loses where modifiers make the surface finer than its mesh."""
+    own, rendered = len(obj.data.vertices), len(task.surface.vertices)
+    if not task.size and rendered > FINER * own:
+        yield (
+            f"the attribute has the mesh's {own:,} vertices for the {rendered:,} that modifiers make of it: "
+            "apply those, or keep the dust in an image"
+        )
 
 
 def _write_image(obj, values):
