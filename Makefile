@@ -30,7 +30,7 @@ demo: build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY) $(OPTIONS)
 
 test: lint build/stamps/extension
-	$(RUN) -m pytest tests/core tests/lamina
+	$(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest tests/addon
 	$(RUN) -m pytest tests/cycles
 
