@@ -177,7 +177,9 @@ def test_interrupting_a_bake(folder, wait_for):
     # On a terminal progress is shown at once, so we know where the bake is.
     screen, terminal = os.openpty()
     process = subprocess.Popen([sys.executable, "-m", "lamina", "bake", "slow.json", "-o", "old.npz"],
-                               stdout=subprocess.DEVNULL, stderr=terminal, start_new_session=True)
+                               stdout=subprocess.DEVNULL, stderr=terminal, start_new_session=True,
+                               # Shells have what they run in the background ignore it.
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     os.close(terminal)
     shown, deadline = b"", time.monotonic() + 60.0
     while wait_for not in shown:
