@@ -55,7 +55,8 @@ def measure_in_blender(repeats=40):
     import bpy
     from bake_bench import STACKS
 
-    solving = Stages(importlib.import_module("lamina.bake"), solve_rows="solve", slices="solve", mix="fit")
+    solving = Stages(importlib.import_module("lamina.bake"), solve_rows="solve", slices="solve", mix="fit",
+                     mix_rows="fit")
     rows = []
     for name, stack in STACKS.items():
         material = bpy.data.materials.new(name)
