@@ -31,7 +31,6 @@ class Task:
     settling: dict
     seed: int
     size: int  # of the image; 0: an attribute
-    vertices: int  # of the object's own mesh
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,6 @@ def gather(context, obj):
         settling=_settling(settings, context.scene),
         seed=settings.seed,
         size=size,
-        vertices=len(obj.data.vertices),
     )
 
 
@@ -113,18 +111,18 @@ def apply(obj, task, answer):
     """Keep an Answer on its object, and feed the thickness of its materials from there where nothing
     else does. Raises RefusedError when the mesh has changed meanwhile.
     """
-    if len(obj.data.vertices) != task.vertices:
+    if len(obj.data.vertices) != len(task.surface.own):
         raise RefusedError(f"{obj.name} has been edited while dust settled: let it settle again")
     if answer.image is None:
         if obj.data.users > 1:  # dust depends on where an object is: a shared mesh becomes its own
             obj.data = obj.data.copy()
-        _write_attribute(obj.data, _on_own_vertices(obj, task.surface, answer.dust.tau))
+        _write_attribute(obj.data, _on_own_vertices(task.surface, answer.dust.tau))
         source, name = "attribute", ATTRIBUTE
     else:
         source, name = "image", _write_image(obj, answer.image).name
     settings = obj.lamina_dust
     statistics = answer.dust.statistics
-    notes = [str(statistics), *statistics.notes, *_coarseness(obj, task)]
+    notes = [str(statistics), *statistics.notes, *_coarseness(task)]
     settings.told, settings.largest = "; ".join(notes), statistics.maximum
     for slot in obj.material_slots:
         if slot.material is not None and slot.material.is_editable and _is_free(slot.material):
@@ -180,31 +178,29 @@ def _settling(settings, scene):
     }
 
 
-def _on_own_vertices(obj, surface, tau):
+def _on_own_vertices(surface, tau):
     """Dust of the rendered surface on the vertices of the object's own mesh: the most of those that stand for
     one (both sides of a shell), the nearest one's where modifiers leave none.
     """
-    count = len(obj.data.vertices)
-    values = np.full(count, -1.0, np.float32)
+    values = np.full(len(surface.own), -1.0, np.float32)
     if surface.origins is not None:
         known = surface.origins >= 0
         np.maximum.at(values, surface.origins[known], tau[known])
     lost = np.flatnonzero(values < 0.0)
     if len(lost):
-        scale = bpy.context.scene.unit_settings.scale_length
         tree = kdtree.KDTree(len(surface.vertices))
         for index, place in enumerate(surface.vertices):
             tree.insert(place, index)
         tree.balance()
         for index in lost:
-            _, nearest, _ = tree.find(scale * (obj.matrix_world @ obj.data.vertices[index].co))
+            _, nearest, _ = tree.find(surface.own[index])
             values[index] = tau[nearest]
     return values
 
 
-def _coarseness(obj, task):
+def _coarseness(task):
     """What an attribute loses where modifiers make the surface finer than its mesh."""
-    own, rendered = len(obj.data.vertices), len(task.surface.vertices)
+    own, rendered = len(task.surface.own), len(task.surface.vertices)
     if not task.size and rendered > FINER * own:
         yield (
             f"the attribute has the mesh's {own:,} vertices for the {rendered:,} that modifiers make of it: "

@@ -16,12 +16,14 @@ _TAG = "lamina_vertex"
 @dataclass(frozen=True)
 class Arrays:
     """vertices: (n, 3); triangles: (m, 3), counter-clockwise seen from outside; uvs: (m, 3, 2) by corner, or
-    None; origins: (n,), the vertex of the object's own mesh that each stands for, -1 for none, or None.
+    None; own: (k, 3), the vertices of the object's own mesh, without its modifiers; origins: (n,), which of those
+    each vertex stands for, -1 for none, or None.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
     uvs: np.ndarray | None = None
+    own: np.ndarray | None = None
     origins: np.ndarray | None = None
 
 
@@ -39,6 +41,7 @@ def of_object(context, obj, uv_map=None):
         result = evaluated.to_mesh()
         try:
             vertices, triangles = _arrays(result, evaluated.matrix_world, scale)
+            own = _vertices(mesh, evaluated.matrix_world, scale)
             mirrored = evaluated.matrix_world.determinant() < 0.0
             uvs = None if uv_map is None else _uvs(obj, result, uv_map, mirrored)
             origins = np.arange(len(vertices)) if tags is None else _origins(result, tags)
@@ -49,7 +52,7 @@ def of_object(context, obj, uv_map=None):
             mesh.attributes.remove(mesh.attributes[_TAG])
     if not len(triangles):
         raise RefusedError(f"{obj.name} has no faces for dust to settle on")
-    return Arrays(vertices, triangles, uvs, origins)
+    return Arrays(vertices, triangles, uvs, own, origins)
 
 
 def others(context, obj):
@@ -89,17 +92,21 @@ def _is_itself(instance, obj):
     return not instance.is_instance and instance.object.original == obj
 
 
-def _arrays(mesh, matrix, scale):
+def _vertices(mesh, matrix, scale):
     local = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", local)
     matrix = np.array(matrix, np.float64)
-    vertices = (local.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]) * scale
+    return (local.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]) * scale
+
+
+def _arrays(mesh, matrix, scale):
+    vertices = _vertices(mesh, matrix, scale)
     mesh.calc_loop_triangles()
     triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles)
     triangles = triangles.reshape(-1, 3)
     # A mirrored object keeps its outside: its faces turn the other way round.
-    return vertices, triangles[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else triangles
+    return vertices, triangles[:, ::-1] if matrix.determinant() < 0.0 else triangles
 
 
 def _uvs(obj, mesh, name, mirrored):

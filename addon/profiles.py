@@ -17,8 +17,8 @@ def imported(layer):
     """'5 depths': what the text holds; '' when the panel edits the profile."""
     if not layer.profile_text:
         return ""
-    knots = texts.parsed(layer.profile_text, list)
-    return knots if knots == texts.UNREADABLE else f"{len(knots)} depths"
+    held = knots(layer)
+    return held if held == texts.UNREADABLE else f"{len(held)} depths"
 
 
 def knots(layer):

@@ -106,18 +106,24 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
     check_seed(seed)
     pool = thread_pool(threads)
     step = stepper("the estimate", progress, cancel)
+    channels, error = run_channels(stack, query, method, pool, step, lambda walk, within: _run(
+        walk, seed, blocks, target_error, pool, within))
+    return summary(channels, time.perf_counter() - started, error)
+
+
+def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, run) -> tuple[list, float]:
+    """(what `run(walk, step)` gives for each channel, the largest error of the walks' tables); channels that are the
+    same problem share one run. Raises as estimate does."""
     done: dict = {}
-    channels = []
-    error = 0.0
+    channels, error = [], 0.0
     for index in range(stack.channels):
         key, layers, base = core_stack(stack, index)
         if key not in done:
             walk, off = make_walk(_core.Stack(layers, base), query, method, pool)
             error = max(error, off)
-            within = portion(step, index / stack.channels, (index + 1) / stack.channels)
-            done[key] = _run(walk, seed, blocks, target_error, pool, within)
+            done[key] = run(walk, portion(step, index / stack.channels, (index + 1) / stack.channels))
         channels.append(done[key])
-    return summary(channels, time.perf_counter() - started, error)
+    return channels, error
 
 
 def make_walk(core, query: Query, method: str, pool):

@@ -10,10 +10,20 @@ from dataclasses import dataclass, field, replace
 from .errors import StackError
 from .fields import Channels, Field, channel, check_forms
 from .phase import Isotropic, Phase, check_phase
-from .profile import Knot, check_profile, optical_thickness, turned
+from .profile import (
+    ALBEDO,
+    COLOR,
+    OVER,
+    SIGMA_A,
+    SIGMA_S,
+    UNIT,
+    Knot,
+    check_profile,
+    optical_thickness,
+    turned,
+)
 
-UNIT = "must lie in [0, 1]"
-NOT_NEGATIVE = "must lie in [0, infinity]"
+TAU = Field("tau", 0.0, math.inf, "must lie in [0, infinity]", infinite=True)
 
 
 @dataclass(frozen=True)
@@ -43,17 +53,9 @@ class Medium:
 
     kind = "medium"
     forms = (
-        (Field("albedo", 0.0, 1.0, UNIT), Field("tau", 0.0, math.inf, NOT_NEGATIVE, infinite=True)),
-        (
-            Field("sigma_s", 0.0, 1e12, "must lie in [0, 1e12] 1/mm"),
-            Field("sigma_a", 0.0, 1e12, "must lie in [0, 1e12] 1/mm"),
-            Field("thickness", 0.0, math.inf, "must lie in [0, infinity] mm", infinite=True),
-        ),
-        (
-            Field("color", 0.0, 1.0, UNIT),
-            Field("over", 0.0, 1.0, UNIT, optional=True),
-            Field("tau", 0.0, math.inf, NOT_NEGATIVE, infinite=True),
-        ),
+        (ALBEDO, TAU),
+        (SIGMA_S, SIGMA_A, Field("thickness", 0.0, math.inf, "must lie in [0, infinity] mm", infinite=True)),
+        (COLOR, OVER, TAU),
     )
     fields = ()
 

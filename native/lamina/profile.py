@@ -13,6 +13,10 @@ from .phase import Phase, check_phase, read_phase
 
 UNIT = "must lie in [0, 1]"
 COEFFICIENT = "must lie in [0, 1e12] 1/mm"
+# What a medium is given by, everywhere or at a knot.
+ALBEDO, COLOR = Field("albedo", 0.0, 1.0, UNIT), Field("color", 0.0, 1.0, UNIT)
+SIGMA_S, SIGMA_A = Field("sigma_s", 0.0, 1e12, COEFFICIENT), Field("sigma_a", 0.0, 1e12, COEFFICIENT)
+OVER = Field("over", 0.0, 1.0, UNIT, optional=True)
 DEPTH = Field("depth", 0.0, 1.0, UNIT)
 THICKNESS = {
     "tau": Field("tau", 0.0, 1e9, "must lie in [0, 1e9] for a medium with a profile"),
@@ -39,11 +43,7 @@ class Knot:
     sigma_a: Channels | None = None
     color: Channels | None = None
 
-    forms = (
-        (Field("albedo", 0.0, 1.0, UNIT),),
-        (Field("sigma_s", 0.0, 1e12, COEFFICIENT), Field("sigma_a", 0.0, 1e12, COEFFICIENT)),
-        (Field("color", 0.0, 1.0, UNIT),),
-    )
+    forms = ((ALBEDO,), (SIGMA_S, SIGMA_A), (COLOR,))
     fields = ()
 
     @property
@@ -122,7 +122,7 @@ def check_profile(medium, path: str) -> dict:
     if medium.over is not None:
         if all(knot.color is None for knot in knots):
             raise StackError(f"{path}.over: must be left out where no knot has a color")
-        values["over"] = Field("over", 0.0, 1.0, UNIT).check(medium.over, f"{path}.over")
+        values["over"] = OVER.check(medium.over, f"{path}.over")
     return values
 
 

@@ -19,12 +19,12 @@ from .estimate import (
     blocks_of,
     check_seed,
     chunks_in,
-    make_walk,
+    run_channels,
     run_chunks,
     summary,
 )
-from .progress import Progress, portion, stepper
-from .solve import core_stack, thread_pool
+from .progress import Progress, stepper
+from .solve import thread_pool
 from .stack import Stack
 
 SCHEMA = 1
@@ -42,16 +42,8 @@ def run_shard(stack: Stack, query: Query, method: str, samples: int, seed: int, 
     chunks = chunks_in(blocks)
     first, last = (number - 1) * chunks // count, number * chunks // count
     step = stepper("the estimate", progress, cancel)
-    done: dict = {}
-    channels, error = [], 0.0
-    for index in range(stack.channels):
-        key, layers, base = core_stack(stack, index)
-        if key not in done:
-            walk, off = make_walk(_core.Stack(layers, base), query, method, pool)
-            error = max(error, off)
-            within = portion(step, index / stack.channels, (index + 1) / stack.channels)
-            done[key] = [list(tally) for tally in run_chunks(walk, seed, first, last, blocks, pool, within)]
-        channels.append(done[key])
+    channels, error = run_channels(stack, query, method, pool, step, lambda walk, within: [
+        list(tally) for tally in run_chunks(walk, seed, first, last, blocks, pool, within)])
     job = {"stack": stack.hash, **asdict(query), "method": method, "blocks": blocks, "seed": seed}
     return {"schema": SCHEMA, "job": job, "shard": [number, count], "table_error": error, "channels": channels}
 
