@@ -22,6 +22,7 @@ from lamina import (
     Stack,
     StackError,
 )
+from lamina.cli import main
 
 SAMPLES = 1 << 16
 # Two-sided normal quantile for 1 % over both walks of all cases, Bonferroni.
@@ -230,3 +231,13 @@ def test_channels_are_read_or_walked_each_for_itself():
     stack = Stack([LAYER], Lambert([0.0, 0.5, 0.5]))
     found = lamina.estimate(stack, 0.5, 0.6, 1.0, "adding", 1 << 12, threads=1)
     assert found.looked_up.tolist() == [True, False, False]
+
+
+def test_the_command_says_that_there_was_no_walk(tmp_path, capsys):
+    Stack([LAYER]).save(tmp_path / "stack.json")
+    call = ["estimate", str(tmp_path / "stack.json"), "--mu-o", "0.5", "--mu-i", "0.6", "--samples", "4096",
+            "--threads", "1", "--quiet", "--method"]
+    assert main([*call, "adding"]) == 0
+    assert capsys.readouterr().out.splitlines()[0].endswith(" +- 0 (no walk: known beforehand)")
+    assert main([*call, "transfer"]) == 0
+    assert "4096 samples" in capsys.readouterr().out
