@@ -99,6 +99,7 @@ build/stamps/extension: build/stamps/wheel $(ADDON_SOURCES) tools/build_extensio
 
 build/stamps/bench: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
 	@echo "Building the core's benchmarks"
+	@tools/install_system_packages.sh $(PYTHON) libllvm19
 	@cmake -S . -B build/native-bench -DLAMINA_BENCH=ON -DCMAKE_BUILD_TYPE=Release >/dev/null
 	@cmake --build build/native-bench --parallel 2 >/dev/null
 	@touch $@

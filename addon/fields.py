@@ -155,13 +155,13 @@ def _draw_phase(column, owner, is_base=False, is_bottom=False):
 
 
 def _draw_metal(column, base):
+    row = _labelled(column, "Metal", None)
+    row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
     column.row().prop(base, "metal_form", expand=True)
     if base.metal_form == "colours":
         column.prop(base, "facing")
         column.prop(base, "grazing")
         return
-    row = _labelled(column, "Metal", None)
-    row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
     _rgb_column(column, base, "eta", "Index n")
     _rgb_column(column, base, "k", "Extinction k")
 

@@ -56,9 +56,21 @@ METAL_FORMS = (
     ("colours", "Colours", "By the colours that it shows facing and grazing", 1),
 )
 
-# Gold at red, green and blue (Johnson and Christy 1972): a metal needs some first numbers.
-GOLD = {"eta": (0.2141, 0.4547, 1.332), "k": (3.251, 2.406, 1.869)}
-GOLD_COLOURS = {"facing": (0.929, 0.77, 0.403), "grazing": (0.946, 0.875, 0.677)}
+# What a metal's numbers are in a file that never set them.
+UNSET_METAL = {
+    "eta": (0.2141, 0.4547, 1.332),
+    "k": (3.251, 2.406, 1.869),
+    "facing": (0.929, 0.77, 0.403),
+    "grazing": (0.946, 0.875, 0.677),
+}
+# The library's gold, in both forms: a base that becomes a metal needs some first numbers.
+GOLD = {
+    "metal_form": "colours",
+    "facing": (1.0, 0.7837, 0.3427),
+    "grazing": (1.0, 0.8899, 0.6307),
+    "eta": (0.001, 0.385032725553, 1.60385830131),
+    "k": (63.2376311929, 2.28079605351, 1.72632665315),
+}
 
 
 def _number(name, default, description, low, high, **options):
@@ -268,8 +280,16 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     )
 
 
+def _base_kind_changed(base, context):
+    """Properties have one default for ever, so the first metal of a base is set here."""
+    if base.kind == "conductor" and not any(base.is_property_set(name) for name in GOLD):
+        for name, value in GOLD.items():
+            setattr(base, name, value)
+    changes.edited(base, context)
+
+
 class LaminaBase(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
-    kind: _choice("Base", BASES, "What lies below the layers", "lambert")
+    kind: _choice("Base", BASES, "What lies below the layers", "lambert", update=_base_kind_changed)
     reflectance: _rgb(
         "Reflectance", 0.5, "Share of the light that the surface reflects, per channel", subtype="COLOR"
     )
@@ -280,12 +300,12 @@ class LaminaBase(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
         "Albedo", 0.8, "Share of the light that a scattering event keeps, per channel", subtype="COLOR"
     )
     metal_form: _choice("Given By", METAL_FORMS, "Which numbers describe the metal")
-    eta: _rgb("Index n", GOLD["eta"], "Real part of the refractive index", 100.0, 0.001, precision=3)
-    k: _rgb("Extinction k", GOLD["k"], "Imaginary part of the refractive index", 100.0, precision=3)
-    facing: _rgb("Facing", GOLD_COLOURS["facing"], "What the metal reflects straight back", subtype="COLOR")
+    eta: _rgb("Index n", UNSET_METAL["eta"], "Real part of the refractive index", 100.0, 0.001, precision=3)
+    k: _rgb("Extinction k", UNSET_METAL["k"], "Imaginary part of the refractive index", 100.0, precision=3)
+    facing: _rgb("Facing", UNSET_METAL["facing"], "What the metal reflects straight back", subtype="COLOR")
     grazing: _rgb(
         "Grazing",
-        GOLD_COLOURS["grazing"],
+        UNSET_METAL["grazing"],
         "What the metal reflects at a grazing view, 82 degrees",
         subtype="COLOR",
     )

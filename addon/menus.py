@@ -78,7 +78,7 @@ class LAMINA_MT_user_presets_delete(bpy.types.Menu):
 
 class LAMINA_MT_metals(bpy.types.Menu):
     bl_label = "Metals"
-    bl_description = "Metals by name, with their measured refractive indices"
+    bl_description = "Metals by name, with the colours of their published spectra"
 
     def draw(self, _context):
         try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Metals by name: `lamina` knows their refractive indices."""
+"""Metals by name: `lamina` knows their colours, facing and grazing."""
 
 from . import decimals, native
 from .messages import RefusedError
@@ -14,20 +14,18 @@ def fill(base, name):
     """Make the base this metal, in both forms; its roughness stays. Raises ValueError, NativeMissingError."""
     if name not in names():
         raise RefusedError(f"metal = {name}: must be one of {', '.join(names())}")
-    eta, k = _indices(name)
-    library = native.part("metals")
-    facing, grazing = library.colours_of(library.conductor(name))
-    base.kind, base.metal_form = "conductor", "indices"
-    base.eta, base.k, base.facing, base.grazing = eta, k, facing, grazing
+    numbers = _numbers(name)
+    base.kind, base.metal_form = "conductor", "colours"
+    for key, values in numbers.items():
+        setattr(base, key, values)
 
 
 def name_of(base):
-    """The metal whose indices the base has, or ''. Raises NativeMissingError."""
-    if base.metal_form != "indices":
-        return ""
+    """The metal that a base is, in the base's own form, or ''. Raises NativeMissingError."""
+    keys = ("facing", "grazing") if base.metal_form == "colours" else ("eta", "k")
     for name in names():
-        eta, k = _indices(name)
-        if decimals.same(eta, base.eta) and decimals.same(k, base.k):
+        numbers = _numbers(name)
+        if all(decimals.same(numbers[key], getattr(base, key)) for key in keys):
             return name
     return ""
 
@@ -42,11 +40,9 @@ def label(name):
     return name.replace("-", " ").replace("_", " ").capitalize()
 
 
-def _indices(name):
-    metal = native.part("metals").conductor(name)
-    return _triple(metal.eta), _triple(metal.k)
-
-
-def _triple(value):
-    values = list(value) if isinstance(value, list | tuple) else [value]
-    return values if len(values) == 3 else values * 3
+def _numbers(name):
+    """{property of the base: R, G, B}: the metal in both forms."""
+    library = native.part("metals")
+    metal = library.conductor(name)
+    eta, k = library.indices_of(metal, 3, "base")
+    return {"facing": metal.facing, "grazing": metal.grazing, "eta": eta, "k": k}

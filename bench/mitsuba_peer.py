@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -19,24 +20,51 @@ ROOT = Path(__file__).resolve().parent.parent
 SLAB = (0.9, 2.0, 0.75)
 MU = 0.5
 PIXELS = 32
+LLVM, SCALAR = "llvm_ad_rgb", "scalar_rgb"
+LIBRARY = "DRJIT_LIBLLVM_PATH"
 
 
-def measure(paths: int, rr_depth: int, repeats: int) -> dict:
-    """{variant, value, variance: relative, of a path, paths_per_second: wall clock, all threads} of light at cosine
-    MU: by llvm with the newest library that works, else scalar."""
-    for variant, library in [*(("llvm_ad_rgb", path) for path in _llvm_libraries()), ("scalar_rgb", None)]:
-        environment = {**os.environ, **({"DRJIT_LIBLLVM_PATH": str(library)} if library else {})}
-        call = [sys.executable, __file__, variant, str(paths), str(rr_depth), str(repeats)]
+def measure(paths: int, rr_depths: tuple[int, ...], repeats: int) -> list[dict]:
+    """[{variant, value, variance: relative, of a path, paths_per_second: wall clock, all threads, and for LLVM
+    compilation: seconds}] of light at cosine MU, for LLVM, where the system holds a library that works, and scalar;
+    each with the depth at which its roulette begins that makes it the fastest."""
+    return [run for variant in (LLVM, SCALAR) if (run := _fastest(variant, paths, rr_depths, repeats)) is not None]
+
+
+def _fastest(variant: str, paths: int, rr_depths: tuple[int, ...], repeats: int) -> dict | None:
+    """The run of least variance per unit of time; none when the variant does not work here."""
+    for library in _llvm_libraries() if variant == LLVM else [None]:
+        runs = []
+        for depth in rr_depths:
+            run, reason = _run(variant, library, paths, depth, repeats)
+            if run is None:
+                print(f"bench: Mitsuba {variant} {library or ''}: {reason}", file=sys.stderr)
+                break
+            runs.append(run)
+        else:
+            return min(runs, key=lambda run: run["variance"] / run["paths_per_second"])
+    if variant == SCALAR:
+        raise RuntimeError("Mitsuba's scalar variant does not render: see above")
+    print("bench: Mitsuba llvm_ad_rgb is left out: no LLVM library here works with it; Debian's package libllvm19 "
+          "holds one", file=sys.stderr)
+    return None
+
+
+def _run(variant: str, library: Path | None, *numbers: int) -> tuple[dict | None, str]:
+    """(what the process found or none, the reason). No kernels of earlier processes: LLVM compiles its own."""
+    with tempfile.TemporaryDirectory() as home:
+        environment = {**os.environ, "HOME": home, **({LIBRARY: str(library)} if library else {})}
+        call = [sys.executable, __file__, variant, *map(str, numbers)]
         done = subprocess.run(call, env=environment, capture_output=True, text=True, check=False)
-        if done.returncode == 0:
-            return json.loads(done.stdout.splitlines()[-1])
-        reason = done.stderr.strip().splitlines()[:1] or ["no reason given"]
-        print(f"bench: Mitsuba {variant} {library or ''}: {reason[0]}", file=sys.stderr)
-    raise RuntimeError("Mitsuba renders by no variant: see above")
+    if done.returncode == 0:
+        return json.loads(done.stdout.splitlines()[-1]), ""
+    return None, (done.stderr.strip().splitlines() or ["no reason given"])[0]
 
 
 def _llvm_libraries() -> list[Path]:
-    """Those of the system, the newest first."""
+    """The one that the environment names, else those of the system, the newest first."""
+    if os.environ.get(LIBRARY):
+        return [Path(os.environ[LIBRARY])]
     found: dict = {}
     for folder in ("/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64"):
         for path in Path(folder).glob("libLLVM*.so*"):
@@ -48,6 +76,7 @@ def _llvm_libraries() -> list[Path]:
 
 def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
     """The radiance seen at MU under unit radiance from above, in images of independent pixels."""
+    import drjit as dr
     import mitsuba as mi
 
     import lamina
@@ -74,15 +103,19 @@ def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
     })
     spp = -(-paths // PIXELS**2)
     images, seconds = [], []
+    dr.set_flag(dr.JitFlag.KernelHistory, True)
     for seed in range(repeats + 1):
         started = time.perf_counter()
         image = np.array(mi.render(scene, spp=spp, seed=seed), dtype=float).ravel()
-        if seed > 0:  # the first compiles
+        if seed > 0:  # The first compiles the kernels, which the others use again.
             images.append(image)
             seconds.append(time.perf_counter() - started)
     value = float(np.mean(images))
-    return {"variant": variant, "value": value, "variance": float(np.var(images, ddof=1)) * spp / value**2,
-            "paths_per_second": spp * PIXELS**2 / min(seconds)}
+    found = {"variant": variant, "value": value, "variance": float(np.var(images, ddof=1)) * spp / value**2,
+             "paths_per_second": spp * PIXELS**2 / min(seconds)}
+    if variant == LLVM:
+        found["compilation"] = sum(kernel.get("backend_time", 0.0) for kernel in dr.kernel_history()) / 1000.0
+    return found
 
 
 if __name__ == "__main__":

@@ -1,31 +1,48 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs the Debian packages that Lamina builds with and that bpy needs without an X server.
+# Installs the Debian packages that Lamina builds with and that bpy needs without an X server, and the optional
+# packages that are named after the Python, where this Debian has them.
 # Does nothing when all are there; otherwise needs root or sudo.
+#     tools/install_system_packages.sh PYTHON [OPTIONAL PACKAGE ...]
 set -eu
 
 packages="g++ cmake git xz-utils libeigen3-dev libx11-6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0
 libgomp1 libsm6 libice6 libxext6 libgl1"
 python="$1"
+shift
 "$python" -c 'import ensurepip, venv' 2>/dev/null || packages="$packages python3-venv"
 "$python" -c 'import os, sysconfig, sys; sys.exit(not os.path.exists(sysconfig.get_path("include") + "/Python.h"))' ||
     packages="$packages python3-dev"
 
-missing=""
-for package in $packages; do
-    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing="$missing $package"
-done
-[ -n "$missing" ] || exit 0
+missing_of() {
+    for package in "$@"; do
+        dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || printf ' %s' "$package"
+    done
+}
 
-echo "Installing Debian packages:$missing"
+missing="$(missing_of $packages)"
+optional="$(missing_of "$@")"
+[ -n "$missing$optional" ] || exit 0
+
 if [ "$(id -u)" = 0 ]; then
     as_root=""
 elif command -v sudo >/dev/null; then
     as_root="sudo"
-else
+elif [ -n "$missing" ]; then
     echo "lamina: these packages are missing and this is neither root nor a machine with sudo:$missing" >&2
     exit 1
+else
+    echo "lamina: going on without the optional packages$optional: this is neither root nor a machine with sudo" >&2
+    exit 0
 fi
 export DEBIAN_FRONTEND=noninteractive
-$as_root apt-get update -qq
-$as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+install() {
+    echo "Installing Debian packages: $*"
+    $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+}
+
+$as_root apt-get update -qq || [ -z "$missing" ]
+[ -z "$missing" ] || install $missing
+for package in $optional; do
+    install "$package" || echo "lamina: going on without the optional package $package" >&2
+done

@@ -60,11 +60,13 @@ def doubling(rows):
 
 
 def walks(rows):
-    head = ["estimate", "to .1 %", "times sooner", "relative variance", "samples/s", "events/s", "2 threads / 1"]
+    head = ["estimate", "to .1 %", "times sooner", "relative variance", "samples/s", "events/s", "2 threads / 1",
+            "kernels compiled in"]
     return markdown(head,
                     [[row["name"], f"{row['seconds']:.3g} s", f"{row['times_sooner']:.3g}", f"{row['variance']:.3g}",
                       f"{row['samples_per_second'] / 1e6:.2f} M", _millions(row, "events_per_second"),
-                      f"{row['second_thread']:.2f}" if "second_thread" in row else "-"] for row in rows])
+                      f"{row['second_thread']:.2f}" if "second_thread" in row else "-",
+                      f"{row['compilation']:.1f} s" if "compilation" in row else "-"] for row in rows])
 
 
 def _millions(row, key):

@@ -2,7 +2,8 @@
 """A grid of spheres, one a material, seen straight on and alone: none shades, lights or mirrors another.
 
 Sheets are the front half of a sphere, with light behind it. The light is a sky, a sun, and two soft boxes so
-that metals have something to reflect: a large one to the upper left, a narrow one behind to the right.
+that metals have something to reflect: a large one to the upper left, a narrow one behind to the right. The sky is
+nearly grey: what has a colour in the picture is the material.
 """
 
 import math
@@ -19,7 +20,7 @@ BOXES = (
     (Vector((0.95, 0.25, 0.30)), 0.95, (3.6, 3.8, 4.2)),
     (Vector((0.05, 1.0, 0.12)), 0.95, (2.6, 2.5, 2.4)),
 )
-SKY, HORIZON, GROUND = (0.34, 0.38, 0.45), (0.50, 0.49, 0.47), (0.13, 0.12, 0.11)
+SKY, HORIZON, GROUND = (0.42, 0.42, 0.43), (0.50, 0.50, 0.49), (0.14, 0.135, 0.13)
 
 
 def build(materials, sheets, columns):

@@ -34,6 +34,9 @@ class LayerWalk final : public StackWalk {
       table_error_ = std::max({table_error_, sides.top->error(), sides.bottom->error()});
     }
     begin();
+    if (!is_flux() && scatters_once_only()) {
+      take_no_walk();
+    }
   }
 
   double table_error() const { return table_error_; }
@@ -46,6 +49,19 @@ class LayerWalk final : public StackWalk {
 
     const LayerTable* met_by(const Ray& ray) const { return ray.z < 0.0 ? top.get() : bottom.get(); }
   };
+
+  /// Whether light that leaves one element never meets another that sends it on in a new direction. The series then
+  /// ends with its first term, which is known before any walk.
+  bool scatters_once_only() const {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < stack().elements.size(); ++k) {
+      const WalkStack::Element& element = stack().elements[k];
+      const bool is_clear_medium = element.kind == Kind::kMedium && tables_[k].top == nullptr;
+      const bool is_black = element.kind == Kind::kLambert && element.reflectance == 0.0;
+      count += is_clear_medium || is_black ? 0 : 1;
+    }
+    return count <= 1;
+  }
 
   bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
              std::uint64_t& events) const override {

@@ -12,7 +12,9 @@ namespace lamina {
 /// layers, each of which scatters by its own whole scattering function (LayerTable): an event is a passage through
 /// a layer, whatever its thickness.
 ///
-/// Unbiased for layers that scatter as their tables do; `table_error` is how far these are from the layers.
+/// Unbiased for layers that scatter as their tables do; `table_error` is how far these are from the layers. With one
+/// layer and no boundary or base that returns light the series has one term: its values are read from the layer's
+/// table, every sample is the same, and there are no events.
 struct AddingWalk {
   std::unique_ptr<Walk> walk;
   double table_error = 0.0;

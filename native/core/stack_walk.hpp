@@ -27,6 +27,8 @@ class StackWalk : public Walk {
 
   /// Lays the starts; derived classes call it when they are ready for it.
   void begin();
+  /// No walk is to be taken: what is known before any walk is the value. A sample then has no events.
+  void take_no_walk() { starts_.clear(); }
 
   /// Ways out of an element: rays that leave its top and its bottom and end in the direction wanted.
   struct Exit {

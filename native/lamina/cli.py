@@ -160,10 +160,12 @@ def _print_estimate(found: Estimate, as_json: bool) -> None:
     if as_json:
         print(json.dumps({"value": found.value.tolist(), "stderr": found.stderr.tolist(),
                           "samples": found.samples.tolist(), "events": found.events.tolist(),
-                          "table_error": found.table_error}))
+                          "looked_up": found.looked_up.tolist(), "table_error": found.table_error}))
         return
-    for value, error, samples, events in zip(found.value, found.stderr, found.samples, found.events, strict=True):
-        print(f"{value:.8g} +- {error:.2g} ({samples} samples, {events} events)")
+    for value, error, samples, events, looked_up in zip(
+            found.value, found.stderr, found.samples, found.events, found.looked_up, strict=True):
+        walked = "no walk: known beforehand" if looked_up else f"{samples} samples, {events} events"
+        print(f"{value:.8g} +- {error:.2g} ({walked})")
     if found.table_error > 0.0:
         print(f"the tables of its layers may be off by {found.table_error:.2g}, relative")
 

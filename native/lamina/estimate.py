@@ -65,6 +65,12 @@ class Estimate:
     events: np.ndarray
     table_error: float = 0.0
 
+    @property
+    def looked_up(self) -> np.ndarray:
+        """Whether each channel's value was known before any walk. The method "adding" reads the value of a single
+        layer from the solver's table of that layer: `stderr` is 0, and `table_error` is the whole error."""
+        return self.events == 0
+
 
 def _transfer(core, query: Query, pool):
     return _core.transfer_walk(core, *query.arguments()), 0.0
@@ -90,7 +96,8 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
     mirror and unscattered light included; light enters on `side`.
 
     `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the
-    adding series as a walk between solved layers (it is off by its tables' error, which is reported); "scattering",
+    adding series as a walk between solved layers (it is off by its tables' error, which is reported; the BRDF or BTDF
+    of a single layer takes no walk, but is read from its table: see Estimate.looked_up); "scattering",
     the integral scattering equation guided by coarse tables, for the BRDF from above of media, with profiles or
     without, over nothing, black or a Lambert surface; where a pilot, whose samples are discarded, finds a transfer
     walk to do better, plain or guided by such tables, that one takes its place.
@@ -179,9 +186,12 @@ def summary(channels: list, seconds: float, table_error: float) -> Estimate:
 def _total(tallies: list) -> tuple[float, float, int, int]:
     """(value, standard error, samples, events)."""
     count = sum(tally[3] for tally in tallies)
+    events = sum(tally[4] for tally in tallies)
     mean = math.fsum(tally[0] for tally in tallies) / count
     squares = math.fsum(tally[1] for tally in tallies) / count
-    return mean, math.sqrt(max(0.0, squares - mean * mean) / (count - 1)), count, sum(tally[4] for tally in tallies)
+    # Without events all samples are the same, and what rounding leaves is no error.
+    variance = max(0.0, squares - mean * mean) if events > 0 else 0.0
+    return mean, math.sqrt(variance / (count - 1)), count, events
 
 
 def _run(walk, seed: int, blocks: int, target_error: float | None, pool, step) -> list:

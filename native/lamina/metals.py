@@ -3,68 +3,48 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
+from importlib.resources import files
 
 from .errors import StackError, unknown
 from .fields import channel, channel_count, check_forms
 from .layers import Conductor
 
-WAVELENGTHS = (615.0, 545.0, 465.0)  # nm: R, G, B
 GRAZING = math.cos(math.radians(82.0))  # the angle at which Hoffman (2019) gives a metal its second colour
 
-_NOBLE = "P. B. Johnson and R. W. Christy, Optical constants of the noble metals, Phys. Rev. B 6, 4370 (1972)"
-_TRANSITION = "P. B. Johnson and R. W. Christy, Optical constants of transition metals, Phys. Rev. B 9, 5056 (1974)"
-_WERNER = ("W. S. M. Werner, K. Glantschnig and C. Ambrosch-Draxl, J. Phys. Chem. Ref. Data 38, 1013 (2009), "
-           "derived from electron energy losses")
-_QUERRY = "M. R. Querry, Optical constants, Contractor Report CRDC-CR-85034 (1985)"
 
-# name: (eta, k, source). Tabulated values, straight lines between them, at the three wavelengths.
-METALS: dict[str, tuple[tuple[float, ...], tuple[float, ...], str]] = {
-    "aluminium": ((1.34, 0.994, 0.686), (7.351, 6.57, 5.635), "A. D. Rakic, Appl. Opt. 34, 4755 (1995)"),
-    "brass": ((0.4505, 0.538, 0.947), (3.39, 2.716, 1.92), f"{_QUERRY}, 70 % copper, 30 % zinc"),
-    "chromium": ((3.173, 3.146, 2.456), (3.3, 3.33, 3.21), _TRANSITION),
-    "cobalt": ((2.187, 2.039, 1.789), (4.101, 3.8, 3.371), _TRANSITION),
-    "commercial-bronze": ((0.336, 0.5555, 0.948), (3.091, 2.372, 2.012),
-                          f"{_QUERRY}, 90 % copper, 10 % zinc: the alloy that trade calls bronze, without tin"),
-    "copper": ((0.3207, 1.041, 1.247), (3.179, 2.581, 2.456), _NOBLE),
-    "gold": ((0.2141, 0.4547, 1.332), (3.251, 2.406, 1.869), _NOBLE),
-    "iron": ((2.883, 2.937, 2.646), (3.047, 2.927, 2.805), _TRANSITION),
-    "nickel": ((1.988, 1.91, 1.765), (4.007, 3.583, 3.048), _TRANSITION),
-    "palladium": ((1.746, 1.63, 1.445), (4.199, 3.817, 3.351), _TRANSITION),
-    "platinum": ((2.268, 2.072, 1.879), (4.079, 3.687, 3.223),
-                 "A. D. Rakic, A. B. Djurisic, J. M. Elazar and M. L. Majewski, Appl. Opt. 37, 5271 (1998), "
-                 "Brendel-Bormann fit"),
-    "silver": ((0.05948, 0.0587, 0.04688), (4.137, 3.552, 2.803), _NOBLE),
-    "stainless-steel": ((2.1, 1.889, 1.561), (3.372, 3.155, 2.839),
-                        "B. Karlsson and C. G. Ribbing, J. Appl. Phys. 53, 6340 (1982), ferritic steel with "
-                        "13.5 % chromium, read off a figure"),
-    "titanium": ((2.666, 2.526, 2.305), (3.712, 3.411, 3.082), _TRANSITION),
-    "zinc": ((1.121, 0.9162, 0.7128), (5.567, 4.928, 4.16), _WERNER),
-}
+@cache
+def _table() -> dict:
+    """{name: {facing, grazing, source}}: metals.json, which tools/metal_colours.py computes from published spectra."""
+    return json.loads(files(__package__).joinpath("metals.json").read_text(encoding="utf-8"))
 
 
 def names() -> list[str]:
     """The metals that conductor() knows."""
-    return sorted(METALS)
+    return sorted(_table())
 
 
 def conductor(name: str, alpha: float = 0.0, distribution: str = "ggx") -> Conductor:
-    """A metal of the table, at 615, 545 and 465 nm, in air. Raises UnknownName, a KeyError and StackError."""
-    eta, k, _ = _entry(name)
-    return Conductor(eta, k, alpha, distribution)
+    """A metal of the table by its two colours in air, linear Rec. 709 under D65: the reflectance of its published
+    spectrum, integrated with the CIE 1931 observer. What exceeds 1 (the red of gold) is outside the gamut and is 1.
+    Raises UnknownName, a KeyError and StackError."""
+    entry = _entry(name)
+    return Conductor(facing=tuple(entry["facing"]), grazing=tuple(entry["grazing"]), alpha=alpha,
+                     distribution=distribution)
 
 
 def source(name: str) -> str:
-    """Where a metal's indices come from. Raises UnknownName, a KeyError and StackError."""
-    return f"{_entry(name)[2]}; at 615, 545 and 465 nm, interpolated"
+    """Where a metal's colours come from. Raises UnknownName, a KeyError and StackError."""
+    return f"{_entry(name)['source']}; spectrum integrated with the CIE 1931 observer under D65"
 
 
-def _entry(name: str):
-    if name not in METALS:
+def _entry(name: str) -> dict:
+    if name not in _table():
         raise unknown("metal", name, names())
-    return METALS[name]
+    return _table()[name]
 
 
 def reflectance(mu: float, eta: float, k: float) -> float:

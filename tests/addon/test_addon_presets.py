@@ -169,17 +169,17 @@ def test_the_folder_is_the_extensions_own(addon):
 @pytest.fixture
 def metals(lamina, monkeypatch):
     """Two metals in place of the real ones."""
-    module = ModuleType("lamina.metals")
-    indices = {
-        "gold": lamina.Conductor(eta=[0.143, 0.374, 1.442], k=[3.983, 2.385, 1.603]),
-        "grey-tin": lamina.Conductor(eta=1.5, k=7.0),
+    real, module = lamina.metals, ModuleType("lamina.metals")
+    metals = {
+        "gold": lamina.Conductor(facing=(1.0, 0.75, 0.3), grazing=(1.0, 0.9, 0.6)),
+        "tin": lamina.Conductor(facing=(0.8, 0.75, 0.7), grazing=(0.8, 0.8, 0.8)),
     }
-    module.names = lambda: list(indices)
-    module.conductor = indices.__getitem__
-    module.colours_of = lambda metal: ([0.5, 0.6, 0.7], [0.8, 0.8, 0.9])
+    module.names = lambda: list(metals)
+    module.conductor = metals.__getitem__
+    module.indices_of = real.indices_of
     module.source = lambda name: f"{name} by hand"
     monkeypatch.setitem(sys.modules, "lamina.metals", module)
-    return indices
+    return metals
 
 
 def test_a_metal_by_name(addon, material, metals, call):
@@ -190,10 +190,12 @@ def test_a_metal_by_name(addon, material, metals, call):
         assert call(bpy.ops.lamina.metal, material, metal=name) == {"FINISHED"}
         assert addon.stack_io.to_dict(material)["base"] == addon.stack_io.to_dict(other)["base"]
         assert addon.metals.name_of(material.lamina.base) == name
-    assert tuple(material.lamina.base.facing) == pytest.approx((0.5, 0.6, 0.7))
-    material.lamina.base.k[1] += 0.1
+    assert tuple(material.lamina.base.facing) == pytest.approx((0.8, 0.75, 0.7))
+    material.lamina.base.facing[1] += 0.1
     assert addon.metals.name_of(material.lamina.base) == ""
-    assert "must be one of gold, grey-tin" in refused(bpy.ops.lamina.metal, material, call, metal="lead")
+    material.lamina.base.metal_form = "indices"
+    assert addon.metals.name_of(material.lamina.base) == "tin"
+    assert "must be one of gold, tin" in refused(bpy.ops.lamina.metal, material, call, metal="lead")
 
 
 def test_every_metal_of_the_library(addon, material, lamina):
@@ -201,13 +203,33 @@ def test_every_metal_of_the_library(addon, material, lamina):
     for name in addon.metals.names():
         addon.metals.fill(material.lamina.base, name)
         assert addon.metals.name_of(material.lamina.base) == name
-        assert addon.stack_io.to_stack(material).base.eta
-        material.lamina.base.metal_form = "colours"
-        assert addon.stack_io.to_stack(material).base.facing
+        colours = lamina.metals.conductor(name)
+        assert addon.stack_io.to_stack(material).base.facing == colours.facing
+        assert addon.stack_io.to_stack(material).base.grazing == colours.grazing
+        material.lamina.base.metal_form = "indices"
+        assert addon.metals.name_of(material.lamina.base) == name
+        shown = lamina.metals.colours_of(addon.stack_io.to_stack(material).base)
+        assert shown == (pytest.approx(colours.facing, abs=1e-5), pytest.approx(colours.grazing, abs=1e-5))
 
 
 def test_the_first_metal_is_the_librarys_gold(addon, material, lamina):
-    material.lamina.base.kind = "conductor"
-    assert addon.metals.name_of(material.lamina.base) == "gold"
-    material.lamina.base.metal_form = "colours"
-    assert addon.stack_io.to_stack(material).base.facing
+    base = material.lamina.base
+    base.kind = "conductor"
+    for form in ("colours", "indices"):
+        assert base.metal_form == form and addon.metals.name_of(base) == "gold"
+        base.metal_form = "indices"
+    base.k[0] = 5.0
+    base.kind = "black"
+    base.kind = "conductor"
+    assert base.k[0] == 5.0 and base.metal_form == "indices"
+
+
+def test_a_metal_that_an_older_file_never_set_keeps_its_numbers(addon, material, lamina):
+    """Properties that were never touched are not in a file: the index of gold in its first form."""
+    base = material.lamina.base
+    base.kind = "conductor"
+    for name in ("metal_form", "eta", "k", "facing", "grazing"):
+        base.property_unset(name)
+    assert addon.stack_io.to_dict(material)["base"] == {
+        "kind": "conductor", "eta": [0.2141, 0.4547, 1.332], "k": [3.251, 2.406, 1.869], "alpha": 0.0,
+    }  # fmt: skip

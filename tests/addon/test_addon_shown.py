@@ -206,7 +206,7 @@ BASES = {
     "lambert": {"Reflectance", "Base Colour from Input"},
     "black": set(),
     "half-space": {"Albedo", "Phase"},
-    "conductor": {"Metal", "Roughness", "Index n R", "Extinction k R"},
+    "conductor": {"Metal", "Roughness", "Facing", "Grazing"},
 }
 
 
@@ -215,8 +215,8 @@ def test_every_base_can_be_drawn(addon, material, kind, expected):
     base = material.lamina.base
     base.kind = kind
     assert expected <= set(drawn(addon.fields.draw_base, base))
-    base.metal_form = "colours"
-    assert kind != "conductor" or {"Facing", "Grazing"} <= set(drawn(addon.fields.draw_base, base))
+    base.metal_form = "indices"
+    assert kind != "conductor" or {"Metal", "Index n R", "Extinction k R"} <= set(drawn(addon.fields.draw_base, base))
 
 
 def test_menus_can_be_drawn(addon, material, lamina, monkeypatch, tmp_path):

@@ -35,7 +35,7 @@ def test_a_preset(id):
     assert stack.channels in (1, 3)
     # What is not measured says so, and what is names its origin.
     assert "by eye" in stack.source or any(word in stack.source for word in (
-        "measured", "biosnicar", "prosail", "PROSPECT", "origin of the measurement unknown"))
+        "measured", "biosnicar", "prosail", "PROSPECT"))
     surfaces = [layer for layer in stack.layers if isinstance(layer, Interface)]
     for surface in [*surfaces, stack.base]:
         alpha = getattr(surface, "alpha", 0.0)

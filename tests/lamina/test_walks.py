@@ -10,7 +10,19 @@ import pytest
 from walk_cases import CASES, SLAB, hg, solved_value
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Knot, Lambert, Medium, Stack, StackError
+from lamina import (
+    Black,
+    Conductor,
+    HalfSpace,
+    HenyeyGreenstein,
+    Interface,
+    Knot,
+    Lambert,
+    Medium,
+    Stack,
+    StackError,
+)
+from lamina.cli import main
 
 SAMPLES = 1 << 16
 # Two-sided normal quantile for 1 % over both walks of all cases, Bonferroni.
@@ -171,7 +183,7 @@ def test_tables_are_as_good_as_they_say(albedo, tau, g, path):
     for at in LOOKED_UP:
         truth = values(*at)[0]
         found = lamina.estimate(stack, *at, "adding", 1, threads=1, path=path)
-        assert found.stderr[0] < 1e-7 * truth
+        assert found.stderr[0] == 0.0 and found.looked_up[0]
         assert abs(found.value[0] / truth - 1.0) < found.table_error < 3e-4
 
 
@@ -182,3 +194,50 @@ def test_a_graded_layers_table_is_as_good_from_below():
         found = lamina.estimate(stack, *at, "adding", 1, threads=1, side="bottom")
         # Two solves, each with slices good to 2e-4 at worst.
         assert found.value[0] == pytest.approx(exact.brdf(*at, "bottom")[0], rel=found.table_error + 2e-4)
+
+
+LAYER = hg(0.9, 2.0, 0.6)
+CLEAR = Medium(albedo=0.0, tau=0.5)
+
+
+@pytest.mark.parametrize("stack", [Stack([LAYER]), Stack([CLEAR, LAYER]), Stack([LAYER], Black()),
+                                   Stack([], HalfSpace(0.9)), Stack([], Lambert(0.5)),
+                                   Stack([Medium(tau=1.0, profile=[Knot(0.0, 0.95), Knot(1.0, 0.5)])])])
+def test_adding_says_when_a_value_is_read_from_a_table(stack):
+    """One layer: the adding series ends with its first term."""
+    found = lamina.estimate(stack, 0.5, 0.6, 1.0, "adding", 1 << 12, threads=1)
+    assert found.looked_up.all() and not found.stderr.any() and not found.events.any()
+    assert found.value[0] == pytest.approx(lamina.solve(stack, threads=1).brdf(0.5, 0.6, 1.0)[0], rel=3e-4)
+
+
+@pytest.mark.parametrize("stack", [Stack([LAYER, LAYER]), Stack([LAYER], Lambert(0.3)), Stack([Interface(1.5), LAYER]),
+                                   Stack([LAYER], Conductor(0.2, 3.0)), Stack([Interface(1.5, 0.3), LAYER])])
+def test_adding_walks_where_light_goes_to_and_fro(stack):
+    found = lamina.estimate(stack, 0.5, 0.6, 1.0, "adding", 1 << 14, seed=3, threads=1)
+    assert not found.looked_up.any() and found.stderr.all() and found.events.all()
+    truth = lamina.solve(stack, threads=1).brdf(0.5, 0.6, 1.0)[0]
+    assert abs(found.value[0] - truth) < 4.0 * math.hypot(found.stderr[0], found.table_error * truth)
+
+
+@pytest.mark.parametrize("arguments", [(0.5, 0.6, 1.0, "transfer"), (0.5, 0.6, 1.0, "scattering"),
+                                       (None, 0.6, 0.0, "adding")])
+def test_other_walks_of_one_layer_are_walks(arguments):
+    found = lamina.estimate(Stack([LAYER]), *arguments, samples=1 << 12, threads=1)
+    assert not found.looked_up.any() and found.stderr.all()
+
+
+def test_channels_are_read_or_walked_each_for_itself():
+    """The surface below is black in the first channel alone."""
+    stack = Stack([LAYER], Lambert([0.0, 0.5, 0.5]))
+    found = lamina.estimate(stack, 0.5, 0.6, 1.0, "adding", 1 << 12, threads=1)
+    assert found.looked_up.tolist() == [True, False, False]
+
+
+def test_the_command_says_that_there_was_no_walk(tmp_path, capsys):
+    Stack([LAYER]).save(tmp_path / "stack.json")
+    call = ["estimate", str(tmp_path / "stack.json"), "--mu-o", "0.5", "--mu-i", "0.6", "--samples", "4096",
+            "--threads", "1", "--quiet", "--method"]
+    assert main([*call, "adding"]) == 0
+    assert capsys.readouterr().out.splitlines()[0].endswith(" +- 0 (no walk: known beforehand)")
+    assert main([*call, "transfer"]) == 0
+    assert "4096 samples" in capsys.readouterr().out

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Computes the colours of the metals that lamina knows by name, and writes native/lamina/metals.json.
+
+    python tools/metal_colours.py
+
+Input: tools/metal_spectra/NAME.csv, the published indices n and k of each metal, and tools/cie_1931_d65.csv.
+A colour is the Fresnel reflectance at one angle, integrated over 380 to 780 nm with the CIE 1931 standard observer
+under illuminant D65, as linear Rec. 709. D65 is the white point of Rec. 709, so a perfect mirror is (1, 1, 1).
+"""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+
+from lamina.metals import GRAZING, reflectance
+
+TOOLS = Path(__file__).resolve().parent
+SPECTRA = TOOLS / "metal_spectra"
+OUTPUT = TOOLS.parent / "native/lamina/metals.json"
+PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G and B: Rec. ITU-R BT.709
+DIGITS = 4
+SOURCE = "# Source: "
+
+
+def read_table(path: Path) -> np.ndarray:
+    """The rows of numbers of a CSV file with comments and a line of names, as columns."""
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    return np.array([[float(cell) for cell in row] for row in list(csv.reader(lines))[1:]]).T
+
+
+def source(name: str) -> str:
+    """Where the indices of a metal were published."""
+    lines = (SPECTRA / f"{name}.csv").read_text(encoding="utf-8").splitlines()
+    return next(line.removeprefix(SOURCE) for line in lines if line.startswith(SOURCE))
+
+
+def names() -> list[str]:
+    """The metals that have a spectrum."""
+    return sorted(path.stem for path in SPECTRA.glob("*.csv"))
+
+
+def observer() -> tuple[np.ndarray, np.ndarray]:
+    """(wavelengths in nm, linear Rec. 709 values of a mirror that reflects one wavelength only, 3 rows)."""
+    wavelengths, x, y, z, d65 = read_table(TOOLS / "cie_1931_d65.csv")
+    weights = np.array([x, y, z]) * d65
+    # XYZ of the primaries in the columns, each scaled so that R = G = B = 1 is the white of D65.
+    xyz = np.array([PRIMARIES[:, 0], PRIMARIES[:, 1], 1.0 - PRIMARIES.sum(axis=1)]) / PRIMARIES[:, 1]
+    primaries = xyz * np.linalg.solve(xyz, weights.sum(axis=1))
+    return wavelengths, np.linalg.solve(primaries, weights)
+
+
+def rec709(name: str, mu: float) -> np.ndarray:
+    """What a metal reflects at cosine `mu` under D65: linear Rec. 709, not clipped."""
+    wavelengths, response = observer()
+    nm, n, k = read_table(SPECTRA / f"{name}.csv")
+    indices = zip(np.interp(wavelengths, nm, n), np.interp(wavelengths, nm, k), strict=True)
+    return response @ np.array([reflectance(mu, eta, kappa) for eta, kappa in indices])
+
+
+def colours(name: str) -> tuple[list[float], list[float]]:
+    """(facing, grazing) as a Conductor takes them. A value above 1 lies outside the gamut of Rec. 709 and becomes 1,
+    the most that a surface may reflect; a channel that reflects all straight back does so at every angle."""
+    facing, grazing = (np.clip(rec709(name, mu), 0.0, 1.0) for mu in (1.0, GRAZING))
+    grazing[facing == 1.0] = 1.0
+    return tuple(np.round(colour, DIGITS).tolist() for colour in (facing, grazing))
+
+
+def table() -> dict:
+    """{name: {facing, grazing, source}} of all metals."""
+    return {name: {**dict(zip(("facing", "grazing"), colours(name), strict=True)), "source": source(name)}
+            for name in names()}
+
+
+def text() -> str:
+    """The table as metals.json holds it."""
+    entries = [f"  {json.dumps(name)}: {{\n" + ",\n".join(
+        f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in entry.items()) + "\n  }"
+        for name, entry in table().items()]
+    return "{\n" + ",\n".join(entries) + "\n}\n"
+
+
+if __name__ == "__main__":
+    OUTPUT.write_text(text(), encoding="utf-8")
