@@ -138,6 +138,10 @@ class ArrivalAtPoint {
         }
       }
     }
+    if (pattern_.size() == 1) {
+      // The ratio of a single ray is its visibility alone; its weight times that has the right mean.
+      return {static_cast<float>(sums[0].open), static_cast<float>(sums[1].open)};
+    }
     return {static_cast<float>(front * sums[0].share()), static_cast<float>(back * sums[1].share())};
   }
 

@@ -54,7 +54,7 @@ struct ArrivalOptions {
 /// The share of an open horizontal plane's dust that arrives at each point, into `shares`: one a point, or two when the
 /// options say two_sided, of the side that the normal points to and of the other. Returns the number of rays traced.
 /// Visibility is averaged with the weights n.d and scaled by OpenShare: exact where all is open, exactly zero where
-/// nothing is. The average is a ratio of two sums over rays, and its bias falls with their number.
+/// nothing is. With a single ray its weight is taken instead, since the ratio of two such sums would be biased.
 std::uint64_t dust_arrivals(const MeshScene& scene, const Fall& fall, const OpenShare& open, const PointSet& points,
                             const ArrivalOptions& options, float* shares, ThreadPool& pool);
 

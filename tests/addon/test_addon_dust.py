@@ -40,10 +40,12 @@ def placed(mesh, name, z=0.0, material=None):
     return obj
 
 
-def ball(name="Ball", radius=1.0):
+def ball(name="Ball", radius=1.0, smooth=False):
     mesh = bpy.data.meshes.new(name)
     made = bmesh.new()
     bmesh.ops.create_icosphere(made, subdivisions=2, radius=radius)
+    for face in made.faces:
+        face.smooth = smooth
     made.to_mesh(mesh)
     made.free()
     return placed(mesh, name)
@@ -51,8 +53,8 @@ def ball(name="Ball", radius=1.0):
 
 def values(obj):
     attribute = obj.data.attributes[NAME]
-    assert (attribute.data_type, attribute.domain) == ("FLOAT", "POINT")
-    found = np.empty(len(obj.data.vertices), np.float32)
+    assert attribute.data_type == "FLOAT" and attribute.domain in ("POINT", "CORNER")
+    found = np.empty(len(attribute.data), np.float32)
     attribute.data.foreach_get("value", found)
     return found
 
@@ -150,7 +152,7 @@ def test_gravity_is_the_scenes(dust):
 
 def test_modifiers_that_make_vertices(dust):
     """On the vertices of the mesh itself lies what lies where they are rendered."""
-    cube, evaluated = ball("Cube"), None
+    cube, evaluated = ball("Cube", smooth=True), None
     cube.lamina_dust.others = False
     cube.modifiers.new("Smooth", "SUBSURF").levels = 2
     evaluated = placed(bpy.data.meshes.new_from_object(cube.evaluated_get(bpy.context.evaluated_depsgraph_get())), "E")
