@@ -125,6 +125,7 @@ def apply(obj, task, answer):
     statistics = answer.dust.statistics
     notes = [str(statistics), *statistics.notes, *_switches(statistics), *_coarseness(task)]
     settings.told, settings.largest = "; ".join(notes), statistics.maximum
+    settings.largest_back = 0.0 if answer.dust.back is None else float(answer.dust.back.max(initial=0.0))
     for slot in obj.material_slots:
         if slot.material is not None and slot.material.is_editable and _is_free(slot.material):
             thickness.wire_thickness(slot.material, source, name, settings.uv_map)
@@ -137,7 +138,7 @@ def clear(obj):
     image, settings.image = settings.image, None
     if image is not None:
         bpy.data.images.remove(image)
-    settings.told, settings.largest = "", 0.0
+    settings.told, settings.largest, settings.largest_back = "", 0.0, 0.0
 
 
 def _settling(settings, scene):

@@ -113,6 +113,7 @@ class LaminaDust(bpy.types.PropertyGroup):
     # The facts of the last time
     told: StringProperty(description="The facts in words; empty before the first time")
     largest: FloatProperty(description="The largest optical thickness")
+    largest_back: FloatProperty(description="The largest optical thickness on back faces")
 
 
 def register():

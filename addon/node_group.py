@@ -58,6 +58,7 @@ def build(material, lut):
     group["lamina_stack_hash"] = lut.header["stack_hash"]
     group["lamina_layout"] = _layout(lut)
     group["lamina_largest_tau"] = -1.0 if tau is None else min(tau, LARGEST)
+    group["lamina_shows_back"] = side_graph.shows_back(lut)
     if is_new:
         for node in group_nodes(material):  # nodes of the group that this copied material still shared
             node.node_tree = group

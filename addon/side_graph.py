@@ -24,13 +24,18 @@ def turns_over(lut):
     return bool(np.abs(top - bottom).max() <= 1e-3 * np.abs(top).max())
 
 
+def shows_back(lut):
+    """Whether dust on back faces is shown."""
+    return len(lut.header["sides"]) < 2 or turns_over(lut)
+
+
 def draw(graph: Graph, lut, inputs, backfacing, most):
     """(thickness, side) as sockets: the thickness in [0, `most`], the side 0 for the table's top and 1 for its bottom.
     `inputs`: the group's input node. `backfacing`: 1 on back faces.
     """
     front = _clamped(graph, 7, "thickness", inputs.outputs[FRONT], most)
     sheet = len(lut.header["sides"]) > 1
-    if sheet and not turns_over(lut):
+    if not shows_back(lut):
         return front, backfacing
     back = _clamped(graph, 9.4, "thickness of the back", inputs.outputs[BACK], most)
     if sheet:
