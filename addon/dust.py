@@ -100,8 +100,13 @@ def settle_gathered(task, progress=None, cancel=None, threads=0):
     dust = native.part("dust")
     surface, *occluders = (dust.Mesh(one.vertices, one.triangles, one.normals, name=one.name)
                            for one in (task.surface, *task.occluders))
-    how = {"settings": dust.Settling(**task.settling), "seed": task.seed, "progress": progress, "cancel": cancel,
-           "threads": threads}
+    how = {
+        "settings": dust.Settling(**task.settling),
+        "seed": task.seed,
+        "progress": progress,
+        "cancel": cancel,
+        "threads": threads,
+    }
     if task.size:
         uvs = task.surface.uvs
         return Answer(dust.settle_image(surface, uvs, task.size, occluders, margin=MARGIN, **how))
@@ -166,7 +171,8 @@ def _settling(settings, scene):
 def _switches(statistics):
     """Where the artist lets dust fall through what keeps it off."""
     if statistics.keepers:
-        yield f"switch off Keeps Dust Off Others in the panel of {' and '.join(statistics.keepers)} to let it through"
+        names = " and ".join(statistics.keepers)
+        yield f"switch off Keeps Dust Off Others in the panel of {names} to let it through"
 
 
 def _coarseness(task):
@@ -180,8 +186,8 @@ def _coarseness(task):
 
 
 def _write_image(obj, dust):
-    """Colour is what lies on front faces, alpha on back faces. A new image takes the place of the last one: renders
-    do not look again at pixels that they know.
+    """Colour is what lies on front faces, alpha on back faces. A new image takes the place of the last one:
+    renders do not look again at pixels that they know.
     """
     texels = np.zeros((*dust.tau.shape, 4), np.float32)
     texels[..., :3] = dust.tau[..., None]

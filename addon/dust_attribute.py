@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settled dust as attributes of an object's own mesh: of its vertices, or of its face corners where a vertex at a
-hard edge has several values.
+"""Settled dust as attributes of an object's own mesh: of its vertices, or of its face corners where a vertex
+at a hard edge has several values.
 """
 
 import numpy as np
@@ -17,7 +17,9 @@ def check_names(mesh):
     """Raises RefusedError when an attribute of another kind has one of our names."""
     for name in (ATTRIBUTE, BACK_ATTRIBUTE):
         attribute = mesh.attributes.get(name)
-        if attribute is not None and (attribute.data_type != "FLOAT" or attribute.domain not in ("POINT", "CORNER")):
+        if attribute is None:
+            continue
+        if attribute.data_type != "FLOAT" or attribute.domain not in ("POINT", "CORNER"):
             text = f"{mesh.name} has another kind of attribute named {name}: rename or remove it"
             raise RefusedError(text)
 
@@ -31,8 +33,8 @@ def remove(mesh):
 
 
 def write(mesh, surface, own, dust):
-    """Keep lamina's Dust on `surface` as attributes of `mesh`, which `own` tells of: CORNER where face corners of one
-    vertex take their dust from different places of the surface, POINT otherwise.
+    """Keep lamina's Dust on `surface` as attributes of `mesh`, which `own` describes: CORNER where corners
+    of one vertex take their dust from different places of the surface, POINT otherwise.
     """
     place = _places(surface, own, dust)
     by_corner, vertices = place[:len(own.corners)], own.corners
@@ -42,7 +44,8 @@ def write(mesh, surface, own, dust):
     of_vertex[loose] = place[len(own.corners):]
     split = bool((by_corner != of_vertex[vertices]).any())
     remove(mesh)
-    for name, values in ((ATTRIBUTE, dust.tau - (0.0 if dust.back is None else dust.back)), (BACK_ATTRIBUTE, dust.back)):
+    front = dust.tau if dust.back is None else dust.tau - dust.back
+    for name, values in ((ATTRIBUTE, front), (BACK_ATTRIBUTE, dust.back)):
         if values is not None:
             attribute = mesh.attributes.new(name, "FLOAT", "CORNER" if split else "POINT")
             chosen = values[by_corner if split else of_vertex]
@@ -77,17 +80,19 @@ def _places(surface, own, dust):
         asking = np.repeat(np.arange(len(vertices)), counts)
         first = np.repeat(np.cumsum(counts) - counts, counts)
         asked = order[np.repeat(start[vertices], counts) + np.arange(len(asking)) - first]
-        _choose(found, asking, asked, np.abs(np.einsum("ij,ij->i", normals[asking], on_points[asked])), dust.tau)
+        cosine = np.einsum("ij,ij->i", normals[asking], on_points[asked])
+        _choose(found, asking, asked, np.abs(cosine), dust.tau)
     lost = np.flatnonzero(found < 0)
     if len(lost):
         asking, asked = _neighbours(surface, own.vertices[vertices[lost]], lost, dust.vertices)
-        _choose(found, asking, asked, np.einsum("ij,ij->i", normals[asking], on_points[asked]), dust.tau)
+        cosine = np.einsum("ij,ij->i", normals[asking], on_points[asked])
+        _choose(found, asking, asked, cosine, dust.tau)
     return found
 
 
 def _choose(found, asking, asked, cosine, tau):
-    """Of all that are asked, those whose normal is nearly the most alike, and the most dust of these: both sides of a
-    shell stand for one vertex.
+    """Of all that are asked, those whose normal is nearly the most alike, and the most dust of these: both
+    sides of a shell stand for one vertex.
     """
     best = np.full(len(found), -2.0)
     np.maximum.at(best, asking, cosine)

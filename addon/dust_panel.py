@@ -57,8 +57,8 @@ def mismatch(material, settings):
         return f"Thicker than baked: above τ {most:.3g} nothing changes. Raise the layer's thickness and bake"
     if settings.largest_back > BACK_MATTERS * settings.largest and not material.lamina.node_group.get(
             "lamina_shows_back", True):
-        return ("Dust on back faces is not shown: this sheet has two different sides, and its dust layer is that of "
-                "the front. Flip the normals of faces that look down")
+        return ("Dust on back faces is not shown: this sheet has two different sides, and its dust layer is "
+                "that of the front. Flip the normals of faces that look down")
     return ""
 
 

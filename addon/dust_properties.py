@@ -28,7 +28,12 @@ SUBSTANCES = (
 )
 
 TARGETS = (
-    ("attribute", "Attribute", "A float attribute of the mesh: one value a vertex, or a face corner where edges are hard", 0),
+    (
+        "attribute",
+        "Attribute",
+        "A float attribute of the mesh: one value a vertex, or a face corner where edges are hard",
+        0,
+    ),
     ("image", "Image", "A packed float image over a UV map, for a material of this object alone", 1),
 )
 
@@ -86,7 +91,9 @@ class LaminaDust(bpy.types.PropertyGroup):
         subtype="DISTANCE", default=0.0, min=0.0, max=1.0e6, soft_max=1.0, options=set(),
     )  # fmt: skip
     two_sided: BoolProperty(
-        name="Two-Sided", description="Dust lies on either side of a face: leaves, cloth. Each side shows its own", options=set()
+        name="Two-Sided",
+        description="Dust lies on either side of a face: leaves, cloth. Each side shows its own",
+        options=set(),
     )
     rays: IntProperty(
         name="Rays", description="Rays a point: more are slower and smoother", default=256, min=1, max=65536,

@@ -15,9 +15,9 @@ _TAG = "lamina_vertex"
 
 @dataclass(frozen=True)
 class Arrays:
-    """vertices: (n, 3); triangles: (m, 3), counter-clockwise seen from outside; normals: (m, 3, 3) by corner, as
-    they are shaded (sharp edges, flat faces, custom normals), or None; uvs: (m, 3, 2) by corner, or None; name: the
-    object's.
+    """vertices: (n, 3); triangles: (m, 3), counter-clockwise seen from outside; normals: (m, 3, 3) by corner,
+    as they are shaded (sharp edges, flat faces, custom normals), or None; uvs: (m, 3, 2) by corner, or None;
+    name: the object's.
     """
 
     vertices: np.ndarray
@@ -29,9 +29,10 @@ class Arrays:
 
 @dataclass(frozen=True)
 class OwnMesh:
-    """The object's own mesh, without its modifiers, in the same space. vertices: (k, 3); corners: (c,), the vertex of
-    each face corner; normals: (c, 3). What of it the Arrays show: loops: (m, 3), its face corner that each triangle's
-    corner is, without modifiers; origins: (n,), its vertex that each vertex stands for, -1 for none, or None.
+    """The object's own mesh, without its modifiers, in the same space. vertices: (k, 3); corners: (c,), the
+    vertex of each face corner; normals: (c, 3). What the Arrays show of the mesh: loops: (m, 3), the face
+    corner that each corner of a triangle is, None with modifiers; origins: (n,), with modifiers, which own vertex
+    each vertex stands for, -1 for none, or None where that is not known.
     """
 
     vertices: np.ndarray
@@ -42,8 +43,8 @@ class OwnMesh:
 
 
 def of_object(context, obj, uv_map=None):
-    """(Arrays, OwnMesh) of an object as it is rendered: modifiers and transformation applied. `uv_map`: also that
-    map, "" is the active one. Raises RefusedError.
+    """(Arrays, OwnMesh) of an object as it is rendered: modifiers and transformation applied. `uv_map`: also
+    that map, "" is the active one. Raises RefusedError.
     """
     scale = context.scene.unit_settings.scale_length
     mesh = obj.data
@@ -145,7 +146,7 @@ def _corner_vertices(mesh):
 
 
 def _corner_normals(mesh, matrix):
-    """By face corner, of any length. They turn with the cofactors of the matrix, which a flattened object has too."""
+    """By face corner, of any length. The cofactors of the matrix turn them, for a flattened object too."""
     local = np.empty(3 * len(mesh.loops), np.float32)
     if len(mesh.loops):
         mesh.corner_normals.foreach_get("vector", local)

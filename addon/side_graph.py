@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Dust on two sides of a face: which thickness a side shows, and which side of the table.
 
-An opaque stack has a thickness of its own on either side. A sheet's table knows its varying layer on the top only, and
-shows from below what comes through the sheet: a sheet whose dust lies on the back faces is turned over, where the rest
-of it is the same from both sides; where that differs, the table holds no such sheet, and the back's dust is not shown.
+An opaque stack has a thickness of its own on either side. The table of a sheet has dust on the sheet's top
+only; its bottom side is what the sheet shows from below, with the dust behind it. Where dust lies on back
+faces, the sheet is turned over: back faces then show the table's top. This is right only when both sides of
+the clean sheet are alike. Otherwise the table holds no such sheet, and dust on back faces is not shown.
 """
 
 import numpy as np
@@ -16,9 +17,9 @@ MOST_LABEL = "at most the baked one"
 
 
 def turns_over(lut):
-    """Whether a sheet may be turned over: its varying layer is on top, and without it both sides are alike."""
+    """Whether a sheet may be turned over: its varying layer is on top of a sheet whose sides are alike."""
     layers = lut.header["stack"]["layers"]
-    if len(lut.header["sides"]) < 2 or lut.header["axes"]["tau"]["count"] == 1 or not layers[0].get("varying"):
+    if len(lut.header["sides"]) < 2 or not layers[0].get("varying"):
         return False
     top, bottom = np.asarray(lut.weights)[:, :, 0]
     return bool(np.abs(top - bottom).max() <= 1e-3 * np.abs(top).max())
@@ -30,8 +31,8 @@ def shows_back(lut):
 
 
 def draw(graph: Graph, lut, inputs, backfacing, most):
-    """(thickness, side) as sockets: the thickness in [0, `most`], the side 0 for the table's top and 1 for its bottom.
-    `inputs`: the group's input node. `backfacing`: 1 on back faces.
+    """(thickness, side) as sockets: the thickness in [0, `most`], the side 0 for the table's top and 1 for
+    the bottom. `inputs`: the group's input node. `backfacing`: 1 on back faces.
     """
     front = _clamped(graph, 7, "thickness", inputs.outputs[FRONT], most)
     sheet = len(lut.header["sides"]) > 1

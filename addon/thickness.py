@@ -66,11 +66,14 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     source: "value" (the input's own number), "attribute" (`name`: a float attribute of the mesh that holds
     optical thickness; default lamina_dust; 0 where a mesh has none), or "image" (`name`: an image of optical
     thickness, or its name, read by the UV map `uv_map`, default the active one; without a name a new black
-    one is made). The image becomes Non-Color, and is packed when no file holds it. Settled dust knows the side
-    of a face that it lies on: lamina_dust is that of front faces, and back faces get lamina_dust_back, 0 where a
-    mesh has none; the alpha of a settled image is theirs likewise. Other sources count for both sides. Links of
-    the artist's own stay, and RefusedError is raised, unless `replace`; their nodes stay in any case. Raises RefusedError,
-    with nothing changed, for what cannot be done.
+    one is made). The image becomes Non-Color, and is packed when no file holds it.
+
+    Settled dust lies on one side of a face: front faces read lamina_dust, and back faces lamina_dust_back,
+    which is 0 where a mesh has none; of a settled image, back faces read the alpha. Other sources count for
+    both sides.
+
+    Links of the artist's own stay, and RefusedError is raised, unless `replace`; their nodes stay in any
+    case. Raises RefusedError, with nothing changed, for what cannot be done.
     """
     if source not in SOURCES:
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")

@@ -231,9 +231,9 @@ PYBIND11_MODULE(_mesh, module) {
       .def_property_readonly("bytes", &Scene::bytes);
   module.def("texels", &texels, py::arg("uvs"), py::arg("width"), py::arg("height"), py::arg("first_row") = 0,
              py::arg("rows") = py::none(), "(triangle, weights of corners 2 and 3) of each texel of some rows.");
-  module.def("corner_points", &corner_points, py::arg("triangles"), py::arg("normals"), py::arg("cosine"),
-             py::arg("vertices"),
-             "(point of each corner, vertex of each point, first corner of each point): corners of a vertex are grouped "
-             "across edges where the triangles' normals have at least that cosine, or, with three normals a triangle, "
-             "where their own have it.");
+  module.def(
+      "corner_points", &corner_points, py::arg("triangles"), py::arg("normals"), py::arg("cosine"), py::arg("vertices"),
+      "(point of each corner, vertex of each point, first corner of each point): corners of a vertex are grouped "
+      "across edges where the triangles' normals have at least that cosine, or, with three normals a triangle, "
+      "where their own have it.");
 }

@@ -17,9 +17,9 @@ struct TriangleList {
 /// Points of a mesh: one for each group of a vertex's corners that have the same normal. The first group of vertex v is
 /// point v, also where v has no corner; the further groups follow in the order of their vertices.
 struct CornerPoints {
-  std::vector<std::uint32_t> point;      // of each corner, three a triangle
-  std::vector<std::uint32_t> vertex;     // of each point
-  std::vector<std::int64_t> first;       // corner of each point, the lowest of the group; -1: the vertex has no corner
+  std::vector<std::uint32_t> point;   // of each corner, three a triangle
+  std::vector<std::uint32_t> vertex;  // of each point
+  std::vector<std::int64_t> first;    // corner of each point, the lowest of the group; -1: the vertex has no corner
 };
 
 /// Groups by an angle limit: two triangles that share an edge belong to one group at both its ends when the cosine

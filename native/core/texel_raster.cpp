@@ -11,8 +11,8 @@ namespace {
 /// Texels of [least, most) whose centres lie in [low, high], in texels: first and one past the last.
 void centres_between(double low, double high, int least, int most, int& first, int& last) {
   first = static_cast<int>(std::clamp(std::ceil(low - 0.5), static_cast<double>(least), static_cast<double>(most)));
-  last = static_cast<int>(
-      std::clamp(std::floor(high - 0.5) + 1.0, static_cast<double>(least), static_cast<double>(most)));
+  last =
+      static_cast<int>(std::clamp(std::floor(high - 0.5) + 1.0, static_cast<double>(least), static_cast<double>(most)));
 }
 
 }  // namespace
@@ -35,7 +35,8 @@ void raster_texels(const double* uvs, std::size_t triangles, const TexelRows& im
     int last_column = 0;
     int first_row = 0;
     int last_row = 0;
-    centres_between(std::min({x[0], x[1], x[2]}), std::max({x[0], x[1], x[2]}), 0, image.width, first_column, last_column);
+    centres_between(std::min({x[0], x[1], x[2]}), std::max({x[0], x[1], x[2]}), 0, image.width, first_column,
+                    last_column);
     centres_between(std::min({y[0], y[1], y[2]}), std::max({y[0], y[1], y[2]}), image.first_row,
                     image.first_row + image.rows, first_row, last_row);
     for (int row = first_row; row < last_row; ++row) {

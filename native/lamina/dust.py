@@ -37,8 +37,8 @@ INSET = 16.0 * OFFSET  # of points at sharp edges into their face, relative to t
 
 @dataclass(frozen=True, eq=False)
 class Dust:
-    """tau: (n,) float32, optical thickness along the normal of what stays at each point, or (height, width) of an image;
-    arrived: of what fell there, likewise. `settings`, `seed`: what it was made with.
+    """tau: (n,) float32, optical thickness along the normal of what stays at each point, or (height, width) of an
+    image; arrived: of what fell there, likewise. `settings`, `seed`: what it was made with.
 
     back: the part of tau that lies on the side that the normal points away from, likewise; None unless two-sided.
     vertices: (n,), the vertex of the surface that each value is at: first one for each vertex, in their sequence, then
@@ -156,7 +156,8 @@ class _Run:
     def statistics(self, notes: tuple[str, ...] = ()) -> Statistics:
         forward = self.sky.grains()
         self.step(1.0, f"{self.sky.rays:,} rays")
-        return self._sums.statistics(forward, self.sky.names, self.sky.rays, clock.perf_counter() - self._started, notes)
+        seconds = clock.perf_counter() - self._started
+        return self._sums.statistics(forward, self.sky.names, self.sky.rays, seconds, notes)
 
 
 def _blocks(points: Points):

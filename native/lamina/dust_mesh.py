@@ -207,10 +207,10 @@ class Frame:
 def common_frame(surface: Mesh) -> Frame:
     """Of the vertices that faces of a checked surface use. Raises DustError when it has no extent."""
     if not len(surface.triangles):
-        raise DustError("surface.triangles is empty: must have at least one face for dust to settle on")
+        raise DustError(f"{surface.name}.triangles is empty: must have at least one face for dust to settle on")
     vertices = surface.vertices[used_vertices(surface)]
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     scale = 0.5 * float(np.linalg.norm(high - low))
     if not scale > 1e-12:
-        raise DustError(f"surface is {2 * scale:g} m large: must have an extent")
+        raise DustError(f"{surface.name} is {2 * scale:g} m large: must have an extent")
     return Frame(0.5 * (low + high), scale)

@@ -62,9 +62,10 @@ class Settling:
     def __post_init__(self):
         if self.amount is not None and self.grams is not None:
             raise DustError("settling has both amount and grams: must have one of them")
-        for name, low, high in (("amount", 0.0, 1e3), ("grams", 0.0, 1e6), ("time", 0.0, 1e6), ("spread", 0.0, MOST_SPREAD),
-                                ("repose", 0.0, math.pi), ("repose_width", 0.0, math.pi), ("concavity", 0.0, 1.0),
-                                ("reach", 1e-12, 1e12), ("coverage", 0.0, 1.0), ("patch", 1e-12, 1e12)):
+        for name, low, high in (("amount", 0.0, 1e3), ("grams", 0.0, 1e6), ("time", 0.0, 1e6),
+                                ("spread", 0.0, MOST_SPREAD), ("repose", 0.0, math.pi),
+                                ("repose_width", 0.0, math.pi), ("concavity", 0.0, 1.0), ("reach", 1e-12, 1e12),
+                                ("coverage", 0.0, 1.0), ("patch", 1e-12, 1e12)):
             value = getattr(self, name)
             if value is None and name in ("amount", "grams", "reach", "patch"):
                 continue

@@ -40,7 +40,8 @@ class Laid:
 class Sky:
     """Checked meshes as one scene, and rays through it. `rays` counts them."""
 
-    def __init__(self, surface: Mesh, occluders: list[Mesh], settings: Settling, seed: int, threads: int, step: Progress):
+    def __init__(self, surface: Mesh, occluders: list[Mesh], settings: Settling, seed: int, threads: int,
+                 step: Progress):
         layer = rays.layer()
         self.frame = common_frame(surface)
         self.rays = 0

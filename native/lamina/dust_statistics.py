@@ -75,8 +75,8 @@ class Sums:
         if areas is None:
             self.has_areas = False
         else:
-            self._by_area += [areas @ x for x in (np.ones(len(tau)), tau, covered, arrived, tau, arrived * (1.0 - stays),
-                                                  arrived * stays * (1.0 - left))]
+            slid, wiped = arrived * (1.0 - stays), arrived * stays * (1.0 - left)
+            self._by_area += [areas @ x for x in (np.ones(len(tau)), tau, covered, arrived, tau, slid, wiped)]
 
     def statistics(self, forward: Forward, names: list[str], traced: int, seconds: float, notes=()) -> Statistics:
         """`names`: of the occluders; `notes`: further ones."""

@@ -84,10 +84,10 @@ class TexelMap:
             raise DustError(f"{name}: the UV map has no area, as all of its islands are points or lines: unwrap again")
         low, high = self._uvs.min(axis=(0, 1)), self._uvs.max(axis=(0, 1))
         if (high <= 0.0).any() or (low >= 1.0).any():
-            raise DustError(f"{name}: the UV map lies outside the image, with u from {low[0]:.3g} to {high[0]:.3g} and v "
-                            f"from {low[1]:.3g} to {high[1]:.3g}: u and v must lie in [0, 1]")
-        raise DustError(f"{name}: no texel's centre of {self.width} x {self.height} lies on the UV map: must be a larger "
-                        "image, or larger islands")
+            raise DustError(f"{name}: the UV map lies outside the image, with u from {low[0]:.3g} to {high[0]:.3g} and "
+                            f"v from {low[1]:.3g} to {high[1]:.3g}: u and v must lie in [0, 1]")
+        raise DustError(f"{name}: no texel's centre of {self.width} x {self.height} lies on the UV map: must be a "
+                        "larger image, or larger islands")
 
     def notes(self) -> tuple[str, ...]:
         """What the UV map leaves out, after the bands."""
@@ -98,13 +98,14 @@ class TexelMap:
         flat = float(self._areas[self._texel_areas == 0.0].sum())
         told = []
         if beyond > LOST * whole:
-            told.append(f"{100.0 * beyond / whole:.0f} % of the surface is unwrapped beyond the image (u from {low[0]:.3g} "
-                        f"to {high[0]:.3g}, v from {low[1]:.3g} to {high[1]:.3g}): only u and v in [0, 1] get dust")
+            told.append(f"{100.0 * beyond / whole:.0f} % of the surface is unwrapped beyond the image (u from "
+                        f"{low[0]:.3g} to {high[0]:.3g}, v from {low[1]:.3g} to {high[1]:.3g}): only u and v in "
+                        "[0, 1] get dust")
         if flat > LOST * whole:
             told.append(f"{100.0 * flat / whole:.0f} % of the surface has no area in the UV map and gets no dust")
         if not told and self._painted < (1.0 - 5.0 * LOST) * whole:
-            told.append(f"texels stand for {100.0 * self._painted / whole:.0f} % of the surface only: islands of the UV map "
-                        "overlap, or are narrower than texels")
+            told.append(f"texels stand for {100.0 * self._painted / whole:.0f} % of the surface only: islands of the "
+                        "UV map overlap, or are narrower than texels")
         return tuple(told)
 
 
