@@ -11,13 +11,13 @@ import math
 
 import numpy as np
 
-from . import lut_image
+from . import lut_image, side_graph
 from .graph import Graph
 from .messages import RefusedError
 
 TAU_HALF = 0.5  # t = tau / (tau + TAU_HALF), scaled to 1 at the largest tau
 
-MOST_LABEL, SCALE_LABEL = "at most the baked one", "rows"
+SCALE_LABEL = "rows"
 
 ANGLE_COLOUR = (0.16, 0.24, 0.34)
 NORMAL_COLOUR = (0.20, 0.20, 0.36)
@@ -159,19 +159,20 @@ def _column(graph, incoming, normal, columns):
 
 def _row(graph, lut, inputs, backfacing, rows, height):
     """v of strip 0, less its half texel: which each strip adds."""
-    side = 0.0
+    tau, side = None, backfacing
+    if rows > 1:
+        most, scale = _thickness_scale(lut, rows, height)
+        tau, side = side_graph.draw(graph, lut, inputs, backfacing, most)
+    first = 0.0
     if len(lut.header["sides"]) > 1:
         strips = len(lut.header["closures"])
-        side = graph.math("MULTIPLY", 2.4, 8.2, "bottom side's strips", backfacing, strips * rows / height)
+        first = graph.math("MULTIPLY", 4.4, 8.2, "bottom side's strips", side, strips * rows / height)
     if rows == 1:
-        return graph.math("ADD", 3.4, 8.2, "v", side, 0.0)
-    most, scale = _thickness_scale(lut, rows, height)
-    tau = graph.math("MAXIMUM", -0.6, 7, "thickness", inputs.outputs["Thickness"], 0.0)
-    tau = graph.math("MINIMUM", 0.4, 7, MOST_LABEL, tau, most)
-    shifted = graph.math("ADD", 0.4, 8.2, "tau + 1/2", tau, TAU_HALF)
-    share = graph.math("DIVIDE", 1.4, 7, "tau / (tau + 1/2)", tau, shifted)
-    row = graph.math("MULTIPLY", 2.4, 7, SCALE_LABEL, share, scale)
-    return graph.math("ADD", 3.4, 7, "v", row, side)
+        return graph.math("ADD", 5.4, 8.2, "v", first, 0.0)
+    shifted = graph.math("ADD", 3.4, 8.2, "tau + 1/2", tau, TAU_HALF)
+    share = graph.math("DIVIDE", 3.4, 7, "tau / (tau + 1/2)", tau, shifted)
+    row = graph.math("MULTIPLY", 4.4, 7, SCALE_LABEL, share, scale)
+    return graph.math("ADD", 5.4, 7, "v", row, first)
 
 
 def _thickness_scale(lut, rows, height):
@@ -186,7 +187,7 @@ def rescale(tree, lut):
     rows = lut.header["axes"]["tau"]["count"]
     if rows > 1:
         most, scale = _thickness_scale(lut, rows, lut_image.height_of(lut))
-        values = {MOST_LABEL: most, SCALE_LABEL: scale}
+        values = {side_graph.MOST_LABEL: most, SCALE_LABEL: scale}
         for node in tree.nodes:
             if node.type == "MATH" and node.label in values:
                 node.inputs[1].default_value = values[node.label]

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Vector, kdtree
+from mathutils import Vector
 
-from . import float_image, geometry, native, thickness
+from . import dust_attribute, float_image, geometry, native, thickness
 from .dust_properties import ATTRIBUTE
 from .messages import RefusedError
 
@@ -27,6 +27,7 @@ class Task:
     uid: int
     name: str
     surface: geometry.Arrays
+    own: geometry.OwnMesh
     occluders: list
     settling: dict
     seed: int
@@ -35,10 +36,9 @@ class Task:
 
 @dataclass(frozen=True)
 class Answer:
-    """`dust`: lamina's; `image`: (size, size) float32, bottom row first, or None."""
+    """`dust`: lamina's; of an image where the task has a size for one."""
 
     dust: object
-    image: np.ndarray | None
 
 
 def settle(context, obj, progress=None, cancel=None, threads=0):
@@ -81,12 +81,13 @@ def gather(context, obj):
     settings = obj.lamina_dust
     size = settings.size if settings.target == "image" else 0
     if not size:
-        _own_attribute(obj.data)
-    surface = geometry.of_object(context, obj, settings.uv_map if size else None)
+        dust_attribute.check_names(obj.data)
+    surface, own = geometry.of_object(context, obj, settings.uv_map if size else None)
     return Task(
         uid=obj.session_uid,
         name=obj.name,
         surface=surface,
+        own=own,
         occluders=geometry.others(context, obj) if settings.others else [],
         settling=_settling(settings, context.scene),
         seed=settings.seed,
@@ -97,33 +98,39 @@ def gather(context, obj):
 def settle_gathered(task, progress=None, cancel=None, threads=0):
     """The Answer to a Task. Raises as lamina.dust.settle does."""
     dust = native.part("dust")
-    surface = dust.Mesh(task.surface.vertices, task.surface.triangles)
-    occluders = [dust.Mesh(one.vertices, one.triangles) for one in task.occluders]
-    points = mask = None
+    surface, *occluders = (dust.Mesh(one.vertices, one.triangles, one.normals, name=one.name)
+                           for one in (task.surface, *task.occluders))
+    how = {
+        "settings": dust.Settling(**task.settling),
+        "seed": task.seed,
+        "progress": progress,
+        "cancel": cancel,
+        "threads": threads,
+    }
     if task.size:
-        points, mask = dust.texel_points(surface, task.surface.uvs, task.size)
-    found = dust.settle(surface, points, occluders, dust.Settling(**task.settling), seed=task.seed,
-                        progress=progress, cancel=cancel, threads=threads)
-    return Answer(found, None if mask is None else dust.dilate(found.tau, mask, MARGIN))
+        uvs = task.surface.uvs
+        return Answer(dust.settle_image(surface, uvs, task.size, occluders, margin=MARGIN, **how))
+    return Answer(dust.settle(surface, None, occluders, **how))
 
 
 def apply(obj, task, answer):
     """Keep an Answer on its object, and feed the thickness of its materials from there where nothing
     else does. Raises RefusedError when the mesh has changed meanwhile.
     """
-    if len(obj.data.vertices) != len(task.surface.own):
+    if (len(obj.data.vertices), len(obj.data.loops)) != (len(task.own.vertices), len(task.own.corners)):
         raise RefusedError(f"{obj.name} has been edited while dust settled: let it settle again")
-    if answer.image is None:
+    if not task.size:
         if obj.data.users > 1:  # dust depends on where an object is: a shared mesh becomes its own
             obj.data = obj.data.copy()
-        _write_attribute(obj.data, _on_own_vertices(task.surface, answer.dust.tau))
+        dust_attribute.write(obj.data, task.surface, task.own, answer.dust)
         source, name = "attribute", ATTRIBUTE
     else:
-        source, name = "image", _write_image(obj, answer.image).name
+        source, name = "image", _write_image(obj, answer.dust).name
     settings = obj.lamina_dust
     statistics = answer.dust.statistics
-    notes = [str(statistics), *statistics.notes, *_coarseness(task)]
+    notes = [str(statistics), *statistics.notes, *_switches(statistics), *_coarseness(task)]
     settings.told, settings.largest = "; ".join(notes), statistics.maximum
+    settings.largest_back = 0.0 if answer.dust.back is None else float(answer.dust.back.max(initial=0.0))
     for slot in obj.material_slots:
         if slot.material is not None and slot.material.is_editable and _is_free(slot.material):
             thickness.wire_thickness(slot.material, source, name, settings.uv_map)
@@ -131,29 +138,12 @@ def apply(obj, task, answer):
 
 def clear(obj):
     """Take the dust of an object away. Its materials show none where they read the attribute."""
-    attribute = _own_attribute(obj.data)
-    if attribute is not None:
-        obj.data.attributes.remove(attribute)
+    dust_attribute.remove(obj.data)
     settings = obj.lamina_dust
     image, settings.image = settings.image, None
     if image is not None:
         bpy.data.images.remove(image)
-    settings.told, settings.largest = "", 0.0
-
-
-def _own_attribute(mesh):
-    """The attribute that holds dust, or None. Raises RefusedError when its name is another's."""
-    attribute = mesh.attributes.get(ATTRIBUTE)
-    if attribute is not None and (attribute.data_type, attribute.domain) != ("FLOAT", "POINT"):
-        text = f"{mesh.name} has another kind of attribute named {ATTRIBUTE}: rename or remove it"
-        raise RefusedError(text)
-    return attribute
-
-
-def _write_attribute(mesh, values):
-    attribute = _own_attribute(mesh) or mesh.attributes.new(ATTRIBUTE, "FLOAT", "POINT")
-    attribute.data.foreach_set("value", np.ascontiguousarray(values, np.float32))
-    mesh.update()
+    settings.told, settings.largest, settings.largest_back = "", 0.0, 0.0
 
 
 def _settling(settings, scene):
@@ -169,7 +159,7 @@ def _settling(settings, scene):
         "gravity": tuple(gravity),
         "spread": settings.spread,
         "wind": tuple(wind),
-        "repose": settings.repose,
+        "repose": min(settings.repose, math.pi),  # single precision rounds 180 degrees up
         "concavity": settings.concavity,
         "coverage": settings.coverage,
         "patch": settings.patch * scene.unit_settings.scale_length or None,
@@ -178,29 +168,16 @@ def _settling(settings, scene):
     }
 
 
-def _on_own_vertices(surface, tau):
-    """Dust of the rendered surface on the vertices of the object's own mesh: the most of those that stand for
-    one (both sides of a shell), the nearest one's where modifiers leave none.
-    """
-    values = np.full(len(surface.own), -1.0, np.float32)
-    if surface.origins is not None:
-        known = surface.origins >= 0
-        np.maximum.at(values, surface.origins[known], tau[known])
-    lost = np.flatnonzero(values < 0.0)
-    if len(lost):
-        tree = kdtree.KDTree(len(surface.vertices))
-        for index, place in enumerate(surface.vertices):
-            tree.insert(place, index)
-        tree.balance()
-        for index in lost:
-            _, nearest, _ = tree.find(surface.own[index])
-            values[index] = tau[nearest]
-    return values
+def _switches(statistics):
+    """Where the artist lets dust fall through what keeps it off."""
+    if statistics.keepers:
+        names = " and ".join(statistics.keepers)
+        yield f"switch off Keeps Dust Off Others in the panel of {names} to let it through"
 
 
 def _coarseness(task):
     """What an attribute loses where modifiers make the surface finer than its mesh."""
-    own, rendered = len(task.surface.own), len(task.surface.vertices)
+    own, rendered = len(task.own.vertices), len(task.surface.vertices)
     if not task.size and rendered > FINER * own:
         yield (
             f"the attribute has the mesh's {own:,} vertices for the {rendered:,} that modifiers make of it: "
@@ -208,11 +185,17 @@ def _coarseness(task):
         )
 
 
-def _write_image(obj, values):
-    """A new image takes the place of the last one: renders do not look again at pixels that they know."""
-    texels = np.ones((*values.shape, 4), np.float32)
-    texels[..., :3] = values[..., None]
+def _write_image(obj, dust):
+    """Colour is what lies on front faces, alpha on back faces. A new image takes the place of the last one:
+    renders do not look again at pixels that they know.
+    """
+    texels = np.zeros((*dust.tau.shape, 4), np.float32)
+    texels[..., :3] = dust.tau[..., None]
+    if dust.back is not None:
+        texels[..., :3] -= dust.back[..., None]
+        texels[..., 3] = dust.back
     image = float_image.create(f"{obj.name} dust", texels)
+    image[thickness.TWO_SIDES] = True
     last, obj.lamina_dust.image = obj.lamina_dust.image, image
     if last is not None:
         name = last.name

@@ -7,6 +7,8 @@ from . import dust, dust_job, thickness
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
 
+BACK_MATTERS = 0.05  # of the largest thickness
+
 
 class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
     bl_label = "Settled Dust"
@@ -53,6 +55,10 @@ def mismatch(material, settings):
     most = material.lamina.node_group.get("lamina_largest_tau", -1.0)
     if 0.0 <= most < settings.largest:
         return f"Thicker than baked: above τ {most:.3g} nothing changes. Raise the layer's thickness and bake"
+    if settings.largest_back > BACK_MATTERS * settings.largest and not material.lamina.node_group.get(
+            "lamina_shows_back", True):
+        return ("Dust on back faces is not shown: this sheet has two different sides, and its dust layer is "
+                "that of the front. Flip the normals of faces that look down")
     return ""
 
 

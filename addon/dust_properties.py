@@ -28,11 +28,17 @@ SUBSTANCES = (
 )
 
 TARGETS = (
-    ("attribute", "Attribute", "A float attribute of the mesh, one value a vertex", 0),
+    (
+        "attribute",
+        "Attribute",
+        "A float attribute of the mesh: one value a vertex, or a face corner where edges are hard",
+        0,
+    ),
     ("image", "Image", "A packed float image over a UV map, for a material of this object alone", 1),
 )
 
 ATTRIBUTE = "lamina_dust"
+BACK_ATTRIBUTE = "lamina_dust_back"  # what lies on back faces, where dust lies on both sides
 
 
 def _angle(name, degrees, description, highest=180.0, lowest=0.0):
@@ -85,7 +91,9 @@ class LaminaDust(bpy.types.PropertyGroup):
         subtype="DISTANCE", default=0.0, min=0.0, max=1.0e6, soft_max=1.0, options=set(),
     )  # fmt: skip
     two_sided: BoolProperty(
-        name="Two-Sided", description="Dust lies on either side of a face: leaves, cloth", options=set()
+        name="Two-Sided",
+        description="Dust lies on either side of a face: leaves, cloth. Each side shows its own",
+        options=set(),
     )
     rays: IntProperty(
         name="Rays", description="Rays a point: more are slower and smoother", default=256, min=1, max=65536,
@@ -112,6 +120,7 @@ class LaminaDust(bpy.types.PropertyGroup):
     # The facts of the last time
     told: StringProperty(description="The facts in words; empty before the first time")
     largest: FloatProperty(description="The largest optical thickness")
+    largest_back: FloatProperty(description="The largest optical thickness on back faces")
 
 
 def register():

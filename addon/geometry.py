@@ -15,21 +15,36 @@ _TAG = "lamina_vertex"
 
 @dataclass(frozen=True)
 class Arrays:
-    """vertices: (n, 3); triangles: (m, 3), counter-clockwise seen from outside; uvs: (m, 3, 2) by corner, or
-    None; own: (k, 3), the vertices of the object's own mesh, without its modifiers; origins: (n,), which of those
-    each vertex stands for, -1 for none, or None.
+    """vertices: (n, 3); triangles: (m, 3), counter-clockwise seen from outside; normals: (m, 3, 3) by corner,
+    as they are shaded (sharp edges, flat faces, custom normals), or None; uvs: (m, 3, 2) by corner, or None;
+    name: the object's.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
+    normals: np.ndarray | None = None
     uvs: np.ndarray | None = None
-    own: np.ndarray | None = None
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class OwnMesh:
+    """The object's own mesh, without its modifiers, in the same space. vertices: (k, 3); corners: (c,), the
+    vertex of each face corner; normals: (c, 3). What the Arrays show of the mesh: loops: (m, 3), the face
+    corner that each corner of a triangle is, None with modifiers; origins: (n,), with modifiers, which own vertex
+    each vertex stands for, -1 for none, or None where that is not known.
+    """
+
+    vertices: np.ndarray
+    corners: np.ndarray
+    normals: np.ndarray
+    loops: np.ndarray | None = None
     origins: np.ndarray | None = None
 
 
 def of_object(context, obj, uv_map=None):
-    """An object as it is rendered: modifiers and transformation applied. `uv_map`: also that map, "" is the
-    active one. Raises RefusedError.
+    """(Arrays, OwnMesh) of an object as it is rendered: modifiers and transformation applied. `uv_map`: also
+    that map, "" is the active one. Raises RefusedError.
     """
     scale = context.scene.unit_settings.scale_length
     mesh = obj.data
@@ -40,11 +55,18 @@ def of_object(context, obj, uv_map=None):
         evaluated = obj.evaluated_get(depsgraph)
         result = evaluated.to_mesh()
         try:
-            vertices, triangles = _arrays(result, evaluated.matrix_world, scale)
-            own = _vertices(mesh, evaluated.matrix_world, scale)
-            mirrored = evaluated.matrix_world.determinant() < 0.0
-            uvs = None if uv_map is None else _uvs(obj, result, uv_map, mirrored)
-            origins = np.arange(len(vertices)) if tags is None else _origins(result, tags)
+            matrix = evaluated.matrix_world
+            vertices, triangles = _arrays(result, matrix, scale)
+            loops = _loops(result, matrix.determinant() < 0.0)
+            normals = _corner_normals(result, matrix)[loops]
+            uvs = None if uv_map is None else _uvs(obj, result, uv_map)[loops]
+            own = OwnMesh(
+                _vertices(mesh, matrix, scale),
+                _corner_vertices(mesh),
+                _corner_normals(mesh, matrix),
+                loops if tags is None else None,
+                None if tags is None else _origins(result, tags),
+            )
         finally:
             evaluated.to_mesh_clear()
     finally:
@@ -52,7 +74,7 @@ def of_object(context, obj, uv_map=None):
             mesh.attributes.remove(mesh.attributes[_TAG])
     if not len(triangles):
         raise RefusedError(f"{obj.name} has no faces for dust to settle on")
-    return Arrays(vertices, triangles, uvs, own, origins)
+    return Arrays(vertices, triangles, normals, uvs, obj.name), own
 
 
 def others(context, obj):
@@ -77,7 +99,7 @@ def others(context, obj):
             text = f"The other objects have more than {MOST_TRIANGLES:,} triangles: hide some in renders"
             raise RefusedError(text)
         if len(triangles):
-            found.append(Arrays(vertices, triangles))
+            found.append(Arrays(vertices, triangles, name=other.name))
     return found
 
 
@@ -109,7 +131,33 @@ def _arrays(mesh, matrix, scale):
     return vertices, triangles[:, ::-1] if matrix.determinant() < 0.0 else triangles
 
 
-def _uvs(obj, mesh, name, mirrored):
+def _loops(mesh, mirrored):
+    """The face corner of each triangle's corner."""
+    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    loops = loops.reshape(-1, 3)
+    return loops[:, ::-1] if mirrored else loops
+
+
+def _corner_vertices(mesh):
+    found = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", found)
+    return found
+
+
+def _corner_normals(mesh, matrix):
+    """By face corner, of any length. The cofactors of the matrix turn them, for a flattened object too."""
+    local = np.empty(3 * len(mesh.loops), np.float32)
+    if len(mesh.loops):
+        mesh.corner_normals.foreach_get("vector", local)
+    x, y, z = np.array(matrix, np.float64)[:3, :3].T
+    cofactors = np.array([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
+    sign = -1.0 if matrix.determinant() < 0.0 else 1.0
+    return (local.reshape(-1, 3) @ (sign * cofactors)).astype(np.float32)
+
+
+def _uvs(obj, mesh, name):
+    """By face corner."""
     layers = mesh.uv_layers
     layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
     if layer is None:
@@ -117,10 +165,7 @@ def _uvs(obj, mesh, name, mirrored):
         raise RefusedError(f"{obj.name} has no UV map{wanted}: unwrap it, or keep the dust in an attribute")
     corners = np.empty(2 * len(layer.uv), np.float32)
     layer.uv.foreach_get("vector", corners)
-    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("loops", loops)
-    uvs = corners.reshape(-1, 2)[loops.reshape(-1, 3)]
-    return uvs[:, ::-1] if mirrored else uvs
+    return corners.reshape(-1, 2)
 
 
 def _tag(mesh):

@@ -9,11 +9,16 @@ import json
 
 import bpy
 
-from . import closure_graph, lut_image, native
+from . import closure_graph, lut_image, native, side_graph
 
 GROUP_INPUTS = (
     ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
     ("Thickness", "NodeSocketFloat", "Optical thickness of the varying layer, from 0 to what was baked"),
+    (
+        side_graph.BACK,
+        "NodeSocketFloat",
+        "Optical thickness of the varying layer on back faces; below 0: as on front faces",
+    ),
     ("Base Color", "NodeSocketColor", "Reflectance of the base, linear; what the layers do to it is exact"),
 )
 
@@ -53,6 +58,7 @@ def build(material, lut):
     group["lamina_stack_hash"] = lut.header["stack_hash"]
     group["lamina_layout"] = _layout(lut)
     group["lamina_largest_tau"] = -1.0 if tau is None else min(tau, LARGEST)
+    group["lamina_shows_back"] = side_graph.shows_back(lut)
     if is_new:
         for node in group_nodes(material):  # nodes of the group that this copied material still shared
             node.node_tree = group
@@ -182,6 +188,7 @@ def _layout(lut):
         "closures": lut.header["closures"],
         "drawn": closure_graph.used_closures(lut),
         "sides": lut.header["sides"],
+        "turns over": side_graph.turns_over(lut),
         "size": [axes["view"]["count"], axes["tau"]["count"]],
     }
     return json.dumps(layout)
@@ -219,7 +226,8 @@ def _sockets(group, in_out):
 
 def _add_missing_sockets(group, tau, colour):
     """The sockets that were added."""
-    unwanted = {name for name, value in (("Thickness", tau), ("Base Color", colour)) if value is None}
+    wanted_by = {side_graph.FRONT: tau, side_graph.BACK: tau, "Base Color": colour}
+    unwanted = {name for name, value in wanted_by.items() if value is None}
     if "Shader" not in _sockets(group, "OUTPUT"):
         group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
     added = []
@@ -230,6 +238,8 @@ def _add_missing_sockets(group, tau, colour):
         socket.hide_value = name == "Normal"
         if name == "Thickness":
             socket.default_value = min(tau, LARGEST)
+        if name == side_graph.BACK:
+            socket.default_value = side_graph.AS_FRONT
         if name == "Base Color":
             socket.default_value = (*colour, 1.0)
         added.append(socket)
@@ -237,15 +247,17 @@ def _add_missing_sockets(group, tau, colour):
 
 
 def _settle_thickness(group, tau):
-    """Range and default of the Thickness socket, or no such socket when nothing varies."""
-    socket = _sockets(group, "INPUT").get("Thickness")
-    if socket is None:
-        return
-    if tau is None:
-        group.interface.remove(socket)
-    else:
-        socket.min_value, socket.max_value = 0.0, min(tau, LARGEST)
-        socket.default_value = socket.max_value
+    """Ranges and defaults of the sockets for thickness, or no such sockets when nothing varies."""
+    sockets = _sockets(group, "INPUT")
+    for name, lowest in ((side_graph.FRONT, 0.0), (side_graph.BACK, side_graph.AS_FRONT)):
+        socket = sockets.get(name)
+        if socket is None:
+            continue
+        if tau is None:
+            group.interface.remove(socket)
+            continue
+        socket.min_value, socket.max_value = lowest, min(tau, LARGEST)
+        socket.default_value = lowest if lowest < 0.0 else socket.max_value
 
 
 def _follow_thickness(group, old, new):

@@ -11,15 +11,21 @@ import bpy
 import numpy as np
 
 from . import node_group
+from .dust_properties import ATTRIBUTE, BACK_ATTRIBUTE
 from .messages import RefusedError
+from .side_graph import BACK, FRONT
 
 SOURCES = ("value", "attribute", "image")
-ATTRIBUTE = "lamina_dust"
-SOCKET = "Thickness"
+TWO_SIDES = "lamina_two_sides"  # marks images whose alpha is the thickness on back faces
 IMAGE_SIZE = 1024
 
 _MARK = "lamina_thickness"
-_LABELS = {"attribute": "Thickness attribute", "image": "Thickness image", "uv": "Thickness UV map"}
+_LABELS = {
+    "attribute": "Thickness attribute",
+    "back": "Thickness attribute, back faces",
+    "image": "Thickness image",
+    "uv": "Thickness UV map",
+}
 
 
 @dataclass(frozen=True)
@@ -60,9 +66,14 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     source: "value" (the input's own number), "attribute" (`name`: a float attribute of the mesh that holds
     optical thickness; default lamina_dust; 0 where a mesh has none), or "image" (`name`: an image of optical
     thickness, or its name, read by the UV map `uv_map`, default the active one; without a name a new black
-    one is made). The image becomes Non-Color, and is packed when no file holds it. Links of the artist's own
-    stay, and RefusedError is raised, unless `replace`; their nodes stay in any case. Raises RefusedError,
-    with nothing changed, for what cannot be done.
+    one is made). The image becomes Non-Color, and is packed when no file holds it.
+
+    Settled dust lies on one side of a face: front faces read lamina_dust, and back faces lamina_dust_back,
+    which is 0 where a mesh has none; of a settled image, back faces read the alpha. Other sources count for
+    both sides.
+
+    Links of the artist's own stay, and RefusedError is raised, unless `replace`; their nodes stay in any
+    case. Raises RefusedError, with nothing changed, for what cannot be done.
     """
     if source not in SOURCES:
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
@@ -77,14 +88,22 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
                            "unlink it, or replace the link")
     image = _image(material, name) if source == "image" else None
     tree = material.node_tree
-    for socket in sockets:
+    backs = [socket for socket in _sockets(material, BACK)
+             if not socket.is_linked or socket.links[0].from_node.get(_MARK)]
+    for socket in (*sockets, *backs):
         for link in list(socket.links):
             tree.links.remove(link)
     _remove_marked(tree)
     if source == "attribute":
-        _feed(sockets, _attribute(tree, sockets[0].node, name or ATTRIBUTE).outputs["Fac"])
+        name = name or ATTRIBUTE
+        _feed(sockets, _attribute(tree, sockets[0].node, name).outputs["Fac"])
+        if name == ATTRIBUTE and backs:
+            _feed(backs, _attribute(tree, sockets[0].node, BACK_ATTRIBUTE, "back").outputs["Fac"])
     elif source == "image":
-        _feed(sockets, _texture(tree, sockets[0].node, image, uv_map).outputs["Color"])
+        texture = _texture(tree, sockets[0].node, image, uv_map)
+        _feed(sockets, texture.outputs["Color"])
+        if image.get(TWO_SIDES):
+            _feed(backs, texture.outputs["Alpha"])
     return wiring(material)
 
 
@@ -104,17 +123,24 @@ def image_problem(image):
 
 def reconnect(material):
     """Links the nodes made here again, to an input that has gone and come back with a bake."""
-    sockets = [socket for socket in _sockets(material) if not socket.is_linked]
-    for node in material.node_tree.nodes if sockets else ():
-        output = {"attribute": "Fac", "image": "Color"}.get(node.get(_MARK))
-        if output:
-            _feed(sockets, node.outputs[output])
+    fronts, backs = ([socket for socket in _sockets(material, name) if not socket.is_linked]
+                     for name in (FRONT, BACK))
+    for node in material.node_tree.nodes:
+        mark = node.get(_MARK)
+        if mark == "attribute":
+            _feed(fronts, node.outputs["Fac"])
+        elif mark == "back":
+            _feed(backs, node.outputs["Fac"])
+        elif mark == "image":
+            _feed(fronts, node.outputs["Color"])
+            if node.image is not None and node.image.get(TWO_SIDES):
+                _feed(backs, node.outputs["Alpha"])
 
 
-def _sockets(material):
+def _sockets(material, name=FRONT):
     """The thickness inputs of the material's baked group: one, or several where it is used more than once."""
     nodes = node_group.group_nodes(material)
-    return [node.inputs[SOCKET] for node in nodes if SOCKET in node.inputs]
+    return [node.inputs[name] for node in nodes if name in node.inputs]
 
 
 def _feed(sockets, output):
@@ -141,8 +167,8 @@ def _node(tree, kind, mark, beside, columns):
     return node
 
 
-def _attribute(tree, beside, name):
-    node = _node(tree, "ShaderNodeAttribute", "attribute", beside, 1)
+def _attribute(tree, beside, name, mark="attribute"):
+    node = _node(tree, "ShaderNodeAttribute", mark, beside, 1)
     node.attribute_type, node.attribute_name = "GEOMETRY", name
     return node
 

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Any mesh in place of the dragon: read by Blender's importers, put upright, as large as the dragon, on the plinth."""
 
+import gzip
+import tempfile
+import zlib
 from pathlib import Path
 
 import bpy
@@ -16,11 +19,15 @@ def load(path, width, height, up="y"):
 
     up: the file's own upright axis, "y" or "z". Vertices of no face are left out. Raises ValueError, in a sentence."""
     path = Path(path)
-    if path.suffix.lower() not in IMPORTERS:
-        raise ValueError(f"{path}: must end in {', '.join(IMPORTERS)}")
+    kind = path.suffix.lower()
+    packed = kind == ".gz"
+    if packed:
+        kind = Path(path.stem).suffix.lower()
+    if kind not in IMPORTERS:
+        raise ValueError(f"{path}: must end in {', '.join(IMPORTERS)}, or in one of these and .gz")
     if not path.is_file():
         raise ValueError(f"{path}: no such file")
-    vertices, sizes, corners = _read(path)
+    vertices, sizes, corners = _unpacked(path, kind) if packed else _read(path, kind)
     if not len(sizes):
         raise ValueError(f"{path}: holds no faces")
     used, corners = np.unique(corners, return_inverse=True)
@@ -37,15 +44,29 @@ def load(path, width, height, up="y"):
     return (vertices - foot) * scale, sizes, corners.ravel()
 
 
-def _read(path):
-    """The file's vertices and faces, its axes and lengths as they are."""
+def _unpacked(path, kind):
+    """What `_read` finds in a file that gzip has packed. Raises ValueError, in a sentence."""
+    with tempfile.TemporaryDirectory() as folder:
+        plain = Path(folder) / f"mesh{kind}"
+        try:
+            plain.write_bytes(gzip.decompress(path.read_bytes()))
+        except (OSError, EOFError, zlib.error) as error:
+            raise ValueError(f"{path}: is a damaged gzip file ({error})") from None
+        return _read(plain, kind)
+
+
+def _read(path, kind):
+    """The file's vertices and faces, its axes and lengths as they are. Curves and points have none and are left out."""
     before = set(bpy.data.objects)
     # Without turning anything: what is up, `load` knows.
     with cycles_render.quiet():
-        getattr(bpy.ops.wm, IMPORTERS[path.suffix.lower()])(filepath=str(path), forward_axis="Y", up_axis="Z")
+        getattr(bpy.ops.wm, IMPORTERS[kind])(filepath=str(path), forward_axis="Y", up_axis="Z")
     made = [thing for thing in bpy.data.objects if thing not in before]
     vertices, sizes, corners, first = [np.empty((0, 3))], [np.empty(0, int)], [np.empty(0, int)], 0
     for thing in made:
+        if thing.type != "MESH":
+            bpy.data.batch_remove([one for one in (thing, thing.data) if one is not None])
+            continue
         mesh = thing.data
         points, at = np.empty(3 * len(mesh.vertices), np.float32), np.empty(len(mesh.loops), np.int32)
         size = np.empty(len(mesh.polygons), np.int32)

@@ -2,6 +2,7 @@
 """Dust that settles on Blender objects, as the attribute that the material reads."""
 
 import dataclasses
+import math
 
 import numpy as np
 
@@ -40,4 +41,6 @@ def _mesh(dust, thing):
     mesh.vertices.foreach_get("co", points)
     mesh.loop_triangles.foreach_get("vertices", triangles)
     turn = np.array(thing.matrix_world, float)
-    return dust.Mesh(points.reshape(-1, 3) @ turn[:3, :3].T + turn[:3, 3], triangles.reshape(-1, 3))
+    # All faces are smooth, and have one normal a vertex.
+    return dust.Mesh(points.reshape(-1, 3) @ turn[:3, :3].T + turn[:3, 3], triangles.reshape(-1, 3),
+                     sharp_angle=math.pi, name=thing.name)

@@ -9,6 +9,7 @@
 #include <future>
 #include <optional>
 
+#include "corner_split.hpp"
 #include "dust.hpp"
 #include "processor.hpp"
 #include "texel_raster.hpp"
@@ -62,7 +63,8 @@ class Scene {
   py::tuple arrivals(const BoundFall& fall, const Floats& positions, const Floats& normals, std::uint64_t first_number,
                      const ArrivalOptions& options) {
     const PointSet points = points_of(positions, normals, first_number, options);
-    Floats shares(positions.shape(0));
+    Floats shares(options.two_sided ? std::vector<py::ssize_t>{positions.shape(0), 2}
+                                    : std::vector<py::ssize_t>{positions.shape(0)});
     std::uint64_t rays = 0;
     {
       float* out = shares.mutable_data();
@@ -85,12 +87,12 @@ class Scene {
     return py::make_tuple(exposures, rays);
   }
 
-  py::tuple grains(const BoundFall& fall, const Vec3f& corner, const Vec3f& edge1, const Vec3f& edge2, float lengths,
+  py::tuple grains(const BoundFall& fall, const Vec3f& corner, const Vec3f& edge1, const Vec3f& edge2,
                    std::uint64_t count, std::uint64_t seed) {
     GrainCount counted;
     {
       const py::gil_scoped_release release;
-      counted = trace_grains(*scene_, fall, {corner, edge1, edge2, lengths}, count, seed, pool_);
+      counted = trace_grains(*scene_, fall, {corner, edge1, edge2}, count, seed, pool_);
     }
     return py::make_tuple(counted.front, counted.back, counted.stopped, counted.missed);
   }
@@ -149,15 +151,47 @@ class Scene {
   std::unique_ptr<MeshScene> scene_;
 };
 
-py::tuple texels(const Doubles& uvs, int width, int height) {
+py::tuple texels(const Doubles& uvs, int width, int height, int first_row, std::optional<int> rows) {
   if (uvs.ndim() != 3 || uvs.shape(1) != 3 || uvs.shape(2) != 2 || width < 1 || height < 1) {
     throw py::value_error("uvs must have shape (m, 3, 2), and the image at least one texel");
   }
-  py::array_t<std::int32_t> triangle({height, width});
-  Floats weights({height, width, 2});
-  raster_texels(uvs.data(), static_cast<std::size_t>(uvs.shape(0)), width, height, triangle.mutable_data(),
+  const TexelRows image{width, height, first_row, rows.value_or(height)};
+  if (first_row < 0 || image.rows < 0 || image.rows > height - first_row) {
+    throw py::value_error("the rows must be of the image");
+  }
+  py::array_t<std::int32_t> triangle({image.rows, width});
+  Floats weights({image.rows, width, 2});
+  raster_texels(uvs.data(), static_cast<std::size_t>(uvs.shape(0)), image, triangle.mutable_data(),
                 weights.mutable_data());
   return py::make_tuple(triangle, weights);
+}
+
+template <typename T>
+py::array_t<T> array_of(const std::vector<T>& values) {
+  return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+py::tuple corner_points(const Indices& triangles, const Floats& normals, float cosine, std::uint32_t vertices) {
+  require_triples(triangles, "triangles");
+  require_triples(normals, "normals");
+  for (py::ssize_t i = 0; i < triangles.size(); ++i) {
+    if (triangles.data()[i] >= vertices) {
+      throw py::value_error("triangles must hold indices below the number of vertices");
+    }
+  }
+  const py::ssize_t count = triangles.shape(0);
+  const TriangleList list{triangles.data(), static_cast<std::size_t>(count), vertices};
+  if (normals.shape(0) != count && normals.shape(0) != 3 * count) {
+    throw py::value_error("normals must have a row for each triangle, or for each corner");
+  }
+  const float* data = normals.data();
+  CornerPoints found;
+  {
+    const py::gil_scoped_release release;
+    found = normals.size() == 3 * count ? smooth_corners(list, data, cosine) : distinct_corners(list, data, cosine);
+  }
+  return py::make_tuple(array_of(found.point).reshape({count, py::ssize_t{3}}), array_of(found.vertex),
+                        array_of(found.first));
 }
 
 }  // namespace
@@ -188,12 +222,18 @@ PYBIND11_MODULE(_mesh, module) {
       .def(py::init<const std::vector<std::pair<Floats, Indices>>&, unsigned, const py::function&>(), py::arg("meshes"),
            py::arg("threads"), py::arg("go_on"))
       .def("arrivals", &Scene::arrivals, py::arg("fall"), py::arg("positions").noconvert(),
-           py::arg("normals").noconvert(), py::arg("first_number"), py::arg("options"), "(shares, rays traced)")
+           py::arg("normals").noconvert(), py::arg("first_number"), py::arg("options"),
+           "(shares, rays traced); shares: one a point, or front and back")
       .def("exposures", &Scene::exposures, py::arg("positions").noconvert(), py::arg("normals").noconvert(),
            py::arg("first_number"), py::arg("options"), py::arg("reach"), "(exposures, rays traced)")
       .def("grains", &Scene::grains, py::arg("fall"), py::arg("corner"), py::arg("edge1"), py::arg("edge2"),
-           py::arg("lengths"), py::arg("count"), py::arg("seed"), "(front, back, stopped, missed)")
+           py::arg("count"), py::arg("seed"), "(front, back, stopped by each mesh, missed)")
       .def_property_readonly("bytes", &Scene::bytes);
-  module.def("texels", &texels, py::arg("uvs"), py::arg("width"), py::arg("height"),
-             "(triangle, weights of corners 2 and 3) of each texel.");
+  module.def("texels", &texels, py::arg("uvs"), py::arg("width"), py::arg("height"), py::arg("first_row") = 0,
+             py::arg("rows") = py::none(), "(triangle, weights of corners 2 and 3) of each texel of some rows.");
+  module.def(
+      "corner_points", &corner_points, py::arg("triangles"), py::arg("normals"), py::arg("cosine"), py::arg("vertices"),
+      "(point of each corner, vertex of each point, first corner of each point): corners of a vertex are grouped "
+      "across edges where the triangles' normals have at least that cosine, or, with three normals a triangle, "
+      "where their own have it.");
 }

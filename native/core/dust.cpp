@@ -94,14 +94,16 @@ class ArrivalAtPoint {
         options_(options),
         pattern_(fall.sin_spread > 0.0F ? options.rays : 1) {}
 
-  float share(const Vec3f& position, const Vec3f& normal, std::uint64_t number, std::uint64_t& rays) const {
+  /// Of the side that the normal points to, and of the other: 0 unless dust lies on both.
+  std::array<float, 2> shares(const Vec3f& position, const Vec3f& normal, std::uint64_t number,
+                              std::uint64_t& rays) const {
     const float up = dot(normal, fall_.up);
     const float n1 = dot(normal, fall_.across1);
     const float n2 = dot(normal, fall_.across2);
     const double front = open_(up, n1, n2);
     const double back = options_.two_sided ? open_(-up, -n1, -n2) : 0.0;
     if (front <= 0.0 && back <= 0.0) {
-      return 0.0F;
+      return {0.0F, 0.0F};
     }
     const DiscTurn turn(options_.seed, number);
     const float offset = offset_at(position, options_.offset);
@@ -136,7 +138,11 @@ class ArrivalAtPoint {
         }
       }
     }
-    return static_cast<float>(front * sums[0].share() + back * sums[1].share());
+    if (pattern_.size() == 1) {
+      // The ratio of a single ray is its visibility alone; its weight times that has the right mean.
+      return {static_cast<float>(sums[0].open), static_cast<float>(sums[1].open)};
+    }
+    return {static_cast<float>(front * sums[0].share()), static_cast<float>(back * sums[1].share())};
   }
 
  private:
@@ -230,7 +236,14 @@ std::uint64_t dust_arrivals(const MeshScene& scene, const Fall& fall, const Open
   return for_points(
       points, pool,
       [&](const Vec3f& position, const Vec3f& normal, std::uint64_t number, std::size_t index, std::uint64_t& rays) {
-        shares[index] = is_zero(normal) ? 0.0F : arrival.share(position, normal, number, rays);
+        const std::array<float, 2> sides =
+            is_zero(normal) ? std::array{0.0F, 0.0F} : arrival.shares(position, normal, number, rays);
+        if (options.two_sided) {
+          shares[2 * index] = sides[0];
+          shares[2 * index + 1] = sides[1];
+        } else {
+          shares[index] = sides[0];
+        }
       });
 }
 
@@ -277,6 +290,7 @@ GrainCount trace_grains(const MeshScene& scene, const Fall& fall, const GrainTar
   pool.run(counts.size(), [&](std::size_t task) {
     Rng rng(seed, task);
     GrainCount& count = counts[task];
+    count.stopped.assign(scene.parts(), 0);
     const std::uint64_t last = std::min(grains, (task + 1) * kGrainsPerTask);
     for (std::uint64_t grain = task * kGrainsPerTask; grain < last; ++grain) {
       const auto a = static_cast<float>(rng.uniform());
@@ -287,21 +301,32 @@ GrainCount trace_grains(const MeshScene& scene, const Fall& fall, const GrainTar
       const float t2 = slope * static_cast<float>(std::sin(azimuth)) - fall.wind2;
       MeshRay ray;
       for (std::size_t k = 0; k < 3; ++k) {
-        const float d = fall.up[k] + t1 * fall.across1[k] + t2 * fall.across2[k];
-        ray.origin[k] = target.corner[k] + a * target.edge1[k] + b * target.edge2[k] + target.lengths * d;
-        ray.direction[k] = -d;
+        ray.origin[k] = target.corner[k] + a * target.edge1[k] + b * target.edge2[k];
+        ray.direction[k] = fall.up[k] + t1 * fall.across1[k] + t2 * fall.across2[k];
       }
       ray.farthest = kInfinity;
-      const MeshHit hit = scene.first_hit(ray);
-      ++(hit.part < 0 ? count.missed : hit.part > 0 ? count.stopped : hit.front ? count.front : count.back);
+      MeshHit hit = scene.first_hit(ray);
+      if (hit.part < 0) {
+        for (float& d : ray.direction) {
+          d = -d;
+        }
+        hit = scene.first_hit(ray);
+      }
+      ++(hit.part < 0   ? count.missed
+         : hit.part > 0 ? count.stopped[static_cast<std::size_t>(hit.part)]
+         : hit.front    ? count.front
+                        : count.back);
     }
   });
   GrainCount sum;
+  sum.stopped.assign(scene.parts(), 0);
   for (const GrainCount& count : counts) {
     sum.front += count.front;
     sum.back += count.back;
-    sum.stopped += count.stopped;
     sum.missed += count.missed;
+    for (std::size_t part = 0; part < sum.stopped.size(); ++part) {
+      sum.stopped[part] += count.stopped[part];
+    }
   }
   return sum;
 }

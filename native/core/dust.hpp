@@ -51,9 +51,10 @@ struct ArrivalOptions {
   float offset;  // off the surface along the normal, relative to the larger of 1 and the point's coordinates
 };
 
-/// The share of an open horizontal plane's dust that arrives at each point, into `shares`; returns the number of
-/// rays traced. Visibility is averaged with the weights n.d and scaled by OpenShare: exact where all is open,
-/// exactly zero where nothing is.
+/// The share of an open horizontal plane's dust that arrives at each point, into `shares`: one a point, or two when the
+/// options say two_sided, of the side that the normal points to and of the other. Returns the number of rays traced.
+/// Visibility is averaged with the weights n.d and scaled by OpenShare: exact where all is open, exactly zero where
+/// nothing is. With a single ray its weight is taken instead, since the ratio of two such sums would be biased.
 std::uint64_t dust_arrivals(const MeshScene& scene, const Fall& fall, const OpenShare& open, const PointSet& points,
                             const ArrivalOptions& options, float* shares, ThreadPool& pool);
 
@@ -61,19 +62,20 @@ std::uint64_t dust_arrivals(const MeshScene& scene, const Fall& fall, const Open
 std::uint64_t dust_exposures(const MeshScene& scene, const PointSet& points, const ArrivalOptions& options, float reach,
                              float* exposures, ThreadPool& pool);
 
-/// Where grains are aimed at: corner + a edge1 + b edge2 with a, b in [0, 1], in a horizontal plane. They start
-/// `lengths` lengths of d before it.
+/// What grains pass through: corner + a edge1 + b edge2 with a, b in [0, 1], in a horizontal plane above part 0.
 struct GrainTarget {
   Vec3f corner, edge1, edge2;
-  float lengths;
 };
 
-/// What became of grains: on the front or the back of part 0, on another part, on none.
+/// What became of grains: on the front or the back of part 0, on none; and on each part but 0, whose count is 0.
 struct GrainCount {
-  std::uint64_t front = 0, back = 0, stopped = 0, missed = 0;
+  std::uint64_t front = 0, back = 0, missed = 0;
+  std::vector<std::uint64_t> stopped;
 };
 
-/// Traces grains from above, independent of dust_arrivals in rays and random numbers.
+/// Traces grains from above, independent of dust_arrivals in rays and random numbers. Both ways from the target, up to
+/// what has stopped a grain before and down to what stops it then: rays that started above the highest part would lose
+/// the target's digits where that part is far away.
 GrainCount trace_grains(const MeshScene& scene, const Fall& fall, const GrainTarget& target, std::uint64_t grains,
                         std::uint64_t seed, ThreadPool& pool);
 

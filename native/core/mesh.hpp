@@ -48,6 +48,7 @@ class MeshScene {
 
   bool occluded(const MeshRay& ray) const;
   MeshHit first_hit(const MeshRay& ray) const;
+  std::size_t parts() const { return parts_.size(); }
   /// What Embree holds for the scene.
   std::size_t bytes() const;
 

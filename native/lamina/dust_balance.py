@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 GRAINS = 1 << 18
+LIFT = 0.01  # of the rectangle that grains pass through, above the surface: half of its diagonal is 1
 _STREAM = 0x6772_6169_6E73_0000  # random numbers of their own
 
 
@@ -43,43 +44,45 @@ class FallFrame:
 @dataclass(frozen=True)
 class Forward:
     """Areas in m^2 of an open horizontal plane that catches as much: what was launched, what met the front and the
-    back of the surface's faces, occluders, and nothing; and the standard errors of the first two and their sum."""
+    back of the surface's faces, each of the occluders, and nothing; and the standard errors of what met the front, and
+    either side."""
 
     launched: float
     front: float
     back: float
-    stopped: float
+    stopped_by: tuple[float, ...]
     missed: float
     front_stderr: float
     both_stderr: float
     grains: int
 
 
-def trace(scene, core_fall, fall: FallFrame, surface: np.ndarray, others: list[np.ndarray], scale: float, seed: int,
+def trace(scene, core_fall, fall: FallFrame, surface: np.ndarray, occluders: int, scale: float, seed: int,
           grains: int = GRAINS) -> Forward:
-    """`surface`, `others`: (n, 3) vertices of the scene's meshes in its frame, whose unit is `scale` metres.
+    """`surface`: (n, 3) vertices of the scene's first mesh in its frame, whose unit is `scale` metres.
 
-    Grains are aimed at a rectangle at the height of the surface's highest point, so large that each grain that could
-    touch the surface's box passes through it."""
+    Grains are aimed at a rectangle above the surface's highest point, so large that each grain that could touch the
+    surface's box passes through it."""
     (low_up, top), (low1, high1), (low2, high2) = (_extent(surface, axis) for axis in
                                                   (fall.up, fall.across1, fall.across2))
+    top += LIFT
     slope, depth = math.tan(fall.spread), top - low_up
     low1, high1 = _widened(low1, high1, -fall.wind1, slope, depth)
     low2, high2 = _widened(low2, high2, -fall.wind2, slope, depth)
     area = (high1 - low1) * (high2 - low2) * scale * scale
     if not area > 0.0:
-        return Forward(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
-    highest = max([top, *(_extent(other, fall.up)[1] for other in others if len(other))])
+        return Forward(0.0, 0.0, 0.0, (0.0,) * occluders, 0.0, 0.0, 0.0, 0)
     corner = top * fall.up + low1 * fall.across1 + low2 * fall.across2
     counts = scene.grains(core_fall, corner, (high1 - low1) * fall.across1, (high2 - low2) * fall.across2,
-                          highest - top + 0.01, grains, seed ^ _STREAM)
-    front, back, stopped, missed = (area * count / grains for count in counts)
+                          grains, seed ^ _STREAM)
+    stopped_by = tuple(area * count / grains for count in counts[2][1:])
+    front, back, missed = (area * counts[k] / grains for k in (0, 1, 3))
 
     def stderr(count: int) -> float:
         share = count / grains
         return area * math.sqrt(share * (1.0 - share) / grains)
 
-    return Forward(area, front, back, stopped, missed, stderr(counts[0]), stderr(counts[0] + counts[1]), grains)
+    return Forward(area, front, back, stopped_by, missed, stderr(counts[0]), stderr(counts[0] + counts[1]), grains)
 
 
 def _extent(vertices: np.ndarray, axis: np.ndarray) -> tuple[float, float]:

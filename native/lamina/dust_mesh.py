@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +18,39 @@ MOST = 1 << 31  # vertices, triangles: what 32-bit indices of the core can count
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Triangles in world space. vertices: (n, 3) metres; triangles: (m, 3) indices, counter-clockwise seen from
-    outside; normals: (n, 3), one a vertex, of any length, or None: angle-weighted means of the faces' (they do not
-    depend on how a flat face is cut). Need not be closed or manifold; faces without area take part in nothing."""
+    outside. Need not be closed or manifold; faces without area take part in nothing.
+
+    normals: of any length; (n, 3), one a vertex; or (m, 3, 3), one for each corner of each triangle; or None:
+        angle-weighted means of the faces' normals (they do not depend on how a flat face is cut), taken across all
+        edges but the sharp ones.
+    sharp_angle: without given normals, an edge is sharp where the normals of its two faces are farther apart than
+        this, in radians, [0, pi]; pi: no edge is sharp. The default, 30 degrees, is that of Blender's automatic
+        smoothing.
+    name: what messages call the mesh, or ""."""
 
     vertices: np.ndarray
     triangles: np.ndarray
     normals: np.ndarray | None = None
+    sharp_angle: float = math.radians(30.0)
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """Points of a mesh, where a vertex at a sharp edge has several, one for each of its normals. Point v is the first
+    one of vertex v; the further ones follow.
+
+    point: (m, 3) uint32, of each triangle's corners; vertex: (k,) uint32, of each point; first: (k,) int64, the first
+    corner of each point, as 3 * triangle + corner, or -1 at a vertex of no face."""
+
+    point: np.ndarray
+    vertex: np.ndarray
+    first: np.ndarray
+
+    @property
+    def split(self) -> bool:
+        """Whether some vertex has several points."""
+        return len(self.vertex) > 0 and len(np.unique(self.vertex)) < len(self.vertex)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +64,13 @@ class Points:
 
 
 def checked_mesh(mesh: Mesh, name: str) -> Mesh:
-    """The mesh with float64 vertices, uint32 triangles and float64 normals. Raises DustError."""
+    """The mesh with float64 vertices, uint32 triangles and float64 normals. Messages use the mesh's own name where it
+    has one. Raises DustError."""
     if not isinstance(mesh, Mesh):
         raise DustError(f"{name} = {type(mesh).__name__}: must be a lamina.dust.Mesh")
+    name = mesh.name or name
+    if not isinstance(mesh.sharp_angle, int | float) or not 0.0 <= mesh.sharp_angle <= math.pi:
+        raise DustError(f"{name}.sharp_angle = {mesh.sharp_angle!r}: must lie in [0, {math.pi:g}]")
     vertices = triples(mesh.vertices, f"{name}.vertices")
     triangles = np.asarray(mesh.triangles)
     if triangles.size == 0:
@@ -56,10 +88,16 @@ def checked_mesh(mesh: Mesh, name: str) -> Mesh:
             raise DustError(f"{name}.triangles[{row}] has index {worst}: must lie in [0, {len(vertices) - 1}]")
     normals = None
     if mesh.normals is not None:
-        normals = triples(mesh.normals, f"{name}.normals")
-        if len(normals) != len(vertices):
+        by_corner = np.ndim(mesh.normals) == 3
+        if by_corner and np.shape(mesh.normals) != (len(triangles), 3, 3):
+            raise DustError(f"{name}.normals has shape {np.shape(mesh.normals)}: must be ({len(triangles)}, 3, 3), or "
+                            f"({len(vertices)}, 3)")
+        normals = triples(np.reshape(mesh.normals, (-1, 3)) if by_corner else mesh.normals, f"{name}.normals")
+        if not by_corner and len(normals) != len(vertices):
             raise DustError(f"{name}.normals has {len(normals)} rows: must have {len(vertices)} like the vertices")
-    return Mesh(vertices, np.ascontiguousarray(triangles, dtype=np.uint32), normals)
+        normals = normals.reshape(-1, 3, 3) if by_corner else normals
+    triangles = np.ascontiguousarray(triangles, dtype=np.uint32)
+    return Mesh(vertices, triangles, normals, float(mesh.sharp_angle), name)
 
 
 def check_points(points, name: str = "points") -> Points:
@@ -103,28 +141,39 @@ def used_vertices(mesh: Mesh) -> np.ndarray:
     return used
 
 
-def vertex_points(mesh: Mesh, step: Progress = lambda fraction, text: None) -> Points:
-    """The vertices of a checked mesh with their normals and the areas they stand for, a third of each of their
-    faces'. Vertices of no face have normal 0 unless the mesh gives normals, and area 0 in any case."""
-    count = len(mesh.vertices)
+def vertex_points(mesh: Mesh, step: Progress = lambda fraction, text: None, corners: Corners | None = None) -> Points:
+    """The vertices of a checked mesh, or its points where `corners` splits them, with their normals and the areas they
+    stand for, a third of each of their faces'. Vertices of no face have normal 0 unless the mesh gives normals of
+    vertices, and area 0 in any case."""
+    count = len(mesh.vertices) if corners is None else len(corners.vertex)
     areas = np.zeros(count)
     normals = np.zeros((count, 3))
     block = 1 << 20  # triangles at a time: ten million faces must not need gigabytes here
     for first in range(0, len(mesh.triangles), block):
         step(first / len(mesh.triangles), "normals")
         triangles = mesh.triangles[first:first + block]
-        corners = [mesh.vertices[triangles[:, k]] for k in range(3)]
-        cross = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        ends = [mesh.vertices[triangles[:, k]] for k in range(3)]
+        cross = np.cross(ends[1] - ends[0], ends[2] - ends[0])
         doubled = np.linalg.norm(cross, axis=1)
         has_area = doubled > 0.0
         unit = np.divide(cross, doubled[:, None], out=np.zeros_like(cross), where=has_area[:, None])
+        owners = triangles if corners is None else corners.point[first:first + block]
         for k in range(3):
-            areas += np.bincount(triangles[:, k], doubled / 6.0, count)
+            areas += np.bincount(owners[:, k], doubled / 6.0, count)
             if mesh.normals is None:
-                angle = _angle(corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]) * has_area
+                angle = _angle(ends[(k + 1) % 3] - ends[k], ends[(k + 2) % 3] - ends[k]) * has_area
                 for axis in range(3):
-                    normals[:, axis] += np.bincount(triangles[:, k], angle * unit[:, axis], count)
-    return Points(mesh.vertices, normals if mesh.normals is None else mesh.normals, areas)
+                    normals[:, axis] += np.bincount(owners[:, k], angle * unit[:, axis], count)
+    if mesh.normals is not None:
+        normals = mesh.normals if corners is None else _given_normals(mesh.normals, corners)
+    return Points(mesh.vertices if corners is None else mesh.vertices[corners.vertex], normals, areas)
+
+
+def _given_normals(normals: np.ndarray, corners: Corners) -> np.ndarray:
+    """Of each point, from normals of vertices or of corners."""
+    if normals.ndim == 2:
+        return normals[corners.vertex]
+    return np.where(corners.first[:, None] >= 0, normals.reshape(-1, 3)[corners.first], 0.0)
 
 
 def unit_normals(normals: np.ndarray) -> np.ndarray:
@@ -158,10 +207,10 @@ class Frame:
 def common_frame(surface: Mesh) -> Frame:
     """Of the vertices that faces of a checked surface use. Raises DustError when it has no extent."""
     if not len(surface.triangles):
-        raise DustError("surface.triangles is empty: must have at least one face for dust to settle on")
+        raise DustError(f"{surface.name}.triangles is empty: must have at least one face for dust to settle on")
     vertices = surface.vertices[used_vertices(surface)]
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     scale = 0.5 * float(np.linalg.norm(high - low))
     if not scale > 1e-12:
-        raise DustError(f"surface is {2 * scale:g} m large: must have an extent")
+        raise DustError(f"{surface.name} is {2 * scale:g} m large: must have an extent")
     return Frame(0.5 * (low + high), scale)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import gzip
 import os
 import warnings
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +19,9 @@ _TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2
           "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
           "double": "f8", "float64": "f8"}
 _FORMATS = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}
+_CORNERS = ("vertex_indices", "vertex_index", "indices")  # names in use for the list of a face's vertices
 _MOST = 1 << 30
+_LONGEST = 1 << 20  # header, bytes
 
 
 @dataclass
@@ -32,12 +35,13 @@ class _Element:
 
 def load(path: str | os.PathLike) -> Mesh:
     """The mesh of a .ply or .ply.gz file, as it stands there: neither turned nor scaled. Faces of n corners become
-    n - 2 triangles; those with fewer than three are left out. Raises MeshFileError, OSError."""
+    n - 2 triangles; those with fewer than three are left out. Lines may end as on any system. Raises MeshFileError,
+    OSError."""
     data = Path(path).read_bytes()
     if data[:2] == b"\x1f\x8b":
         try:
             data = gzip.decompress(data)
-        except (OSError, EOFError) as error:
+        except (OSError, EOFError, zlib.error) as error:
             raise MeshFileError(f"{path}: is a damaged gzip file ({error})") from None
     try:
         order, elements, body = _header(data)
@@ -45,10 +49,10 @@ def load(path: str | os.PathLike) -> Mesh:
         columns, faces = {}, (np.zeros(0, np.int64), np.zeros(0, np.int64))
         for element in elements:
             if element.name == "face":
-                faces = read.lists(element, ("vertex_indices", "vertex_index"))
+                faces = read.lists(element, _CORNERS)
             elif element.name == "vertex":
                 columns = read.numbers(element, ("x", "y", "z"))
-            else:
+            elif element.properties:
                 read.skip(element)
     except _BadFileError as error:
         raise MeshFileError(f"{path}: {error}") from None
@@ -60,7 +64,7 @@ def load(path: str | os.PathLike) -> Mesh:
     triangles = _fans(*faces)
     if len(triangles) and not (triangles.min() >= 0 and triangles.max() < len(vertices)):
         raise MeshFileError(f"{path}: a face has an index outside [0, {len(vertices) - 1}]")
-    return Mesh(vertices, triangles)
+    return Mesh(vertices, triangles, name=Path(path).name)
 
 
 class _BadFileError(Exception):
@@ -69,18 +73,30 @@ class _BadFileError(Exception):
 
 def _header(data: bytes) -> tuple[str | None, list[_Element], bytes]:
     """(byte order or None for ASCII, elements, the bytes after the header)."""
-    end = data.find(b"end_header")
-    if data[:3] != b"ply" or end < 0 or end > 1 << 20:
+    if data[:3] != b"ply":
         raise _BadFileError("is not a PLY file")
-    start = data.index(b"\n", end) + 1
+    # The first line tells how all end: after the last one a byte like a line's end may belong to binary numbers.
+    end = b"\r\n" if data[3:5] == b"\r\n" else data[3:4]
+    if end not in (b"\n", b"\r", b"\r\n"):
+        end = b"\n"
+    lines, start = [], 0
+    while not lines or lines[-1].split() != ["end_header"]:
+        last = data.find(end, start, start + _LONGEST)
+        if last < 0 or last > _LONGEST:
+            raise _BadFileError("is not a PLY file, as its header has no end")
+        lines.append(data[start:last].decode("ascii", "replace"))
+        start = last + len(end)
     order, elements = "", []
-    for line in data[:end].decode("ascii", "replace").splitlines()[1:]:
+    for line in lines[1:-1]:
         words = line.split()
         if not words or words[0] in ("comment", "obj_info"):
             continue
         if words[0] == "format" and len(words) == 3 and words[1] in _FORMATS:
             order = _FORMATS[words[1]]
-        elif words[0] == "element" and len(words) == 3 and words[2].isdigit() and int(words[2]) <= _MOST:
+        elif words[0] == "element" and len(words) == 3 and words[2].isdecimal() and len(words[2]) < 11 and \
+                int(words[2]) <= _MOST:
+            if any(element.name == words[1] for element in elements):
+                raise _BadFileError(f"has two elements {words[1][:60]!r}")
             elements.append(_Element(words[1], int(words[2]), []))
         elif words[0] == "property" and elements and len(words) == 3 and words[1] in _TYPES:
             elements[-1].properties.append((words[2], _TYPES[words[1]], None))

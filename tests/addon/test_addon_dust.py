@@ -40,10 +40,12 @@ def placed(mesh, name, z=0.0, material=None):
     return obj
 
 
-def ball(name="Ball", radius=1.0):
+def ball(name="Ball", radius=1.0, smooth=False):
     mesh = bpy.data.meshes.new(name)
     made = bmesh.new()
     bmesh.ops.create_icosphere(made, subdivisions=2, radius=radius)
+    for face in made.faces:
+        face.smooth = smooth
     made.to_mesh(mesh)
     made.free()
     return placed(mesh, name)
@@ -51,8 +53,8 @@ def ball(name="Ball", radius=1.0):
 
 def values(obj):
     attribute = obj.data.attributes[NAME]
-    assert (attribute.data_type, attribute.domain) == ("FLOAT", "POINT")
-    found = np.empty(len(obj.data.vertices), np.float32)
+    assert attribute.data_type == "FLOAT" and attribute.domain in ("POINT", "CORNER")
+    found = np.empty(len(attribute.data), np.float32)
     attribute.data.foreach_get("value", found)
     return found
 
@@ -150,7 +152,7 @@ def test_gravity_is_the_scenes(dust):
 
 def test_modifiers_that_make_vertices(dust):
     """On the vertices of the mesh itself lies what lies where they are rendered."""
-    cube, evaluated = ball("Cube"), None
+    cube, evaluated = ball("Cube", smooth=True), None
     cube.lamina_dust.others = False
     cube.modifiers.new("Smooth", "SUBSURF").levels = 2
     evaluated = placed(bpy.data.meshes.new_from_object(cube.evaluated_get(bpy.context.evaluated_depsgraph_get())), "E")
@@ -369,3 +371,39 @@ def test_without_embree_dust_says_why_and_baking_works(addon, lamina, material, 
         assert not bpy.ops.lamina.dust_settle.poll()
     addon.bake_job.bake_material(material)
     assert addon.bake_job.state(material) == "fresh"
+
+
+def test_what_keeps_dust_off_or_is_broken_is_named(dust, lamina):
+    plate, dome = grid(size=0.1), ball("Sky", radius=50.0)
+    dust.settle(bpy.context, plate)
+    assert np.allclose(values(plate), 0.0)
+    assert "Sky keeps nearly all dust off" in plate.lamina_dust.told
+    assert "switch off Keeps Dust Off Others in the panel of Sky" in plate.lamina_dust.told
+    dome.lamina_dust.stops = False
+    dust.settle(bpy.context, plate)
+    assert np.allclose(values(plate), 1.0, rtol=1e-3) and "Sky" not in plate.lamina_dust.told
+    broken = grid("Broken", z=3.0)
+    broken.data.vertices[3].co.x = float("nan")
+    with pytest.raises(lamina.DustError, match=r"^Broken.vertices\[3\] has the coordinate nan"):
+        dust.settle(bpy.context, plate)
+
+
+def test_a_uv_map_beyond_the_image_is_told(dust, lamina):
+    plate = grid()
+    plate.lamina_dust.target, plate.lamina_dust.size = "image", 16
+    for loop in plate.data.uv_layers[0].uv:
+        loop.vector = (loop.vector[0] + 1.0, loop.vector[1])
+    with pytest.raises(lamina.DustError, match="^Plate: the UV map lies outside the image, with u from 1 to 2"):
+        dust.settle(bpy.context, plate)
+    assert plate.lamina_dust.image is None and plate.lamina_dust.told == ""
+    for loop in plate.data.uv_layers[0].uv:
+        loop.vector = (2.0 * loop.vector[0] - 2.0, loop.vector[1])
+    dust.settle(bpy.context, plate)
+    assert "50 % of the surface is unwrapped beyond the image (u from 0 to 2" in plate.lamina_dust.told
+
+
+def test_a_slope_of_180_degrees_is_one(dust):
+    plate = grid()
+    plate.lamina_dust.repose = 4.0  # single precision rounds the panel's largest value up
+    dust.settle(bpy.context, plate)
+    assert np.allclose(values(plate), 1.0, rtol=1e-3)

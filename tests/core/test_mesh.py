@@ -95,15 +95,17 @@ def test_exposure_of_a_corner_is_a_half():
 
 @needs_rays
 def test_grains_are_counted_by_what_they_meet():
-    front, triangles = grid(4, 0.0)
-    made = scene((front, triangles[:16]), ([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], [[0, 1, 2], [0, 2, 3]]))
-    hit = made.grains(fall(), [-2, -2, 0.1], [4, 0, 0], [0, 4, 0], 3.0, 40000, 1)
-    assert sum(hit) == 40000
+    plate, triangles = grid(4, 0.0)
+    made = scene((plate, triangles[:16]), ([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], [[0, 1, 2], [0, 2, 3]]))
+    front, back, stopped, missed = made.grains(fall(), [-2, -2, 0.1], [4, 0, 0], [0, 4, 0], 40000, 1)
+    assert stopped[0] == 0
+    assert front + back + stopped[1] + missed == 40000
     # Half of the triangles; the lid over a quarter of the plate takes what falls there.
-    for count, share in zip(hit, (0.75 * 2 / 16, 0.0, 1 / 16, 1 - 1 / 16 - 1.5 / 16), strict=True):
+    for count, share in zip((front, back, stopped[1], missed), (0.75 * 2 / 16, 0.0, 1 / 16, 1 - 1 / 16 - 1.5 / 16),
+                            strict=True):
         assert abs(count - 40000 * share) < 4.0 * math.sqrt(40000 * share * (1 - share)) + 1e-9
-    back = scene((front, triangles[:, ::-1])).grains(fall(), [-1, -1, 0.1], [2, 0, 0], [0, 2, 0], 1.0, 1000, 1)
-    assert back == (0, 1000, 0, 0)
+    turned = scene((plate, triangles[:, ::-1])).grains(fall(), [-1, -1, 0.1], [2, 0, 0], [0, 2, 0], 1000, 1)
+    assert turned == (0, 1000, [0], 0)
 
 
 @needs_rays

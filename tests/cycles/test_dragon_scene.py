@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The dragon is closed and the same each time; other meshes stand in for it; the scene renders."""
 
+import gzip
 import hashlib
 import json
 import sys
@@ -131,9 +132,49 @@ def test_a_file_stands_upright_on_the_plinth(tmp_path):
     assert not [thing for thing in bpy.data.objects if thing.name.startswith("half")]
 
 
+OBJ = """v 0 0 0
+v 1 0 0
+v 0 1 0
+v 0 0 1
+v 5 5 5
+f 1 3 2
+f 1 2 4
+f 2 3 4
+cstype bezier
+deg 3
+curv 0 1 1 2 3 5
+parm u 0 1
+end
+"""
+
+
+def test_curves_of_a_file_are_left_out(tmp_path):
+    path = tmp_path / "curve.obj"
+    path.write_text(OBJ)
+    before = set(bpy.data.objects), len(bpy.data.curves), len(bpy.data.meshes)
+    vertices, sizes, _ = mesh_file.load(path, 0.3, 0.2, up="z")
+    assert len(vertices) == 4 and sizes.tolist() == [3, 3, 3]
+    assert (set(bpy.data.objects), len(bpy.data.curves), len(bpy.data.meshes)) == before
+
+
+def test_a_packed_file_is_what_it_packs(tmp_path):
+    plain, packed = tmp_path / "half.ply", tmp_path / "half.ply.gz"
+    plain.write_text(PLY)
+    packed.write_bytes(gzip.compress(PLY.encode(), mtime=0))
+    for one, other in zip(mesh_file.load(plain, 0.3, 0.2), mesh_file.load(packed, 0.3, 0.2), strict=True):
+        assert np.array_equal(one, other)
+    damaged = bytearray(packed.read_bytes())
+    damaged[40] ^= 255
+    packed.write_bytes(damaged)
+    with pytest.raises(ValueError, match="half.ply.gz: is a damaged gzip file") as caught:
+        mesh_file.load(packed, 0.3, 0.2)
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize(("name", "text", "says"), [
     ("none.ply", None, "no such file"),
     ("dragon.txt", "", "must end in"),
+    ("dragon.txt.gz", "", "must end in"),
     ("points.ply", PLY.replace("element face 3", "element face 0").rsplit("4 1 2", 1)[0], "no faces"),
     ("flat.ply", PLY.replace("1 8 ", "1 5 "), "no height"),
 ])

@@ -45,7 +45,9 @@ def test_arrays_and_statistics(plate, capsys):
 
 @pytest.mark.skipif(bool(dust.available()), reason=dust.available())
 @pytest.mark.parametrize(("words", "sentence", "code"), [
-    (["--spread", "100"], "settling.spread", 2),
+    (["--spread", "95"], "--spread 95: must lie in [0, 85.94] degrees", 2),
+    (["--repose", "200"], "--repose 200: must lie in [0, 180] degrees", 2),
+    (["--sharp", "nan"], "--sharp nan: must lie in [0, 180] degrees", 2),
     (["--amount", "1", "--grams", "1"], "not allowed with", 2),
     (["--occluder", "none.ply"], "none.ply: No such file", 1),
     (["--material", "flour", "--grams", "1"], "settling.extinction = 'flour'", 2),

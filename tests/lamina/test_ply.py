@@ -40,6 +40,14 @@ FILES = {
     "ASCII": header("ascii") + ascii_body(),
     "little": header("binary_little_endian") + binary("<"),
     "big": header("binary_big_endian") + binary(">"),
+    "CR": (header("ascii") + ascii_body()).replace(b"\n", b"\r"),
+    "CR, binary": header("binary_little_endian").replace(b"\n", b"\r") + binary("<"),
+    "CRLF, binary": header("binary_big_endian").replace(b"\n", b"\r\n") + binary(">"),
+    "indices": header("ascii", face="property list uchar int indices") + ascii_body(),
+    "a word in a comment": header("ascii").replace(b"by hand", b"end_header follows") + ascii_body(),
+    "a comment of that word": header("binary_big_endian").replace(b"by hand", b"end_header") + binary(">"),
+    "nothing, many times": header("ascii").replace(b"element vertex", b"element nothing 1000000000\nelement vertex")
+    + ascii_body(),
     "CRLF": (header("ascii") + ascii_body()).replace(b"\n", b"\r\n"),
     "quad": header("ascii", faces=1) + ascii_body([[0, 1, 2, 3]]),
     "binary quad": header("binary_big_endian", faces=1) + binary(">", [[0, 1, 2, 3]]),
@@ -73,6 +81,7 @@ def test_points_alone_make_no_triangles(tmp_path):
     assert mesh.triangles.shape == (0, 3)
 
 
+PACKED = gzip.compress(header("ascii") + ascii_body(), mtime=0)
 BAD = {
     "foreign": (b"solid cube", "is not a PLY file"),
     "empty": (b"", "is not a PLY file"),
@@ -87,6 +96,13 @@ BAD = {
     "huge": (header("ascii", vertices=10**15), "is not understood"),
     "format": (header("ascii").replace(b"format ascii 1.0\n", b""), "does not tell its format"),
     "gzip": (gzip.compress(header("ascii") + ascii_body())[:-20], "damaged gzip"),
+    "a changed byte of gzip": (PACKED[:30] + bytes([PACKED[30] ^ 255]) + PACKED[31:], "damaged gzip"),
+    "a number of gzip's": (PACKED[:-8] + b"12345678", "damaged gzip"),
+    "faces of nothing": (header("ascii", face="comment none", faces=10**9) + ascii_body(), "has no list"),
+    "twice": (header("ascii", face="property list uchar int vertex_indices\nelement vertex 0"), "two elements 'vert"),
+    "no end": (header("ascii").replace(b"end_header", b"comment"), "not a PLY file"),
+    "a count in other digits": (header("ascii").replace(b"element vertex 4", "element vertex \u0664".encode()),
+                                "not understood"),
     "no vertices": (b"ply\nformat ascii 1.0\nend_header\n", "has no vertices"),
 }
 

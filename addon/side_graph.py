@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dust on two sides of a face: which thickness a side shows, and which side of the table.
+
+An opaque stack has a thickness of its own on either side. The table of a sheet has dust on the sheet's top
+only; its bottom side is what the sheet shows from below, with the dust behind it. Where dust lies on back
+faces, the sheet is turned over: back faces then show the table's top. This is right only when both sides of
+the clean sheet are alike. Otherwise the table holds no such sheet, and dust on back faces is not shown.
+"""
+
+import numpy as np
+
+from .graph import Graph
+
+FRONT, BACK = "Thickness", "Thickness Back"
+AS_FRONT = -1.0  # of the input for the back: no thickness of its own
+MOST_LABEL = "at most the baked one"
+
+
+def turns_over(lut):
+    """Whether a sheet may be turned over: its varying layer is on top of a sheet whose sides are alike."""
+    layers = lut.header["stack"]["layers"]
+    if len(lut.header["sides"]) < 2 or not layers[0].get("varying"):
+        return False
+    top, bottom = np.asarray(lut.weights)[:, :, 0]
+    return bool(np.abs(top - bottom).max() <= 1e-3 * np.abs(top).max())
+
+
+def shows_back(lut):
+    """Whether dust on back faces is shown."""
+    return len(lut.header["sides"]) < 2 or turns_over(lut)
+
+
+def draw(graph: Graph, lut, inputs, backfacing, most):
+    """(thickness, side) as sockets: the thickness in [0, `most`], the side 0 for the table's top and 1 for
+    the bottom. `inputs`: the group's input node. `backfacing`: 1 on back faces.
+    """
+    front = _clamped(graph, 7, "thickness", inputs.outputs[FRONT], most)
+    sheet = len(lut.header["sides"]) > 1
+    if not shows_back(lut):
+        return front, backfacing
+    back = _clamped(graph, 9.4, "thickness of the back", inputs.outputs[BACK], most)
+    if sheet:
+        over = graph.math("GREATER_THAN", 1.4, 9.4, "dust on the back", back, front)
+        turned = graph.math("SUBTRACT", 2.4, 9.4, "side", backfacing, over)
+        return (graph.math("MAXIMUM", 1.4, 8.2, "of the dusty side", front, back),
+                graph.math("ABSOLUTE", 3.4, 9.4, "side or other", turned))
+    given = graph.math("GREATER_THAN", 0.4, 10.6, "has its own", inputs.outputs[BACK], 0.5 * AS_FRONT)
+    chosen = graph.math("MULTIPLY", 1.4, 10.6, "and is seen", given, backfacing)
+    more = graph.math("SUBTRACT", 1.4, 9.4, "back less front", back, front)
+    return graph.math("MULTIPLY_ADD", 2.4, 9.4, "of this side", more, chosen, front), backfacing
+
+
+def _clamped(graph, line, label, socket, most):
+    least = graph.math("MAXIMUM", -0.6, line, label, socket, 0.0)
+    return graph.math("MINIMUM", 0.4, line, MOST_LABEL, least, most)

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dust at hard edges: each face has the dust that its own normal catches, kept by face corner where that takes it."""
+
+import math
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from test_addon_dust import NAME, ball, dust, grid, placed  # noqa: F401 (a fixture)
+
+UP = (0.0, 0.0, 1.0)
+
+
+def made(name, build, smooth=False):
+    mesh = bpy.data.meshes.new(name)
+    bm = bmesh.new()
+    build(bm)
+    for face in bm.faces:
+        face.smooth = smooth
+    bm.normal_update()
+    bm.to_mesh(mesh)
+    bm.free()
+    obj = placed(mesh, name)
+    obj.lamina_dust.others = False
+    return obj
+
+
+def cube(name="Cube", size=(2.0, 2.0, 2.0)):
+    def build(bm):
+        bmesh.ops.create_cube(bm, size=1.0)
+        bmesh.ops.scale(bm, vec=size, verts=bm.verts)
+
+    return made(name, build)
+
+
+def cylinder(smooth=False, sides=32):
+    return made("Cylinder", lambda bm: bmesh.ops.create_cone(
+        bm, cap_ends=True, segments=sides, radius1=1.0, radius2=1.0, depth=2.0), smooth)
+
+
+def bevelled():
+    def build(bm):
+        bmesh.ops.create_cube(bm, size=2.0)
+        bmesh.ops.bevel(bm, geom=[*bm.edges, *bm.verts], offset=0.1, segments=2, profile=0.5, affect="EDGES")
+
+    return made("Bevelled", build)
+
+
+def attribute(mesh, domain):
+    found = mesh.attributes[NAME]
+    assert (found.data_type, found.domain) == ("FLOAT", domain)
+    values = np.empty(len(found.data), np.float32)
+    found.data.foreach_get("value", values)
+    return values
+
+
+def on_faces(mesh, wanted):
+    """Values of the corners of all faces whose normal is near `wanted`."""
+    found = mesh.attributes[NAME]
+    values = np.empty(len(found.data), np.float32)
+    found.data.foreach_get("value", values)
+    chosen = []
+    for polygon in mesh.polygons:
+        if polygon.normal.dot(wanted) > 0.999:
+            chosen += [values[loop if found.domain == "CORNER" else mesh.loops[loop].vertex_index]
+                       for loop in polygon.loop_indices]
+    assert chosen
+    return np.array(chosen)
+
+
+def rendered(obj):
+    return obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+
+
+OPEN_TOPS = {
+    "default cube": cube,
+    "table top": lambda: cube("Table", (3.0, 2.0, 0.05)),
+    "cylinder": cylinder,
+    "bevelled": bevelled,
+}
+
+
+@pytest.mark.parametrize("name", OPEN_TOPS)
+def test_the_top_has_the_amount(dust, name):  # noqa: F811
+    obj = OPEN_TOPS[name]()
+    dust.settle(bpy.context, obj)
+    assert np.allclose(on_faces(obj.data, UP), 1.0, rtol=1e-5)
+    assert np.allclose(on_faces(obj.data, (0.0, 0.0, -1.0)), 0.0)
+    assert attribute(obj.data, "CORNER").size == len(obj.data.loops)
+    assert "mesh is coarse" not in obj.lamina_dust.told
+
+
+def test_a_side_has_what_slides_not_off(dust):  # noqa: F811
+    """The wall of a cube catches grains of the cone's flank, which its slope throws off but for the concavity's share;
+    with an angle of repose of 180 degrees all stay: the mean of max(0, n.d) over the cone.
+    """
+    obj = cube()
+    obj.lamina_dust.repose, obj.lamina_dust.rays = math.pi, 1024
+    dust.settle(bpy.context, obj)
+    spread = obj.lamina_dust.spread
+    # (1 / pi) of the mean of tan(theta), over the density 2 sin cos / sin^2 s.
+    truth = (spread - math.sin(spread) * math.cos(spread)) / math.sin(spread) ** 2 / math.pi
+    assert np.allclose(on_faces(obj.data, (1.0, 0.0, 0.0)), truth, rtol=0.03)
+
+
+def groove(slope=50.0):
+    """Walls of `slope` degrees; the bottom line's vertices are at its ends and in its middle."""
+    height = math.tan(math.radians(slope))
+
+    def build(bm):
+        rows = [[bm.verts.new((x, y, abs(x) * height)) for x in (-1.0, 0.0, 1.0)] for y in (-20.0, 0.0, 20.0)]
+        for first, second in zip(rows, rows[1:], strict=False):
+            for k in range(2):
+                bm.faces.new((first[k], first[k + 1], second[k + 1], second[k]))
+
+    return made("Groove", build)
+
+
+def test_the_bottom_of_a_groove(dust):  # noqa: F811
+    """Each wall's own dust: n.up = cos 50 arrives; the cubic at (50 - 45) / 20 + 1/2 = .75 leaves .156 of that lying.
+    Of the rest one half of what the other wall hides holds: (1 + cos 80) / 2 of the cosine-weighted hemisphere in the
+    middle, between that and half of that at the ends. The other wall stops no grain of a cone of 35 degrees: the wall
+    begins 40 degrees off the vertical.
+    """
+    obj = groove()
+    obj.lamina_dust.rays = 4096
+    dust.settle(bpy.context, obj)
+    arrived, lying = math.cos(math.radians(50.0)), 1.0 - 0.75**2 * (3.0 - 1.5)
+    hidden = 0.5 * (1.0 + math.cos(math.radians(80.0)))
+    middle, end = (arrived * (lying + (1.0 - lying) * 0.5 * share) for share in (hidden, 0.5 * hidden))
+    values = attribute(obj.data, "CORNER")
+    for loop, value in zip(obj.data.loops, values, strict=True):
+        place = obj.data.vertices[loop.vertex_index].co
+        if place.x == 0.0:
+            if place.y == 0.0:
+                assert value == pytest.approx(middle, abs=0.006)
+            else:
+                assert end + 0.02 < value < middle - 0.02
+
+
+def test_sharp_edges_and_custom_normals_are_the_meshs_own(dust):  # noqa: F811
+    smooth, sharp, custom = cylinder(smooth=True), cylinder(smooth=True), cylinder(smooth=True)
+    for edge in sharp.data.edges:
+        ends = [sharp.data.vertices[vertex].co for vertex in edge.vertices]
+        edge.use_edge_sharp = abs(ends[0].z - ends[1].z) < 1e-6
+    mesh = custom.data
+    normals = [UP if polygon.normal.z > 0.9 else tuple(polygon.normal)
+               for polygon in mesh.polygons for _ in polygon.loop_indices]
+    mesh.normals_split_custom_set(normals)
+    for obj in (smooth, sharp, custom):
+        dust.settle(bpy.context, obj)
+    # As shaded: at 45 degrees of the rim.
+    assert attribute(smooth.data, "POINT").max() < 0.9
+    assert np.allclose(on_faces(sharp.data, UP), 1.0, rtol=1e-5)
+    assert np.allclose(on_faces(custom.data, UP), 1.0, rtol=1e-3)
+    # The side is smooth around: one value a vertex there.
+    by_vertex = {}
+    values = attribute(sharp.data, "CORNER")
+    for polygon in sharp.data.polygons:
+        for loop in polygon.loop_indices if abs(polygon.normal.z) < 0.1 else ():
+            by_vertex.setdefault(sharp.data.loops[loop].vertex_index, set()).add(float(values[loop]))
+    assert all(len(found) == 1 for found in by_vertex.values())
+
+
+def test_smooth_and_flat_meshes_have_a_value_a_vertex(dust):  # noqa: F811
+    for obj in (ball(smooth=True), grid()):
+        dust.settle(bpy.context, obj)
+        attribute(obj.data, "POINT")
+
+
+def test_a_mesh_may_change_from_one_kind_to_the_other(dust):  # noqa: F811
+    obj = cube()
+    for smooth, domain in ((False, "CORNER"), (True, "POINT"), (False, "CORNER")):
+        for polygon in obj.data.polygons:
+            polygon.use_smooth = smooth
+        dust.settle(bpy.context, obj)
+        attribute(obj.data, domain)
+    with bpy.context.temp_override(object=obj):
+        assert bpy.ops.lamina.dust_clear() == {"FINISHED"}
+    assert NAME not in obj.data.attributes
+
+
+MODIFIERS = {
+    "subdivided flat": ("SUBSURF", {"subdivision_type": "SIMPLE", "levels": 2}),
+    "bevelled": ("BEVEL", {"width": 0.1, "segments": 2}),
+    "solid": ("SOLIDIFY", {"thickness": 0.05, "offset": -1.0}),
+    "triangles": ("TRIANGULATE", {}),
+}
+
+
+@pytest.mark.parametrize("name", MODIFIERS)
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-1.0, 1.0, 2.0)], ids=["plain", "mirrored"])
+def test_modifiers_carry_it(dust, name, scale):  # noqa: F811
+    obj = cube()
+    obj.scale = scale
+    kind, settings = MODIFIERS[name]
+    modifier = obj.modifiers.new("Any", kind)
+    for key, value in settings.items():
+        setattr(modifier, key, value)
+    dust.settle(bpy.context, obj)
+    assert np.allclose(on_faces(obj.data, UP), 1.0, rtol=1e-5)
+    shown = rendered(obj)
+    highest = max(vertex.co.z for vertex in shown.vertices)
+    values = shown.attributes[NAME]
+    assert values.domain == "CORNER"
+    for polygon in shown.polygons:
+        corners = [values.data[loop].value for loop in polygon.loop_indices]
+        if polygon.normal.z > 0.999 and shown.vertices[polygon.vertices[0]].co.z > highest - 1e-4:
+            assert np.allclose(corners, 1.0, rtol=1e-5)
+        if polygon.normal.z < -0.999 and kind != "SOLIDIFY":
+            assert np.allclose(corners, 0.0, atol=1e-5)
+
+
+def test_the_border_of_a_solidified_plane(dust):  # noqa: F811
+    plate = grid(cells=4)
+    modifier = plate.modifiers.new("Solid", "SOLIDIFY")
+    modifier.thickness = 0.05
+    dust.settle(bpy.context, plate)
+    assert np.allclose(attribute(plate.data, "POINT"), 1.0, rtol=1e-5)
+
+
+def test_images_know_hard_edges(dust):  # noqa: F811
+    obj = cube()
+    layer = obj.data.uv_layers.new(name="UVMap")
+    for polygon in obj.data.polygons:  # six squares in rows of three
+        for place, loop in zip(((0, 0), (1, 0), (1, 1), (0, 1)), polygon.loop_indices, strict=True):
+            layer.uv[loop].vector = ((polygon.index % 3 + place[0]) / 3.0, (polygon.index // 3 + place[1]) / 2.0)
+    obj.lamina_dust.target, obj.lamina_dust.size = "image", 48
+    dust.settle(bpy.context, obj)
+    texels = np.empty(48 * 48 * 4, np.float32)
+    obj.lamina_dust.image.pixels.foreach_get(texels)
+    texels = texels.reshape(48, 48, 4)[..., 0]
+    for polygon in obj.data.polygons:
+        row, column = 24 * (polygon.index // 3), 16 * (polygon.index % 3)
+        inside = texels[row:row + 24, column:column + 16]
+        if abs(polygon.normal.z) > 0.9:
+            assert np.allclose(inside, max(0.0, polygon.normal.z), atol=1e-5)
+        else:
+            assert inside.max() < 0.01
