@@ -102,7 +102,15 @@ def _list():
 def _state(material):
     if not native.available():
         return "baked" if material.lamina.result.stack_hash else "not baked"
-    words = {"none": "not baked", "fresh": "up to date", "stale": "out of date", "invalid": "cannot be baked"}
+    difference = bake_job.difference(material)
+    words = {
+        "none": "not baked",
+        "fresh": "up to date",
+        "stale": "out of date",
+        "live": f"live preview, {difference}",
+        "other": f"out of date, baked with {difference}",
+        "invalid": "cannot be baked",
+    }
     return words[bake_job.state(material)]
 
 
