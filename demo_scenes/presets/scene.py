@@ -8,6 +8,7 @@ that metals have something to reflect: a large one to the upper left, a narrow o
 import math
 
 import bpy
+import node_tree
 from mathutils import Vector
 
 RADIUS = 0.42  # of a sphere, in a cell of width 1
@@ -95,9 +96,8 @@ def _camera(scene, columns, rows):
 
 def _world():
     world = bpy.data.worlds.new("studio")
-    world.use_nodes = True
     world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 512
-    tree = world.node_tree
+    tree = node_tree.of(world)
     tree.nodes.clear()
     direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
     split = tree.nodes.new("ShaderNodeSeparateXYZ")
