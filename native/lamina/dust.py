@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import dust_balance, rays
+from .arguments import check_seed, check_threads
 from .dust_balance import FallFrame
 from .dust_materials import extinction_of
 from .dust_mesh import (
@@ -33,9 +34,7 @@ from .dust_mesh import (
 from .dust_patches import patches
 from .dust_texels import dilate, texel_points
 from .errors import DustError
-from .estimate import check_seed
 from .progress import Progress, portion, stepper
-from .solve import check_threads
 
 __all__ = ["Dust", "DustError", "Mesh", "Points", "Settling", "Statistics", "available", "dilate", "settle",
            "texel_points"]

@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 from functools import lru_cache
 
+from .arguments import check_kind
 from .errors import StackError, unknown
 from .fields import channel, channel_count, check_forms
 from .layers import Conductor
@@ -62,7 +63,7 @@ def source(name: str) -> str:
 
 
 def _entry(name: str):
-    if name not in METALS:
+    if not isinstance(name, str) or name not in METALS:
         raise unknown("metal", name, names())
     return METALS[name]
 
@@ -78,7 +79,7 @@ def reflectance(mu: float, eta: float, k: float) -> float:
 def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
     """(facing, grazing) colours of a conductor, given in either form: its reflectances in air at 0 and 82 degrees,
     one a channel. Raises StackError."""
-    values = check_forms(metal, "conductor")
+    values = check_forms(check_kind(metal, "metal", Conductor, "a lamina.Conductor"), "conductor")
     channels = channel_count([(f"conductor.{name}", value) for name, value in values.items()])
     eta, k = indices_of(replace(metal, **values), channels, "conductor")
     pairs = [(channel(eta, c), channel(k, c)) for c in range(channels)]
