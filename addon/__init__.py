@@ -5,6 +5,7 @@ import bpy
 
 from . import (
     bake_job,
+    blend_saving,
     command_line,
     dust_job,
     dust_panel,
@@ -34,6 +35,7 @@ PARTS = (
     panel,
     thickness_panel,
     dust_panel,
+    blend_saving,
     command_line,
 )
 

@@ -16,6 +16,9 @@ from .worker import Place, Worker
 
 log = logging.getLogger(__package__)
 
+LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # what live editing bakes, whatever the material's choice
+COARSE = "coarse"  # quality of a live bake that leaves rows or nodes out
+
 _place = Place()
 running, forget, stop = _place.running, _place.forget, _place.stop
 _failures = {}
@@ -87,10 +90,11 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
     return lut
 
 
-def apply(material, lut, in_place=False):
+def apply(material, lut, in_place=False, coarse=False):
     """Build the material's node group from a finished LUT and note its report.
 
-    With `in_place`, a group of the same layout just gets a new picture.
+    With `in_place`, a group of the same layout just gets a new picture. `coarse`: the LUT leaves rows or
+    nodes out, and is noted as of quality COARSE.
     """
     if not (in_place and node_group.update(material, lut)):
         had_input = thickness.has_input(material)
@@ -98,6 +102,8 @@ def apply(material, lut, in_place=False):
         if not had_input:
             thickness.reconnect(material)
     _note_report(material.lamina.result, lut)
+    if coarse:
+        material.lamina.result.quality = COARSE
     clear_failure(material)
 
 
@@ -131,14 +137,39 @@ def clear_failure(material):
 
 
 def state(material):
-    """'none' before the first bake, 'fresh', 'stale' (the stack has changed since), or 'invalid'."""
-    result = material.lamina.result
-    if not result.stack_hash or material.lamina.node_group is None:
+    """How the material's bake stands to its layers and settings:
+
+    'none' before the first bake; 'invalid', the layers cannot be baked; 'stale', the layers have changed
+    since; 'fresh', a bake of these layers at the chosen quality and basis; 'live', live editing's preview of
+    these layers, where another quality or basis is chosen; 'other', any other bake of these layers at another
+    quality or basis than the chosen ones, see `difference`.
+    """
+    settings, result = material.lamina, material.lamina.result
+    if not result.stack_hash or settings.node_group is None:
         return "none"
     stack, error = judgement.of(stack_io.to_text(material))
     if error is not None:
         return "invalid"
-    return "fresh" if stack.hash == result.stack_hash else "stale"
+    if stack.hash != result.stack_hash:
+        return "stale"
+    if not difference(material):
+        return "fresh"
+    is_preview = result.quality in (LIVE_QUALITY, COARSE) and (result.basis or "standard") == LIVE_BASIS
+    return "live" if settings.live and is_preview else "other"
+
+
+def difference(material):
+    """Which settings the last bake was made with and which are chosen, as 'quality Preview instead of Final',
+    or '' when they are the same."""
+    settings, result = material.lamina, material.lamina.result
+    # Files of before there was a choice of basis do not name theirs, which was the standard one.
+    basis = result.basis or "standard"
+    pairs = (("quality", result.quality, settings.quality), ("basis", basis, settings.basis))
+    return ", ".join(
+        f"{name} {baked.capitalize()} instead of {chosen.capitalize()}"
+        for name, baked, chosen in pairs
+        if baked and baked != chosen
+    )
 
 
 def _note_report(result, lut):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`blender -b FILE.blend --command lamina bake|list ...`: the batch for scripts and farms.
 
-One line per material on standard output. Exit code: 0 all went well, 1 a material failed, 2 the
+One line per material on standard output. Exit code: 0 all went well, 1 a material or the save failed, 2 the
 arguments make no sense, 130 interrupted. `main` serves tests and bpy scripts as well.
 """
 
@@ -11,11 +11,12 @@ import signal
 import sys
 import threading
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import bpy
 
-from . import bake_job, messages, migration, native, preferences, stack_io
+from . import bake_job, blend_saving, messages, migration, native, preferences, stack_io
 from .messages import percent
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -47,7 +48,7 @@ def main(argv):
         return _bake(arguments)
     except UsageError as error:
         return _complain(error, USAGE)
-    except native.NativeMissingError as error:
+    except (native.NativeMissingError, blend_saving.SaveError) as error:
         return _complain(error, FAILED)
     except KeyboardInterrupt:
         return _complain("interrupted: nothing was saved", INTERRUPTED)
@@ -102,7 +103,15 @@ def _list():
 def _state(material):
     if not native.available():
         return "baked" if material.lamina.result.stack_hash else "not baked"
-    words = {"none": "not baked", "fresh": "up to date", "stale": "out of date", "invalid": "cannot be baked"}
+    difference = bake_job.difference(material)
+    words = {
+        "none": "not baked",
+        "fresh": "up to date",
+        "stale": "out of date",
+        "live": f"live preview, {difference}",
+        "other": f"out of date, baked with {difference}",
+        "invalid": "cannot be baked",
+    }
     return words[bake_job.state(material)]
 
 
@@ -112,7 +121,7 @@ def _bake(arguments):
     stack = _stack(arguments)
     materials = _selected(arguments.materials, with_stack=stack is None)
     failed = 0
-    with _Interruptible():
+    with _Interruptible(), blend_saving.Saving(target) if target else nullcontext() as saving:
         for material in materials:
             try:
                 print(f"{material.name}: {_bake_one(material, stack, arguments)}", flush=True)
@@ -122,7 +131,7 @@ def _bake(arguments):
                 failed += 1
                 print(f"{material.name}: failed: {messages.sentence(error, material)}", flush=True)
         if target is not None:
-            _save(target, over_itself=arguments.save)
+            saving.save()
         elif materials:
             print("lamina: nothing was saved (give --save or --output FILE.blend)", file=sys.stderr)
     return FAILED if failed else OK
@@ -227,7 +236,7 @@ def _target(arguments):
     if arguments.save:
         if not bpy.data.filepath:
             raise UsageError("--save: no .blend file is open")
-        return Path(bpy.data.filepath)
+        return Path(bpy.data.filepath).resolve()
     if arguments.output is None:
         return None
     if arguments.output.suffix != ".blend":
@@ -235,16 +244,6 @@ def _target(arguments):
     if not arguments.output.resolve().parent.is_dir():
         raise UsageError(f"--output {arguments.output}: there is no such folder")
     return arguments.output.resolve()
-
-
-def _save(target, over_itself):
-    try:
-        if over_itself:
-            bpy.ops.wm.save_mainfile()
-        else:
-            bpy.ops.wm.save_as_mainfile(filepath=str(target), check_existing=False)
-    except RuntimeError as error:
-        raise UsageError(f"{target} could not be saved: {messages.sentence(error)}") from error
 
 
 def _complain(sentence, code):

@@ -1,8 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small words to write a shader graph with: nodes placed on a grid, in labelled frames."""
 
+import bpy
+
 COLUMN = 190.0
 ROW = 44.0
+
+
+def tree_of(owner):
+    """The node tree of a material or world.
+
+    Before Blender 5.0 it has to be switched on. From 5.0 on it is always there, and touching the switch
+    warns: Blender 6.0 will not have the switch.
+    """
+    if bpy.app.version < (5, 0, 0):
+        owner.use_nodes = True
+    return owner.node_tree
 
 
 class Graph:

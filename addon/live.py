@@ -14,7 +14,6 @@ from bpy.app.handlers import persistent
 
 from . import bake_job, changes, judgement, migration, native, node_group, preferences, redraw, stack_io
 
-QUALITY, BASIS = "preview", "standard"
 WORKING, WAITING = 0.004, 0.05  # seconds to the next look: while a bake runs, while editing may go on
 REST = 1.0  # seconds without a change, after which things are tidied up
 PATIENCE = 0.5  # a bake of an outdated state may run this long before the newest state takes its place
@@ -58,8 +57,8 @@ class LiveJob(bake_job.MaterialJob):
         more = {"closures": closures} if closures else {}
         text = stack_io.to_text(material)
         # A colour takes a solve to be understood: not while somebody types.
-        super().__init__(material, QUALITY, preferences.threads(), lambda: _stack(text), basis=BASIS,
-                         **more, **coarse)
+        super().__init__(material, bake_job.LIVE_QUALITY, preferences.threads(), lambda: _stack(text),
+                         basis=bake_job.LIVE_BASIS, **more, **coarse)
 
 
 def mark(material):
@@ -74,7 +73,7 @@ def switch(material):
     """Live has been turned on or off."""
     if not material.lamina.live:
         leave(material)
-    elif native.available() and bake_job.state(material) != "fresh":
+    elif native.available() and _needs_bake(material):
         mark(material)
 
 
@@ -118,6 +117,12 @@ def _can_follow(material):
     return material.is_editable and not migration.is_from_the_future(material)
 
 
+def _needs_bake(material):
+    """Whether live editing has something to show that the last bake does not."""
+    state = bake_job.state(material)
+    return state in ("none", "stale", "invalid") or material.lamina.result.quality == bake_job.COARSE
+
+
 def _follow(material):
     if material.session_uid not in _followed:
         _followed[material.session_uid] = _Material(material)
@@ -153,7 +158,7 @@ def _finish_job():
 def _show(job, material, followed):
     if job.error is not None:
         raise job.error
-    bake_job.apply(material, job.lut, in_place=True)
+    bake_job.apply(material, job.lut, in_place=True, coarse=job.coarse)
     followed.error, followed.coarse = job.lut.report["fit_error"], job.coarse
     if not job.coarse:
         report = job.lut.report
@@ -177,7 +182,8 @@ def _start_next():
 
 def _kept(material):
     """The closures of the earlier bake, unless they are too many to be quick."""
-    return node_group.closures(material) if material.lamina.result.basis in ("", BASIS) else None
+    is_few = material.lamina.result.basis in ("", bake_job.LIVE_BASIS)
+    return node_group.closures(material) if is_few else None
 
 
 def _start(material, closures, coarse=None):

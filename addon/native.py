@@ -16,6 +16,9 @@ _package = None
 _reason = "Lamina's native module has not been loaded yet"
 
 
+GONE = "Lamina's files are gone: another Blender has removed or replaced them; start this Blender again"
+
+
 class NativeMissingError(RuntimeError):
     """The `lamina` package cannot be used here; str() is the one-sentence reason."""
 
@@ -57,6 +60,9 @@ def part(name):
     try:
         return importlib.import_module(f"{package.__name__}.{name}")
     except ImportError as error:
+        file = getattr(package, "__file__", None)
+        if file is not None and not Path(file).is_file():
+            raise NativeMissingError(GONE) from None
         raise NativeMissingError(f"Lamina's native module is too old: {_one_line(error)}") from None
 
 

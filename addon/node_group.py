@@ -9,7 +9,7 @@ import json
 
 import bpy
 
-from . import closure_graph, lut_image, native, side_graph
+from . import closure_graph, graph, lut_image, native, side_graph
 
 GROUP_INPUTS = (
     ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
@@ -32,7 +32,7 @@ def build(material, lut):
     NativeMissingError.
     """
     recipe_of = recipe_source()
-    material.use_nodes = True
+    graph.tree_of(material)
     group, is_new = _own_group(material)
     old_nodes = list(group.nodes)
     old_images = _images(old_nodes)

@@ -204,6 +204,12 @@ def _draw_state(layout, context, material):
         layout.label(text="Up to date", icon="CHECKMARK")
     elif state == "stale":
         layout.label(text="Out of date: the layers have changed", icon="FILE_REFRESH")
+    elif state == "live":
+        chosen = f"{material.lamina.quality.capitalize()}, {material.lamina.basis.capitalize()}"
+        draw_sentence(context, layout, f"Live preview of these layers; Bake makes {chosen}", "PLAY")
+    elif state == "other":
+        text = f"Out of date: baked with {bake_job.difference(material)}"
+        draw_sentence(context, layout, text, "FILE_REFRESH")
     elif state == "invalid":
         draw_sentence(context, layout, "Out of date: the layers cannot be baked as they are", "ERROR")
     elif state == "none":

@@ -21,21 +21,21 @@ RESERVED = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt"
 def by_category():
     """{category: [entry]} of the library, in its own order. Raises NativeMissingError."""
     categories = {}
-    for entry in native.part("presets").entries():
+    for entry in _read(lambda library: library.entries()):
         categories.setdefault(entry.category, []).append(entry)
     return categories
 
 
 def entry(preset):
-    """The library's entry of this id, or None."""
-    return next((one for one in native.part("presets").entries() if one.id == preset), None)
+    """The library's entry of this id, or None. Raises NativeMissingError."""
+    return next((one for one in _read(lambda library: library.entries()) if one.id == preset), None)
 
 
 def apply(material, preset):
     """Replace the layers and base by those of the library. Raises ValueError, NativeMissingError."""
     if entry(preset) is None:
         raise RefusedError(f"preset = {preset}: there is no such preset")
-    stack_io.assign_stack(material, native.part("presets").load(preset))
+    stack_io.assign_stack(material, _read(lambda library: library.load(preset)))
 
 
 def user_folder(create=False):
@@ -89,6 +89,14 @@ def checked_name(name):
     if name[0] == "." or name[-1] == "." or name.split(".")[0].casefold() in RESERVED:
         raise RefusedError(f"name = {name}: must not start or end with a stop, nor be a device's name")
     return name
+
+
+def _read(what):
+    """what(library). Raises NativeMissingError, also when the files of the library are gone."""
+    try:
+        return what(native.part("presets"))
+    except OSError as error:
+        raise native.NativeMissingError(native.GONE) from error
 
 
 def _existing(name):

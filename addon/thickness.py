@@ -66,7 +66,9 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     source: "value" (the input's own number), "attribute" (`name`: a float attribute of the mesh that holds
     optical thickness; default lamina_dust; 0 where a mesh has none), or "image" (`name`: an image of optical
     thickness, or its name, read by the UV map `uv_map`, default the active one; without a name a new black
-    one is made). The image becomes Non-Color, and is packed when no file holds it.
+    one is made). The image becomes Non-Color, and is packed when no file holds it. Its infinite texels become
+    the largest thickness and those that are not numbers 0, since Blender 5.2 reads both as 0; such an image
+    is packed too.
 
     Settled dust lies on one side of a face: front faces read lamina_dust, and back faces lamina_dust_back,
     which is 0 where a mesh has none; of a settled image, back faces read the alpha. Other sources count for
@@ -196,11 +198,35 @@ def _image(material, wanted):
         image = wanted if isinstance(wanted, bpy.types.Image) else bpy.data.images.get(wanted)
     if image is None:
         raise RefusedError(f"image = {wanted!r}: this file has no image of that name")
-    if image_problem(image):
+    texels = _odd_texels(image)
+    if image_problem(image) or texels is not None:
         mine = {node.image for node in material.node_tree.nodes if node.get(_MARK) == "image"}
         if not image.is_editable or image.users - image.use_fake_user > (image in mine):
-            raise RefusedError(f"{image_problem(image)}, and it is used elsewhere as it is")
+            problem = image_problem(image) or f"The image “{image.name}” holds texels that are not finite"
+            raise RefusedError(f"{problem}, and it is used elsewhere as it is")
         image.colorspace_settings.name = "Non-Color"
-    if image.is_editable and image.packed_file is None and (image.source == "GENERATED" or image.is_dirty):
+    if texels is not None:
+        image.pixels.foreach_set(_finite(texels, image.channels))
+        image.update()
+        image.pack()
+    elif image.is_editable and image.packed_file is None and (image.source == "GENERATED" or image.is_dirty):
         image.pack()
     return image
+
+
+def _odd_texels(image):
+    """The texels of an image that holds infinities or NaN, flat; None for any other image."""
+    if not image.is_float:
+        return None
+    texels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(texels)
+    return None if np.isfinite(texels).all() else texels
+
+
+def _finite(texels, channels):
+    """Texels with infinity as the largest thickness, -infinity and NaN as 0, and such an alpha as 1."""
+    colours = np.nan_to_num(texels, nan=0.0, posinf=node_group.LARGEST, neginf=0.0).reshape(-1, channels)
+    if channels == 4:
+        alphas = texels[3::4]
+        colours[:, 3] = np.where(np.isfinite(alphas), alphas, 1.0)
+    return colours.ravel()

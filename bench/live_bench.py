@@ -60,7 +60,6 @@ def measure_in_blender(repeats=40):
     rows = []
     for name, stack in STACKS.items():
         material = bpy.data.materials.new(name)
-        material.use_nodes = True
         addon.stack_io.assign_stack(material, stack)
         addon.bake_job.bake_material(material, "preview")
         material.lamina.live = True

@@ -193,10 +193,10 @@ def _seconds(stage, samples, seed):
 
 def _single_node(kind, inputs):
     import bpy
+    import node_tree
 
     material = bpy.data.materials.new(kind)
-    material.use_nodes = True
-    tree = material.node_tree
+    tree = node_tree.of(material)
     tree.nodes.clear()
     node = tree.nodes.new(kind)
     for name, value in inputs.items():

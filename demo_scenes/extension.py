@@ -82,7 +82,6 @@ def bake(name, stack, quality="final", say=lambda text: None, basis="standard"):
 
     stack_io, bake_job = part("stack_io"), part("bake_job")
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "stack.json"
         path.write_text(json.dumps(stack), encoding="utf-8")

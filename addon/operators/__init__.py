@@ -3,6 +3,7 @@
 
 import bpy
 
+from . import following
 from .add_stack import LAMINA_OT_add_stack
 from .bake import LAMINA_OT_bake
 from .bake_cancel import LAMINA_OT_bake_cancel
@@ -51,4 +52,9 @@ CLASSES = (
     LAMINA_OT_thickness_wire,
 )
 
-register, unregister = bpy.utils.register_classes_factory(CLASSES)
+register, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
+def unregister():
+    following.stop()
+    _unregister_classes()

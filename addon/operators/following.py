@@ -5,16 +5,37 @@ from .. import redraw
 
 INTERVAL = 0.1  # seconds between two looks at the worker
 
+_signs = []  # those that are up
+
+
+class _Sign:
+    """The timer and the status line of one operator. They outlive an operator whose add-on is disabled."""
+
+    def __init__(self, context, text):
+        self._manager = context.window_manager
+        self._timer = self._manager.event_timer_add(INTERVAL, window=context.window)
+        self._workspace = context.workspace
+        self._tell(text)
+        _signs.append(self)
+
+    def remove(self):
+        if self in _signs:
+            _signs.remove(self)
+            self._manager.event_timer_remove(self._timer)
+            self._tell(None)
+
+    def _tell(self, text):
+        if self._workspace is not None:
+            self._workspace.status_text_set(text)
+
 
 class Following:
     """Mixed into an operator that has `jobs` (a module with forget() and stop()) and ended(context, job)."""
 
     def follow(self, context, job, text):
         self._job = job
-        self._timer = context.window_manager.event_timer_add(INTERVAL, window=context.window)
-        self._workspace = context.workspace
+        self._sign = _Sign(context, f"{text} | ESC: Cancel")
         context.window_manager.modal_handler_add(self)
-        self._tell(f"{text} | ESC: Cancel")
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -26,20 +47,22 @@ class Following:
         redraw.properties()
         if not self._job.done:
             return {"PASS_THROUGH"}
-        self._end(context)
+        self._end()
         return self.ended(context, self._job)
 
-    def cancel(self, context):
+    def cancel(self, _context):
         """Blender ends the operator: another file, or the end of the session."""
         self.jobs.stop()
-        self._end(context)
+        self._end()
 
-    def _end(self, context):
+    def _end(self):
         self.jobs.forget()
-        context.window_manager.event_timer_remove(self._timer)
-        self._tell(None)
+        self._sign.remove()
         redraw.properties()
 
-    def _tell(self, text):
-        if self._workspace is not None:
-            self._workspace.status_text_set(text)
+
+def stop():
+    """Take away the timers and status lines of all running operators: the add-on is being disabled, and
+    Blender drops its operators without a call to `cancel`."""
+    for sign in list(_signs):
+        sign.remove()

@@ -24,7 +24,10 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
     def description(cls, _context, properties):
         if properties.user or not native.available():
             return cls.bl_description
-        entry = presets.entry(properties.preset)
+        try:
+            entry = presets.entry(properties.preset)
+        except native.NativeMissingError as error:
+            return str(error)
         return cls.bl_description if entry is None else f"{cls.bl_description}.\n{entry.source.rstrip('.')}"
 
     def execute(self, context):

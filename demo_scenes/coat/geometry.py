@@ -8,6 +8,7 @@ the same everywhere; the edges are so far away that nothing of them is seen.
 import math
 
 import bpy
+import node_tree
 
 THICKNESS = 0.5
 # Much wider, and single precision lets rays leave a face through it: .4 % of the light at a width of 10000.
@@ -76,8 +77,7 @@ def paint(base):
 
 def _material(name, node, inputs, distribution=None):
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
-    tree = material.node_tree
+    tree = node_tree.of(material)
     tree.nodes.clear()
     shader = tree.nodes.new(node)
     if distribution:

@@ -4,6 +4,7 @@
 import math
 
 import bpy
+import node_tree
 import numpy as np
 from mathutils import Vector
 
@@ -24,10 +25,9 @@ def world(azimuth, cap=CAP, sky=SKY, aimed=True):
     `aimed`: Cycles also samples the world by itself. Not for rough glass, which it then evaluates for facets that its
     own sampling leaves out: a rough coat comes out up to 8 % too bright."""
     made = bpy.data.worlds.new("sky with a cap")
-    made.use_nodes = True
     made.cycles.sampling_method = "MANUAL" if aimed else "NONE"
     made.cycles.sample_map_resolution = 512
-    tree = made.node_tree
+    tree = node_tree.of(made)
     tree.nodes.clear()
     direction = tree.nodes.new("ShaderNodeTexCoord")
     cosine = tree.nodes.new("ShaderNodeVectorMath")

@@ -62,7 +62,6 @@ def material(stack, quality, row_stride):
         raise ValueError("layers: none of them is varying; the dust must be")
     stack_io, bake_job = (importlib.import_module(f"{extension.PACKAGE}.{name}") for name in ("stack_io", "bake_job"))
     made = bpy.data.materials.new("dusty bronze")
-    made.use_nodes = True
     described = lamina.Stack.from_json(stack)
     stack_io.assign_stack(made, described)
     lut = lamina.bake(described, quality, row_stride=row_stride)

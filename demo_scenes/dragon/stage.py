@@ -4,6 +4,7 @@
 import math
 
 import bpy
+import node_tree
 import numpy as np
 from mathutils import Vector
 
@@ -49,8 +50,7 @@ def paper(scene, floor, distance, width):
     mesh.from_pydata(points, [], [(2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2) for k in range(len(profile) - 1)])
     mesh.shade_smooth()
     material = bpy.data.materials.new("paper")
-    material.use_nodes = True
-    tree = material.node_tree
+    tree = node_tree.of(material)
     tree.nodes.clear()
     diffuse, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
     diffuse.inputs["Color"].default_value = (*PAPER, 1.0)
@@ -62,9 +62,8 @@ def paper(scene, floor, distance, width):
 def _sky():
     """Nishita's sky without its sun, which a lamp is: the world then holds nothing small and bright to miss."""
     world = bpy.data.worlds.new("sky")
-    world.use_nodes = True
     world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 256
-    tree = world.node_tree
+    tree = node_tree.of(world)
     tree.nodes.clear()
     sky = tree.nodes.new("ShaderNodeTexSky")
     sky.sky_type, sky.sun_disc = "NISHITA", False

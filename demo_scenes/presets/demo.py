@@ -60,7 +60,6 @@ def _bake(lamina, entry):
     """(material, what is told of it)."""
     stack_io, bake_job = (importlib.import_module(f"{extension.PACKAGE}.{name}") for name in ("stack_io", "bake_job"))
     material = bpy.data.materials.new(entry.id)
-    material.use_nodes = True
     stack_io.assign_stack(material, entry.stack)
     varies = entry.stack.varying is not None
     lut = lamina.bake(entry.stack, "preview", row_stride=ROW_STRIDE if varies else 1)

@@ -9,6 +9,7 @@ nearly grey: what has a colour in the picture is the material.
 import math
 
 import bpy
+import node_tree
 from mathutils import Vector
 
 RADIUS = 0.42  # of a sphere, in a cell of width 1
@@ -96,9 +97,8 @@ def _camera(scene, columns, rows):
 
 def _world():
     world = bpy.data.worlds.new("studio")
-    world.use_nodes = True
     world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 512
-    tree = world.node_tree
+    tree = node_tree.of(world)
     tree.nodes.clear()
     direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
     split = tree.nodes.new("ShaderNodeSeparateXYZ")

@@ -8,6 +8,7 @@ that nothing lights the slab from below and its radiance can be computed from a 
 import math
 
 import bpy
+import node_tree
 import numpy as np
 from mathutils import Matrix, Vector
 
@@ -52,11 +53,10 @@ def frame(z):
 
 def _sky():
     world = bpy.data.worlds.new("sky")
-    world.use_nodes = True
     # A smooth gradient: a small importance map is enough, and it keeps the start of a render short.
     world.cycles.sampling_method = "MANUAL"
     world.cycles.sample_map_resolution = 256
-    tree = world.node_tree
+    tree = node_tree.of(world)
     tree.nodes.clear()
     direction = tree.nodes.new("ShaderNodeTexCoord")
     split = tree.nodes.new("ShaderNodeSeparateXYZ")

@@ -7,6 +7,7 @@ the vacuum of GAP between boxes (coplanar faces would be undefined) changes noth
 """
 
 import bpy
+import node_tree
 
 THICKNESS = 1.0
 GAP = 0.001
@@ -39,8 +40,7 @@ def medium_material(layer, thickness=THICKNESS):
     scatter = [a * t / largest if largest else 0.0 for a, t in zip(albedo, tau, strict=True)]
     absorb = [1.0 - (1.0 - a) * t / largest if largest else 1.0 for a, t in zip(albedo, tau, strict=True)]
     material = bpy.data.materials.new(f"volume {layer.get('name') or 'medium'}")
-    material.use_nodes = True
-    tree = material.node_tree
+    tree = node_tree.of(material)
     tree.nodes.clear()
     scattering = tree.nodes.new("ShaderNodeVolumeScatter")
     _set_phase(scattering, layer["phase"])
@@ -61,8 +61,7 @@ def base_material(base):
         raise ValueError(f"base.kind = {base['kind']}: a volume can lie on lambert, black or none")
     reflectance = _rgb(base["reflectance"]) if base["kind"] == "lambert" else [0.0] * CHANNELS
     material = bpy.data.materials.new(f"base {base['kind']}")
-    material.use_nodes = True
-    tree = material.node_tree
+    tree = node_tree.of(material)
     tree.nodes.clear()
     diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
     diffuse.inputs["Color"].default_value = (*reflectance, 1.0)

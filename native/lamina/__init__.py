@@ -4,6 +4,7 @@
 from . import colours, dust, export, metals, presets, rgl
 from .bake import bake
 from .errors import (
+    ArgumentError,
     Cancelled,
     DustError,
     DustUnavailable,
@@ -32,6 +33,7 @@ from .solve import ScatteringFunction, solve
 from .stack import Stack
 
 __all__ = [
+    "ArgumentError",
     "Black",
     "Cancelled",
     "Conductor",

@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import json
+import math
+import os
+import tokenize
 import zipfile
 import zlib
 from pathlib import Path
 
 import numpy as np
 
+from . import json_file
 from .atomic import write_atomically
 
 # What reading a damaged archive, or one of something else, may raise.
@@ -40,7 +44,35 @@ def load_archive(path, *names: str) -> tuple[object, list[np.ndarray]]:
     """(header, arrays by these names) of an .npz file. Raises Damaged, and OSError when it cannot be opened."""
     with Path(path).open("rb") as file:
         try:
-            with np.load(file, allow_pickle=False) as archive:
-                return json.loads(bytes(archive["header"])), [archive[name] for name in names]
+            if file.read(2) != b"PK":  # zipfile would skip what stands before the archive
+                raise ValueError("not an archive from its start")
+            with zipfile.ZipFile(file) as archive:
+                header = json_file.parse(bytes(_read(archive, "header", file)))
+                return header, [_read(archive, name, file) for name in names]
         except _DAMAGE:
             raise Damaged(str(path)) from None
+
+
+def _read(archive: zipfile.ZipFile, name: str, file) -> np.ndarray:
+    """One array. Its shape is held against the size of the file before memory is taken for it: numpy.load would take
+    the memory first. Raises one of _DAMAGE."""
+    entry = archive.getinfo(f"{name}.npy")
+    if entry.compress_type != zipfile.ZIP_STORED or entry.file_size > os.fstat(file.fileno()).st_size:
+        raise ValueError("not stored as it is")
+    with archive.open(entry) as member:
+        shape, by_column, dtype = _shape_of(member)
+        size = entry.file_size - member.tell()
+        if dtype.hasobject or min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != size:
+            raise ValueError("the shape does not fit the file")
+        content = bytearray(member.read())
+    return np.frombuffer(content, dtype).reshape(shape, order="F" if by_column else "C")
+
+
+def _shape_of(member) -> tuple:
+    """(shape, whether it is stored by columns, dtype) from the start of a .npy file. Raises one of _DAMAGE."""
+    version = np.lib.format.read_magic(member)
+    read_header = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    try:
+        return read_header[version](member)
+    except (SyntaxError, tokenize.TokenError, MemoryError):  # Python's parser, asked for a literal that is none
+        raise ValueError("the header is no literal") from None

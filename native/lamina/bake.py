@@ -10,18 +10,20 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from . import _core, lobes, peaks
-from .base_texture import PREFIX, THROWN_BACK, over_texture
+from .arguments import check_choice, check_seed, check_whole
+from .base_texture import over_texture
 from .clean_row import mix_rows, without_varying
 from .closure_table import grid_for
-from .errors import StackError
+from .errors import ArgumentError, StackError, shown
 from .fields import channel
 from .fit_report import all_rows, fit_report
 from .layers import Interface, Lambert
-from .lut import COLUMNS, SCHEMA, Lut
+from .lut import TAU_ROWS, Lut
+from .lut_header import COLUMNS, PREFIX, SCHEMA, THROWN_BACK
 from .mixture import Effort, Mixture, mix
 from .progress import Progress, portion, stepper
 from .slices import slices, solve_rows
-from .solve import thread_pool, tolerance_of
+from .solve import check_nodes, check_stack, thread_pool, tolerance_of
 from .stack import Stack
 from .tau_error import tau_error
 
@@ -56,17 +58,16 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     error of a directional albedo; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
     thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, what is lost between rows, measured
     at quality "final" when every row is solved, see lamina.tau_error.
-    Raises SolveError, StackError (channels), ValueError."""
+    Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
+    [8, 160], `threads` in [0, 1024]."""
+    check_stack(stack)
     tolerance_of(quality)
-    if row_stride < 1:
-        raise ValueError(f"row_stride = {row_stride}: must be at least 1")
-    if nodes is not None and not 8 <= nodes <= 160:
-        raise ValueError(f"nodes = {nodes}: must lie in [8, 160]")
-    given = _by_kind(closures or ())
+    seed, nodes = check_seed(seed), check_nodes(nodes)
+    row_stride = check_whole(row_stride, "row_stride", 1, TAU_ROWS)
+    check_choice(basis, "basis", BASES)
+    given = _by_kind(() if closures is None else closures)
     if stack.channels not in (1, 3):
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
-    if basis not in BASES:
-        raise ValueError(f"basis = {basis!r}: must be one of {', '.join(BASES)}")
     _require_air_below(stack)
     started = time.perf_counter()
     step = stepper("the bake", progress, cancel)
@@ -130,7 +131,9 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
 
 
 def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
-    """Given closures by kind. Raises ValueError for one that is not in the dictionary, twice there, or too many."""
+    """Given closures by kind. Raises ArgumentError for one that is not in the dictionary, twice there, or too many."""
+    if isinstance(ids, str) or not isinstance(ids, Sequence) or not all(isinstance(name, str) for name in ids):
+        raise ArgumentError(f"closures = {shown(ids)}: must be a list of lobe ids")
     given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": []}
     for name in ids:
         if name in ("transparent", THROWN_BACK) or name.startswith("mirror:"):
@@ -139,12 +142,12 @@ def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
             lobe = lobes.by_id(name.removeprefix(PREFIX))
             given["base" if name.startswith(PREFIX) else lobe.side].append(lobe.id)
         except KeyError:
-            raise ValueError(f"closures: {name!r} is not in the dictionary") from None
+            raise ArgumentError(f"closures: {shown(name)} is not in the dictionary") from None
     for kind, names in given.items():
         if len(set(names)) < len(names):
-            raise ValueError(f"closures = {list(ids)}: one is given twice")
+            raise ArgumentError(f"closures = {shown(list(ids))}: one is given twice")
         if len(names) > _core.MAX_CLOSURES:
-            raise ValueError(f"closures: {len(names)} for {kind}, at most {_core.MAX_CLOSURES} can be fitted")
+            raise ArgumentError(f"closures: {len(names)} for {kind}, at most {_core.MAX_CLOSURES} can be fitted")
     return given
 
 

@@ -13,13 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .closure_table import LightGrid
+from .lut_header import PREFIX, THROWN_BACK
 from .mixture import Mixture, norms
 from .progress import Progress, portion
 from .slices import Slices, SolvedRows, slices
-
-# Strips of the table that are weighted by the base: closures after this prefix, and r.
-PREFIX = "base/"
-THROWN_BACK = "base/thrown back"
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,10 @@ import time
 from pathlib import Path
 
 from . import cli_dust, presets
+from .arguments import check_threads
 from .bake import BASES, bake
 from .errors import (
+    ArgumentError,
     Cancelled,
     DustError,
     DustUnavailable,
@@ -21,6 +23,7 @@ from .errors import (
     ShardError,
     SolveError,
     StackError,
+    clipped,
 )
 from .estimate import METHODS, SAMPLES, Estimate, Query, estimate
 from .export import save_npz
@@ -42,7 +45,7 @@ def main(argv: list[str] | None = None) -> int:
         return arguments.run(arguments)
     except (KeyboardInterrupt, Cancelled):
         return _fail("interrupted; nothing was written", INTERRUPTED)
-    except (StackError, LutError, ShardError, DustError, MeshFileError) as error:
+    except (ArgumentError, StackError, LutError, ShardError, DustError, MeshFileError) as error:
         return _fail(str(error), BAD_INPUT)
     except (SolveError, DustUnavailable, ValueError) as error:
         return _fail(str(error), FAILED)
@@ -54,7 +57,8 @@ class _Parser(argparse.ArgumentParser):
     """Says in one sentence what is wrong with the words of a call."""
 
     def error(self, message: str):
-        self.exit(BAD_INPUT, f"lamina: {message}; see {self.prog} --help\n")
+        words = " ".join(clipped(word) for word in message.split())
+        self.exit(BAD_INPUT, f"lamina: {words}; see {self.prog} --help\n")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -67,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--basis", choices=tuple(BASES), default="standard",
                          help="standard: few closures, about as quick to render as a Principled BSDF; accurate: "
                               "some twenty")
-    command.add_argument("--threads", type=_count, default=0, metavar="N", help="0: all (default)")
+    command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
     command.add_argument("--seed", type=int, default=0, metavar="N")
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
     command.set_defaults(run=_bake)
@@ -92,7 +96,7 @@ def _add_export(commands) -> None:
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
     command.add_argument("--wavelengths", type=_numbers, metavar="NM,...",
                          help=".bsdf: the channels' wavelengths, for spectral renderers; without them, RGB or grey")
-    command.add_argument("--threads", type=_count, default=0, metavar="N", help="0: all (default)")
+    command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
     command.set_defaults(run=_export)
 
@@ -110,7 +114,7 @@ def _add_estimate(commands) -> None:
     command.add_argument("--samples", type=int, metavar="N", help=f"default {SAMPLES}")
     command.add_argument("--target-error", type=float, metavar="E", help="stop at this relative standard error")
     command.add_argument("--seed", type=int, default=0, metavar="N")
-    command.add_argument("--threads", type=_count, default=0, metavar="N", help="0: all (default)")
+    command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
     command.add_argument("--shard", type=_shard, metavar="I/N", help="run part I of N only, and write it")
     command.add_argument("-o", "--output", metavar="PART.json", help="where --shard writes")
     command.add_argument("--json", action="store_true", help="the estimate as JSON")
@@ -283,11 +287,11 @@ def _fail(sentence: str, code: int) -> int:
     return code
 
 
-def _count(text: str) -> int:
-    count = int(text)
-    if count < 0:
-        raise argparse.ArgumentTypeError("must be 0 or more")
-    return count
+def _threads(text: str) -> int:
+    try:
+        return check_threads(int(text))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{clipped(text)}: must be a whole number from 0 (all) to 1024") from None
 
 
 def _shard(text: str) -> tuple[int, int]:

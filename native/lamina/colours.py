@@ -11,6 +11,7 @@ import math
 from functools import lru_cache
 
 from . import _core
+from .arguments import check_kind
 from .errors import StackError
 from .fields import Channels, Field, channel, channel_count
 from .layers import Medium
@@ -23,8 +24,8 @@ ALBEDOS = (0.05, 0.6, 0.95)  # where it is estimated
 
 def shown(medium: Medium, over: Channels | None = None) -> list[float]:
     """The colour, one a channel, that `medium` shows as a layer without end, or, with `over` (the reflectance
-    of a Lambert surface, [0, 1]), as a layer of its own thickness on that. Raises StackError."""
-    medium = medium.checked("medium")
+    of a Lambert surface, [0, 1]), as a layer of its own thickness on that. Raises StackError and ArgumentError."""
+    medium = check_kind(medium, "medium", Medium, "a lamina.Medium").checked("medium")
     over = None if over is None else _field("over").check(over, "over")
     count = _channels(medium, "medium", ("over", over))
     albedos = albedos_of(medium, count, "medium") if medium.color is not None else None

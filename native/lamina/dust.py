@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import rays
+from .arguments import check_seed, check_threads
 from .dust_corners import corners_of, moved_off_edges
 from .dust_materials import extinction_of
 from .dust_mesh import Mesh, Points, check_points, checked_mesh, vertex_points
@@ -24,9 +25,7 @@ from .dust_sky import OFFSET, Laid, Sky
 from .dust_statistics import Statistics, Sums
 from .dust_texels import TexelMap, dilate, spread, texel_points
 from .errors import DustError
-from .estimate import check_seed
 from .progress import Progress, portion, stepper
-from .solve import check_threads
 
 __all__ = ["Dust", "DustError", "Mesh", "Points", "Settling", "Statistics", "available", "dilate", "settle",
            "settle_image", "texel_points"]

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import _core
+from .arguments import LEAST_COSINE, check_choice, check_number, check_seed, check_whole
 from .errors import SolveError, StackError
 from .progress import Progress, portion, stepper
-from .solve import core_stack, path_of, side_of, thread_pool
+from .solve import check_stack, core_stack, path_of, side_of, thread_pool
 from .stack import Stack
 
 SAMPLES = 1 << 20
@@ -26,7 +26,8 @@ CHUNK = 16  # blocks that are summed apart: what shards are made of, whoever run
 @dataclass(frozen=True)
 class Query:
     """What is estimated: BRDF or BTDF for cosines in air and an azimuth, or with `mu_o` None the hemispherical
-    reflectance or transmittance of a beam. Raises ValueError."""
+    reflectance or transmittance of a beam. Cosines lie in (0, 1], and below 1e-9 count as 1e-9; `dphi` is in
+    radians. Raises ArgumentError, a ValueError."""
 
     mu_o: float | None
     mu_i: float
@@ -40,10 +41,9 @@ class Query:
         for name, value in (("mu_o", self.mu_o), ("mu_i", self.mu_i)):
             if name == "mu_o" and value is None:
                 continue
-            if isinstance(value, bool) or not isinstance(value, numbers.Real) or not 0.0 < value <= 1.0:
-                raise ValueError(f"{name} = {value!r}: must be one number in (0, 1]")
-        if isinstance(self.dphi, bool) or not isinstance(self.dphi, numbers.Real) or not math.isfinite(self.dphi):
-            raise ValueError(f"dphi = {self.dphi!r}: must be one finite number")
+            cosine = check_number(value, name, "must be one number in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
+            object.__setattr__(self, name, max(cosine, LEAST_COSINE))
+        object.__setattr__(self, "dphi", check_number(self.dphi, "dphi", "must be one finite number", math.isfinite))
 
     def arguments(self) -> tuple:
         """As the core's factories of walks take it: mu_o, mu_i, dphi, side, path, flux."""
@@ -108,6 +108,7 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
     `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled raised when it says
     yes. Raises ValueError, StackError, SolveError."""
     started = time.perf_counter()
+    check_stack(stack)
     query = Query(mu_o, mu_i, dphi, side, path)
     blocks = blocks_of(samples, target_error)
     check_seed(seed)
@@ -135,10 +136,9 @@ def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, 
 
 def make_walk(core, query: Query, method: str, pool):
     """(walk, error of its tables) of one channel. Raises as estimate does."""
-    if method not in METHODS:
-        raise ValueError(f"method = {method!r}: must be one of {', '.join(METHODS)}")
+    walk = METHODS[check_choice(method, "method", METHODS)]
     try:
-        return METHODS[method](core, query, pool)
+        return walk(core, query, pool)
     except RuntimeError as error:
         raise SolveError(str(error)) from None
     except ValueError as error:
@@ -147,19 +147,11 @@ def make_walk(core, query: Query, method: str, pool):
 
 def blocks_of(samples: int | None, target_error: float | None = None) -> int:
     """How many blocks hold that many samples. Raises ValueError."""
-    if target_error is not None and not (isinstance(target_error, numbers.Real) and 0.0 < target_error < 1.0):
-        raise ValueError(f"target_error = {target_error!r}: must lie in (0, 1)")
+    if target_error is not None:
+        check_number(target_error, "target_error", "must lie in (0, 1)", lambda error: 0.0 < error < 1.0)
     if samples is None:
         samples = SAMPLES if target_error is None else MOST_SAMPLES
-    if isinstance(samples, bool) or not isinstance(samples, int) or not 1 <= samples <= MOST_SAMPLES:
-        raise ValueError(f"samples = {samples!r}: must be a whole number from 1 to 2^40")
-    return -(-samples // BLOCK)
-
-
-def check_seed(seed: int) -> None:
-    """Raises ValueError unless it is one."""
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 1 << 64:
-        raise ValueError(f"seed = {seed!r}: must be a whole number from 0 to 2^64 - 1")
+    return -(-check_whole(samples, "samples", 1, MOST_SAMPLES, "from 1 to 2^40") // BLOCK)
 
 
 def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step):

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .archive import Damaged, load_archive, save_archive
-from .errors import ExportError
+from .arguments import check_callable, check_kind, finite_list
+from .errors import ArgumentError, ExportError
 from .solve import ScatteringFunction, solve
 from .stack import Stack
 
@@ -65,11 +66,11 @@ def tabulate(solved: ScatteringFunction, theta_o=None, theta_i=None, dphi=None,
              progress: Callable[[float, str], object] | None = None) -> Export:
     """The scattering function on a product grid of angles in radians: thetas in [0, pi/2), dphi any.
 
-    Where a stack is glossy, give axes as fine as its peak. Raises ValueError."""
+    Where a stack is glossy, give axes as fine as its peak. Raises ArgumentError, a ValueError."""
+    check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returns")
+    check_callable(progress, "progress")
     axes = {"theta_o": _thetas(theta_o, "theta_o"), "theta_i": _thetas(theta_i, "theta_i"),
-            "dphi": np.atleast_1d(np.asarray(default_azimuths() if dphi is None else dphi, dtype=float))}
-    if axes["dphi"].ndim != 1 or not len(axes["dphi"]) or not np.all(np.isfinite(axes["dphi"])):
-        raise ValueError("dphi: must be a list of finite angles in radians")
+            "dphi": _angles(default_azimuths() if dphi is None else dphi, "dphi")}
     sheet = solved.stack.base is None
     sides = ["top", "bottom"] if sheet else ["top"]
     mu_o, mu_i = np.cos(axes["theta_o"]), np.cos(axes["theta_i"])
@@ -130,12 +131,20 @@ def load_npz(path: str | os.PathLike) -> Export:
 
 
 def _thetas(values, name: str) -> np.ndarray:
-    array = np.atleast_1d(np.asarray(default_angles() if values is None else values, dtype=float))
-    if array.ndim != 1 or not len(array):
-        raise ValueError(f"{name}: must be a list of angles in radians")
+    array = _angles(default_angles() if values is None else values, name)
     bad = ~((array >= 0.0) & (array < 0.5 * math.pi))
     if bad.any():
-        raise ValueError(f"{name} = {array[bad][0]:g}: must lie in [0, pi/2)")
+        raise ArgumentError(f"{name} = {array[bad][0]:g}: must lie in [0, pi/2)")
+    return array
+
+
+def _angles(values, name: str) -> np.ndarray:
+    try:
+        array = finite_list(values, name)
+    except ArgumentError:
+        array = np.array([])
+    if not len(array):
+        raise ArgumentError(f"{name}: must be a list of finite angles in radians")
     return array
 
 

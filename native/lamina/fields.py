@@ -8,7 +8,7 @@ import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from .errors import StackError
+from .errors import StackError, clipped, shown
 
 Channels = float | Sequence[float]
 
@@ -41,12 +41,12 @@ class Field:
         if isinstance(value, list | tuple):
             if not value:
                 raise StackError(f"{path} = []: must hold one number a channel")
-            items = [math.inf if item == "inf" else item for item in value]
+            items = [math.inf if isinstance(item, str) and item == "inf" else item for item in value]
             for index, item in enumerate(items):
                 if isinstance(item, bool) or not isinstance(item, numbers.Real):
-                    raise StackError(f"{path}[{index}] = {item!r}: must be a number")
+                    raise StackError(f"{path}[{index}] = {shown(item)}: must be a number")
             return tuple(self._check_number(_to_float(x, path), f"{path}[{i}]") for i, x in enumerate(items))
-        raise StackError(f"{path} = {value!r}: must be a number or one number a channel")
+        raise StackError(f"{path} = {shown(value)}: must be a number or one number a channel")
 
     def _check_number(self, number: float, path: str) -> float:
         if self.infinite and number == math.inf:
@@ -126,7 +126,7 @@ def check_table(value, path: str, low: float, high: float, rule: str, most: int)
     Raises StackError, naming `path`, for anything else."""
     value = value.tolist() if hasattr(value, "tolist") else value
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= most:
-        count = f" has {len(value)} entries" if isinstance(value, list | tuple) else f" = {value!r}"
+        count = f" has {len(value)} entries" if isinstance(value, list | tuple) else f" = {shown(value)}"
         raise StackError(f"{path}{count}: must be a list of 1 to {most} numbers, or one list a channel")
     rows = [row.tolist() if hasattr(row, "tolist") else row for row in value]
     if isinstance(rows[0], list | tuple):
@@ -137,17 +137,17 @@ def check_table(value, path: str, low: float, high: float, rule: str, most: int)
     number = Field(path, low, high, rule)
     for index, item in enumerate(rows):
         if isinstance(item, bool) or not isinstance(item, numbers.Real):
-            raise StackError(f"{path}[{index}] = {item!r}: must be a number")
+            raise StackError(f"{path}[{index}] = {shown(item)}: must be a number")
     return tuple(number.check(item, f"{path}[{index}]") for index, item in enumerate(rows))
 
 
 def check_keys(entry, allowed: set[str], path: str, required: set[str] = frozenset()) -> None:
     """Raises StackError unless `entry` is a JSON object with all required and no other than allowed keys."""
     if not isinstance(entry, Mapping):
-        raise StackError(f"{path} = {entry!r}: must be a JSON object")
+        raise StackError(f"{path} = {shown(entry)}: must be a JSON object")
     for key in entry:
         if key not in allowed:
-            raise StackError(f"{path}.{key}: unknown key; known are {', '.join(sorted(allowed))}")
+            raise StackError(f"{path}.{clipped(str(key))}: unknown key; known are {', '.join(sorted(allowed))}")
     for key in sorted(required):
         if key not in entry:
             raise StackError(f"{path}.{key} is missing: must be given")
@@ -156,7 +156,7 @@ def check_keys(entry, allowed: set[str], path: str, required: set[str] = frozens
 def read_kind(entry, path: str) -> str:
     """The entry's "kind". Raises StackError when there is none."""
     if not isinstance(entry, Mapping):
-        raise StackError(f"{path} = {entry!r}: must be a JSON object")
+        raise StackError(f"{path} = {shown(entry)}: must be a JSON object")
     if "kind" not in entry:
         raise StackError(f"{path}.kind is missing: must be given")
     return entry["kind"]

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from .errors import StackError
+from .errors import StackError, shown
 from .fields import Channels, Field, channel, check_forms
 from .phase import Isotropic, Phase, check_phase
 from .profile import (
@@ -63,7 +63,7 @@ class Medium:
         """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
         values = check_forms(self, path) if self.profile is None else check_profile(self, path)
         if not isinstance(self.varying, bool):
-            raise StackError(f"{path}.varying = {self.varying!r}: must be true or false")
+            raise StackError(f"{path}.varying = {shown(self.varying)}: must be true or false")
         return replace(self, phase=check_phase(self.phase, f"{path}.phase"), **values)
 
     def optics(self, index: int) -> tuple[float | None, float]:

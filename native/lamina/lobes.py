@@ -16,6 +16,7 @@ import math
 
 import numpy as np
 
+from .errors import shown
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, mirror
 
@@ -230,11 +231,12 @@ def by_id(lobe_id: str) -> Lobe:
         return _BY_ID[lobe_id]
     family, *numbers = lobe_id.split(":")
     try:
-        lobe = _MADE[family](*map(float, numbers))
-    except (KeyError, TypeError, ValueError):
+        values = [float(number) for number in numbers]
+        lobe = _MADE[family](*values) if all(map(math.isfinite, values)) else None
+    except (KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError):
         lobe = None
     if lobe is None or lobe.id != lobe_id:
-        raise KeyError(f"closure {lobe_id!r}: not in the dictionary")
+        raise KeyError(f"closure {shown(lobe_id)}: not in the dictionary")
     return lobe
 
 
@@ -244,8 +246,19 @@ def recipe(closure: str) -> NodeRecipe:
     if closure == "transparent":
         return NodeRecipe("ShaderNodeBsdfTransparent", normal_input="")
     if closure.startswith("mirror:"):
-        return mirror(math.sqrt(float(closure.removeprefix("mirror:"))))
+        return mirror(math.sqrt(_mirror_alpha(closure)))
     return by_id(closure).node
+
+
+def _mirror_alpha(closure: str) -> float:
+    """The microfacet width in the id of a mirror. KeyError with the id when there is none in [0, 1]."""
+    try:
+        alpha = float(closure.removeprefix("mirror:"))
+    except ValueError:
+        alpha = math.nan
+    if not 0.0 <= alpha <= 1.0:
+        raise KeyError(f"closure {shown(closure)}: not in the dictionary")
+    return alpha
 
 
 def directional_albedo(lobe: Lobe, mu_o, nodes: tuple[int, int] = (96, 64)) -> np.ndarray:

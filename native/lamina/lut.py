@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import lut_header
 from .archive import Damaged, load_archive, save_archive
 from .errors import LutError
+from .lut_header import COLUMNS
 
-SCHEMA = 1
-COLUMNS = 64
 TAU_ROWS = 33
 TAU_BEND = 0.5
 
@@ -35,11 +35,6 @@ def tau_at(largest: float, rows: np.ndarray) -> np.ndarray:
     """Thickness at `rows` of that axis, whole ones or between two."""
     t = largest / (largest + TAU_BEND) * np.asarray(rows, float) / (TAU_ROWS - 1)
     return TAU_BEND * t / (1.0 - t)
-
-
-# What the panel and report() read.
-_REPORT = ("fit_error", "worst_slice", "fit_error_transmission", "albedo_error", "energy_error", "closures",
-           "solver", "tau_rows")
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,35 +74,13 @@ class Lut:
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Lut:
-        """Reads a table. Raises LutError for a file that is truncated, foreign, or of a newer schema, and
-        OSError when it cannot be opened."""
+        """Reads a table. Raises LutError for a file that is truncated, foreign, of a newer schema, or with a header
+        that does not hold together, and OSError when it cannot be opened."""
         try:
             header, (weights,) = load_archive(path, "weights")
         except Damaged:
             raise LutError(f"{path}: not a whole Lamina lookup table") from None
-        problem = _problem(header, weights)
+        problem = lut_header.problem(header, weights)
         if problem:
             raise LutError(f"{path}: {problem}")
         return cls(header, weights)
-
-
-def _problem(header, weights) -> str:
-    """What is wrong with a table, in words, or ''."""
-    if not isinstance(header, dict) or not isinstance(header.get("schema"), int):
-        return "not a Lamina lookup table"
-    if header["schema"] > SCHEMA:
-        return f"schema {header['schema']} needs a newer Lamina, which reads up to {SCHEMA}"
-    try:
-        shape = (len(header["sides"]), len(header["closures"]), header["axes"]["tau"]["count"],
-                 header["axes"]["view"]["count"], 3)
-        complete = all(key in header for key in ("stack", "stack_hash", "quality", "seed", "report"))
-        complete = complete and all(key in header["report"] for key in _REPORT)
-    except (KeyError, TypeError):
-        return "the header of the lookup table is incomplete"
-    if not complete:
-        return "the header of the lookup table is incomplete"
-    if weights.dtype != np.float32 or weights.shape != shape:
-        return f"weights are {weights.dtype} {weights.shape}: the header says float32 {shape}"
-    if not np.all(np.isfinite(weights)) or weights.min(initial=0.0) < 0.0:
-        return "weights are negative or not finite"
-    return ""

@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import cache, lru_cache
 from importlib.resources import files
 
+from .arguments import check_kind
 from .errors import StackError, unknown
 from .fields import channel, channel_count, check_forms
 from .layers import Conductor
@@ -42,7 +43,7 @@ def source(name: str) -> str:
 
 
 def _entry(name: str) -> dict:
-    if name not in _table():
+    if not isinstance(name, str) or name not in _table():
         raise unknown("metal", name, names())
     return _table()[name]
 
@@ -58,7 +59,7 @@ def reflectance(mu: float, eta: float, k: float) -> float:
 def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
     """(facing, grazing) colours of a conductor, given in either form: its reflectances in air at 0 and 82 degrees,
     one a channel. Raises StackError."""
-    values = check_forms(metal, "conductor")
+    values = check_forms(check_kind(metal, "metal", Conductor, "a lamina.Conductor"), "conductor")
     channels = channel_count([(f"conductor.{name}", value) for name, value in values.items()])
     eta, k = indices_of(replace(metal, **values), channels, "conductor")
     pairs = [(channel(eta, c), channel(k, c)) for c in range(channels)]

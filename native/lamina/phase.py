@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .errors import StackError
+from .errors import StackError, shown
 from .fields import Channels, Field, channel, check_keys, check_table, read_kind, to_plain
 
 G = "must lie in (-1, 1)"
@@ -216,12 +216,12 @@ class Mixture(_Numbers):
 
     def checked(self, path: str) -> Mixture:
         if not isinstance(self.parts, list | tuple) or not self.parts:
-            raise StackError(f"{path}.parts = {self.parts!r}: must be a list of pairs (share, phase function)")
+            raise StackError(f"{path}.parts = {shown(self.parts)}: must be a list of pairs (share, phase function)")
         parts = []
         for index, part in enumerate(self.parts):
             here = f"{path}.parts[{index}]"
             if not isinstance(part, list | tuple) or len(part) != 2:
-                raise StackError(f"{here} = {part!r}: must be a pair (share, phase function)")
+                raise StackError(f"{here} = {shown(part)}: must be a pair (share, phase function)")
             if isinstance(part[1], Mixture):
                 raise StackError(f"{here}.phase.kind = 'mixture': must not be a mixture itself")
             parts.append((self.share.check(part[0], f"{here}.share"), check_phase(part[1], f"{here}.phase")))
@@ -253,7 +253,7 @@ class Mixture(_Numbers):
     def read(cls, entry, path: str) -> Mixture:
         check_keys(entry, {"kind", "parts"}, path, required={"parts"})
         if not isinstance(entry["parts"], list):
-            raise StackError(f"{path}.parts = {entry['parts']!r}: must be a list")
+            raise StackError(f"{path}.parts = {shown(entry['parts'])}: must be a list")
         parts = []
         for index, part in enumerate(entry["parts"]):
             here = f"{path}.parts[{index}]"
@@ -272,7 +272,7 @@ Phase = (
 def check_phase(phase, path: str) -> Phase:
     """The phase function with its quantities checked. Raises StackError."""
     if not isinstance(phase, KINDS):
-        raise StackError(f"{path} = {phase!r}: must be a phase function")
+        raise StackError(f"{path} = {shown(phase)}: must be a phase function")
     return phase.checked(path)
 
 
@@ -280,7 +280,7 @@ def read_phase(entry, path: str) -> Phase:
     """A phase function from its JSON object. Raises StackError."""
     kind = read_kind(entry, path)
     if not isinstance(kind, str) or kind not in PHASES:
-        raise StackError(f"{path}.kind = {kind!r}: must be one of {', '.join(PHASES)}")
+        raise StackError(f"{path}.kind = {shown(kind)}: must be one of {', '.join(PHASES)}")
     return PHASES[kind].read(entry, path)
 
 

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
+from . import json_file
 from .errors import unknown
 from .stack import Stack
 
@@ -45,12 +45,17 @@ def names() -> list[str]:
     return list(_texts())
 
 
-@cache
 def load(id: str) -> Stack:
-    """A preset's stack. Raises UnknownName, a KeyError and StackError, when there is none of that id."""
-    if id not in _texts():
+    """A preset's stack. Raises UnknownName, a KeyError and StackError, when there is none of that id, and OSError
+    when the files of the library are gone."""
+    if not isinstance(id, str) or id not in _texts():
         raise unknown("preset", id, names())
-    return Stack.from_json(json.loads(_texts()[id].read_text(encoding="utf-8")))
+    return _load(id)
+
+
+@cache
+def _load(id: str) -> Stack:
+    return Stack.from_json(json_file.parse(_texts()[id].read_text(encoding="utf-8")))
 
 
 def entries() -> list[Preset]:

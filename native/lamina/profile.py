@@ -7,7 +7,7 @@ import itertools
 import math
 from dataclasses import dataclass, replace
 
-from .errors import StackError
+from .errors import StackError, shown
 from .fields import Channels, Field, all_fields, channel, check_forms, check_keys, to_plain
 from .phase import Phase, check_phase, read_phase
 
@@ -55,7 +55,7 @@ class Knot:
         values = check_forms(self, path)
         depth = DEPTH.check(self.depth, f"{path}.depth")
         if isinstance(depth, tuple):
-            raise StackError(f"{path}.depth = {self.depth!r}: must be one number")
+            raise StackError(f"{path}.depth = {shown(self.depth)}: must be one number")
         phase = None if self.phase is None else check_phase(self.phase, f"{path}.phase")
         return replace(self, depth=depth, phase=phase, **values)
 
@@ -79,7 +79,7 @@ class Knot:
 def read_profile(entries, path: str) -> list[Knot]:
     """The knots from their plain objects. Raises StackError for missing and unknown keys; values are checked later."""
     if not isinstance(entries, list):
-        raise StackError(f"{path} = {entries!r}: must be a list of knots, top first")
+        raise StackError(f"{path} = {shown(entries)}: must be a list of knots, top first")
     names = {quantity.name for form in Knot.forms for quantity in form}
     knots = []
     for index, entry in enumerate(entries):
@@ -100,12 +100,13 @@ def check_profile(medium, path: str) -> dict:
         if getattr(medium, name) is not None:
             raise StackError(f"{path}.{name}: must be left out of a medium with a profile, whose knots have it")
     if not isinstance(medium.profile, list | tuple) or len(medium.profile) < 2:
-        count = f" has {len(medium.profile)}" if isinstance(medium.profile, list | tuple) else f" = {medium.profile!r}"
+        is_list = isinstance(medium.profile, list | tuple)
+        count = f" has {len(medium.profile)}" if is_list else f" = {shown(medium.profile)}"
         raise StackError(f"{path}.profile{count}: must be a list of two knots or more, top first")
     knots = []
     for index, knot in enumerate(medium.profile):
         if not isinstance(knot, Knot):
-            raise StackError(f"{path}.profile[{index}] = {knot!r}: must be a Knot")
+            raise StackError(f"{path}.profile[{index}] = {shown(knot)}: must be a Knot")
         knots.append(knot.checked(f"{path}.profile[{index}]"))
     _check_depths(knots, f"{path}.profile")
     values: dict = {"profile": tuple(knots)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from .arguments import check_callable
 from .errors import Cancelled
 
 Progress = Callable[[float, str], None]
@@ -12,7 +13,9 @@ Progress = Callable[[float, str], None]
 
 def stepper(work: str, progress: Progress | None, cancel: Callable[[], bool] | None) -> Progress:
     """A function of a fraction from 0 to 1 and a text, that raises Cancelled when `cancel` says yes; `work` names
-    what was cancelled."""
+    what was cancelled. Raises ArgumentError for what cannot be called."""
+    check_callable(progress, "progress")
+    check_callable(cancel, "cancel")
 
     def step(fraction: float, text: str) -> None:
         if cancel is not None and cancel():

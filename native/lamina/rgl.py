@@ -14,7 +14,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from .arguments import check_callable, check_kind, check_whole, finite_list
 from .atomic import write_atomically
+from .errors import ArgumentError, shown
 from .solve import ScatteringFunction
 
 # A ray that the tables still hold; the plane itself has no cosine.
@@ -46,8 +48,9 @@ def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 6
     Returns the largest share of a beam that is mirrored and so left out, over theta_i and channels. Raises
     ValueError and OSError."""
     for name, value, low, high in (("size", size, 8, 1024), ("angles", angles, 4, 512)):
-        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-            raise ValueError(f"{name} = {value!r}: must be a whole number in [{low}, {high}]")
+        check_whole(value, name, low, high, f"in [{low}, {high}]")
+    check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returns")
+    check_callable(progress, "progress")
     spectral = check_wavelengths(wavelengths, solved.stack.channels)
     theta_i = incident_angles(angles)
     values, importance = _tabulate(solved, theta_i, size, progress or (lambda fraction, text: None))
@@ -78,13 +81,13 @@ def check_wavelengths(wavelengths: Sequence[float] | None, channels: int) -> np.
     cannot hold that many channels so."""
     if wavelengths is None:
         if channels not in (1, 3):
-            raise ValueError(f"the stack has {channels} channels: a .bsdf file without wavelengths holds 1 or 3")
+            raise ArgumentError(f"the stack has {channels} channels: a .bsdf file without wavelengths holds 1 or 3")
         return None
-    nm = np.asarray(wavelengths, dtype=float)
+    nm = finite_list(wavelengths, "wavelengths")
     if nm.shape != (channels,):
-        raise ValueError(f"wavelengths = {nm.tolist()}: must be one for each of {channels} channel(s)")
-    if not np.all(np.isfinite(nm)) or nm.min() <= 0.0 or len(np.unique(nm)) < len(nm):
-        raise ValueError(f"wavelengths = {nm.tolist()}: must be positive nanometres, all different")
+        raise ArgumentError(f"wavelengths = {shown(nm.tolist())}: must be one for each of {channels} channel(s)")
+    if nm.min() <= 0.0 or len(np.unique(nm)) < len(nm):
+        raise ArgumentError(f"wavelengths = {shown(nm.tolist())}: must be positive nanometres, all different")
     return nm
 
 

@@ -8,9 +8,21 @@ import math
 import numpy as np
 
 from . import _core
-from .errors import SolveError
+from .arguments import (
+    broadcast,
+    check_choice,
+    check_kind,
+    check_number,
+    check_threads,
+    check_whole,
+    cosines,
+    finite_array,
+    finite_list,
+)
+from .errors import ArgumentError, SolveError, shown
 from .fields import channel
-from .layers import Conductor, HalfSpace, Interface, Lambert
+from .layers import TAU, Conductor, HalfSpace, Interface, Lambert, Medium
+from .profile import THICKNESS
 from .stack import Stack
 
 TOLERANCE = {"preview": 1e-2, "final": 1e-3}
@@ -25,11 +37,14 @@ def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | N
     Not promised where lobes of two rough boundaries meet: albedos hold, but BRDF values in the flanks of lobes
     narrower than about alpha .2 are only good to some per cent of themselves (3e-4 of the slice's norm).
 
-    Raises SolveError, with the numbers, when the finest resolution misses the tolerance.
+    Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
+    ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
     Method: discrete ordinates per azimuth order, solved by modes (Nakajima and Tanaka 1986), layers joined
     by the adding equations (van de Hulst 1963), truncation of the forward peak with exact single
     scattering (Nakajima and Tanaka 1988)."""
+    check_stack(stack)
     tolerance = tolerance_of(quality)
+    nodes = check_nodes(nodes)
     pool = thread_pool(threads)
     solved: dict = {}
     channels = []
@@ -41,23 +56,24 @@ def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | N
     return ScatteringFunction(stack, channels, pool)
 
 
-def check_threads(threads: int) -> None:
-    """Raises ValueError unless it is a count of threads, or 0 for all."""
-    if isinstance(threads, bool) or not isinstance(threads, int) or not 0 <= threads <= 1024:
-        raise ValueError(f"threads = {threads!r}: must be a whole number from 0 (all) to 1024")
+def check_stack(stack: Stack) -> Stack:
+    """Raises ArgumentError unless it is a Stack."""
+    return check_kind(stack, "stack", Stack, "a lamina.Stack, which Stack.from_json makes of a JSON object")
+
+
+def check_nodes(nodes: int | None) -> int | None:
+    """A number of nodes per hemisphere, or None for the solver's choice. Raises ArgumentError."""
+    return None if nodes is None else check_whole(nodes, "nodes", 8, 160)
 
 
 def thread_pool(threads: int) -> _core.ThreadPool:
-    """The core's pool of that many threads, 0 for all hardware threads. Raises ValueError."""
-    check_threads(threads)
-    return _core.ThreadPool(threads)
+    """The core's pool of that many threads, 0 for all hardware threads. Raises ArgumentError."""
+    return _core.ThreadPool(check_threads(threads))
 
 
 def tolerance_of(quality: str) -> float:
-    """The relative pointwise error that a quality's name promises. Raises ValueError."""
-    if quality not in TOLERANCE:
-        raise ValueError(f"quality = {quality!r}: must be one of {', '.join(TOLERANCE)}")
-    return TOLERANCE[quality]
+    """The relative pointwise error that a quality's name promises. Raises ArgumentError."""
+    return TOLERANCE[check_choice(quality, "quality", TOLERANCE)]
 
 
 def core_stack(stack: Stack, index: int):
@@ -93,16 +109,22 @@ def _facets(surface: Interface | Conductor, index: int) -> tuple:
 
 
 def _solve_channel(core: _core.Stack, tolerance: float, pool, nodes: int | None) -> _core.Solution:
+    if nodes is not None:
+        return _or_solve_error(lambda: _core.solve_roughly(core, tolerance, nodes, pool))
+    return _or_solve_error(lambda: _core.solve(core, tolerance, pool))
+
+
+def _or_solve_error(call):
+    """What `call` returns. Raises SolveError for what the core refuses."""
     try:
-        if nodes is not None:
-            return _core.solve_roughly(core, tolerance, nodes, pool)
-        return _core.solve(core, tolerance, pool)
+        return call()
     except RuntimeError as error:
         raise SolveError(str(error)) from None
 
 
 class ScatteringFunction:
     """A solved stack. Cosines are positive, taken on the side named; results end with an axis of channels.
+    Cosines below 1e-9 count as 1e-9, where BRDFs have reached their limit at grazing.
 
     `nodes` and `orders` tell what the solver chose, `checks` what its always-on checks found (the worst of
     all channels, a dict of errors)."""
@@ -131,20 +153,33 @@ class ScatteringFunction:
         return list(self._channels)
 
     def with_thickness(self, layer: int, taus) -> ScatteringFunction:
-        """The same stack with layer number `layer` of optical thickness `taus`, one a channel; much faster
-        than a new solve."""
+        """The same stack with layer number `layer` of optical thickness `taus`, a number or one a channel, in
+        [0, infinity], or in [0, 1e9] where the layer has a profile; much faster than a new solve. Raises
+        StackError, ArgumentError and SolveError."""
+        layer = check_whole(layer, "layer", 0, len(self.stack.layers) - 1)
+        medium = self.stack.layers[layer]
+        if not isinstance(medium, Medium):
+            raise ArgumentError(f"layer = {layer}: must be a medium, this one is of kind {medium.kind}")
+        quantity = TAU if medium.profile is None else THICKNESS["tau"]
+        taus = quantity.check(taus, "taus")
+        if isinstance(taus, tuple) and len(taus) != len(self._channels):
+            raise ArgumentError(f"taus has {len(taus)} channels: must have {len(self._channels)} like the stack")
         made: dict = {}
         channels = []
-        for solution, tau in zip(self._channels, taus, strict=True):
-            key = (id(solution), float(tau))
+        for index, solution in enumerate(self._channels):
+            tau = channel(taus, index)
+            key = (id(solution), tau)
             if key not in made:
-                made[key] = solution.with_thickness(layer, float(tau), self._pool)
+                made[key] = _or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
             channels.append(made[key])
         return ScatteringFunction(self.stack, channels, self._pool)
 
     def with_base_reflectance(self, reflectance: float) -> ScatteringFunction:
-        """The same layers over a Lambert surface of another reflectance, one for all channels; costs next to
-        nothing. Raises ValueError for another kind of base."""
+        """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; costs next
+        to nothing. Raises ArgumentError, also for another kind of base."""
+        if not isinstance(self.stack.base, Lambert):
+            raise ArgumentError("reflectance: the base of the stack must be a Lambert surface")
+        reflectance = check_number(reflectance, "reflectance", "must lie in [0, 1]", lambda r: 0.0 <= r <= 1.0)
         made = {id(solution): solution.with_reflectance(reflectance) for solution in self._channels}
         return ScatteringFunction(self.stack, [made[id(solution)] for solution in self._channels], self._pool)
 
@@ -159,8 +194,8 @@ class ScatteringFunction:
 
     def grid(self, path: str, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
         """BRDF (`path` "reflect") or BTDF ("transmit") on a product grid, shape (o, i, dphi, channels)."""
-        lists = [np.atleast_1d(_cosines(mu_o, "mu_o")), np.atleast_1d(_cosines(mu_i, "mu_i"))]
-        azimuths = np.atleast_1d(_finite(dphi, "dphi"))
+        lists = [cosines(finite_list(mu_o, "mu_o"), "mu_o"), cosines(finite_list(mu_i, "mu_i"), "mu_i")]
+        azimuths = finite_list(dphi, "dphi")
         where = path_of(path)
         return self._by_channel(
             lambda s: s.grid(side_of(side), where, *lists, azimuths, self._pool))
@@ -188,7 +223,8 @@ class ScatteringFunction:
         return np.stack([done[id(solution)] for solution in self._channels], axis=-1)
 
     def _evaluate(self, path, mu_o, mu_i, dphi, side: str) -> np.ndarray:
-        arrays = np.broadcast_arrays(_cosines(mu_o, "mu_o"), _cosines(mu_i, "mu_i"), _finite(dphi, "dphi"))
+        arrays = broadcast([_cosines(mu_o, "mu_o"), _cosines(mu_i, "mu_i"), finite_array(dphi, "dphi")],
+                           ("mu_o", "mu_i", "dphi"))
         flat = [np.ascontiguousarray(a, dtype=float).ravel() for a in arrays]
         values = self._by_channel(lambda s: s.points(side_of(side), path, *flat, self._pool))
         return values.reshape(*arrays[0].shape, len(self._channels))
@@ -197,7 +233,7 @@ class ScatteringFunction:
         where = side_of(side)
         if isinstance(mu0, str):
             if mu0 != "diffuse":
-                raise ValueError(f"mu0 = {mu0!r}: must be a cosine in (0, 1] or 'diffuse'")
+                raise ArgumentError(f"mu0 = {shown(mu0)}: must be a cosine in (0, 1] or 'diffuse'")
             def call(s):
                 f = s.diffuse_fluxes(where, self._pool)
                 return np.array([f.reflected[0], f.mirrored[0], f.transmitted[0], f.direct[0]])
@@ -210,29 +246,14 @@ class ScatteringFunction:
 
 
 def path_of(path: str) -> _core.Path:
-    """The core's name of a path. Raises ValueError."""
-    if path not in _PATHS:
-        raise ValueError(f"path = {path!r}: must be 'reflect' or 'transmit'")
-    return _PATHS[path]
+    """The core's name of a path. Raises ArgumentError."""
+    return _PATHS[check_choice(path, "path", _PATHS, "'reflect' or 'transmit'")]
 
 
 def side_of(side: str) -> _core.Side:
-    """The core's name of a side. Raises ValueError."""
-    if side not in _SIDES:
-        raise ValueError(f"side = {side!r}: must be 'top' or 'bottom'")
-    return _SIDES[side]
-
-
-def _finite(values, name: str) -> np.ndarray:
-    array = np.asarray(values, dtype=float)
-    if not np.all(np.isfinite(array)):
-        raise ValueError(f"{name} holds a value that is not finite")
-    return array
+    """The core's name of a side. Raises ArgumentError."""
+    return _SIDES[check_choice(side, "side", _SIDES, "'top' or 'bottom'")]
 
 
 def _cosines(values, name: str) -> np.ndarray:
-    array = _finite(values, name)
-    if np.any(array <= 0.0) or np.any(array > 1.0):
-        worst = array[(array <= 0.0) | (array > 1.0)].flat[0]
-        raise ValueError(f"{name} = {worst:g}: must lie in (0, 1]")
-    return array
+    return cosines(finite_array(values, name), name)

@@ -12,9 +12,10 @@ from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
 
+from . import json_file
 from .atomic import write_atomically
 from .colours import albedos_of
-from .errors import StackError
+from .errors import StackError, shown
 from .fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
 from .layers import BASES, Base, Conductor, HalfSpace, Interface, Medium
 from .metals import indices_of
@@ -42,7 +43,7 @@ class Stack:
     def __init__(self, layers: Sequence[Medium | Interface] = (), base: Base | None = None, name: str = "",
                  category: str = "", source: str = ""):
         if not isinstance(layers, Sequence) or isinstance(layers, str):
-            raise StackError(f"layers = {layers!r}: must be a list, top layer first")
+            raise StackError(f"layers = {shown(layers)}: must be a list, top layer first")
         layers = list(layers)
         if layers and base is None and isinstance(layers[-1], tuple(BASES.values())):
             base = layers.pop()
@@ -53,7 +54,7 @@ class Stack:
             raise StackError("layers = []: a stack must hold at least one layer or a base")
         for text, value in zip(self.texts, (name, category, source), strict=True):
             if not isinstance(value, str):
-                raise StackError(f"{text} = {value!r}: must be a text")
+                raise StackError(f"{text} = {shown(value)}: must be a text")
             object.__setattr__(self, text, value)
         varying = [i for i, layer in enumerate(checked) if layer.varying]
         if len(varying) > 1:
@@ -152,27 +153,28 @@ class Stack:
         check_keys(data, {"schema", "layers", "base", *cls.texts}, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
-            raise StackError(f"schema = {schema!r}: must be {SCHEMA}")
+            raise StackError(f"schema = {shown(schema)}: must be {SCHEMA}")
         if schema > SCHEMA:
-            raise StackError(f"schema = {schema}: must be at most {SCHEMA}; this stack needs a newer Lamina")
+            raise StackError(f"schema = {shown(schema)}: must be at most {SCHEMA}; this stack needs a newer Lamina")
         if not isinstance(data["layers"], list):
-            raise StackError(f"layers = {data['layers']!r}: must be a list, top layer first")
+            raise StackError(f"layers = {shown(data['layers'])}: must be a list, top layer first")
         layers = []
         for index, entry in enumerate(data["layers"]):
             path = f"layers[{index}]"
             kind = read_kind(entry, path)
-            is_base = isinstance(kind, str) and kind in BASES
+            is_text = isinstance(kind, str)
+            is_base = is_text and kind in BASES
             last = index == len(data["layers"]) - 1
             if is_base and last and data.get("base") is None:
                 layers.append(_read_base(entry, path))
             elif is_base:
                 raise StackError(f"{path}.kind = '{kind}': a base can only stand at the bottom")
-            elif kind == Medium.kind:
+            elif is_text and kind == Medium.kind:
                 layers.append(_read_medium(entry, path))
-            elif kind == Interface.kind:
+            elif is_text and kind == Interface.kind:
                 layers.append(_read(Interface, entry, path, {"name"}))
             else:
-                raise StackError(f"{path}.kind = {kind!r}: must be 'medium', 'interface', or a base at the bottom")
+                raise StackError(f"{path}.kind = {shown(kind)}: must be 'medium', 'interface', or a base at the bottom")
         base = data.get("base")
         texts = {text: data[text] for text in cls.texts if text in data}
         return cls(layers, None if base is None else _read_base(base, "base"), **texts)
@@ -181,8 +183,8 @@ class Stack:
     def load(cls, path: str | os.PathLike) -> Stack:
         """Reads a stack's JSON file. Raises StackError, with the file's name, and OSError."""
         try:
-            data = json.loads(Path(path).read_text(encoding="utf-8"))
-        except (ValueError, RecursionError) as error:
+            data = json_file.parse(Path(path).read_text(encoding="utf-8"))
+        except ValueError as error:
             raise StackError(f"{path}: not a JSON file ({error})") from None
         try:
             return cls.from_json(data)
@@ -256,7 +258,7 @@ def _checked(thing, path):
         value = getattr(thing, name)
         if type(value) is not type(allowed[0]) or value not in allowed:
             words = " or ".join(json.dumps(choice) for choice in allowed)
-            raise StackError(f"{path}.{name} = {value!r}: must be {words}")
+            raise StackError(f"{path}.{name} = {shown(value)}: must be {words}")
     if hasattr(thing, "forms"):
         values.update(check_forms(thing, path))
     return replace(thing, **values)
@@ -266,9 +268,9 @@ def _check_layer(layer, path: str) -> Medium | Interface:
     if isinstance(layer, tuple(BASES.values())):
         raise StackError(f"{path}.kind = '{layer.kind}': a base can only stand at the bottom")
     if not isinstance(layer, Medium | Interface):
-        raise StackError(f"{path} = {layer!r}: must be a layer")
+        raise StackError(f"{path} = {shown(layer)}: must be a layer")
     if not isinstance(layer.name, str):
-        raise StackError(f"{path}.name = {layer.name!r}: must be a text")
+        raise StackError(f"{path}.name = {shown(layer.name)}: must be a text")
     if isinstance(layer, Interface):
         return _checked(layer, path)
     return layer.checked(path)
@@ -278,7 +280,7 @@ def _check_base(base):
     if base is None:
         return None
     if not isinstance(base, tuple(BASES.values())):
-        raise StackError(f"base = {base!r}: must be a base or none")
+        raise StackError(f"base = {shown(base)}: must be a base or none")
     base = _checked(base, "base")
     if isinstance(base, HalfSpace):
         base = replace(base, phase=check_phase(base.phase, "base.phase"))
@@ -329,7 +331,7 @@ def _read_medium(entry, path: str) -> Medium:
 def _read_base(entry, path: str):
     kind = read_kind(entry, path)
     if not isinstance(kind, str) or kind not in BASES:
-        raise StackError(f"{path}.kind = {kind!r}: must be one of {', '.join(BASES)}")
+        raise StackError(f"{path}.kind = {shown(kind)}: must be one of {', '.join(BASES)}")
     values = dict(entry)
     phase = values.pop("phase", None) if kind == HalfSpace.kind else None
     base = _read(BASES[kind], values, path)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What several add-on tests look at."""
 
+import bpy
 import numpy as np
 
 
@@ -27,3 +28,50 @@ def snapshot(material):
     """All that a bake could change in the material's group."""
     group = material.lamina.node_group
     return sorted(node.name for node in group.nodes), pixels(image_of(group)).tobytes()
+
+
+class Layout:
+    """Takes what a panel draws, and objects to what is not there."""
+
+    def __init__(self):
+        self.__dict__.update(lines=[], operator_context="INVOKE_DEFAULT")
+
+    def __setattr__(self, name, value):
+        self.__dict__[name] = value
+
+    def _inside(self, *_args, **_options):
+        inside = Layout()
+        inside.__dict__["lines"] = self.lines
+        return inside
+
+    row = column = split = box = _inside
+
+    def panel(self, _name, default_closed=False):
+        return self._inside(), self._inside()
+
+    def prop(self, owner, name, text=None, **_options):
+        assert name in owner.bl_rna.properties, name
+        self.lines.append(owner.bl_rna.properties[name].name if text is None else text)
+
+    def label(self, text="", icon="NONE"):
+        assert icon in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
+        self.lines.append(text)
+
+    def operator(self, name, text=None, icon="NONE", **_options):
+        module, function = name.split(".")
+        cls = getattr(bpy.types, f"{module.upper()}_OT_{function}")
+        self.lines.append(cls.bl_label if text is None else text)
+        return type("Properties", (), {})()
+
+    def menu(self, name, text=None, **_options):
+        self.lines.append(getattr(bpy.types, name).bl_label if text is None else text)
+
+    def separator(self, **_options):
+        pass
+
+
+def drawn(function, *arguments):
+    """The texts that function(layout, *arguments) draws."""
+    layout = Layout()
+    function(layout, *arguments)
+    return layout.lines

@@ -2,8 +2,10 @@
 """Baking: blocking, in a worker, failing, cancelled; fresh and stale."""
 
 import threading
+from types import SimpleNamespace
 
 import bpy
+import conftest
 import pytest
 from addon_helpers import snapshot
 
@@ -239,3 +241,48 @@ def test_run_state_is_never_in_the_blend(addon, lamina, material, monkeypatch):
     after = set(material.lamina.keys()) if hasattr(material.lamina, "keys") else set()
     addon.bake_job.stop()
     assert before == after
+
+
+class Window:
+    """Stands for Blender's window manager and workspace: without a window there are neither."""
+
+    def __init__(self):
+        self.timers, self.text, self.followed = [], None, []
+        self.window_manager = self.workspace = self
+        self.window = None
+
+    def event_timer_add(self, _interval, window):
+        self.timers.append(object())
+        return self.timers[-1]
+
+    def event_timer_remove(self, timer):
+        self.timers.remove(timer)
+
+    def modal_handler_add(self, operator):
+        self.followed.append(operator)
+
+    def status_text_set(self, text):
+        self.text = text
+
+
+@pytest.mark.parametrize("end", ["disabled", "cancelled", "done"])
+def test_the_status_line_goes_with_the_operator(addon, lamina, material, monkeypatch, end):
+    bake, begun = endless(lamina)
+    monkeypatch.setattr(lamina, "bake", bake)
+    window = Window()
+    operator = type("Operator", (addon.operators.following.Following,), {"jobs": addon.bake_job})()
+    operator.ended = lambda context, job: {"FINISHED"}
+    assert operator.follow(window, addon.bake_job.start(material), "Lamina bakes Bronze") == {"RUNNING_MODAL"}
+    assert begun.wait(10.0) and window.text == "Lamina bakes Bronze | ESC: Cancel" and len(window.timers) == 1
+    if end == "disabled":
+        conftest.disable()
+        conftest.enable()
+    elif end == "cancelled":
+        operator.cancel(window)
+    else:
+        job = addon.bake_job.running()
+        job.cancel()
+        job.wait(10.0)
+        assert operator.modal(window, SimpleNamespace(type="TIMER", value="")) == {"FINISHED"}
+    assert window.text is None and window.timers == []
+

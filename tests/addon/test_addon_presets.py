@@ -8,6 +8,7 @@ from types import ModuleType, SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from addon_helpers import Layout
 
 VARNISH = {
     "schema": 1,
@@ -233,3 +234,27 @@ def test_a_metal_that_an_older_file_never_set_keeps_its_numbers(addon, material,
     assert addon.stack_io.to_dict(material)["base"] == {
         "kind": "conductor", "eta": [0.2141, 0.4547, 1.332], "k": [3.251, 2.406, 1.869], "alpha": 0.0,
     }  # fmt: skip
+
+
+def test_a_library_whose_files_are_gone_is_one_sentence(addon, lamina, material, call, monkeypatch, tmp_path):
+    """Another Blender with the same user folder removes the files of the wheel."""
+    library = addon.native.part("presets")
+    library._texts.cache_clear()
+    library._load.cache_clear()
+    monkeypatch.setattr(library, "files", lambda package: tmp_path / "gone")
+    try:
+        layout = Layout()
+        addon.menus.LAMINA_MT_presets.draw(SimpleNamespace(layout=layout), None)
+        assert addon.native.GONE in layout.lines
+        assert addon.native.GONE in refused(bpy.ops.lamina.preset_apply, material, call, preset="gold")
+        chosen = SimpleNamespace(preset="gold", user=False)
+        assert addon.operators.LAMINA_OT_preset_apply.description(None, chosen) == addon.native.GONE
+    finally:
+        library._texts.cache_clear()
+        library._load.cache_clear()
+
+
+def test_a_part_of_the_package_that_is_gone(addon, lamina, monkeypatch):
+    monkeypatch.setattr(lamina, "__file__", "/nowhere/lamina/__init__.py")
+    with pytest.raises(addon.native.NativeMissingError, match="another Blender has removed or replaced them"):
+        addon.native.part("not_there")

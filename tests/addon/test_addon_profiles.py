@@ -5,7 +5,7 @@ import json
 
 import bpy
 import pytest
-from test_addon_shown import drawn
+from addon_helpers import drawn
 
 HG = {"kind": "hg", "g": 0.75}
 ISOTROPIC = {"kind": "isotropic"}

@@ -5,8 +5,8 @@ import sys
 import time
 from types import ModuleType
 
-import bpy
 import pytest
+from addon_helpers import Layout, drawn
 
 ERROR = ValueError("no good")
 
@@ -124,52 +124,6 @@ def test_the_real_colours(addon, material, lamina):
     assert addon.shown.answer("albedo", addon.shown._text(layer, "albedo")) == pytest.approx(
         (0.3, 0.6, 0.95), abs=1e-4
     )
-
-
-class Layout:
-    """Takes what a panel draws, and objects to what is not there."""
-
-    def __init__(self):
-        self.__dict__.update(lines=[], operator_context="INVOKE_DEFAULT")
-
-    def __setattr__(self, name, value):
-        self.__dict__[name] = value
-
-    def _inside(self, *_args, **_options):
-        inside = Layout()
-        inside.__dict__["lines"] = self.lines
-        return inside
-
-    row = column = split = box = _inside
-
-    def panel(self, _name, default_closed=False):
-        return self._inside(), self._inside()
-
-    def prop(self, owner, name, text=None, **_options):
-        assert name in owner.bl_rna.properties, name
-        self.lines.append(owner.bl_rna.properties[name].name if text is None else text)
-
-    def label(self, text="", icon="NONE"):
-        assert icon in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
-        self.lines.append(text)
-
-    def operator(self, name, text=None, icon="NONE", **_options):
-        module, function = name.split(".")
-        cls = getattr(bpy.types, f"{module.upper()}_OT_{function}")
-        self.lines.append(cls.bl_label if text is None else text)
-        return type("Properties", (), {})()
-
-    def menu(self, name, text=None, **_options):
-        self.lines.append(getattr(bpy.types, name).bl_label if text is None else text)
-
-    def separator(self, **_options):
-        pass
-
-
-def drawn(function, owner):
-    layout = Layout()
-    function(layout, owner)
-    return layout.lines
 
 
 @pytest.mark.parametrize("mode", ["colour", "optical", "coefficients"])

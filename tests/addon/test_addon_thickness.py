@@ -141,8 +141,7 @@ def test_an_images_colour_space(addon, dusty):
     mine, others = image("Mine"), image("Others")
     for one in (mine, others):
         one.colorspace_settings.name = "sRGB"
-    bpy.data.materials.new("User").use_nodes = True
-    bpy.data.materials["User"].node_tree.nodes.new("ShaderNodeTexImage").image = others
+    addon.graph.tree_of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = others
     addon.thickness.wire_thickness(dusty, "image", mine)
     assert mine.colorspace_settings.name == "Non-Color"
     with pytest.raises(addon.messages.RefusedError, match="sRGB"):
@@ -185,6 +184,50 @@ def test_the_panel_tells_the_error_of_the_thickness_shown(addon, dusty):
     assert lines[0][0] == "Error at τ 2" and "mean" in lines[0][1]
     addon.thickness.wire_thickness(dusty, "attribute")
     assert len(addon.thickness_panel.error_lines(result, addon.thickness.wiring(dusty))) == 5
+
+
+ODD = np.array([np.inf, -np.inf, np.nan, 0.5], np.float32)
+FINITE = [1e6, 0.0, 0.0, 0.5]
+
+
+def odd_image(tmp_path, stored):
+    """A 4 x 4 image whose columns hold ODD: generated, packed, or a file on disk."""
+    made = image("Map")
+    texels = np.repeat(np.tile(ODD, 4), 4)
+    texels[3::4] = 1.0
+    made.pixels.foreach_set(texels)
+    if stored == "packed":
+        made.pack()
+    if stored == "file":
+        made.file_format = "OPEN_EXR"
+        made.filepath_raw = str(tmp_path / "map.exr")
+        made.save()
+        bpy.data.images.remove(made)
+        made = bpy.data.images.load(str(tmp_path / "map.exr"))
+        made.name, made.colorspace_settings.name = "Map", "Non-Color"
+    return made
+
+
+@pytest.mark.parametrize("stored", ["generated", "packed", "file"])
+def test_an_image_keeps_no_texel_that_is_not_finite(addon, dusty, tmp_path, stored):
+    """Blender 5.2 reads such a texel as 0, and in all versions it spoils those beside it."""
+    made = odd_image(tmp_path, stored)
+    addon.thickness.wire_thickness(dusty, "image", "Map")
+    assert made.packed_file is not None
+    dusty.use_fake_user = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    shown = np.empty(64, np.float32)
+    bpy.data.images["Map"].pixels.foreach_get(shown)
+    assert shown.reshape(4, 4, 4)[1, :, 0].tolist() == FINITE and set(shown[3::4]) == {1.0}
+
+
+def test_an_image_that_others_read_keeps_its_texels(addon, dusty, tmp_path):
+    made = odd_image(tmp_path, "generated")
+    addon.graph.tree_of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = made
+    with pytest.raises(addon.messages.RefusedError, match="“Map” holds texels that are not finite"):
+        addon.thickness.wire_thickness(dusty, "image", "Map")
+    assert made.pixels[0] == np.inf and addon.thickness.wiring(dusty).source == "value"
 
 
 def plane_at(thickness, addon, kind, material):

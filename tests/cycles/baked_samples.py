@@ -239,7 +239,6 @@ def made(stacks, samples_of, names):
 def make_sample(addon, name, stack, views, quality="final"):
     """The stack goes through the panel's properties, the bake and the node group, as a user's does."""
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
     addon.stack_io.assign_stack(material, stack)
     lut = addon.bake_job.bake_material(material, quality)
     assert lut.header["stack_hash"] == stack.hash

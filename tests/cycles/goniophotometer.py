@@ -12,11 +12,17 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 import tempfile
+from pathlib import Path
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "demo_scenes"))
+
+import node_tree
 
 # Square pixels per patch along y, and those that are read: off the seams between patches, and off the
 # diagonal of the quad (at the middle), where Cycles loses samples when the sun is below.
@@ -54,9 +60,8 @@ def material_from_recipe(lobe, weight=(1.0, 1.0, 1.0)):
     """A new material that holds exactly one lobe (of `lamina.lobes`), with an RGB weight."""
     recipe = lobe.node
     material = bpy.data.materials.new(lobe.id)
-    material.use_nodes = True
     material.cycles.use_bump_map_correction = False
-    tree = material.node_tree
+    tree = node_tree.of(material)
     tree.nodes.clear()
     closure = tree.nodes.new(recipe.type)
     for name, value in recipe.enums.items():
@@ -214,8 +219,7 @@ def _world(strength):
     world = bpy.data.worlds.get(name)
     if world is None:
         world = bpy.data.worlds.new(name)
-        world.use_nodes = True
-        background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+        background = next(node for node in node_tree.of(world).nodes if node.type == "BACKGROUND")
         background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
         background.inputs["Strength"].default_value = strength
     return world

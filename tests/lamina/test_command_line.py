@@ -166,7 +166,9 @@ class TestReport:
         lut = lamina.Lut.load(baked)
         lamina.Lut({**lut.header, "report": {}}, lut.weights).save(baked)
         assert main(["report", "out.npz"]) == 2
-        assert capfd.readouterr().err == "lamina: out.npz: the header of the lookup table is incomplete\n"
+        assert capfd.readouterr().err == (
+            "lamina: out.npz: the header of the lookup table is incomplete: "
+            "report.fit_error_transmission is missing\n")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals and terminals")

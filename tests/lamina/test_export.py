@@ -121,7 +121,7 @@ def test_inconsistent_archives_are_refused(sheet, tmp_path, change, sentence):
 @pytest.mark.parametrize("axes, sentence", [
     ({"theta_o": [0.0, 1.6]}, r"theta_o = 1.6: must lie in \[0, pi/2\)"),
     ({"theta_i": [-0.1]}, r"theta_i = -0.1: must lie in \[0, pi/2\)"),
-    ({"theta_i": []}, "theta_i: must be a list of angles"),
+    ({"theta_i": []}, "theta_i: must be a list of finite angles"),
     ({"dphi": [math.nan]}, "dphi: must be a list of finite angles"),
 ])
 def test_bad_axes(sheet, tmp_path, axes, sentence):

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checked arguments of functions: whole numbers, choices, directions, callables. Quantities of a stack: see fields."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import operator
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from .errors import ArgumentError, shown
+
+# BRDFs have reached their limit at grazing incidence here, to nine digits; below 1e-150 squares of a cosine vanish.
+LEAST_COSINE = 1e-9
+
+
+def check_whole(value, name: str, low: int, high: int, range_words: str = "") -> int:
+    """`value` as an int in [low, high]. Raises ArgumentError."""
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and low <= value <= high:
+        return operator.index(value)
+    raise ArgumentError(f"{name} = {shown(value)}: must be a whole number {range_words or f'from {low} to {high}'}")
+
+
+def check_choice(value, name: str, choices: Iterable[str], words: str = "") -> str:
+    """`value` if it is one of the choices, which `words` may list otherwise. Raises ArgumentError."""
+    if isinstance(value, str) and value in choices:
+        return value
+    raise ArgumentError(f"{name} = {shown(value)}: must be {words or 'one of ' + ', '.join(choices)}")
+
+
+def check_number(value, name: str, rule: str, fits) -> float:
+    """`value`, one finite number for which `fits(value)` holds, as a float. Raises ArgumentError with the rule."""
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if math.isfinite(number) and fits(number):
+            return number
+    raise ArgumentError(f"{name} = {shown(value)}: {rule}")
+
+
+def check_kind(value, name: str, kind: type, words: str):
+    """`value` if it is of that kind. Raises ArgumentError, with the kind in words."""
+    if isinstance(value, kind):
+        return value
+    raise ArgumentError(f"{name} = {shown(value)}: must be {words}")
+
+
+def check_callable(value, name: str) -> None:
+    """Raises ArgumentError unless `value` can be called or is None."""
+    if value is not None and not callable(value):
+        raise ArgumentError(f"{name} = {shown(value)}: must be a function or None")
+
+
+def check_threads(threads: int) -> int:
+    """A count of threads, 0 for all. Raises ArgumentError."""
+    return check_whole(threads, "threads", 0, 1024, "from 0 (all) to 1024")
+
+
+def check_seed(seed: int) -> int:
+    """Raises ArgumentError unless it is a seed."""
+    return check_whole(seed, "seed", 0, (1 << 64) - 1, "from 0 to 2^64 - 1")
+
+
+def finite_array(values, name: str) -> np.ndarray:
+    """The values as an array of floats of any shape. Raises ArgumentError."""
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{name} = {shown(values)}: must be a number or an array of numbers") from None
+    if not np.all(np.isfinite(array)):
+        raise ArgumentError(f"{name} holds a value that is not finite")
+    return array
+
+
+def finite_list(values, name: str) -> np.ndarray:
+    """The values as an array of shape (count,), a single one as a list of one. Raises ArgumentError."""
+    array = np.atleast_1d(finite_array(values, name))
+    if array.ndim != 1:
+        raise ArgumentError(f"{name} has the shape {array.shape}: must be a number or a list of numbers")
+    return array
+
+
+def cosines(values: np.ndarray, name: str) -> np.ndarray:
+    """Cosines in (0, 1]; those below LEAST_COSINE become LEAST_COSINE. `values`: of finite_array. Raises
+    ArgumentError."""
+    outside = (values <= 0.0) | (values > 1.0)
+    if np.any(outside):
+        raise ArgumentError(f"{name} = {values[outside].flat[0]:g}: must lie in (0, 1]")
+    return np.maximum(values, LEAST_COSINE)
+
+
+def broadcast(arrays: Sequence[np.ndarray], names: Sequence[str]) -> list[np.ndarray]:
+    """The arrays in their common shape. Raises ArgumentError when there is none."""
+    try:
+        return np.broadcast_arrays(*arrays)
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(names, arrays, strict=True))
+        raise ArgumentError(f"{shapes}: shapes must be equal or broadcast") from None

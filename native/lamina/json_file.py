@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""JSON texts that say each thing once."""
+
+from __future__ import annotations
+
+import json
+
+from .errors import shown
+
+
+def parse(text: str | bytes):
+    """The value of a JSON text. Raises ValueError, in words, for what is no JSON, nests too deeply, or gives a key
+    twice in one object."""
+    try:
+        return json.loads(text, object_pairs_hook=_object)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
+
+
+def _object(pairs: list[tuple[str, object]]) -> dict:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for index, key in enumerate(keys) if key in keys[:index])
+        raise ValueError(f"key {shown(twice)} is given twice in one object")
+    return found
