@@ -174,18 +174,21 @@ def difference(material):
 
 def _note_report(result, lut):
     header, report = lut.header, lut.report
-    worst = report.get("worst_slice") or {}
-    transmission, tau = report.get("fit_error_transmission"), worst.get("tau")
+    transmission = report.get("fit_error_transmission")
     result.stack_hash = header["stack_hash"]
     result.quality = header["quality"]
     result.basis = header["basis"]
     result.fit_error = report["fit_error"]
     result.fit_error_transmission = -1.0 if transmission is None else transmission
-    result.worst_error = worst.get("error", 0.0)
-    result.worst_mu = worst.get("mu_o", 1.0)
-    result.worst_channel = int(worst.get("channel", 0))
-    result.worst_side = str(worst.get("side", "top"))
-    result.worst_tau = tau if tau is not None and header["axes"]["tau"]["count"] > 1 else -1.0
+    for prefix, key in (("", "worst_slice"), ("through_", "worst_slice_transmission")):
+        worst = report.get(key) or {"error": -1.0}
+        tau = worst.get("tau")
+        setattr(result, f"{prefix}worst_error", worst["error"])
+        setattr(result, f"{prefix}worst_mu", worst.get("mu_o", 1.0))
+        setattr(result, f"{prefix}worst_channel", int(worst.get("channel", 0)))
+        setattr(result, f"{prefix}worst_side", str(worst.get("side", "top")))
+        varies = tau is not None and header["axes"]["tau"]["count"] > 1
+        setattr(result, f"{prefix}worst_tau", tau if varies else -1.0)
     result.row_errors = json.dumps(_row_errors(report))
     between = report.get("tau_error") or {}
     result.between_rows = between.get("mean", -1.0)

@@ -29,6 +29,11 @@ CLOSURE_COLOUR = (0.30, 0.24, 0.16)
 # lamina.base_texture.
 BASE_PREFIX, THROWN_BACK = "base/", "base/thrown back"
 
+# Where N = I, the plane of incidence is undefined and directions in it would be zero vectors. The cross
+# product of I with this vector is added to them: far above the rounding of single precision, far below what
+# any lobe shows. The vector is parallel to no likely normal.
+ASIDE = (0.61e-5, 1.07e-5, 1.57e-5)
+
 
 class UnknownClosureError(RefusedError):
     """A recipe that this Blender cannot follow; str() is one sentence."""
@@ -84,7 +89,7 @@ def _draw(graph, lut, image, recipe_of):
     graph.begin_frame("Normal (the surface's own when the input is empty)", NORMAL_COLOUR)
     normal = _normal(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
     graph.begin_frame("View angle to column u", ANGLE_COLOUR)
-    cosine, u = _column(graph, incoming, normal, columns)
+    cosine, angle, u = _column(graph, incoming, normal, columns)
     graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
     v = _row(graph, lut, inputs, backfacing, rows, height)
     graph.end_frame()
@@ -93,10 +98,12 @@ def _draw(graph, lut, image, recipe_of):
     graph.set(corner.inputs[1], v)
 
     graph.begin_frame("Directions of the closures", NORMAL_COLOUR)
-    directions = _Directions(graph, incoming, normal, cosine)
+    directions = _Directions(graph, incoming, normal, cosine, angle)
     for recipe in recipes:
         for wanted in (recipe.normal, *recipe.vectors.values()):
             directions.of(wanted)
+        for multiple in recipe.view_angles.values():
+            directions.view_angle(multiple)
 
     def strip(index, column, line, label):
         first_row = (index * rows + 0.5) / height
@@ -154,7 +161,7 @@ def _column(graph, incoming, normal, columns):
     angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
     last = columns - 1
     share = graph.math("MULTIPLY", 1.4, 4, "columns per radian", angle, last / columns / (math.pi / 2))
-    return cosine, graph.math("ADD", 2.4, 4, "u", share, 0.5 / columns)
+    return cosine, angle, graph.math("ADD", 2.4, 4, "u", share, 0.5 / columns)
 
 
 def _row(graph, lut, inputs, backfacing, rows, height):
@@ -196,18 +203,30 @@ def rescale(tree, lut):
 class _Directions:
     """The directions that recipes ask for, each made once: see lamina.lobes.NodeRecipe."""
 
-    def __init__(self, graph, incoming, normal, cosine):
+    def __init__(self, graph, incoming, normal, cosine, angle):
         self.graph = graph
         self.cosine = cosine
+        self.angle = angle
+        self.multiples = {}
         self.known = {"N": normal, "I": incoming}
         self.line = 10.2
         self.tangent = None
+        self.aside = None
 
     def of(self, wanted):
         wanted = tuple(wanted) if isinstance(wanted, list) else wanted
         if wanted not in self.known:
             self.known[wanted] = self._make(wanted)
         return self.known[wanted]
+
+    def view_angle(self, multiple):
+        """That multiple of the angle between I and N, in radians."""
+        if multiple not in self.multiples:
+            self.line += 1
+            name = f"{multiple:g} view angle"
+            scaled = self.graph.math("MULTIPLY", 3.4, self.line, name, self.angle, multiple)
+            self.multiples[multiple] = scaled
+        return self.multiples[multiple]
 
     def _make(self, wanted):
         graph, normal, incoming = self.graph, self.known["N"], self.known["I"]
@@ -225,11 +244,12 @@ class _Directions:
             along = graph.scale(1.4, self.line, "along N", normal, twice)
             total = graph.vector("SUBTRACT", 2.4, self.line, f"R + {wanted[1]:g} N", along, incoming)
         elif wanted == "T":
-            # N across I; where both are one, any direction square to I.
+            # N across I; where both are one, any direction square to I will do.
             along = graph.scale(-0.6, self.line, "(N.I) I", incoming, self.cosine)
             across = graph.vector("SUBTRACT", 0.4, self.line, "N across I", normal, along)
-            aside = graph.vector("CROSS_PRODUCT", 1.4, self.line, "aside", incoming, (3.0e-6, 5.0e-6, 8.0e-6))
-            total = graph.vector("ADD", 2.4, self.line, "square to I", across, aside)
+            total = graph.vector("ADD", 2.4, self.line, "square to I", across, self._aside())
+        elif wanted == "I aside":
+            total = graph.vector("ADD", 2.4, self.line, "I aside", incoming, self._aside())
         elif isinstance(wanted, tuple) and wanted[0] == "tilt":
             angle = math.radians(wanted[1])
             across = graph.scale(0.4, self.line, "sin", self._tangent(), math.sin(angle))
@@ -240,14 +260,21 @@ class _Directions:
         return graph.vector("NORMALIZE", 3.4, self.line, "unit", total)
 
     def _tangent(self):
-        """Unit vector across N towards the viewer: normalised I - (N.I) N."""
+        """Unit vector across N towards the viewer: normalised I - (N.I) N; any across N where I = N."""
         if self.tangent is None:
             graph = self.graph
-            along = graph.scale(-1.6, self.line, "(N.I) N", self.known["N"], self.cosine)
-            across = graph.vector("SUBTRACT", -0.6, self.line, "I across N", self.known["I"], along)
+            along = graph.scale(-2.6, self.line, "(N.I) N", self.known["N"], self.cosine)
+            across = graph.vector("SUBTRACT", -1.6, self.line, "I across N", self.known["I"], along)
+            across = graph.vector("ADD", -0.6, self.line, "never zero", across, self._aside())
             self.tangent = graph.vector("NORMALIZE", 0.4, self.line, "to the viewer", across)
             self.line += 1
         return self.tangent
+
+    def _aside(self):
+        """A vector of length 2e-5 at most, square to I, and so to N where both are one."""
+        if self.aside is None:
+            self.aside = self.graph.vector("CROSS_PRODUCT", 1.4, 9.6, "aside", self.known["I"], ASIDE)
+        return self.aside
 
 
 def _closure(graph, line, name, recipe, weight, directions, backfacing):
@@ -263,6 +290,8 @@ def _closure(graph, line, name, recipe, weight, directions, backfacing):
             graph.link(directions.of(recipe.normal), node.inputs[recipe.normal_input])
         for key, wanted in recipe.vectors.items():
             graph.link(directions.of(wanted), node.inputs[key])
+        for key, multiple in recipe.view_angles.items():
+            graph.link(directions.view_angle(multiple), node.inputs[key])
         if recipe.invert_ior_on_backface:
             _invert_on_backface(graph, line, node.inputs["IOR"], float(recipe.inputs["IOR"]), backfacing)
         for socket in node.inputs:

@@ -163,6 +163,9 @@ def _bake_one(material, stack, arguments):
         raise
     result = material.lamina.result
     errors = f"fit error {percent(result.fit_error, 2)}, worst slice {percent(result.worst_error)}"
+    if result.fit_error_transmission >= 0.0:
+        errors += f", transmission {percent(result.fit_error_transmission, 2)}"
+        errors += f", worst slice {percent(result.through_worst_error)}"
     how = f"{result.closures} closures, {result.basis}, {result.quality}"
     return f"{errors}, {how}, {time.perf_counter() - started:.2f} s"
 

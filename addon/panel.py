@@ -171,20 +171,32 @@ class LAMINA_PT_result(MaterialPanel, bpy.types.Panel):
 def result_lines(result):
     """(name, value) for each line of the result box."""
     lines = [("Fit Error", f"{percent(result.fit_error)} mean, {percent(result.worst_error)} worst")]
-    angle = math.degrees(math.acos(min(max(result.worst_mu, 0.0), 1.0)))
-    place = [f"{angle:.0f}° view", CHANNELS[min(max(result.worst_channel, 0), 2)]]
-    if result.worst_side == "bottom":
-        place.append("back side")
-    if result.worst_tau >= 0.0:
-        place.append(f"τ {result.worst_tau:.2g}")
-    lines.append(("Worst At", ", ".join(place)))
+    lines.append(("Worst At", _place(result, "worst")))
     if result.fit_error_transmission >= 0.0:
-        lines.append(("Transmission", f"{percent(result.fit_error_transmission)} mean fit error"))
+        through = f"{percent(result.fit_error_transmission)} mean"
+        if result.through_worst_error >= 0.0:  # bakes of earlier versions do not tell it
+            through += f", {percent(result.through_worst_error)} worst"
+        lines.append(("Transmission", through))
+    if result.through_worst_error >= 0.0:
+        lines.append(("Worst At", _place(result, "through_worst")))
     lines.append(("Albedo Error", percent(result.albedo_error, 2)))
     lines.append(("Energy Error", percent(result.energy_error, 2)))
     lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} basis"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
     return lines
+
+
+def _place(result, prefix):
+    """Where a worst slice is, from the properties that begin with `prefix`."""
+    names = ("mu", "channel", "side", "tau")
+    cosine, channel, side, tau = (getattr(result, f"{prefix}_{name}") for name in names)
+    angle = math.degrees(math.acos(min(max(cosine, 0.0), 1.0)))
+    place = [f"{angle:.0f}° view", CHANNELS[min(max(channel, 0), 2)]]
+    if side == "bottom":
+        place.append("back side")
+    if tau >= 0.0:
+        place.append(f"τ {tau:.2g}")
+    return ", ".join(place)
 
 
 def draw_progress(layout, job, cancel):

@@ -35,6 +35,13 @@ class LaminaResult(bpy.types.PropertyGroup):
     worst_channel: IntProperty()
     worst_side: StringProperty()
     worst_tau: FloatProperty(description="Its row's optical thickness; negative when none varies")
+    through_worst_error: FloatProperty(
+        default=-1.0, description="The same of the worst slice of transmission; negative when there is none"
+    )
+    through_worst_mu: FloatProperty()
+    through_worst_channel: IntProperty()
+    through_worst_side: StringProperty()
+    through_worst_tau: FloatProperty()
     row_errors: StringProperty(
         description="JSON: [thickness, mean fit error, worst] of each row of the varying layer"
     )

@@ -38,8 +38,9 @@ def _row(name, blind, stack, quality, basis):
     report, worst = lut.report, lut.report["worst_slice"]
     return {"stack": name, "blind": blind, "basis": basis, "quality": quality, "mean": report["fit_error"],
             "worst": worst["error"], "worst_mu": worst["mu_o"], "albedo": report["albedo_error"],
-            "transmission": report["fit_error_transmission"], "closures": report["closures"],
-            "seconds": lut.seconds}
+            "transmission": report["fit_error_transmission"],
+            "worst_transmission": (report["worst_slice_transmission"] or {"error": None})["error"],
+            "closures": report["closures"], "seconds": lut.seconds}
 
 
 def _sum(name, rows):
@@ -49,5 +50,7 @@ def _sum(name, rows):
             "mean": statistics.fmean(row["mean"] for row in rows), "worst": max(row["worst"] for row in rows),
             "worst_mu": None, "albedo": max(row["albedo"] for row in rows),
             "transmission": statistics.fmean(through) if through else None,
+            "worst_transmission": max((row["worst_transmission"] for row in rows
+                                       if row["worst_transmission"] is not None), default=None),
             "closures": statistics.fmean(row["closures"] for row in rows),
             "seconds": sum(row["seconds"] for row in rows)}

@@ -80,9 +80,10 @@ def bake(rows):
 
 
 def fit(rows):
-    return markdown(["basis", "stacks", "mean", "worst slice", "albedo", "transmission", "closures"],
+    return markdown(["basis", "stacks", "mean", "worst slice", "albedo", "transmission", "its worst slice", "closures"],
                     [[row["basis"], row["stack"], percent(row["mean"]), percent(row["worst"]),
-                      f"{row['albedo']:.0e}", percent(row["transmission"], 1), f"{row['closures']:.1f}"]
+                      f"{row['albedo']:.0e}", percent(row["transmission"], 1),
+                      percent(row["worst_transmission"], 1), f"{row['closures']:.1f}"]
                      for row in rows if row["blind"] is None and row["quality"] == "final"])
 
 

@@ -14,6 +14,7 @@ from .arguments import check_choice, check_seed, check_whole
 from .base_texture import over_texture
 from .clean_row import mix_rows, without_varying
 from .closure_table import grid_for
+from .dropped_weights import folded
 from .errors import ArgumentError, StackError, shown
 from .fields import channel
 from .fit_report import all_rows, fit_report
@@ -25,6 +26,7 @@ from .progress import Progress, portion, stepper
 from .slices import slices, solve_rows
 from .solve import check_nodes, check_stack, thread_pool, tolerance_of
 from .stack import Stack
+from .strayed_light import compensated
 from .tau_error import tau_error
 
 # How many closures each basis holds at most: for lobes of rough boundaries, for other reflected light, for both
@@ -54,8 +56,11 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     Boundaries reflect in a closure of their own, "mirror:ALPHA", exactly; facets narrower than alpha .03 are
     solved as smooth, and keep their width in that closure.
     The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2
-    error over solid angle relative to the slice's norm; `worst_slice`; `albedo_error`, the worst relative
-    error of a directional albedo; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
+    error over solid angle relative to the slice's norm; `worst_slice` and `worst_slice_transmission`, the largest
+    of these errors and where it is (`mu_o`, `channel`, `side` of the viewer, `tau` of a varying layer); those of
+    transmission are None for a stack on a base; `albedo_error`, the worst relative
+    error of a directional albedo; `strayed_light` of a sheet, see lamina.strayed_light.strayed_report, None for a
+    stack on a base; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
     thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, what is lost between rows, measured
     at quality "final" when every row is solved, see lamina.tau_error.
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
@@ -88,16 +93,24 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
         seen, base = over_texture(solved, grid, pool, portion(step, 0.3, 0.7))
     else:
         seen, base = slices(solved, grid, pool, portion(step, 0.3, 0.7)), None
+    fitted = {}
     for kind, wanted in seen.items():
         effort, own = (reflected, made) if kind == "reflection" else (through, ())
-        parts[kind] = fit(kind, wanted, effort, portion(step, 0.7, 0.95), own, given[kind])
+        fitted[kind] = fit(kind, wanted, effort, portion(step, 0.7, 0.95), own, given[kind])
+    gain = 0.0
+    if solved.is_sheet:
+        fitted["transmission"], gain = compensated(*fitted.values(), seen["transmission"], grid)
+    for kind, wanted in seen.items():
+        strayed = gain if kind == "transmission" else 0.0
+        parts[kind] = folded(fitted[kind], wanted, grid, solved.is_sheet, strayed)
         if np.any(wanted.direct):
             name = peaks.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])
     if base is not None:
-        fitted = fit("reflection", base.slices, below, portion(step, 0.95, 0.97), (), given["base"])
+        below = fit("reflection", base.slices, below, portion(step, 0.95, 0.97), (), given["base"])
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
-        parts |= base.parts(reflectance, seen["reflection"], parts["reflection"], fitted)
+        below = folded(below, base.slices, grid, False, factor=base.gain(reflectance))
+        parts |= base.parts(reflectance, seen["reflection"], parts["reflection"], below)
     between = None
     if stack.varying is not None and quality == "final":
         largest = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
@@ -125,7 +138,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
             },
         },
         "closures": [name for one in parts.values() for name in one.closures],
-        "report": fit_report(parts, solved) | ({"tau_error": between} if between else {}),
+        "report": fit_report(parts, seen, solved) | ({"tau_error": between} if between else {}),
     }
     return Lut(header, weights, time.perf_counter() - started)
 

@@ -27,11 +27,15 @@ class TexturedBase:
     thrown_back: np.ndarray
     grid: LightGrid
 
+    def gain(self, reflectance: list[float]) -> np.ndarray:
+        """What multiplies the weights of A for a reflectance, one a channel: [side, row, channel, column]."""
+        rho = np.array(reflectance)[:, None]
+        return rho / (1.0 - rho * self.thrown_back)
+
     def parts(self, reflectance: list[float], black: Slices, dark: Mixture, fitted: Mixture) -> dict[str, Mixture]:
         """Parts of the table, of the fits over black and of A. Their errors are for the reflectance that the stack
         states, one a channel: at most what both fits add up to."""
-        rho = np.array(reflectance)[:, None]
-        gain = rho / (1.0 - rho * self.thrown_back)
+        gain = self.gain(reflectance)
         whole = norms(black.values + gain[..., None] * self.slices.values, self.grid)
         errors = np.nan_to_num(dark.errors) * norms(black.values, self.grid)
         errors = errors + np.nan_to_num(fitted.errors) * gain * norms(self.slices.values, self.grid)

@@ -89,7 +89,7 @@ def with_more(kind: str, grid: LightGrid, mixed: bool, stride: int, more: tuple[
     return _tabulated(more, grid, mixed, stride, whole) if more else whole
 
 
-@functools.lru_cache(maxsize=8)
+@functools.lru_cache(maxsize=16)
 def only(grid: LightGrid, mixed: bool, ids: tuple[str, ...]) -> Closures:
     """Just these, in that order, at all columns, to be fitted."""
     return _tabulated(ids, grid, mixed, 1)

@@ -7,14 +7,15 @@ import numpy as np
 
 from .closure_table import view_cosines
 from .mixture import Mixture
-from .slices import SolvedRows
+from .slices import Slices, SolvedRows
+from .strayed_light import strayed_report
 
 # Errors are stated for view cosines from here on; nearer to grazing, closures are extrapolated.
 STATED_COSINE = 0.05
 
 
-def fit_report(parts: dict[str, Mixture], solved: SolvedRows) -> dict:
-    """The report of a table, see lamina.bake; `parts` by kind, "reflection" first."""
+def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: SolvedRows) -> dict:
+    """The report of a table, see lamina.bake; `parts` by kind, "reflection" first; `seen`: the slices they fit."""
     stated = view_cosines() >= STATED_COSINE
     reflection, through = parts["reflection"], parts.get("transmission")
     fitted = [part for part in parts.values() if part.errors is not None]
@@ -25,9 +26,11 @@ def fit_report(parts: dict[str, Mixture], solved: SolvedRows) -> dict:
         "worst_slice": _worst(reflection.errors, stated, solved),
         "slice_errors": all_rows(np.nan_to_num(reflection.errors), solved, 1).round(6).tolist(),
         "fit_error_transmission": None if through is None else _mean(through.errors[..., stated]),
+        "worst_slice_transmission": None if through is None else _worst(through.errors, stated, solved),
         "slice_errors_transmission": through_errors,
         **_by_row(reflection.errors[..., stated], solved),
         "albedo_error": max(float(part.albedo_errors[..., stated].max()) for part in fitted),
+        "strayed_light": strayed_report(parts, seen, stated) if solved.is_sheet else None,
         "energy_error": max(f.checks["energy"] for f in functions),
         "closures": sum(len(part.closures) for part in parts.values()),
         "solver": {

@@ -18,6 +18,7 @@ Evaluate = Callable[..., np.ndarray]
 
 GEOMETRIC = "N"
 INCOMING = "I"
+ASIDE = "I aside"
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,10 @@ class NodeRecipe:
     properties.  `normal` (fed into the socket `normal_input`) is "N", "I", "N+I", "N+R" (normalised
     sums; R mirrors I at N), ("lean", share): R + share N, or ("tilt", degrees): N turned towards the
     viewer, in the plane of incidence.  `vectors` are further sockets that take such a direction: "I" is
-    the vector Geometry.Incoming, "T" the one in the plane of incidence that is square to it.
+    the vector Geometry.Incoming, "T" the one in the plane of incidence that is square to it, "I aside" the
+    vector I turned by some 1e-5 radians.  A tangent must not be parallel to the normal, or Cycles renders
+    black; "I aside" is for tangents, since I is the normal where a surface is seen exactly from above.
+    `view_angles` are sockets that take that multiple of the view angle theta_o, in radians.
     `invert_ior_on_backface`: Cycles takes 1/IOR on back faces, so the graph has to feed it 1/IOR there
     for the same lobe on both sides.
     """
@@ -40,6 +44,7 @@ class NodeRecipe:
     normal: Normal = GEOMETRIC
     normal_input: str = "Normal"
     vectors: Mapping[str, Normal] = field(default_factory=dict)
+    view_angles: Mapping[str, float] = field(default_factory=dict)
     invert_ior_on_backface: bool = False
 
 
@@ -54,7 +59,9 @@ class Cone:
 @dataclass(frozen=True)
 class Lobe:
     """One closure of unit weight: `evaluate(mu_o, mu_i, dphi)` -> f * |cos theta_i|, broadcast, 1/sr. `narrow`:
-    so much so that integrals need directions dense about the mirror direction. `cone`: where it has an edge."""
+    so much so that integrals need directions dense about the mirror direction. `cone`: where it has an edge.
+    `density`: of the directions that Cycles samples for a reflection lobe, 1/sr; None: the same as the value.
+    `strayed`: of a transmission lobe, the density of those that Cycles samples above the horizon; None: of none."""
 
     id: str
     side: str
@@ -62,6 +69,8 @@ class Lobe:
     node: NodeRecipe = field(repr=False, compare=False)
     narrow: bool = False
     cone: Cone | None = None
+    density: Evaluate | None = field(default=None, repr=False, compare=False)
+    strayed: Evaluate | None = field(default=None, repr=False, compare=False)
 
     @property
     def leans(self) -> bool:
@@ -71,8 +80,8 @@ class Lobe:
 
     @property
     def strays(self) -> bool:
-        """Whether Cycles samples it beyond the horizon: a lobe about the direction straight through."""
-        return self.node.type == "ShaderNodeBsdfHair"
+        """Whether Cycles samples it beyond the horizon."""
+        return self.strayed is not None
 
 
 class Geometry:

@@ -19,6 +19,7 @@ import numpy as np
 from .errors import shown
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, mirror
+from .through_lobes import through
 
 
 def _normal_suffix(normal: Normal) -> str:
@@ -50,39 +51,6 @@ def translucent(normal: Normal = GEOMETRIC) -> Lobe:
     return Lobe("translucent" + _normal_suffix(normal), "transmission", evaluate, node)
 
 
-# --- Straight through ---------------------------------------------------------------------------
-
-
-def through(along: float, across: float, name: str = "") -> Lobe:
-    """Hair BSDF, component Transmission: a Lorentzian lobe about the direction straight through, of widths
-    2 `along` in the plane of incidence and `across` out of it, both at most 1: Cycles clamps them.
-
-    Its tangent is the direction in the plane of incidence that is square to the viewer, so the lobe turns with
-    the viewer."""
-
-    def evaluate(mu_o, mu_i, dphi):
-        g = Geometry(mu_o, mu_i, dphi, below=True)
-        return _lorentzian(g.mu_o, g.sin_o, g.light_x, g.light_y, g.light_z, along, across)
-
-    node = NodeRecipe(
-        "ShaderNodeBsdfHair", inputs={"Offset": 0.0, "RoughnessU": along, "RoughnessV": across},
-        enums={"component": "Transmission"}, normal_input="", vectors={"Tangent": "T"},
-    )
-    return Lobe(name or f"through_{number(along)}_{number(across)}", "transmission", evaluate, node, narrow=True)
-
-
-def _lorentzian(mu_o, sin_o, x, y, z, along, across):
-    """Elevation and azimuth about the tangent (-mu_o, 0, sin_o). Cycles samples azimuths up to a right angle, over
-    which the integral is 1, and evaluates the same tails further round."""
-    sine = np.clip(-mu_o * x + sin_o * z, -1.0, 1.0)
-    elevation = np.arcsin(sine)
-    cosine = np.maximum(np.cos(elevation), 1e-6)
-    turn = np.arctan2(y, -(sin_o * x + mu_o * z))  # azimuth from straight through
-    elevation_density = along / (4.0 * np.arctan(np.pi / 4 / along) * ((0.5 * elevation) ** 2 + along**2) * cosine)
-    azimuth_density = across / (2.0 * np.arctan(np.pi / 2 / across) * (turn**2 + across**2))
-    return elevation_density * azimuth_density
-
-
 # --- Toon ---------------------------------------------------------------------------------------
 
 
@@ -93,6 +61,18 @@ def _toon(cosine, size: float, smooth: float):
     intensity = np.where(beyond < 0.0, 1.0, np.clip(1.0 - beyond / ramp, 0.0, 1.0) if ramp > 0.0 else 0.0)
     solid_angle = 2.0 * np.pi * (1.0 - np.cos(min(inner + ramp, np.pi / 2)))
     return np.where(cosine >= 0.0, intensity / solid_angle, 0.0)
+
+
+def _toon_density(cosine, size: float, smooth: float):
+    """Cycles samples all that a cone and its ramp reach evenly."""
+    outer = min((max(size, 1e-5) + smooth) * np.pi / 2, np.pi / 2)
+    return np.where(cosine >= np.cos(outer), 1.0 / (2.0 * np.pi * (1.0 - np.cos(outer))), 0.0)
+
+
+def _along_mirror(mu_o, mu_i, dphi):
+    """Cosine of the light with the mirror direction."""
+    g = Geometry(mu_o, mu_i, dphi)
+    return g.mu_o * g.mu_i - g.sin_o * g.light_x
 
 
 def _toon_cone(size: float, smooth: float) -> Cone | None:
@@ -109,25 +89,30 @@ def toon(size: float, smooth: float, normal: Normal = GEOMETRIC, name: str = "")
     def evaluate(mu_o, mu_i, dphi):
         return _toon(Geometry(mu_o, mu_i, dphi).along(normal), size, smooth)
 
+    def density(mu_o, mu_i, dphi):
+        return _toon_density(Geometry(mu_o, mu_i, dphi).along(normal), size, smooth)
+
     node = NodeRecipe(
         "ShaderNodeBsdfToon", inputs={"Size": size, "Smooth": smooth}, enums={"component": "DIFFUSE"},
         normal=normal,
     )
     name = name or f"toon_{number(size)}_{number(smooth)}" + _normal_suffix(normal)
-    return Lobe(name, "reflection", evaluate, node, cone=_toon_cone(size, smooth))
+    return Lobe(name, "reflection", evaluate, node, cone=_toon_cone(size, smooth), density=density)
 
 
 def toon_glossy(size: float, smooth: float) -> Lobe:
     """Toon BSDF, component Glossy: a soft cone about the mirror direction."""
 
     def evaluate(mu_o, mu_i, dphi):
-        g = Geometry(mu_o, mu_i, dphi)
-        return _toon(g.mu_o * g.mu_i - g.sin_o * g.light_x, size, smooth)
+        return _toon(_along_mirror(mu_o, mu_i, dphi), size, smooth)
+
+    def density(mu_o, mu_i, dphi):
+        return _toon_density(_along_mirror(mu_o, mu_i, dphi), size, smooth)
 
     node = NodeRecipe(
         "ShaderNodeBsdfToon", inputs={"Size": size, "Smooth": smooth}, enums={"component": "GLOSSY"}
     )
-    return Lobe(f"toonglossy_{number(size)}_{number(smooth)}", "reflection", evaluate, node)
+    return Lobe(f"toonglossy_{number(size)}_{number(smooth)}", "reflection", evaluate, node, density=density)
 
 
 # --- Sheen --------------------------------------------------------------------------------------
@@ -148,7 +133,10 @@ def sheen_ashikhmin(sigma: float) -> Lobe:
     node = NodeRecipe(
         "ShaderNodeBsdfSheen", inputs={"Roughness": sigma}, enums={"distribution": "ASHIKHMIN"}
     )
-    return Lobe(f"sheen_a_{number(sigma)}", "reflection", evaluate, node)
+    def density(mu_o, mu_i, dphi):
+        return np.full(np.broadcast_shapes(*map(np.shape, (mu_o, mu_i, dphi))), 0.5 / np.pi)
+
+    return Lobe(f"sheen_a_{number(sigma)}", "reflection", evaluate, node, density=density)
 
 
 # --- The dictionary -----------------------------------------------------------------------------
@@ -208,6 +196,16 @@ DICTIONARY: tuple[Lobe, ...] = (
     through(0.1, 0.3),
     through(0.16, 0.32),
     through(0.4, 1.0),
+    through(0.035, 0.105, lean=0.12),
+    through(0.06, 0.18, lean=0.12),
+    through(0.1, 0.3, lean=0.12),
+    through(0.06, 0.18, lean=0.27),
+    through(0.1, 0.3, lean=0.27),
+    through(0.16, 0.5, lean=0.27),
+    through(0.1, 0.3, lean=0.5),
+    through(0.16, 0.5, lean=0.75),
+    through(0.25, 1.0, lean=0.75),
+    through(0.16, 0.5, lean=1.0),
 )
 
 _BY_ID = {lobe.id: lobe for lobe in DICTIONARY}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .lobe import INCOMING, Geometry, Lobe, NodeRecipe, number
+from .lobe import ASIDE, INCOMING, Geometry, Lobe, NodeRecipe, number
 
 
 def _smith_lambda(x, y, z, alpha_x, alpha_y):
@@ -22,13 +22,28 @@ def _ggx_reflection(g: Geometry, alpha_x: float, alpha_y: float):
 
     For alpha_x = alpha_y = 1 this is mu_i / (2 pi (mu_o + mu_i)), the law of Lommel and Seeliger.
     """
+    masking = 1.0 + _smith_lambda(g.sin_o, 0.0, g.mu_o, alpha_x, alpha_y)
+    masking = masking + _smith_lambda(g.light_x, g.light_y, g.mu_i, alpha_x, alpha_y)
+    return _ggx_facets(g, alpha_x, alpha_y) / (4.0 * g.mu_o * masking)
+
+
+def _ggx_facets(g: Geometry, alpha_x: float, alpha_y: float):
+    """The distribution D of facet normals, at the half vector."""
     half_x, half_y, half_z = g.sin_o + g.light_x, g.light_y, g.mu_o + g.mu_i
     length2 = half_x**2 + half_y**2 + half_z**2
     stretched = (half_x / alpha_x) ** 2 + (half_y / alpha_y) ** 2 + half_z**2
-    density = (length2 / stretched) ** 2 / (np.pi * alpha_x * alpha_y)
-    masking = 1.0 + _smith_lambda(g.sin_o, 0.0, g.mu_o, alpha_x, alpha_y)
-    masking = masking + _smith_lambda(g.light_x, g.light_y, g.mu_i, alpha_x, alpha_y)
-    return density / (4.0 * g.mu_o * masking)
+    return (length2 / stretched) ** 2 / (np.pi * alpha_x * alpha_y)
+
+
+def _ggx_density(alpha_x: float, alpha_y: float):
+    """Of reflected directions, where facets are sampled as the viewer sees them (Heitz 2018): D G1 / (4 mu_o)."""
+
+    def density(mu_o, mu_i, dphi):
+        g = Geometry(mu_o, mu_i, dphi)
+        seen = 1.0 + _smith_lambda(g.sin_o, 0.0, g.mu_o, alpha_x, alpha_y)
+        return _ggx_facets(g, alpha_x, alpha_y) / (4.0 * g.mu_o * seen)
+
+    return density
 
 
 def ggx(roughness: float, anisotropy: float = 0.0, name: str = "") -> Lobe:
@@ -50,9 +65,10 @@ def ggx(roughness: float, anisotropy: float = 0.0, name: str = "") -> Lobe:
         "ShaderNodeBsdfAnisotropic",
         inputs={"Roughness": roughness, "Anisotropy": anisotropy, "Rotation": 0.0},
         enums={"distribution": "GGX"},
-        vectors={"Tangent": INCOMING} if anisotropy else {},
+        vectors={"Tangent": ASIDE} if anisotropy else {},
     )
-    return Lobe(name, "reflection", evaluate, node, narrow=roughness < 0.65)
+    density = _ggx_density(alpha_x, alpha_y)
+    return Lobe(name, "reflection", evaluate, node, narrow=roughness < 0.65, density=density)
 
 
 def _fresnel(cosine, ior: float):
@@ -91,7 +107,8 @@ def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:
         vectors={"Coat Normal": INCOMING},
     )
     name = name or f"p{number(ior)}" + (f"_{number(roughness)}" if roughness != 1.0 else "")
-    return Lobe(name, "reflection", evaluate, node, narrow=roughness < 0.65)
+    density = _ggx_density(alpha, alpha)
+    return Lobe(name, "reflection", evaluate, node, narrow=roughness < 0.65, density=density)
 
 
 def beckmann(roughness: float, name: str = "") -> Lobe:

@@ -108,6 +108,17 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
     )
 
 
+def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid, mixed: bool,
+               strayed: np.ndarray | float = 0.0) -> Mixture:
+    """The mixture with other weights, its errors measured again. `strayed`: light that Cycles shows beside the
+    closures' own, as albedo [side, row, channel, column], see lamina.strayed_light."""
+    fitted = _Fitted(only(grid, mixed, tuple(mixture.closures)), weights)
+    exact, whole = wanted.albedo > 0.0, norms(wanted.values, grid)
+    errors = norms(wanted.values - fitted.values(), grid) / np.where(whole > 0.0, whole, 1.0)
+    albedo_errors = np.abs(fitted.albedo() + strayed - wanted.albedo) / np.maximum(wanted.albedo, 1e-12)
+    return Mixture(mixture.closures, weights, np.where(exact, errors, np.nan), albedo_errors * exact)
+
+
 class _Fitted:
     """Weights [side, closure, row, channel, column] of closures, and what they add up to."""
 

@@ -11,27 +11,30 @@ from .lut import Lut
 def describe(lut: Lut) -> str:
     """Some lines of text: what was baked, with which closures, and how well they fit."""
     report, header = lut.report, lut.header
-    worst = report["worst_slice"]
-    angle = math.degrees(math.acos(worst["mu_o"]))
-    where = f"{angle:.0f} degrees, channel {worst['channel']}, {worst['side']}"
-    if worst["tau"] is not None:
-        where += f", thickness {worst['tau']:.3g}"
     solver = report["solver"]
     lines = [
         f"stack         {header['stack_hash'][:16]}, {len(header['stack']['layers'])} layer(s)",
         f"quality       {header['quality']}, {solver['nodes']} nodes per hemisphere, {solver['orders']} azimuth orders",
         f"basis         {header.get('basis', 'standard')}, {report['closures']} fitted",
         f"closures      {', '.join(header['closures'])}",
-        f"fit error     {report['fit_error']:.2%} mean, {worst['error']:.2%} worst ({where})",
+        f"fit error     {report['fit_error']:.2%} mean, {_worst(report['worst_slice'])}",
     ]
     if report["fit_error_transmission"] is not None:
-        lines.append(f"transmission  {report['fit_error_transmission']:.2%} mean fit error")
+        through = report.get("worst_slice_transmission")  # tables of earlier versions do not hold it
+        lines.append(f"transmission  {report['fit_error_transmission']:.2%} mean" + (f", {_worst(through)}" if through
+                                                                                   else " fit error"))
     lines.append(f"albedo error  {report['albedo_error']:.1e} worst")
     lines.append(f"energy error  {report['energy_error']:.1e}")
     if report["tau_rows"] > 1:
         lines.append(f"thickness     {report['tau_rows']} rows up to {header['axes']['tau']['values'][-1]:g}")
         lines += _by_thickness(report)
     return "\n".join(lines)
+
+
+def _worst(worst: dict) -> str:
+    angle = math.degrees(math.acos(worst["mu_o"]))
+    thickness = "" if worst["tau"] is None else f", thickness {worst['tau']:.3g}"
+    return f"{worst['error']:.2%} worst ({angle:.0f} degrees, channel {worst['channel']}, {worst['side']}{thickness})"
 
 
 def _by_thickness(report: dict) -> list[str]:

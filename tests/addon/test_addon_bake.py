@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking: blocking, in a worker, failing, cancelled; fresh and stale."""
 
+import math
 import threading
 from types import SimpleNamespace
 
@@ -46,6 +47,18 @@ def test_the_report_is_kept(addon, lamina, material):
     assert result.quality == "preview" and result.stack_hash == lut.header["stack_hash"]
     names = [name for name, _ in addon.panel.result_lines(result)]
     assert names == ["Fit Error", "Worst At", "Albedo Error", "Energy Error", "Closures", "Baked"]
+
+
+def test_the_report_of_a_sheet_tells_its_worst_transmission(addon, lamina, material):
+    addon.stack_io.assign_stack(material, lamina.Stack([lamina.Medium(0.9, tau=0.2)]))
+    lut = addon.bake_job.bake_material(material)
+    worst, result = lut.report["worst_slice_transmission"], material.lamina.result
+    assert result.through_worst_error == pytest.approx(worst["error"]) and worst["error"] > 0.0
+    assert result.through_worst_mu == pytest.approx(worst["mu_o"])
+    lines = addon.panel.result_lines(result)
+    assert [name for name, _ in lines][:4] == ["Fit Error", "Worst At", "Transmission", "Worst At"]
+    assert f"{addon.panel.percent(worst['error'])} worst" in lines[2][1]
+    assert f"{math.degrees(math.acos(worst['mu_o'])):.0f}° view" in lines[3][1]
 
 
 def test_fresh_and_stale(addon, lamina, material):

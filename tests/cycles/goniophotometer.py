@@ -74,6 +74,8 @@ def material_from_recipe(lobe, weight=(1.0, 1.0, 1.0)):
         socket = direction_socket(tree, direction)
         if socket is not None and name:
             tree.links.new(socket, closure.inputs[name])
+    for name, multiple in recipe.view_angles.items():
+        tree.links.new(_view_angle(tree, multiple), closure.inputs[name])
     if recipe.invert_ior_on_backface:
         tree.links.new(_ior_of_either_side(tree, recipe.inputs["IOR"]), closure.inputs["IOR"])
     output = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -92,11 +94,13 @@ def direction_socket(tree, direction):
     if direction == "N+I":
         return _vector(tree, "NORMALIZE", _vector(tree, "ADD", normal, incoming))
     cosine = _vector(tree, "DOT_PRODUCT", normal, incoming)
+    aside = tree.nodes.new("ShaderNodeVectorMath")
+    aside.operation = "CROSS_PRODUCT"
+    tree.links.new(incoming, aside.inputs[0])
+    aside.inputs[1].default_value = (3e-6, 5e-6, 8e-6)
+    if direction == "I aside":
+        return _vector(tree, "NORMALIZE", _vector(tree, "ADD", incoming, aside.outputs["Vector"]))
     if direction == "T":
-        aside = tree.nodes.new("ShaderNodeVectorMath")
-        aside.operation = "CROSS_PRODUCT"
-        tree.links.new(incoming, aside.inputs[0])
-        aside.inputs[1].default_value = (3e-6, 5e-6, 8e-6)
         across = _vector(tree, "SUBTRACT", normal, _vector(tree, "SCALE", incoming, scale=cosine))
         return _vector(tree, "NORMALIZE", _vector(tree, "ADD", across, aside.outputs["Vector"]))
     along = _vector(tree, "SCALE", normal, scale=cosine)
@@ -109,13 +113,26 @@ def direction_socket(tree, direction):
         mirrored = _vector(tree, "SUBTRACT", _vector(tree, "ADD", along, along), incoming)
         return _vector(tree, "NORMALIZE", _vector(tree, "ADD", normal, mirrored))
     angle = math.radians(direction[1])
-    sideways = _vector(tree, "NORMALIZE", _vector(tree, "SUBTRACT", incoming, along))
+    across = _vector(tree, "ADD", _vector(tree, "SUBTRACT", incoming, along), aside.outputs["Vector"])
+    sideways = _vector(tree, "NORMALIZE", across)
     turned = _vector(
         tree, "ADD",
         _vector(tree, "SCALE", normal, scale=math.cos(angle)),
         _vector(tree, "SCALE", sideways, scale=math.sin(angle)),
     )
     return _vector(tree, "NORMALIZE", turned)
+
+
+def _view_angle(tree, multiple):
+    """A socket that carries a multiple of the angle between viewer and normal."""
+    geometry = tree.nodes.new("ShaderNodeNewGeometry")
+    cosine = _vector(tree, "DOT_PRODUCT", geometry.outputs["Normal"], geometry.outputs["Incoming"])
+    angle, scaled = tree.nodes.new("ShaderNodeMath"), tree.nodes.new("ShaderNodeMath")
+    angle.operation, scaled.operation = "ARCCOSINE", "MULTIPLY"
+    tree.links.new(cosine, angle.inputs[0])
+    tree.links.new(angle.outputs[0], scaled.inputs[0])
+    scaled.inputs[1].default_value = multiple
+    return scaled.outputs[0]
 
 
 def _vector(tree, operation, a, b=None, scale=None):

@@ -18,6 +18,9 @@ STACKS = {
 }
 VARYING = Stack([Medium(albedo=[0.9, 0.8, 0.6], tau=[3.0, 1.5, 0.0], varying=True)], base=Lambert(0.3))
 STATED = 0.05
+# Hair lobes have poles along their tangents, thin spikes of which a finer grid sees more: .1692, .1726 and .1741 for the
+# slab on the bake's grid, on 56 x 48 and on 160 x 160 directions.
+THROUGH_GRIDS = 0.04
 
 
 def cosines():
@@ -63,10 +66,15 @@ def test_report_is_what_an_outsider_measures(baked):
     at = reflection[lut.header["sides"].index(worst["side"])][0][column, worst["channel"]]
     assert at == pytest.approx(worst["error"], rel=0.01)
     if stack.base is None:
-        through = [measured(stack, lut, "transmission", side)[0][stated] for side in lut.header["sides"]]
-        assert lut.report["fit_error_transmission"] == pytest.approx(np.mean(through), rel=0.01)
+        through = np.array([measured(stack, lut, "transmission", side)[0] for side in lut.header["sides"]])
+        assert lut.report["fit_error_transmission"] == pytest.approx(np.mean(through[:, stated]), rel=THROUGH_GRIDS)
+        worst = lut.report["worst_slice_transmission"]
+        assert worst["error"] == pytest.approx(through[:, stated].max(), rel=THROUGH_GRIDS)
+        column = int(np.argmin(np.abs(cosines() - worst["mu_o"])))
+        at = through[lut.header["sides"].index(worst["side"]), column, worst["channel"]]
+        assert at == pytest.approx(worst["error"], rel=THROUGH_GRIDS)
     else:
-        assert lut.report["fit_error_transmission"] is None
+        assert lut.report["fit_error_transmission"] is None and lut.report["worst_slice_transmission"] is None
 
 
 def test_albedos_are_exact(baked):
