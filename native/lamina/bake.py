@@ -16,7 +16,7 @@ from .closure_table import grid_for
 from .errors import StackError
 from .fields import channel
 from .fit_report import all_rows, fit_report
-from .layers import Interface, Lambert
+from .layers import Lambert
 from .lut import COLUMNS, SCHEMA, Lut
 from .mixture import Effort, Mixture, mix
 from .progress import Progress, portion, stepper
@@ -67,7 +67,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
     if basis not in BASES:
         raise ValueError(f"basis = {basis!r}: must be one of {', '.join(BASES)}")
-    _require_air_below(stack)
+    stack.require_air_below()
     started = time.perf_counter()
     step = stepper("the bake", progress, cancel)
     solved = solve_rows(peaks.resolved(stack), quality, threads, portion(step, 0.0, 0.3), row_stride, nodes)
@@ -146,14 +146,6 @@ def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
         if len(names) > _core.MAX_CLOSURES:
             raise ValueError(f"closures: {len(names)} for {kind}, at most {_core.MAX_CLOSURES} can be fitted")
     return given
-
-
-def _require_air_below(stack: Stack) -> None:
-    """Both sides of a sheet are seen from air. Raises StackError."""
-    indices = [layer.ior for layer in stack.layers if isinstance(layer, Interface)]
-    if stack.base is None and indices and indices[-1] != 1.0:
-        raise StackError(f"layers end at index {indices[-1]}: a sheet that is baked must end with an interface of "
-                         "ior 1")
 
 
 def _is_textured(stack: Stack) -> bool:

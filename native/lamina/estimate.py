@@ -26,7 +26,8 @@ CHUNK = 16  # blocks that are summed apart: what shards are made of, whoever run
 @dataclass(frozen=True)
 class Query:
     """What is estimated: BRDF or BTDF for cosines in air and an azimuth, or with `mu_o` None the hemispherical
-    reflectance or transmittance of a beam. Raises ValueError."""
+    reflectance or transmittance of a beam. `side` "bottom", and a BTDF, need a sheet that ends in air, see
+    ScatteringFunction. Raises ValueError."""
 
     mu_o: float | None
     mu_i: float
@@ -44,6 +45,11 @@ class Query:
                 raise ValueError(f"{name} = {value!r}: must be one number in (0, 1]")
         if isinstance(self.dphi, bool) or not isinstance(self.dphi, numbers.Real) or not math.isfinite(self.dphi):
             raise ValueError(f"dphi = {self.dphi!r}: must be one finite number")
+
+    def check(self, stack: Stack) -> None:
+        """Raises StackError where a direction is asked for below a sheet that does not end in air."""
+        if self.side == "bottom" or (self.path == "transmit" and self.mu_o is not None):
+            stack.require_air_below()
 
     def arguments(self) -> tuple:
         """As the core's factories of walks take it: mu_o, mu_i, dphi, side, path, flux."""
@@ -114,6 +120,7 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
 def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, run) -> tuple[list, float]:
     """(what `run(walk, step)` gives for each channel, the largest error of the walks' tables); channels that are the
     same problem share one run. Raises as estimate does."""
+    query.check(stack)
     done: dict = {}
     channels, error = [], 0.0
     for index in range(stack.channels):
