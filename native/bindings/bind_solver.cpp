@@ -106,6 +106,7 @@ void lamina::bind_solver(py::module_& module) {
       .def_readonly("energy", &SolveChecks::energy)
       .def_readonly("reciprocity", &SolveChecks::reciprocity)
       .def_readonly("negativity", &SolveChecks::negativity)
+      .def_readonly("azimuth", &SolveChecks::azimuth)
       .def_readonly("resolution", &SolveChecks::resolution);
 
   py::enum_<Side>(module, "Side").value("top", Side::kTop).value("bottom", Side::kBottom);

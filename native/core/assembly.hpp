@@ -20,6 +20,11 @@ class Assembly {
   const Solution& solution() const { return solution_; }
   /// Of the media between the layers, top first: one more than layers.
   const std::vector<Directions>& directions() const { return directions_; }
+  /// Of rough boundary number `boundary` the lobes in one order, without what is given back.
+  const ScatteringFunction& lobes(std::size_t boundary, int order) const {
+    const RoughSurface::Operators& surface = surfaces_[boundary];
+    return order == 0 ? surface.lobes : surface.orders[static_cast<std::size_t>(order)];
+  }
   /// Light that no medium and no rough boundary has scattered; by layer, the base last.
   const DeltaField& deltas() const { return deltas_; }
 
@@ -39,8 +44,8 @@ class Assembly {
 
   const Solution& solution_;
   std::vector<Directions> directions_;
-  std::vector<std::vector<ScatteringFunction>> surfaces_;  // by rough boundary, order
-  std::vector<LayerShapes> shapes_;                        // by medium
+  std::vector<RoughSurface::Operators> surfaces_;  // by rough boundary
+  std::vector<LayerShapes> shapes_;                // by medium
   DeltaField deltas_;
 };
 

@@ -4,14 +4,9 @@
 namespace lamina {
 namespace {
 
-/// The delta parts of a layer or of several, by direction.
-struct Deltas {
-  Eigen::ArrayXd reflect_above;
-  Eigen::ArrayXd transmit;
-  Eigen::ArrayXd reflect_below;
-};
-
 Eigen::ArrayXd repeated(const Eigen::ArrayXd& pass) { return (pass < 1.0).select(1.0 / (1.0 - pass), 1.0); }
+
+}  // namespace
 
 Deltas joined(const Deltas& above, const Deltas& below) {
   const Eigen::ArrayXd between = repeated(above.reflect_below * below.reflect_above);
@@ -20,15 +15,13 @@ Deltas joined(const Deltas& above, const Deltas& below) {
           below.reflect_below + below.transmit * above.reflect_below * between * below.transmit};
 }
 
-}  // namespace
-
 DeltaField::DeltaField(const std::vector<ScatteringFunction>& layers) {
   const std::size_t count = layers.size();
   if (count == 0) {
     return;
   }
   const Eigen::Index size = layers.front().transmit.delta.size();
-  const Deltas nothing{Eigen::ArrayXd::Zero(size), Eigen::ArrayXd::Ones(size), Eigen::ArrayXd::Zero(size)};
+  const Deltas nothing = Deltas::nothing(size);
   std::vector<Deltas> own;
   for (const ScatteringFunction& layer : layers) {
     own.push_back({layer.reflect_above.delta, layer.transmit.delta, layer.reflect_below.delta});

@@ -7,6 +7,21 @@
 
 namespace lamina {
 
+/// The delta parts of a layer or of several, by direction.
+struct Deltas {
+  Eigen::ArrayXd reflect_above;
+  Eigen::ArrayXd transmit;
+  Eigen::ArrayXd reflect_below;
+
+  /// Light passes unchanged.
+  static Deltas nothing(Eigen::Index size) {
+    return {Eigen::ArrayXd::Zero(size), Eigen::ArrayXd::Ones(size), Eigen::ArrayXd::Zero(size)};
+  }
+};
+
+/// The adding equations for delta parts.
+Deltas joined(const Deltas& above, const Deltas& below);
+
 /// What light that was not scattered by any medium does inside a stack: for each layer and direction, how
 /// much of a beam from outside arrives at the layer's top going down and at its bottom going up, all
 /// mirror reflections included. By reciprocity the same numbers carry light from the layer out.

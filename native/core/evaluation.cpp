@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "assembly.hpp"
+#include "facet_meetings.hpp"
 #include "once_scattered.hpp"
 
 namespace lamina {
@@ -40,20 +41,6 @@ Eigen::MatrixXd kernel_of(const ScatteringFunction& s, Side side, Path path) {
     return s.transmit.kernel;
   }
   return s.transmit.kernel.transpose();
-}
-
-/// For each passage and azimuth order, the part of pi f that is smooth, between all targets.
-std::vector<std::vector<Eigen::MatrixXd>> smooth_orders(const Assembly& assembly, const std::vector<Passage>& passages,
-                                                        Eigen::Index targets, ThreadPool& pool) {
-  const auto count = static_cast<std::size_t>(assembly.solution().orders());
-  std::vector<std::vector<Eigen::MatrixXd>> orders(passages.size(), std::vector<Eigen::MatrixXd>(count));
-  pool.run(count, [&](std::size_t m) {
-    const ScatteringFunction rest = assembly.without_single(static_cast<int>(m));
-    for (std::size_t k = 0; k < passages.size(); ++k) {
-      orders[k][m] = kernel_of(rest, passages[k].side, passages[k].path).bottomRightCorner(targets, targets);
-    }
-  });
-  return orders;
 }
 
 /// Lagrange's interpolation on six neighbouring knots of a uniform grid in the angle, for lists too long
@@ -94,6 +81,21 @@ struct AngleTable {
 
 }  // namespace
 
+std::vector<std::vector<Eigen::MatrixXd>> smooth_orders(const Assembly& assembly, const FacetMeetings& meetings,
+                                                        const std::vector<Passage>& passages, ThreadPool& pool) {
+  const Eigen::Index targets = assembly.directions().front().targets;
+  const auto count = static_cast<std::size_t>(assembly.solution().orders());
+  std::vector<std::vector<Eigen::MatrixXd>> orders(passages.size(), std::vector<Eigen::MatrixXd>(count));
+  pool.run(count, [&](std::size_t m) {
+    ScatteringFunction rest = assembly.without_single(static_cast<int>(m));
+    meetings.take_from(rest, static_cast<int>(m));
+    for (std::size_t k = 0; k < passages.size(); ++k) {
+      orders[k][m] = kernel_of(rest, passages[k].side, passages[k].path).bottomRightCorner(targets, targets);
+    }
+  });
+  return orders;
+}
+
 std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
                                   const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
   return std::move(evaluate_grids(solution, {{side, path}}, mu_o, mu_i, dphi, pool).front());
@@ -104,7 +106,9 @@ std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const 
                                                 const Eigen::VectorXd& dphi, ThreadPool& pool) {
   const Targets targets({&mu_o, &mu_i});
   const Assembly assembly(solution, targets.mu, pool);
-  const std::vector<std::vector<Eigen::MatrixXd>> all = smooth_orders(assembly, passages, targets.mu.size(), pool);
+  const FacetMeetings meetings(assembly);
+  const std::vector<std::vector<Eigen::MatrixXd>> all =
+      smooth_orders(assembly, meetings, passages, pool);
   const Eigen::ArrayXd cosines = dphi.array().cos();
   Eigen::MatrixXd waves(static_cast<Eigen::Index>(solution.orders()), dphi.size());
   for (Eigen::Index m = 0; m < waves.rows(); ++m) {
@@ -129,7 +133,10 @@ std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const 
           values.data() + row * static_cast<std::size_t>(mu_i.size() * dphi.size()), mu_i.size(), dphi.size());
       slice.noalias() = coefficients * waves;
       for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
-        slice.row(i) += once(o, targets.find(mu_i[i]), cosines).matrix().transpose();
+        const Eigen::Index column = targets.find(mu_i[i]);
+        slice.row(i) += once(o, column, cosines).matrix().transpose();
+        slice.row(i) += meetings.value(passages[k].side, passages[k].path, o, column, dphi.array()).matrix().transpose();
+        slice.row(i) = slice.row(i).cwiseMax(0.0);
       }
     });
   }
@@ -141,14 +148,15 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
   const Targets exact({&mu_o, &mu_i});
   const bool tabulate = exact.mu.size() > AngleTable::kKnots;
   const Assembly smooth(solution, tabulate ? AngleTable::cosines() : exact.mu, pool);
-  const std::vector<Eigen::MatrixXd> orders =
-      std::move(smooth_orders(smooth, {{side, path}}, smooth.directions().front().targets, pool).front());
+  const std::vector<Eigen::MatrixXd> orders = std::move(
+      smooth_orders(smooth, FacetMeetings(smooth), {{side, path}}, pool).front());
   const Assembly all(solution, exact.mu);
+  const FacetMeetings meetings(all);
   const OnceScattered once(all, side, path);
   std::vector<double> values(static_cast<std::size_t>(mu_o.size()));
-  constexpr std::size_t kChunk = 1024;
-  pool.run((values.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    for (std::size_t k = chunk * kChunk; k < std::min(values.size(), (chunk + 1) * kChunk); ++k) {
+  const std::size_t chunk_size = meetings.none() ? 1024 : 16;
+  pool.run((values.size() + chunk_size - 1) / chunk_size, [&](std::size_t chunk) {
+    for (std::size_t k = chunk * chunk_size; k < std::min(values.size(), (chunk + 1) * chunk_size); ++k) {
       const auto point = static_cast<Eigen::Index>(k);
       const double o = mu_o[point];
       const double i = mu_i[point];
@@ -171,7 +179,11 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
       for (std::size_t m = 0; m < orders.size(); ++m) {
         sum += (m == 0 ? 1.0 : 2.0) * std::cos(static_cast<double>(m) * dphi[point]) * read(orders[m]);
       }
-      values[k] = sum / pi + once(exact.find(o), exact.find(i), Eigen::ArrayXd::Constant(1, std::cos(dphi[point])))[0];
+      const Eigen::Index row = exact.find(o);
+      const Eigen::Index column = exact.find(i);
+      sum = sum / pi + once(row, column, Eigen::ArrayXd::Constant(1, std::cos(dphi[point])))[0] +
+            meetings.value(side, path, row, column, Eigen::ArrayXd::Constant(1, dphi[point]))[0];
+      values[k] = std::max(0.0, sum);  // what is below is within the tolerance, see check_returned
     }
   });
   return values;

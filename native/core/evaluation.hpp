@@ -8,6 +8,7 @@
 namespace lamina {
 
 class Assembly;
+class FacetMeetings;
 
 enum class Side { kTop, kBottom };
 enum class Path { kReflect, kTransmit };
@@ -23,6 +24,10 @@ struct Passage {
   Side side;
   Path path;
 };
+/// For each passage and azimuth order, the part of pi f between all targets of an assembly that is smooth: without light
+/// that a medium scattered once or facets once or twice.
+std::vector<std::vector<Eigen::MatrixXd>> smooth_orders(const Assembly& assembly, const FacetMeetings& meetings,
+                                                        const std::vector<Passage>& passages, ThreadPool& pool);
 std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const std::vector<Passage>& passages,
                                                 const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
                                                 const Eigen::VectorXd& dphi, ThreadPool& pool);

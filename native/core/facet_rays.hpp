@@ -32,6 +32,7 @@ class FacetRays {
     int degree;
     std::vector<double> here;
     std::vector<double> beyond;
+    double density = 1.0;  ///< multiplies the points of a lobe
   };
 
   /// Between dielectrics; `ratio`: index on the other side by that on the ray's.

@@ -34,8 +34,7 @@ OnceScattered::OnceScattered(const Assembly& assembly, Side side, Path path) {
   for (const Solution::Boundary& boundary : solution.boundaries()) {
     const std::size_t below = std::min(boundary.layer + 1, assembly.directions().size() - 1);
     const Directions& beyond = assembly.directions()[below];
-    facets_.push_back({term(boundary.layer), beyond.mu.tail(beyond.targets), assembly.directions()[boundary.layer].ior,
-                       beyond.ior, boundary.surface.get()});
+    facets_.push_back({term(boundary.layer), beyond.mu.tail(beyond.targets), boundary.surface.get()});
   }
 }
 
@@ -66,23 +65,17 @@ ArrayXd OnceScattered::by_media(Index o, Index i, const ArrayXd& cosines) const 
 ArrayXd OnceScattered::by_facets(Index o, Index i, const ArrayXd& cosines) const {
   ArrayXd sum = ArrayXd::Zero(cosines.size());
   for (const Facet& f : facets_) {
-    const RoughSurface& surface = *f.surface;
-    const double above = 1.0 / (f.ior_above * f.ior_above);
-    const double below = 1.0 / (f.ior_below * f.ior_below);
-    const double through = 1.0 / (f.ior_above * f.ior_below);
-    const auto add = [&](double share, auto lobe) {
-      if (share > 0.0) {
-        sum += share * lobe();
+    for (const Face from : {Face::kTop, Face::kBottom}) {
+      for (const Face to : {Face::kTop, Face::kBottom}) {
+        const bool on_top = from == Face::kTop;
+        const bool by_top = to == Face::kTop;
+        const double share = (by_top ? f.at.out_down : f.at.out_up)[o] * (on_top ? f.at.in_down : f.at.in_up)[i];
+        if (share > 0.0) {
+          sum += share *
+                 f.surface->value(from, to, (on_top ? f.at.mu : f.mu_below)[i], (by_top ? f.at.mu : f.mu_below)[o], cosines);
+        }
       }
-    };
-    add(above * f.at.out_down[o] * f.at.in_down[i],
-        [&] { return surface.reflection_above(f.at.mu[o], f.at.mu[i], cosines); });
-    add(below * f.at.out_up[o] * f.at.in_up[i],
-        [&] { return surface.reflection_below(f.mu_below[o], f.mu_below[i], cosines); });
-    add(through * f.at.out_up[o] * f.at.in_down[i],
-        [&] { return surface.transmission(f.mu_below[o], f.at.mu[i], cosines); });
-    add(through * f.at.out_down[o] * f.at.in_up[i],
-        [&] { return surface.transmission(f.mu_below[i], f.at.mu[o], cosines); });
+    }
   }
   return sum;
 }

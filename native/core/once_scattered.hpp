@@ -41,8 +41,6 @@ class OnceScattered {
   struct Facet {
     Term at;
     Eigen::VectorXd mu_below;
-    double ior_above;
-    double ior_below;
     const RoughSurface* surface;
   };
   std::vector<Medium> media_;

@@ -7,6 +7,7 @@ namespace lamina {
 /// How finely a solve discretises directions, and by what it is judged afterwards.
 struct Resolution {
   int nodes = 32;                   ///< quadrature nodes in a hemisphere
+  int fewest_orders = 0;            ///< of azimuth, beside those that convergence asks for
   double thinnest = 1.0;            ///< least optical thickness that the nodes must resolve
   double azimuth_tolerance = 3e-5;  ///< orders are added until what they add falls below this share
   double tolerance = 1e-3;          ///< largest admitted estimate of the relative pointwise error
@@ -23,6 +24,13 @@ inline constexpr double kThinnestRepeated = 1e-9;
 /// Throws std::runtime_error where no admitted number of nodes is enough.
 /// `tolerance` is the relative pointwise error wanted for cosines >= .05.
 Resolution choose_resolution(const Stack& stack, double tolerance);
+
+/// Azimuth orders for what three lobes in a row scatter, to that relative error; 0 where light cannot get from lobe to
+/// lobe. Two in a row are integrated otherwise between given directions, see FacetMeetings.
+int orders_for_lobes(const Stack& stack, double tolerance);
+
+/// The largest number of azimuth orders that a solve tries.
+inline constexpr int kMostOrders = 200;
 
 /// The next finer one, or the same when there is none.
 Resolution refined(const Resolution& resolution);

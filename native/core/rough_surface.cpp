@@ -131,11 +131,12 @@ std::vector<double> ends(const DirectionSet& set, double ior) {
 }
 
 FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int orders, double fineness) {
-  Eigen::Index most = orders;
+  constexpr double kPerOrder = 1.2;
+  double degree = kPerOrder * orders;
   for (const DirectionSet::Range& range : set.ranges()) {
-    most = std::max(most, range.nodes.mu.size());
+    degree = std::max(degree, fineness * static_cast<double>(range.nodes.mu.size()));
   }
-  return {static_cast<int>(fineness * static_cast<double>(most)), ends(set, ior),
+  return {static_cast<int>(degree), ends(set, ior),
           beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
 }
 
@@ -150,11 +151,9 @@ void fill(MatrixXd& kernel, const Directions& out, const Directions& in, const M
 
 }  // namespace
 
-int orders_for(double alpha) { return static_cast<int>(std::ceil(6.0 / alpha)); }
-
 RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders,
                            ThreadPool& pool, double fineness)
-    : compensate_(interface.compensate) {
+    : ior_above_(ior_above), ior_below_(interface.ior), compensate_(interface.compensate) {
   const Facets facets = interface.facets;
   const double ior_below = interface.ior;
   reflect_above_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
@@ -194,7 +193,7 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
 
 RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders,
                            ThreadPool& pool, double fineness)
-    : compensate_(conductor.compensate) {
+    : ior_above_(ior_above), ior_below_(ior_above), compensate_(conductor.compensate) {
   const Facets facets = conductor.facets;
   const std::complex<double> ratio = conductor.ior / ior_above;
   reflect_above_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
@@ -216,8 +215,7 @@ RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, doubl
   }
 }
 
-std::vector<ScatteringFunction> RoughSurface::on(const Directions& above, const Directions& below,
-                                                 ThreadPool& pool) const {
+RoughSurface::Operators RoughSurface::on(const Directions& above, const Directions& below, ThreadPool& pool) const {
   const auto targets = [&](const LobeOperator& rays, const Directions& in) {
     return rays.from(in.mu.tail(in.targets), in.ior * in.scale.tail(in.targets), pool);
   };
@@ -235,6 +233,7 @@ std::vector<ScatteringFunction> RoughSurface::on(const Directions& above, const 
            upward.reflected[m].transpose());
     }
   }
+  ScatteringFunction lobes = orders.front();
   MatrixXd& mean_above = orders.front().reflect_above.kernel;
   if (!from_below_) {
     if (perfect_) {
@@ -252,7 +251,7 @@ std::vector<ScatteringFunction> RoughSurface::on(const Directions& above, const 
         mean_above += again / loss * lost * lost.transpose();
       }
     }
-    return orders;
+    return {std::move(orders), std::move(lobes)};
   }
   MatrixXd& through = orders.front().transmit.kernel;
   MatrixXd& mean_below = orders.front().reflect_below.kernel;
@@ -269,19 +268,21 @@ std::vector<ScatteringFunction> RoughSurface::on(const Directions& above, const 
       mean_below += down * down.transpose() / loss;
     }
   }
-  return orders;
+  return {std::move(orders), std::move(lobes)};
 }
 
-ArrayXd RoughSurface::reflection_above(double mu_o, double mu_i, const ArrayXd& cosines) const {
-  return reflect_above_(mu_o, mu_i, cosines) / pi;
-}
-
-ArrayXd RoughSurface::reflection_below(double mu_o, double mu_i, const ArrayXd& cosines) const {
-  return reflect_below_ ? (reflect_below_(mu_o, mu_i, cosines) / pi).eval() : ArrayXd::Zero(cosines.size()).eval();
-}
-
-ArrayXd RoughSurface::transmission(double mu_below, double mu_above, const ArrayXd& cosines) const {
-  return transmit_ ? (transmit_(mu_below, mu_above, cosines) / pi).eval() : ArrayXd::Zero(cosines.size()).eval();
+ArrayXd RoughSurface::value(Face from, Face to, double mu_from, double mu_to, const ArrayXd& cosines) const {
+  if (from == Face::kTop && to == Face::kTop) {
+    return reflect_above_(mu_to, mu_from, cosines) / (pi * ior_above_ * ior_above_);
+  }
+  if (!transmit_) {
+    return ArrayXd::Zero(cosines.size());
+  }
+  if (from == to) {
+    return reflect_below_(mu_to, mu_from, cosines) / (pi * ior_below_ * ior_below_);
+  }
+  const bool down = from == Face::kTop;
+  return transmit_(down ? mu_to : mu_from, down ? mu_from : mu_to, cosines) / (pi * ior_above_ * ior_below_);
 }
 
 }  // namespace lamina

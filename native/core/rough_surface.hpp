@@ -10,6 +10,9 @@
 
 namespace lamina {
 
+/// The two sides of a boundary: light meets it, or leaves it, above or below.
+enum class Face { kTop, kBottom };
+
 /// A rough boundary, between two dielectrics or of a conductor, as operators of all azimuth orders.
 ///
 /// What single-scattering facets lose to shadowing is given back in proportion to the loss of the
@@ -24,16 +27,18 @@ class RoughSurface {
   RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
                double fineness = 1.0);
 
-  /// All orders on directions with targets. Lobes between two targets are left out, see LobeOperator; what
-  /// is given back is smooth and there.
-  std::vector<ScatteringFunction> on(const Directions& above, const Directions& below, ThreadPool& pool) const;
+  /// A rough boundary on directions with targets.
+  struct Operators {
+    std::vector<ScatteringFunction> orders;
+    ScatteringFunction lobes;  ///< order 0 without what is given back
+  };
+  /// Lobes between two targets are left out, see LobeOperator; what is given back is smooth and there.
+  Operators on(const Directions& above, const Directions& below, ThreadPool& pool) const;
 
-  /// BRDF and BTDF of the lobes in closed form, for directions in the media at the boundary, at azimuths dphi of
-  /// these cosines.
-  Eigen::ArrayXd reflection_above(double mu_o, double mu_i, const Eigen::ArrayXd& cosines) const;
-  Eigen::ArrayXd reflection_below(double mu_o, double mu_i, const Eigen::ArrayXd& cosines) const;
-  /// From above to below, divided by the square of the index below: the same in both senses.
-  Eigen::ArrayXd transmission(double mu_below, double mu_above, const Eigen::ArrayXd& cosines) const;
+  /// The lobes in closed form, for light that falls on one face and leaves by one, with cosines in the media there, at
+  /// azimuths dphi of these cosines: radiance divided by the square of the index there, for unit irradiance, 1/sr.
+  /// The same in both senses.
+  Eigen::ArrayXd value(Face from, Face to, double mu_from, double mu_to, const Eigen::ArrayXd& cosines) const;
 
  private:
   /// pi times a BRDF or BTDF, at all azimuths, `cosines` = cos(dphi).
@@ -54,10 +59,9 @@ class RoughSurface {
   std::optional<LobeOperator> perfect_;     // of a conductor to be compensated: facets that reflect everything
   Eigen::MatrixXd perfect_nodes_;
   double mean_fresnel_ = 1.0;
+  double ior_above_;
+  double ior_below_;
   bool compensate_ = true;
 };
-
-/// Azimuth orders and nodes that products of lobes of this width need.
-int orders_for(double alpha);
 
 }  // namespace lamina

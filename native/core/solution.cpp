@@ -8,6 +8,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "returned_check.hpp"
+#include "view_light_kernels.hpp"
+
 namespace lamina {
 namespace {
 
@@ -105,8 +108,10 @@ void Solution::solve(ThreadPool& pool) {
   checks_ = SolveChecks{};
   checks_.quadrature = set_->moment_error();
   const std::size_t media = scatterers_.size();
-  for (int first = 0; first < resolution_.moments(); first += kBlock) {
-    const int last = std::min(first + kBlock, resolution_.moments());
+  const int fewest = fewest_orders();
+  const int most = std::max(resolution_.moments(), fewest);
+  for (int first = 0; first < most; first += kBlock) {
+    const int last = std::min(first + kBlock, most);
     multiple_.resize(static_cast<std::size_t>(last), std::vector<MultipleScattering>(media));
     for (const auto& modes : modes_) {
       modes->resize(std::max(modes->size(), static_cast<std::size_t>(last)));
@@ -118,19 +123,22 @@ void Solution::solve(ThreadPool& pool) {
     for (const SolveChecks& checks : found) {
       checks_.worsen(checks);
     }
-    if (last >= fewest_orders() &&
+    if (last >= fewest &&
         share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
       break;
     }
   }
   add_boundaries(pool);
+  if (!has_only_media(stack()) && std::isfinite(resolution_.tolerance)) {
+    checks_.worsen(check_returned(*this, pool));
+  }
 }
 
 void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& checks) {
   const TruncatedMedium& medium = scatterers_[scatterer].medium;
   const Directions& directions = native_directions_[scatterer];
   MultipleScattering& multiple = multiple_[static_cast<std::size_t>(order)][scatterer];
-  if (!scatters_repeatedly(medium)) {
+  if (!scatters_repeatedly(medium) || order >= resolution_.moments()) {
     const Eigen::Index n = directions.live;
     multiple = {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd()};
     return;
@@ -185,40 +193,36 @@ std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) con
   return all;
 }
 
-/// What lies beneath a rough boundary shows its azimuth orders through lobes, also those of light scattered
-/// once; and lobes that meet lobes need orders by their width.
+/// Light that a medium scattered once shows its azimuth orders through the lobes of rough boundaries; and lobes that
+/// meet lobes need orders by their width.
 int Solution::fewest_orders() const {
   const std::vector<double> indices = refractive_indices(stack());
-  double variance = 0.0;
-  int rough = 0;
+  bool rough = stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0;
   for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
     const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
-    if (interface != nullptr && interface->is_rough(indices[layer])) {
-      variance += interface->facets.alpha * interface->facets.alpha;
-      ++rough;
-    }
+    rough = rough || (interface != nullptr && interface->is_rough(indices[layer]));
   }
-  if (rough == 0) {
-    return 0;
+  int orders = resolution_.fewest_orders;
+  if (!rough) {
+    return orders;
   }
-  int orders = 0;
   for (const Scatterer& scatterer : scatterers_) {
-    for (int m = 0; m < resolution_.moments(); ++m) {
+    for (int m = orders; m < resolution_.moments(); ++m) {
       if (scatterer.medium.albedo * std::abs(scatterer.medium.moments[static_cast<std::size_t>(m)]) >
           resolution_.azimuth_tolerance) {
-        orders = std::max(orders, m + 1);
+        orders = m + 1;
       }
     }
   }
-  if (stack().base.kind == Base::Kind::kConductor) {
-    variance += stack().base.facets.alpha * stack().base.facets.alpha;
-    ++rough;
-  }
-  return rough > 1 ? std::max(orders, orders_for(std::sqrt(variance))) : orders;
+  return std::max(orders, orders_for_lobes(stack(), resolution_.tolerance));
 }
 
 void Solution::add_boundaries(ThreadPool& pool) {
+  if (boundary_orders_ >= orders()) {
+    return;  // no thickness changes what facets do
+  }
   boundaries_.clear();
+  boundary_orders_ = orders();
   const std::vector<double> indices = refractive_indices(stack());
   const double fineness = reflectors(stack()) > 1 ? 2.2 : 1.0;  // measured: albedo within a few 1e-4
   for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
@@ -252,10 +256,15 @@ Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
   const SlicedStack sliced(stack, tolerance, pool);
   while (true) {
     Solution solution(sliced, resolution, pool);
-    const Resolution finer = refined(resolution);
-    if (solution.checks().problem(tolerance).empty() || finer.nodes == resolution.nodes) {
-      solution.require_sound();
+    if (solution.checks().problem(tolerance).empty()) {
       return solution;
+    }
+    Resolution finer = refined(resolution);
+    if (!(solution.checks().azimuth < tolerance) && solution.orders() < kMostOrders) {
+      finer = resolution;
+      finer.fewest_orders = std::min(kMostOrders, 3 * solution.orders() / 2);
+    } else if (finer.nodes == resolution.nodes) {
+      solution.require_sound();
     }
     resolution = finer;
   }

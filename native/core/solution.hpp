@@ -78,6 +78,7 @@ class Solution {
   std::vector<std::shared_ptr<Modes>> modes_;              // by scatterer
   std::vector<std::vector<MultipleScattering>> multiple_;  // by order, scatterer
   std::vector<Boundary> boundaries_;
+  int boundary_orders_ = 0;
   SolveChecks checks_;
 };
 

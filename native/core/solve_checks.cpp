@@ -56,6 +56,7 @@ void SolveChecks::worsen(const SolveChecks& other) {
   energy = worse(energy, other.energy);
   reciprocity = worse(reciprocity, other.reciprocity);
   negativity = worse(negativity, other.negativity);
+  azimuth = worse(azimuth, other.azimuth);
   resolution = worse(resolution, other.resolution);
 }
 
@@ -73,6 +74,7 @@ std::string SolveChecks::problem(double tolerance) const {
   judge("energy", energy, kEnergy);
   judge("reciprocity", reciprocity, kEnergy);
   judge("negativity", negativity, tolerance);
+  judge("azimuth", azimuth, tolerance);
   judge("resolution", resolution, tolerance);
   return text.str();
 }

@@ -12,7 +12,8 @@ struct SolveChecks {
   double phase = 0.0;        ///< of the discretised phase functions' normalisation
   double energy = 0.0;       ///< created, or lost by conservative layers, at any node
   double reciprocity = 0.0;  ///< asymmetry of the solved kernels, relative
-  double negativity = 0.0;   ///< most negative azimuthal mean of a kernel, relative
+  double negativity = 0.0;   ///< most negative azimuthal mean of a layer's kernel, or value of the stack, relative
+  double azimuth = 0.0;      ///< of values of the stack, relative, from azimuth orders left out
   double resolution = 0.0;   ///< estimate of the relative error from the directions' discretisation
 
   void worsen(const SolveChecks& other);

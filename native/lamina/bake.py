@@ -18,7 +18,7 @@ from .dropped_weights import folded
 from .errors import ArgumentError, StackError, shown
 from .fields import channel
 from .fit_report import all_rows, fit_report
-from .layers import Interface, Lambert
+from .layers import Lambert
 from .lut import TAU_ROWS, Lut
 from .lut_header import COLUMNS, PREFIX, SCHEMA, THROWN_BACK
 from .mixture import Effort, Mixture, mix
@@ -73,7 +73,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     given = _by_kind(() if closures is None else closures)
     if stack.channels not in (1, 3):
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
-    _require_air_below(stack)
+    stack.require_air_below()
     started = time.perf_counter()
     step = stepper("the bake", progress, cancel)
     solved = solve_rows(peaks.resolved(stack), quality, threads, portion(step, 0.0, 0.3), row_stride, nodes)
@@ -162,14 +162,6 @@ def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
         if len(names) > _core.MAX_CLOSURES:
             raise ArgumentError(f"closures: {len(names)} for {kind}, at most {_core.MAX_CLOSURES} can be fitted")
     return given
-
-
-def _require_air_below(stack: Stack) -> None:
-    """Both sides of a sheet are seen from air. Raises StackError."""
-    indices = [layer.ior for layer in stack.layers if isinstance(layer, Interface)]
-    if stack.base is None and indices and indices[-1] != 1.0:
-        raise StackError(f"layers end at index {indices[-1]}: a sheet that is baked must end with an interface of "
-                         "ior 1")
 
 
 def _is_textured(stack: Stack) -> bool:

@@ -27,7 +27,8 @@ CHUNK = 16  # blocks that are summed apart: what shards are made of, whoever run
 class Query:
     """What is estimated: BRDF or BTDF for cosines in air and an azimuth, or with `mu_o` None the hemispherical
     reflectance or transmittance of a beam. Cosines lie in (0, 1], and below 1e-9 count as 1e-9; `dphi` is in
-    radians. Raises ArgumentError, a ValueError."""
+    radians. `side` "bottom", and a BTDF, need a sheet that ends in air, see ScatteringFunction. Raises
+    ArgumentError, a ValueError."""
 
     mu_o: float | None
     mu_i: float
@@ -44,6 +45,11 @@ class Query:
             cosine = check_number(value, name, "must be one number in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
             object.__setattr__(self, name, max(cosine, LEAST_COSINE))
         object.__setattr__(self, "dphi", check_number(self.dphi, "dphi", "must be one finite number", math.isfinite))
+
+    def check(self, stack: Stack) -> None:
+        """Raises StackError where a direction is asked for below a sheet that does not end in air."""
+        if self.side == "bottom" or (self.path == "transmit" and self.mu_o is not None):
+            stack.require_air_below()
 
     def arguments(self) -> tuple:
         """As the core's factories of walks take it: mu_o, mu_i, dphi, side, path, flux."""
@@ -122,6 +128,7 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
 def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, run) -> tuple[list, float]:
     """(what `run(walk, step)` gives for each channel, the largest error of the walks' tables); channels that are the
     same problem share one run. Raises as estimate does."""
+    query.check(stack)
     done: dict = {}
     channels, error = [], 0.0
     for index in range(stack.channels):

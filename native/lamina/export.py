@@ -66,11 +66,13 @@ def tabulate(solved: ScatteringFunction, theta_o=None, theta_i=None, dphi=None,
              progress: Callable[[float, str], object] | None = None) -> Export:
     """The scattering function on a product grid of angles in radians: thetas in [0, pi/2), dphi any.
 
-    Where a stack is glossy, give axes as fine as its peak. Raises ArgumentError, a ValueError."""
+    Where a stack is glossy, give axes as fine as its peak. Raises ArgumentError, a ValueError, and StackError for a
+    sheet that does not end in air."""
     check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returns")
     check_callable(progress, "progress")
     axes = {"theta_o": _thetas(theta_o, "theta_o"), "theta_i": _thetas(theta_i, "theta_i"),
             "dphi": _angles(default_azimuths() if dphi is None else dphi, "dphi")}
+    solved.stack.require_air_below()
     sheet = solved.stack.base is None
     sides = ["top", "bottom"] if sheet else ["top"]
     mu_o, mu_i = np.cos(axes["theta_o"]), np.cos(axes["theta_i"])

@@ -34,8 +34,6 @@ def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | N
     """The scattering function of a stack, to a relative pointwise tolerance (cosines >= .05) of .1 %
     ("final") or 1 % ("preview"). `threads` 0 uses every hardware thread; results do not depend on it.
     `nodes` takes that many nodes per hemisphere as they are, without a promise: for a quick look.
-    Not promised where lobes of two rough boundaries meet: albedos hold, but BRDF values in the flanks of lobes
-    narrower than about alpha .2 are only good to some per cent of themselves (3e-4 of the slice's norm).
 
     Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
     ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
@@ -123,8 +121,14 @@ def _or_solve_error(call):
 
 
 class ScatteringFunction:
-    """A solved stack. Cosines are positive, taken on the side named; results end with an axis of channels.
-    Cosines below 1e-9 count as 1e-9, where BRDFs have reached their limit at grazing.
+    """A solved stack. Cosines are positive, in (0, 1], and those of directions in air, above and below the stack;
+    results end with an axis of channels. Cosines below 1e-9 count as 1e-9, where BRDFs have reached their limit at
+    grazing.
+
+    A sheet may end in another medium than air (its last Interface has another ior than 1). Then `brdf`, `reflectance`
+    and `transmittance` answer for light from the top, whose directions are in air; the flux into the medium below is
+    the transmittance. What needs a direction in that medium raises StackError: `btdf`, and all with side "bottom", for
+    light beyond the critical angle has no direction in air. End such a sheet with an Interface of ior 1.
 
     `nodes` and `orders` tell what the solver chose, `checks` what its always-on checks found (the worst of
     all channels, a dict of errors)."""
@@ -144,7 +148,7 @@ class ScatteringFunction:
 
     @property
     def checks(self) -> dict[str, float]:
-        names = ("quadrature", "phase", "energy", "reciprocity", "negativity", "resolution")
+        names = ("quadrature", "phase", "energy", "reciprocity", "negativity", "azimuth", "resolution")
         return {name: max(getattr(s.checks, name) for s in self._channels) for name in names}
 
     @property
@@ -197,6 +201,7 @@ class ScatteringFunction:
         lists = [cosines(finite_list(mu_o, "mu_o"), "mu_o"), cosines(finite_list(mu_i, "mu_i"), "mu_i")]
         azimuths = finite_list(dphi, "dphi")
         where = path_of(path)
+        self._check_below(where, side)
         return self._by_channel(
             lambda s: s.grid(side_of(side), where, *lists, azimuths, self._pool))
 
@@ -223,14 +228,21 @@ class ScatteringFunction:
         return np.stack([done[id(solution)] for solution in self._channels], axis=-1)
 
     def _evaluate(self, path, mu_o, mu_i, dphi, side: str) -> np.ndarray:
+        self._check_below(path, side)
         arrays = broadcast([_cosines(mu_o, "mu_o"), _cosines(mu_i, "mu_i"), finite_array(dphi, "dphi")],
                            ("mu_o", "mu_i", "dphi"))
         flat = [np.ascontiguousarray(a, dtype=float).ravel() for a in arrays]
         values = self._by_channel(lambda s: s.points(side_of(side), path, *flat, self._pool))
         return values.reshape(*arrays[0].shape, len(self._channels))
 
+    def _check_below(self, path, side: str) -> None:
+        """Raises StackError where directions below a sheet are meant that does not end in air."""
+        if side_of(side) == _core.Side.bottom or path == _core.Path.transmit:
+            self.stack.require_air_below()
+
     def _fluxes(self, mu0, side: str):
         where = side_of(side)
+        self._check_below(_core.Path.reflect, side)
         if isinstance(mu0, str):
             if mu0 != "diffuse":
                 raise ArgumentError(f"mu0 = {shown(mu0)}: must be a cosine in (0, 1] or 'diffuse'")

@@ -100,6 +100,14 @@ class Stack:
         eta, k = self._indices
         return channel(eta, channel_index), channel(k, channel_index)
 
+    def require_air_below(self) -> None:
+        """Raises StackError for a sheet whose last boundary does not lead into air: directions below it are taken in
+        air, in which light that is totally reflected there has none."""
+        indices = [layer.ior for layer in self.layers if isinstance(layer, Interface)]
+        if self.base is None and indices and any(channel(indices[-1], c) != 1.0 for c in range(self.channels)):
+            raise StackError(f"layers end at index {to_plain(indices[-1])}: a sheet that is baked, or whose directions "
+                             "below are asked for, must end with an Interface of ior 1")
+
     def canonical(self) -> str:
         """The one text for all stacks that are optically the same layer by layer: albedo and tau of each
         channel, names left out, keys sorted."""

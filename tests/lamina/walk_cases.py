@@ -56,8 +56,8 @@ CASES = [
     ("three layers from below", THREE, Query(0.4, 0.9, 1.0, "bottom")),
     ("two indices through", TWO_INDICES, Query(0.8, 0.5, 1.0, "bottom", "transmit")),
     ("half-space", DEEP, Query(0.3, 0.6, 1.2)),
-    ("into glass", IN_GLASS, Query(0.5, 0.7, 1.0, path="transmit")),
-    ("into glass from below", IN_GLASS, Query(0.5, 0.7, 1.0, "bottom", "transmit")),
+    ("into glass", IN_GLASS, Query(None, 0.7, path="transmit")),
+    ("over glass", IN_GLASS, Query(0.5, 0.7, 1.0)),
     ("double peak", DOUBLE, Query(0.2, 0.3, 2.8)),
 ]
 
