@@ -31,8 +31,8 @@ class Arrays:
 class OwnMesh:
     """The object's own mesh, without its modifiers, in the same space. vertices: (k, 3); corners: (c,), the
     vertex of each face corner; normals: (c, 3). What the Arrays show of the mesh: loops: (m, 3), the face
-    corner that each corner of a triangle is, None with modifiers; origins: (n,), with modifiers, which own vertex
-    each vertex stands for, -1 for none, or None where that is not known.
+    corner that each corner of a triangle is, or None with modifiers; origins: (n,), with modifiers, the
+    vertex of this mesh that each vertex stands for, -1 for none, or None where that is not known.
     """
 
     vertices: np.ndarray

@@ -88,11 +88,15 @@ def checked_mesh(mesh: Mesh, name: str) -> Mesh:
             raise DustError(f"{name}.triangles[{row}] has index {worst}: must lie in [0, {len(vertices) - 1}]")
     normals = None
     if mesh.normals is not None:
-        by_corner = np.ndim(mesh.normals) == 3
-        if by_corner and np.shape(mesh.normals) != (len(triangles), 3, 3):
-            raise DustError(f"{name}.normals has shape {np.shape(mesh.normals)}: must be ({len(triangles)}, 3, 3), or "
+        try:
+            normals = np.asarray(mesh.normals, np.float64)
+        except (TypeError, ValueError):
+            raise DustError(f"{name}.normals: must be numbers of shape (n, 3) or (m, 3, 3)") from None
+        by_corner = normals.ndim == 3
+        if by_corner and normals.shape != (len(triangles), 3, 3):
+            raise DustError(f"{name}.normals has shape {normals.shape}: must be ({len(triangles)}, 3, 3), or "
                             f"({len(vertices)}, 3)")
-        normals = triples(np.reshape(mesh.normals, (-1, 3)) if by_corner else mesh.normals, f"{name}.normals")
+        normals = triples(normals.reshape(-1, 3) if by_corner else normals, f"{name}.normals")
         if not by_corner and len(normals) != len(vertices):
             raise DustError(f"{name}.normals has {len(normals)} rows: must have {len(vertices)} like the vertices")
         normals = normals.reshape(-1, 3, 3) if by_corner else normals

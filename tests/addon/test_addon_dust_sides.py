@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from test_addon_dust import dust, grid  # noqa: F401 (a fixture)
+from test_addon_dust_edges import cube
 from test_addon_portable import render
 
 DUST = {"kind": "medium", "albedo": 0.9, "tau": 2.0, "varying": True, "phase": {"kind": "hg", "g": 0.3}}
@@ -90,6 +91,21 @@ def test_dust_shows_on_the_side_that_it_lies_on(dust, addon, lamina, material, t
     # The table keeps the energy of each row to .2 %; row between rows and noise are of that size.
     assert seen(tmp_path, below=False) == pytest.approx(above, rel=0.015)
     assert seen(tmp_path, below=True) == pytest.approx(below, rel=0.015)
+
+
+@pytest.mark.parametrize("modifier", [None, "SUBSURF"])
+def test_cycles_reads_dust_of_face_corners(dust, addon, lamina, material, tmp_path, modifier):  # noqa: F811
+    exact = shown_by(addon, lamina, material, "opaque")
+    body = cube()
+    body.data.materials.append(material)
+    body.location.z = -1.0
+    if modifier:
+        body.modifiers.new("Finer", modifier).subdivision_type = "SIMPLE"
+    dust.settle(bpy.context, body)
+    assert body.data.attributes["lamina_dust"].domain == "CORNER"
+    assert seen(tmp_path, below=False) == pytest.approx(exact(1.0, "top"), rel=0.015)
+    body.location.z = 1.0
+    assert seen(tmp_path, below=True) == pytest.approx(0.05, rel=0.015)
 
 
 def test_a_sheet_of_two_different_sides_is_not_turned_over(dust, addon, lamina, material, tmp_path):  # noqa: F811

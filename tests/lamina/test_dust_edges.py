@@ -181,6 +181,8 @@ def test_texels_have_the_normals_of_their_triangle():
 def test_normals_by_corner_are_checked():
     with pytest.raises(dust.DustError, match=r"normals has shape \(2, 3, 3\): must be \(12, 3, 3\), or \(8, 3\)"):
         settle(Mesh(CUBE.vertices, CUBE.triangles, np.zeros((2, 3, 3))))
+    with pytest.raises(dust.DustError, match=r"normals: must be numbers of shape"):
+        settle(Mesh(CUBE.vertices, CUBE.triangles, [[[0, 0], [1]]]))
     for angle in (-0.1, 3.2, float("nan"), "flat", None):
         with pytest.raises(dust.DustError, match=r"sharp_angle = .*: must lie in \[0, 3.14159\]"):
             settle(Mesh(CUBE.vertices, CUBE.triangles, sharp_angle=angle))
