@@ -142,7 +142,7 @@ def _bytes_before():
 
 
 def _bytes_now():
-    """About how large the open file would be: as large as before, and no smaller than what is packed in it."""
+    """About how large the open file would be: as large as before, and no smaller than the packed images."""
     packed = [image.packed_file for image in bpy.data.images if image.packed_file is not None]
     return max(_bytes_before(), sum(file.size for file in packed))
 

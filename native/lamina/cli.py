@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import json
 import os
 import sys
@@ -50,7 +51,9 @@ def main(argv: list[str] | None = None) -> int:
     except (SolveError, DustUnavailable, ValueError) as error:
         return _fail(str(error), FAILED)
     except OSError as error:
-        return _fail(f"{error.filename}: {error.strerror}" if error.filename else str(error), FAILED)
+        name = str(error.filename or "")
+        name = clipped(name) if error.errno == errno.ENAMETOOLONG else name
+        return _fail(f"{name}: {error.strerror}" if name else str(error), FAILED)
 
 
 class _Parser(argparse.ArgumentParser):

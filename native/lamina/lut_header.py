@@ -17,6 +17,7 @@ COLUMNS = 64
 PREFIX = "base/"
 THROWN_BACK = "base/thrown back"
 
+_MISSING = object()
 _TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
 _NUMBERS = "a list of numbers from 0"
 # What every table tells, and what some do, by the place in the header.
@@ -54,17 +55,14 @@ def problem(header, weights: np.ndarray) -> str:
 def _problem_of_fields(header: dict) -> str:
     wanted = dict(_ALWAYS)
     for place, more in _IF_ANY.items():
-        if _at(header, place) is not None:
+        if _at(header, place) is not _MISSING:
             wanted |= more
-    for place in _OR_NONE:
-        value = _at(header, place)
-        if value is not None:
-            wanted[place] = _OR_NONE[place]
-        elif place.rpartition(".")[2] not in (_at(header, place.rpartition(".")[0]) or {}):
-            return f"the header of the lookup table is incomplete: {place} is missing"
+    for place, kind in _OR_NONE.items():
+        if _at(header, place) is not None:
+            wanted[place] = kind
     for place, kind in wanted.items():
         value = _at(header, place)
-        if value is None:
+        if value is _MISSING:
             return f"the header of the lookup table is incomplete: {place} is missing"
         if not _FITS[kind](value):
             return f"{place} = {shown(value)}: must be {kind}"
@@ -81,7 +79,7 @@ def _problem_of_closures(header: dict) -> str:
     if THROWN_BACK in header["closures"]:
         colour = _at(header, "stack.base.reflectance")
         if not _is_numbers(colour) or len(colour) not in (1, 3):
-            return f"stack.base.reflectance = {shown(colour)}: must be 1 or 3 numbers, for the base has a texture"
+            return "stack.base.reflectance: must be 1 or 3 numbers, for the base has a texture"
     return ""
 
 
@@ -95,6 +93,10 @@ def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
         return f"axes.tau.values has {len(tau['values'])} entries: axes.tau.count says {shown(tau['count'])}"
     if any(below < above for above, below in zip(tau["values"], tau["values"][1:], strict=False)):
         return f"axes.tau.values = {shown(tau['values'])}: must rise"
+    for place in _IF_ANY["report.row_errors"]:
+        errors = _at(header, place)
+        if errors is not _MISSING and len(errors) != len(tau["values"]):
+            return f"{place} has {len(errors)} entries: must have one for each of axes.tau.values"
     shape = (len(sides), len(header["closures"]), tau["count"], COLUMNS, 3)
     if weights.dtype != np.float32 or weights.shape != shape or not weights.size:
         return f"weights are {weights.dtype} {shown(weights.shape)}: the header says float32 {shown(shape)}"
@@ -104,10 +106,10 @@ def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
 
 
 def _at(header: dict, place: str):
-    """What the header holds at a place such as "axes.tau.count", or None."""
+    """What the header holds at a place such as "axes.tau.count", or _MISSING."""
     value = header
     for key in place.split("."):
-        value = value.get(key) if isinstance(value, dict) else None
+        value = value.get(key, _MISSING) if isinstance(value, dict) else _MISSING
     return value
 
 

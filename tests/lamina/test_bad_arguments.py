@@ -187,11 +187,15 @@ WRONG = {
     "worst": (["report", "worst_slice", "mu_o"], 2.0, "report.worst_slice.mu_o = 2.0: must be a cosine"),
     "solver": (["report", "solver"], None, f"{INCOMPLETE}: report.solver.nodes is missing"),
     "rows": (["report", "row_errors"], {"tau": []}, f"{INCOMPLETE}: report.row_errors.mean is missing"),
+    "no rows": (["report", "row_errors"], None, f"{INCOMPLETE}: report.row_errors.tau is missing"),
+    "few rows": (["report", "row_errors", "worst"], [0.1], "report.row_errors.worst has 1 entries: must have one for"),
+    "report a number": (["report"], 5, f"{INCOMPLETE}: report.fit_error is missing"),
+    "worst a number": (["report", "worst_slice"], 5, f"{INCOMPLETE}: report.worst_slice.error is missing"),
     "view": (["axes", "view", "count"], 63, "axes.view.count = 63: must be 64"),
     "values": (["axes", "tau", "values"], [1.0], "axes.tau.values has 1 entries: axes.tau.count says 33"),
     "falling": (["axes", "tau", "values", 0], 9.0, "axes.tau.values = [9.0, "),
     "huge": (["axes", "tau", "count"], 10**15, "axes.tau.values has 33 entries: axes.tau.count says 1000000000000000"),
-    "base": (["stack", "base"], None, "stack.base.reflectance = None: must be 1 or 3 numbers"),
+    "base": (["stack", "base"], None, "stack.base.reflectance: must be 1 or 3 numbers"),
 }
 
 
@@ -306,6 +310,9 @@ def test_arguments_of_the_command_line_are_bad_input(arguments, tmp_path, monkey
 
 
 def test_long_words_of_a_command_line_are_cut_short(capsys):
+    assert main(["bake", "x" * 10000, "-o", "x.npz"]) == 1
+    error = capsys.readouterr().err
+    assert len(error) < 400 and "File name too long" in error
     with pytest.raises(SystemExit) as caught:
         main(["bake", "slab.json", "-o", "x.npz", "--quality", "x" * 10000])
     assert caught.value.code == 2 and len(capsys.readouterr().err) < 400

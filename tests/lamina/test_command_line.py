@@ -168,7 +168,7 @@ class TestReport:
         assert main(["report", "out.npz"]) == 2
         assert capfd.readouterr().err == (
             "lamina: out.npz: the header of the lookup table is incomplete: "
-            "report.fit_error_transmission is missing\n")
+            "report.fit_error is missing\n")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals and terminals")
