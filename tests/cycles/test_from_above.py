@@ -81,7 +81,8 @@ def _convex_body(material):
     across = math.ceil(math.sqrt(len(body.data.polygons)))
     for face in body.data.polygons:
         left, low = face.index % across, face.index // across
-        for loop, corner in zip(face.loop_indices, ((0.05, 0.05), (0.95, 0.05), (0.95, 0.95), (0.05, 0.95)), strict=True):
+        corners = ((0.05, 0.05), (0.95, 0.05), (0.95, 0.95), (0.05, 0.95))
+        for loop, corner in zip(face.loop_indices, corners, strict=True):
             layer.data[loop].uv = ((left + corner[0]) / across, (low + corner[1]) / across)
     return body, across
 
