@@ -59,8 +59,8 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     error over solid angle relative to the slice's norm; `worst_slice` and `worst_slice_transmission`, the largest
     of these errors and where it is (`mu_o`, `channel`, `side` of the viewer, `tau` of a varying layer); those of
     transmission are None for a stack on a base; `albedo_error`, the worst relative
-    error of a directional albedo; `strayed_light` of a sheet, see lamina.strayed_light.strayed_report, None for a
-    stack on a base; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
+    error of a fitted directional albedo; `strayed_light` of a sheet, see lamina.strayed_light.strayed_report, None
+    for a stack on a base; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
     thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, what is lost between rows, measured
     at quality "final" when every row is solved, see lamina.tau_error.
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
@@ -97,12 +97,10 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     for kind, wanted in seen.items():
         effort, own = (reflected, made) if kind == "reflection" else (through, ())
         fitted[kind] = fit(kind, wanted, effort, portion(step, 0.7, 0.95), own, given[kind])
-    gain = 0.0
     if solved.is_sheet:
-        fitted["transmission"], gain = compensated(*fitted.values(), seen["transmission"], grid)
+        fitted["transmission"] = compensated(*fitted.values(), seen["transmission"], grid)
     for kind, wanted in seen.items():
-        strayed = gain if kind == "transmission" else 0.0
-        parts[kind] = folded(fitted[kind], wanted, grid, solved.is_sheet, strayed)
+        parts[kind] = folded(fitted[kind], wanted, grid, solved.is_sheet)
         if np.any(wanted.direct):
             name = peaks.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])

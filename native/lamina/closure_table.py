@@ -136,10 +136,11 @@ def _of_cone(lobe: Lobe, mu_o: np.ndarray, numeric: np.ndarray) -> np.ndarray:
 def _available(ids: Sequence[str], albedo: np.ndarray) -> np.ndarray:
     """1 where a closure may be mixed in a sheet, [column, closure]. Lobes whose direction is not the normal cross
     the horizon as the view tilts, so they are left out where more than a little would. Tilted Diffuse, Toon and
-    Translucent closures are evaluated there in Cycles 4.5, but not sampled; Hair closures the other way round."""
+    Translucent closures are evaluated there in Cycles 4.5, but not sampled; Hair closures the other way round. Below
+    the horizon, Hair closures are evaluated behind the viewer too, but not sampled: as little of that."""
     most = np.array([(MOST_STRAYED if lobes.by_id(name).strays else MOST_LOST) if lobes.by_id(name).leans else 1.0
                      for name in ids])
-    return np.where(albedo < 1.0 - most, 0.0, 1.0)
+    return np.where((albedo < 1.0 - most) | (albedo > 1.0 + most), 0.0, 1.0)
 
 
 def _sample(ids: Sequence[str], grid: LightGrid, mu_o: np.ndarray) -> np.ndarray:

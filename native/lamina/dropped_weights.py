@@ -17,10 +17,10 @@ from .slices import Slices
 LEAST_WEIGHT = 2e-5
 
 
-def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool, strayed: np.ndarray | float = 0.0,
+def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool,
            factor: np.ndarray | float = 1.0) -> Mixture:
     """The mixture without weights that Cycles would drop, its errors measured again. `factor` [side, row, channel,
-    column] multiplies the weights before Cycles sees them. For `strayed` see mixture.reweighted."""
+    column] multiplies the weights before Cycles sees them."""
     shown = mixture.weights * (factor if np.isscalar(factor) else factor[:, None])
     if not np.any(_too_small(shown)):
         return mixture
@@ -34,7 +34,7 @@ def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool, stray
         shown = weights * (factor if np.isscalar(factor) else factor[:, None])
         if not np.any(_too_small(shown)):
             break
-    return reweighted(mixture, weights, wanted, grid, mixed, strayed)
+    return reweighted(mixture, weights, wanted, grid, mixed)
 
 
 def _too_small(weights: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ and their own small misfit, is fitted by closures of all kinds."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -108,15 +108,12 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
     )
 
 
-def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid, mixed: bool,
-               strayed: np.ndarray | float = 0.0) -> Mixture:
-    """The mixture with other weights, its errors measured again. `strayed`: light that Cycles shows beside the
-    closures' own, as albedo [side, row, channel, column], see lamina.strayed_light."""
+def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid, mixed: bool) -> Mixture:
+    """The mixture with other weights, and the errors of these. Its albedo errors stay: they are those of the fit."""
     fitted = _Fitted(only(grid, mixed, tuple(mixture.closures)), weights)
-    exact, whole = wanted.albedo > 0.0, norms(wanted.values, grid)
+    whole = norms(wanted.values, grid)
     errors = norms(wanted.values - fitted.values(), grid) / np.where(whole > 0.0, whole, 1.0)
-    albedo_errors = np.abs(fitted.albedo() + strayed - wanted.albedo) / np.maximum(wanted.albedo, 1e-12)
-    return Mixture(mixture.closures, weights, np.where(exact, errors, np.nan), albedo_errors * exact)
+    return replace(mixture, weights=weights, errors=np.where(wanted.albedo > 0.0, errors, np.nan))
 
 
 class _Fitted:

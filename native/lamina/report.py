@@ -23,6 +23,10 @@ def describe(lut: Lut) -> str:
         through = report.get("worst_slice_transmission")  # tables of earlier versions do not hold it
         lines.append(f"transmission  {report['fit_error_transmission']:.2%} mean" + (f", {_worst(through)}" if through
                                                                                    else " fit error"))
+    if report.get("strayed_light"):
+        strayed = report["strayed_light"]
+        lines.append(f"strayed light {strayed['share']:.2%} of a view at most; a white sky in Cycles shows "
+                     f"{strayed['furnace_error']:.2%} too much or too little at most")
     lines.append(f"albedo error  {report['albedo_error']:.1e} worst")
     lines.append(f"energy error  {report['energy_error']:.1e}")
     if report["tau_rows"] > 1:

@@ -28,9 +28,9 @@ from .mixture import Mixture, reweighted
 from .slices import Slices
 
 # Strayed light is smooth but for its rise towards the horizon, ahead of the viewer.
-NODES = (24, 16)
-# Each round leaves about the strayed share, at most a tenth, of the gain before it.
-ROUNDS, NEGLIGIBLE = 4, 1e-7
+NODES = (12, 12)
+# Each round leaves a share of what was off before it: about the share of the light that strays.
+ROUNDS, NEGLIGIBLE = 10, 1e-6
 # By how much a transmitted slice may be weighed otherwise than it fits best. More is asked for only where the sheet
 # transmits far less of a colour than it reflects.
 MOST_CHANGE = 0.25
@@ -39,21 +39,18 @@ MOST_CHANGE = 0.25
 FRESNEL_NODES = 16
 
 
-def compensated(reflected: Mixture, through: Mixture, wanted: Slices, grid: LightGrid) -> tuple[Mixture, np.ndarray]:
-    """(the transmitted mixture, weighed so that a white sky shows the exact albedo of both sides together; the gain
-    that is left beside its own albedo). Where that would change a slice by more than MOST_CHANGE, some remains."""
-    closures, weights, before = [*reflected.closures, *through.closures], through.weights, 1.0
+def compensated(reflected: Mixture, through: Mixture, wanted: Slices, grid: LightGrid) -> Mixture:
+    """The transmitted mixture, weighed so that a white sky shows the exact albedo of both sides together. Where that
+    would change a slice by more than MOST_CHANGE, some of the gain remains."""
+    above, weights, before = _reflected(reflected.weights, reflected.closures), through.weights, 1.0
+    whole = np.where(wanted.albedo > 0.0, wanted.albedo, np.inf)
     for _ in range(ROUNDS):
-        gain = gains(np.concatenate([reflected.weights, weights], axis=1), closures)
-        share = (wanted.albedo - gain) / np.where(wanted.albedo > 0.0, wanted.albedo, np.inf)
+        gain = _gains(above, weights, through.closures)
+        share = np.clip(1.0 - gain / whole, 1.0 - MOST_CHANGE, 1.0 + MOST_CHANGE)
         if np.all(np.abs(share - before) <= NEGLIGIBLE):
             break
-        before = np.clip(share, 1.0 - MOST_CHANGE, 1.0 + MOST_CHANGE)
-        weights = through.weights * before[:, None]
-    gain = gains(np.concatenate([reflected.weights, weights], axis=1), closures)
-    if weights is through.weights:
-        return through, gain
-    return reweighted(through, weights, wanted, grid, True, gain), gain
+        before, weights = share, through.weights * share[:, None]
+    return through if weights is through.weights else reweighted(through, weights, wanted, grid, True)
 
 
 def strayed_report(parts: dict[str, Mixture], seen: dict[str, Slices], stated: np.ndarray) -> dict:
@@ -79,21 +76,28 @@ def strayed_report(parts: dict[str, Mixture], seen: dict[str, Slices], stated: n
 def gains(weights: np.ndarray, closures: Sequence[str]) -> np.ndarray:
     """What a white sky shows above the exact albedo, [side, row, channel, column], for `weights` [side, closure, row,
     channel, column] of one channel or three."""
-    found = np.zeros((weights.shape[0], *weights.shape[2:]))
-    reflecting = tuple(name for name in closures if _side(name) == "reflection")
-    straying = tuple(name for name in closures if _side(name) == "transmission" and lobes.by_id(name).strays)
-    if not straying:
-        return found
-    values, densities, solid_angle = _above(reflecting)
-    own = weights[:, [closures.index(name) for name in reflecting]]
+    return _gains(_reflected(weights, closures), weights, closures)
+
+
+def _reflected(weights: np.ndarray, closures: Sequence[str]):
+    """Total value F [side, row, channel, column, light] and density P, which all channels share, of what reflects."""
+    names = tuple(name for name in closures if _side(name) == "reflection")
+    values, densities = _above(names)
+    own = weights[:, [closures.index(name) for name in names]]
     value = np.einsum("skrxc,ckl->srxcl", own, values, optimize=True)
-    density = np.einsum("skrc,ckl->srcl", own.mean(axis=3), densities, optimize=True)[:, :, None]
-    for name in straying:
-        weight = weights[:, closures.index(name), ..., None]
-        mean, strayed = weight.mean(axis=2, keepdims=True), _strayed(name)
-        total = mean * strayed + density
-        gain = strayed * (mean * value - weight * density) / np.where(total > 0.0, total, 1.0)
-        found += gain @ solid_angle
+    return value, np.einsum("skrc,ckl->srcl", own.mean(axis=3), densities, optimize=True)[:, :, None]
+
+
+def _gains(reflected, weights: np.ndarray, closures: Sequence[str]) -> np.ndarray:
+    value, density = reflected
+    found = np.zeros(value.shape[:-1])
+    for k, name in enumerate(closures):
+        if _side(name) == "transmission" and lobes.by_id(name).strays:
+            weight = weights[:, k, ..., None]
+            mean, strayed = weight.mean(axis=2, keepdims=True), _strayed(name)
+            total = mean * strayed + density
+            per_sample = strayed / np.where(total > 0.0, total, 1.0)
+            found += (per_sample * (mean * value - weight * density)) @ _grid().solid_angle
     return found
 
 
@@ -120,7 +124,7 @@ def _strayed(name: str) -> np.ndarray:
 
 @functools.lru_cache(maxsize=8)
 def _above(names: tuple[str, ...]):
-    """(values, densities, each [column, closure, light], solid angles) of reflecting closures of unit weight. Cycles
+    """(values, densities), each [column, closure, light], of reflecting closures of unit weight. Cycles
     gives a Principled closure samples by its weight times the mean Fresnel factor of its facets, any other one by its
     weight alone."""
     table = only(_grid(), True, names)
@@ -133,7 +137,7 @@ def _above(names: tuple[str, ...]):
             if lobe.node.type == "ShaderNodeBsdfPrincipled":
                 share = _mean_fresnel(lobe.node.inputs["IOR"], lobe.node.inputs["Roughness"])
             densities[:, k] = lobe.density(*_directions()).reshape(shape) * share[:, None]
-    return table.values, densities, table.grid.solid_angle
+    return table.values, densities
 
 
 @functools.lru_cache(maxsize=64)

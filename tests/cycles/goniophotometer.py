@@ -113,8 +113,7 @@ def direction_socket(tree, direction):
         mirrored = _vector(tree, "SUBTRACT", _vector(tree, "ADD", along, along), incoming)
         return _vector(tree, "NORMALIZE", _vector(tree, "ADD", normal, mirrored))
     angle = math.radians(direction[1])
-    across = _vector(tree, "ADD", _vector(tree, "SUBTRACT", incoming, along), aside.outputs["Vector"])
-    sideways = _vector(tree, "NORMALIZE", across)
+    sideways = _vector(tree, "NORMALIZE", _vector(tree, "SUBTRACT", incoming, along))
     turned = _vector(
         tree, "ADD",
         _vector(tree, "SCALE", normal, scale=math.cos(angle)),

@@ -18,8 +18,8 @@ STACKS = {
 }
 VARYING = Stack([Medium(albedo=[0.9, 0.8, 0.6], tau=[3.0, 1.5, 0.0], varying=True)], base=Lambert(0.3))
 STATED = 0.05
-# Hair lobes have poles along their tangents, thin spikes of which a finer grid sees more: .1692, .1726 and .1741 for the
-# slab on the bake's grid, on 56 x 48 and on 160 x 160 directions.
+# Hair lobes have poles along their tangents, thin spikes of which a finer grid sees more: .1692, .1726 and .1741 for
+# the slab on the bake's grid, on 56 x 48 and on 160 x 160 directions.
 THROUGH_GRIDS = 0.04
 
 
