@@ -30,11 +30,11 @@ demo: build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY) $(OPTIONS)
 
 test: lint build/stamps/extension
-	$(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina tests/fuzz
+	$(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest tests/addon
 	$(RUN) -m pytest tests/cycles
 
-# 3000 random stacks, each in a process of its own: an hour and a half of one core.
+# 3000 random stacks, each in a process of its own; --help of the script tells the options.
 fuzz: build/stamps/wheel
 	$(RUN) tests/fuzz/run.py $(OPTIONS)
 
