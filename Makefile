@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | test | bench | study | lint | wheel | extension | clean     Each sets up what is missing, then runs.
+# make demo | test | fuzz | bench | study | lint | wheel | extension | clean   Each sets up what is missing, then runs.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -15,7 +15,7 @@ VENV := .venv
 RUN := $(VENV)/bin/python
 SCENE ?= all
 QUALITY ?= small
-# Of make_demo.py, such as --turntable 48.
+# Of make_demo.py, such as --turntable 48, or of tests/fuzz/run.py, such as --count 100 --first 500.
 OPTIONS ?=
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name '*.json' -o -name CMakeLists.txt) \
@@ -23,7 +23,7 @@ NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name 
 ADDON_SOURCES := $(shell find addon -type f -not -name '*.pyc')
 EXTENSION := dist/lamina-$(VERSION).zip
 
-.PHONY: demo test bench study study-hard lint wheel extension clean readme
+.PHONY: demo test fuzz bench study study-hard lint wheel extension clean readme
 .DEFAULT_GOAL := demo
 
 demo: build/stamps/extension
@@ -33,6 +33,10 @@ test: lint build/stamps/extension
 	$(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest tests/addon
 	$(RUN) -m pytest tests/cycles
+
+# 3000 random stacks, each in a process of its own; --help of the script tells the options.
+fuzz: build/stamps/wheel
+	$(RUN) tests/fuzz/run.py $(OPTIONS)
 
 lint: build/stamps/wheel
 	$(RUN) -m ruff check .

@@ -3,8 +3,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
+#include <vector>
 
 #include "legendre.hpp"
 #include "single_scattering.hpp"
@@ -53,17 +56,33 @@ Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen:
          root.asDiagonal();
 }
 
+/// Puts the smallest of some cosines first.
+Eigen::PermutationMatrix<Eigen::Dynamic> ascending_order(const Eigen::VectorXd& mu) {
+  std::vector<int> order(static_cast<std::size_t>(mu.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return mu[a] < mu[b]; });
+  Eigen::PermutationMatrix<Eigen::Dynamic> places(mu.size());
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    places.indices()[order[place]] = static_cast<int>(place);
+  }
+  return places;
+}
+
 }  // namespace
 
 HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions) {
   const Eigen::Index n = directions.live;
   const int count = static_cast<int>(medium.moments.size());
-  const Eigen::MatrixXd legendre = associated_legendre(order, count, directions.mu.head(n));
+  // The steepest rows first: elements grow as 1 / mu, by many powers of ten where nodes graze, and the reduction to
+  // tridiagonal form keeps the small eigenvalues only where it meets the large elements first.
+  const Eigen::PermutationMatrix<Eigen::Dynamic> ascending = ascending_order(directions.mu.head(n));
+  const Eigen::VectorXd mu = ascending * directions.mu.head(n);
+  const Eigen::MatrixXd legendre = associated_legendre(order, count, mu);
   const Eigen::VectorXd weights = phase_weights(medium, order);
 
   // A and B: out-scattering less in-scattering, by the parity of l - m.
-  const Eigen::VectorXd root = directions.weight.cwiseSqrt();
-  const Eigen::VectorXd steep = directions.mu.head(n).cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd root = (ascending * directions.weight).cwiseSqrt();
+  const Eigen::VectorXd steep = mu.cwiseSqrt().cwiseInverse();
   const auto transfer = [&](Eigen::Index parity) {
     const Eigen::Index terms = (legendre.rows() - parity + 1) / 2;
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n, n);
@@ -99,8 +118,8 @@ HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, con
   if (order == 0 && medium.albedo == 1.0) {
     rate_[0] = kSlowest;
   }
-  even_.noalias() = half * eigen.eigenvectors();
-  odd_ = a.matrixU().solve(eigen.eigenvectors());
+  even_ = ascending.transpose() * (half * eigen.eigenvectors());
+  odd_ = ascending.transpose() * a.matrixU().solve(eigen.eigenvectors());
 }
 
 HomogeneousModes::Layer HomogeneousModes::layer(double tau) const {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "wave_grid.hpp"
+
 namespace lamina {
 namespace {
 
@@ -11,113 +13,102 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The ranges of nodes that exist in one medium, and sums over rays in it of share * polynomial * cos(m phi).
+/// The ranges of nodes that exist in one medium.
+struct Part {
+  const DirectionSet::Range* range;
+  Index first;
+  WaveTables tables;
+};
+
+std::vector<Part> parts_of(const DirectionSet& set, double ior, int orders) {
+  std::vector<Part> parts;
+  Index first = 0;
+  for (const DirectionSet::Range& range : set.ranges()) {
+    if (range.ior <= ior) {
+      parts.push_back({&range, first, WaveTables(range.nodes, orders)});
+      first += range.nodes.mu.size();
+    }
+  }
+  return parts;
+}
+
+Index live_nodes(const std::vector<Part>& parts) {
+  return parts.empty() ? 0 : parts.back().first + parts.back().range->nodes.mu.size();
+}
+
+/// Sums over rays in a medium of share * polynomial * cos(m phi).
 class Projection {
  public:
-  Projection(const DirectionSet& set, double ior) : ior_(ior) {
-    for (const DirectionSet::Range& range : set.ranges()) {
-      if (range.ior <= ior) {
-        parts_.push_back({&range, live_, {}, {}});
-        live_ += range.nodes.mu.size();
-      }
-    }
-    inverse_common_.resize(live_);
+  Projection(const std::vector<Part>& parts, double ior)
+      : parts_(parts), ior_(ior), inverse_common_(live_nodes(parts)) {
     for (const Part& part : parts_) {
       const Quadrature& nodes = part.range->nodes;
       inverse_common_.segment(part.first, nodes.mu.size()) =
           (2.0 * nodes.mu.array() * nodes.weight.array()).sqrt().inverse() / part.range->ior;
+      grids_.emplace_back(part.tables);
     }
   }
 
-  Index live() const { return live_; }
-
   /// Live nodes by orders.
   MatrixXd sum(const Rays& rays, int orders) {
-    for (Part& part : parts_) {
-      part.own.clear();
-      part.rays.clear();
+    for (WaveGrid& grid : grids_) {
+      grid.clear();
     }
     for (std::size_t k = 0; k < rays.mu.size(); ++k) {
-      sort_in(rays.mu[k], k);
+      add(rays.share[k], rays.mu[k], rays.azimuth[k]);
     }
-    MatrixXd result = MatrixXd::Zero(live_, orders);
-    for (const Part& part : parts_) {
-      const Quadrature& nodes = part.range->nodes;
-      const auto count = static_cast<Index>(part.rays.size());
-      polynomials_.resize(nodes.mu.size(), count);
-      waves_.resize(count, orders);
-      cosines_.resize(count);
-      for (Index k = 0; k < count; ++k) {
-        const std::size_t ray = part.rays[static_cast<std::size_t>(k)];
-        nodes.interpolate(part.own[static_cast<std::size_t>(k)], polynomials_.col(k));
-        waves_(k, 0) = rays.share[ray];
-        cosines_[k] = rays.azimuth[ray];
-      }
-      // cos((m + 1) phi) = 2 cos(phi) cos(m phi) - cos((m - 1) phi).
-      for (Index m = 1; m < orders; ++m) {
-        waves_.col(m) = cosines_.cwiseProduct(waves_.col(m - 1));
-        if (m > 1) {
-          waves_.col(m) = 2.0 * waves_.col(m) - waves_.col(m - 2);
-        }
-      }
-      result.middleRows(part.first, nodes.mu.size()).noalias() = polynomials_ * waves_;
+    MatrixXd result(inverse_common_.size(), orders);
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      result.middleRows(parts_[k].first, parts_[k].range->nodes.mu.size()) = grids_[k].sums();
     }
     return inverse_common_.asDiagonal() * result;
   }
 
  private:
-  struct Part {
-    const DirectionSet::Range* range;
-    Index first;
-    std::vector<double> own;  // of the rays in this range, in the medium that the range belongs to
-    std::vector<std::size_t> rays;
-  };
-
-  void sort_in(double mu, std::size_t ray) {
+  /// To the range that holds the ray, with its cosine in the medium that the range belongs to.
+  void add(double share, double mu, double azimuth) {
     double own = mu;
-    Part* chosen = nullptr;
-    for (Part& part : parts_) {
-      const double ratio = ior_ / part.range->ior;
+    std::size_t chosen = 0;
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      const double ratio = ior_ / parts_[k].range->ior;
       const double square = ratio == 1.0 ? mu * mu : 1.0 - ratio * ratio * (1.0 - mu * mu);
       if (square < 0.0) {
         continue;
       }
       own = std::sqrt(square);
-      chosen = &part;
-      if (own <= part.range->nodes.high()) {
+      chosen = k;
+      if (own <= parts_[k].range->nodes.high()) {
         break;
       }
     }
-    chosen->own.push_back(own);
-    chosen->rays.push_back(ray);
+    grids_[chosen].add(share, own, azimuth);
   }
 
+  const std::vector<Part>& parts_;
   double ior_;
-  Index live_ = 0;
-  std::vector<Part> parts_;
   VectorXd inverse_common_;
-  MatrixXd polynomials_;
-  MatrixXd waves_;
-  VectorXd cosines_;
+  std::vector<WaveGrid> grids_;
 };
 
 }  // namespace
 
 LobeOperator::Columns LobeOperator::from(const VectorXd& mu, const VectorXd& common, ThreadPool& pool) const {
   Columns columns;
-  const auto shape = [&](std::vector<MatrixXd>& matrices, double ior) {
-    matrices.assign(static_cast<std::size_t>(orders_), MatrixXd(Projection(set_, ior).live(), mu.size()));
+  const std::vector<Part> here = parts_of(set_, ior_, orders_);
+  const std::vector<Part> there = parts_of(set_, beyond_, orders_);
+  const auto shape = [&](std::vector<MatrixXd>& matrices, const std::vector<Part>& parts) {
+    matrices.assign(static_cast<std::size_t>(orders_), MatrixXd(live_nodes(parts), mu.size()));
   };
-  shape(columns.reflected, ior_);
+  shape(columns.reflected, here);
   if (beyond_ > 0.0) {
-    shape(columns.transmitted, beyond_);
+    shape(columns.transmitted, there);
   }
   constexpr Index kChunk = 4;
   pool.run(static_cast<std::size_t>((mu.size() + kChunk - 1) / kChunk), [&](std::size_t chunk) {
     Rays reflected;
     Rays transmitted;
-    Projection own(set_, ior_);
-    Projection other(set_, beyond_);
+    Projection own(here, ior_);
+    Projection other(there, beyond_);
     const Index first = static_cast<Index>(chunk) * kChunk;
     for (Index i = first; i < std::min(first + kChunk, mu.size()); ++i) {
       rays_.scatter(mu[i], reflected, transmitted);

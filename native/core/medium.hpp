@@ -6,6 +6,10 @@
 
 namespace lamina {
 
+/// A layer thinner than this is not there: between boundaries that reflect totally, the light that such a layer takes
+/// out of a beam is lost in the rounding of 1 - exp(-2 tau / mu), and it is less than this anyway.
+inline constexpr double kThinnestSeen = 1e-12;
+
 /// A homogeneous scattering layer for one channel.
 struct Medium {
   double albedo = 0.0;  ///< single scattering, sigma_s / sigma_t, in [0, 1]
@@ -28,7 +32,7 @@ struct TruncatedMedium {
       moments[static_cast<std::size_t>(l)] = (medium.phase.moment(l) - f) / (1.0 - f);
     }
     albedo = medium.albedo * (1.0 - f) / (1.0 - medium.albedo * f);
-    tau = medium.tau * (1.0 - medium.albedo * f);
+    tau = medium.tau < kThinnestSeen ? 0.0 : medium.tau * (1.0 - medium.albedo * f);
   }
 
   /// The albedo that scales the *untruncated* phase function in single scattering (TMS, Nakajima and

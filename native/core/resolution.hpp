@@ -19,6 +19,10 @@ struct Resolution {
 /// logarithm.
 inline constexpr double kThinnestRepeated = 1e-9;
 
+/// Nodes are divided down to cosines like this thickness and no further. In a layer thinner still, light that streams
+/// sideways scatters again with a share of about the thickness times its logarithm, and the nodes miss a part of that.
+inline constexpr double kThinnestResolved = 1e-5;
+
 /// Directions enough for the stack's phase functions: Gauss nodes on a half-range integrate the products
 /// of the first 2n moments, and |chi_2n| is what the truncation of the forward peak must make good.
 /// Throws std::runtime_error where no admitted number of nodes is enough.

@@ -30,7 +30,7 @@ std::vector<double> probe(const std::vector<Medium>& slices, ThreadPool& pool) {
   for (const Medium& slice : slices) {
     tau += slice.tau;
   }
-  resolution.thinnest = std::min(1.0, tau);
+  resolution.thinnest = std::clamp(tau, kThinnestResolved, 1.0);
   const Solution solution(Stack{{slices.begin(), slices.end()}, {}}, resolution, pool);
   const Eigen::VectorXd mu{{0.05, 0.2, 0.5, 1.0}};
   const Eigen::VectorXd dphi{{0.0, 1.8}};

@@ -123,6 +123,7 @@ void Solution::solve(ThreadPool& pool) {
     for (const SolveChecks& checks : found) {
       checks_.worsen(checks);
     }
+    limit_modes();
     if (last >= fewest &&
         share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
       break;
@@ -131,6 +132,21 @@ void Solution::solve(ThreadPool& pool) {
   add_boundaries(pool);
   if (!has_only_media(stack()) && std::isfinite(resolution_.tolerance)) {
     checks_.worsen(check_returned(*this, pool));
+  }
+}
+
+/// The modes of many slices at many orders would take hundreds of megabytes: then another thickness finds them again.
+void Solution::limit_modes() {
+  constexpr double kMostBytes = 64e6;
+  double bytes = 0.0;
+  for (std::size_t k = 0; k < modes_.size(); ++k) {
+    const double nodes = static_cast<double>(native_directions_[k].live);
+    bytes += 2.0 * sizeof(double) * nodes * nodes * static_cast<double>(modes_[k]->size());
+  }
+  if (bytes > kMostBytes) {
+    for (const std::shared_ptr<Modes>& modes : modes_) {
+      std::for_each(modes->begin(), modes->end(), [](auto& one) { one.reset(); });
+    }
   }
 }
 

@@ -66,6 +66,7 @@ class Solution {
 
   void solve(ThreadPool& pool);
   void solve_medium(int order, std::size_t scatterer, SolveChecks& checks);
+  void limit_modes();
   double share_of_order(int order) const;
   int fewest_orders() const;
   void add_boundaries(ThreadPool& pool);

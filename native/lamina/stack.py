@@ -23,6 +23,8 @@ from .phase import check_phase, read_phase
 from .profile import optical_knots, read_profile
 
 SCHEMA = 1
+# Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
+MOST_LAYERS = 64
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,8 @@ class Stack:
     """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom. `name`,
     `category` and `source` (where the numbers come from) are texts for people; the hash leaves them out.
 
-    Raises StackError when a value is out of range, channels disagree, or there is nothing in it."""
+    A stack has at most 64 layers. Raises StackError when a value is out of range, channels disagree, or there is
+    nothing in it."""
 
     layers: Sequence[Medium | Interface]
     base: Base | None = None
@@ -47,6 +50,8 @@ class Stack:
         layers = list(layers)
         if layers and base is None and isinstance(layers[-1], tuple(BASES.values())):
             base = layers.pop()
+        if len(layers) > MOST_LAYERS:
+            raise StackError(f"layers has {len(layers)} entries: a stack must have at most {MOST_LAYERS}")
         checked = tuple(_check_layer(layer, f"layers[{i}]") for i, layer in enumerate(layers))
         object.__setattr__(self, "layers", checked)
         object.__setattr__(self, "base", _check_base(base))

@@ -61,6 +61,7 @@ BAD = {
         "layers[0].tau is missing: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"),
     "name a number": (lambda: medium(name=5), "layers[1].name = 5: must be a text"),
     "varying a number": (lambda: medium(varying=1), "layers[1].varying = 1: must be true or false"),
+    "too many layers": (lambda: Stack([GOOD] * 65), "layers has 65 entries: a stack must have at most 64"),
     "empty": (lambda: Stack([]), "layers = []: a stack must hold at least one layer or a base"),
     "base in the middle": (
         lambda: Stack([Lambert(0.5), GOOD]), "layers[0].kind = 'lambert': a base can only stand at the bottom"),

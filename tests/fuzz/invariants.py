@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What holds for every stack, whatever is in it: each function returns sentences about what does not hold."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import replace
+from statistics import NormalDist
+
+import numpy as np
+
+import lamina
+from lamina import Conductor, Interface, Medium, Stack
+from lamina.solve import tolerance_of
+
+QUALITY = "preview"
+TOLERANCE = tolerance_of(QUALITY)
+MU = np.array([0.05, 0.13, 0.37, 0.62, 0.88, 1.0])
+DPHI = np.array([0.0, 0.4, 1.3, 2.4, math.pi])
+# Of a slice's largest value: fainter light is not promised (flanks of lobes, see lamina.solve).
+FAINT = 3e-3
+ENERGY = 1e-4  # what the solver allows a rough boundary to gain
+WALK_SAMPLES = 1 << 16
+WALK_POINTS = 3
+
+
+def grids(solved) -> dict:
+    """BRDF and, for sheets, BTDF from both sides, [o, i, dphi, channel], by (path, side)."""
+    sights = [("reflect", "top")]
+    if solved.stack.base is None:
+        sights += [("reflect", "bottom"), ("transmit", "top"), ("transmit", "bottom")]
+    return {sight: solved.grid(sight[0], MU, MU, DPHI, side=sight[1]) for sight in sights}
+
+
+def ends_in_air(stack: Stack) -> bool:
+    indices = [layer.ior for layer in stack.layers if isinstance(layer, Interface)]
+    return stack.base is not None or not indices or indices[-1] == 1.0
+
+
+def of_values(found: dict) -> list[str]:
+    """Values are numbers, not negative, and reciprocal."""
+    wrong = []
+    for (path, side), f in found.items():
+        if not np.all(np.isfinite(f)):
+            wrong.append(f"{path} {side}: not finite")
+            continue
+        largest = _by_slice(f)
+        negative = float((-f - 1e-3 * FAINT * largest).max())
+        if negative > 0.0:
+            wrong.append(f"{path} {side}: negative by {float((-f / (largest + 1e-300)).max()):.2g} of the slice")
+        other = f if path == "reflect" else found[path, "bottom" if side == "top" else "top"]
+        turned = np.moveaxis(other, 0, 1)
+        off = _difference(f, turned)
+        if off > 1e-6:
+            wrong.append(f"{path} {side}: reciprocity broken by {off:.2g}")
+    return wrong
+
+
+def of_energy(solved) -> list[str]:
+    """No more leaves than arrives, and all of it where nothing absorbs."""
+    wrong = []
+    for side in ("top", "bottom") if solved.stack.base is None and ends_in_air(solved.stack) else ("top",):
+        for mu0 in (MU, "diffuse"):
+            whole = solved.reflectance(mu0, side) + solved.transmittance(mu0, side)
+            if not np.all(np.isfinite(whole)):
+                wrong.append(f"energy {side}: not finite")
+            elif whole.max() > 1.0 + ENERGY:
+                wrong.append(f"energy {side}: {whole.max() - 1.0:.2g} gained")
+            elif _keeps_all(solved.stack) and whole.min() < 1.0 - ENERGY:
+                wrong.append(f"energy {side}: {1.0 - whole.min():.2g} lost by a stack that absorbs nothing")
+    return wrong
+
+
+def of_splitting(stack: Stack, found: dict, chance: random.Random) -> list[str]:
+    """A homogeneous layer divided in two is the same layer."""
+    whole = [k for k, layer in enumerate(stack.layers) if isinstance(layer, Medium) and layer.profile is None
+             and layer.color is None and not layer.varying]
+    if not whole:
+        return []
+    k, share = chance.choice(whole), chance.choice([0.5, chance.uniform(0.01, 0.99)])
+    layer = stack.layers[k]
+    name = "tau" if layer.tau is not None else "thickness"
+
+    def part(of):
+        size = getattr(layer, name)
+        return replace(layer, **{name: tuple(of * x for x in size) if isinstance(size, tuple) else of * size})
+
+    layers = [*stack.layers[:k], part(share), part(1.0 - share), *stack.layers[k + 1:]]
+    try:
+        divided = grids(lamina.solve(Stack(layers, stack.base), QUALITY, threads=1))
+    except lamina.SolveError as error:
+        return [f"layers[{k}] divided at {share:.2g}: refused, {error}"]
+    wrong = []
+    for sight, f in found.items():
+        off = _difference(divided[sight], f)
+        if off > 2.0 * TOLERANCE:
+            wrong.append(f"layers[{k}] divided at {share:.2g}: {' '.join(sight)} differs by {off:.2g}")
+    return wrong
+
+
+def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> list[str]:
+    """Photon walks agree at some points, by Z-score at a family-wise level of 1 % over that many comparisons."""
+    if not ends_in_air(solved.stack):
+        return []
+    limit = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - 0.99 ** (1.0 / comparisons)))
+    wrong = []
+    for _ in range(WALK_POINTS):
+        path, side = chance.choice(list(found))
+        o, i, p = chance.randrange(1, len(MU)), chance.randrange(1, len(MU)), chance.randrange(len(DPHI))
+        value = found[path, side][o, i, p]
+        walk = lamina.estimate(solved.stack, MU[o], MU[i], DPHI[p], "transfer", WALK_SAMPLES, seed=chance.randrange(
+            1 << 30), threads=1, side=side, path=path)
+        allowed = TOLERANCE * (np.abs(value) + FAINT * _by_slice(found[path, side])[o, 0, 0] / TOLERANCE)
+        z = (np.abs(value - walk.value) - allowed) / np.maximum(walk.stderr, 1e-300)
+        if np.any(z > limit):
+            c = int(z.argmax())
+            wrong.append(f"{path} {side} at {MU[o]}, {MU[i]}, {DPHI[p]:.2f}: {value[c]:.4g}, the walk says "
+                         f"{walk.value[c]:.4g} +- {walk.stderr[c]:.1g}")
+    return wrong
+
+
+def of_table(lut) -> list[str]:
+    """A baked table holds finite weights, none of them negative, and sane errors."""
+    wrong = []
+    if not np.all(np.isfinite(lut.weights)) or lut.weights.min() < 0.0:
+        wrong.append("table: weights negative or not finite")
+    if not all(math.isfinite(lut.report[name]) for name in ("fit_error", "albedo_error", "energy_error")):
+        wrong.append("table: an error in the report is not finite")
+    return wrong
+
+
+def _by_slice(f: np.ndarray) -> np.ndarray:
+    """The largest value by view and channel."""
+    return np.abs(f).max(axis=(1, 2), keepdims=True)
+
+
+def _difference(a: np.ndarray, b: np.ndarray) -> float:
+    """Largest difference relative to the value and to what is faint beside the largest of its slices."""
+    scale = np.abs(b) + FAINT / TOLERANCE * np.minimum(_by_slice(b), np.abs(b).max(axis=(0, 2), keepdims=True))
+    return float((np.abs(a - b) / (scale + 1e-300)).max())
+
+
+def _keeps_all(stack: Stack) -> bool:
+    surfaces = [layer for layer in stack.layers if isinstance(layer, Interface)]
+    if any(s.alpha > 0.0 and not s.compensate for s in surfaces) or isinstance(stack.base, Conductor):
+        return False
+    if not ends_in_air(stack):
+        return False
+    media = [(index, layer) for index, layer in enumerate(stack.layers) if isinstance(layer, Medium)]
+    for index, layer in media:
+        if layer.color is not None or layer.profile is not None:
+            return False
+        if any(albedo < 1.0 or math.isinf(tau) for albedo, tau in map(
+                lambda c, k=index: stack.optics(k, c), range(stack.channels))):
+            return False
+    if isinstance(stack.base, lamina.Lambert):
+        reflectance = stack.base.reflectance
+        return all(r == 1.0 for r in (reflectance if isinstance(reflectance, tuple) else (reflectance,)))
+    return stack.base is None

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Random stacks over everything that a stack's JSON allows. A stack follows from its seed and number alone."""
+
+from __future__ import annotations
+
+import math
+import random
+
+from lamina import (
+    Black,
+    Conductor,
+    CornetteShanks,
+    DoubleHenyeyGreenstein,
+    Draine,
+    HalfSpace,
+    HenyeyGreenstein,
+    Interface,
+    Isotropic,
+    Knot,
+    Lambert,
+    Medium,
+    Mixture,
+    Rayleigh,
+    Stack,
+    Tabulated,
+)
+
+SHARPEST = 0.93  # of |g|; beyond |g| = .964 the solver refuses, which is tested elsewhere
+MOST_LAYERS = 6
+
+
+def random_stack(seed: int, number: int) -> Stack:
+    """Stack `number` of the sequence that `seed` begins."""
+    return _Maker(random.Random(f"{seed}:{number}")).stack()
+
+
+class _Maker:
+    def __init__(self, chance: random.Random):
+        self.chance = chance
+        self.channels = 3 if chance.random() < 0.25 else 1
+
+    def stack(self) -> Stack:
+        base = self.base()
+        count = self.chance.choices(range(MOST_LAYERS + 1), (1, 6, 8, 8, 5, 2, 1))[0]
+        if base is None and count == 0:
+            count = 1
+        layers = [self.interface() if self.chance.random() < 0.4 else self.medium() for _ in range(count)]
+        indices = [layer.ior for layer in layers if isinstance(layer, Interface)]
+        # A sheet is baked with air on both sides.
+        if base is None and indices and indices[-1] != 1.0 and self.chance.random() < 0.95:
+            layers.append(self.interface(ior=1.0))
+        return Stack(layers, base)
+
+    def log(self, low: float, high: float) -> float:
+        return math.exp(self.chance.uniform(math.log(low), math.log(high)))
+
+    def spread(self, draw):
+        """One number for all channels, or a number for each."""
+        if self.channels == 3 and self.chance.random() < 0.6:
+            return [draw() for _ in range(3)]
+        return draw()
+
+    def albedo(self) -> float:
+        kind = self.chance.random()
+        if kind < 0.1:
+            return 0.0
+        if kind < 0.2:
+            return 1.0
+        if kind < 0.4:
+            return 1.0 - self.log(1e-8, 0.1)
+        return self.chance.random()
+
+    def tau(self) -> float:
+        kind = self.chance.random()
+        if kind < 0.03:
+            return 0.0
+        if kind < 0.08:
+            return math.inf
+        if kind < 0.45:
+            return self.log(1e-9, 1e-2)
+        return self.log(1e-2, 30.0)
+
+    def g(self) -> float:
+        return self.chance.choice([self.chance.uniform(-0.6, 0.8), self.chance.uniform(-SHARPEST, SHARPEST)])
+
+    def phase(self, parts: bool = True):
+        kinds = [
+            Isotropic,
+            Rayleigh,
+            lambda: HenyeyGreenstein(self.spread(self.g)),
+            lambda: DoubleHenyeyGreenstein(self.spread(self.g), self.spread(self.g), self.chance.random()),
+            lambda: Draine(self.chance.uniform(-0.85, 0.85), self.log(0.01, 1000.0)),
+            lambda: CornetteShanks(self.spread(lambda: self.chance.uniform(-0.85, 0.85))),
+            self.moments,
+            self.samples,
+        ]
+        if parts:
+            kinds.append(self.mixture)
+        return self.chance.choice(kinds)()
+
+    def moments(self) -> Tabulated:
+        g = self.chance.uniform(-0.6, 0.8)
+        count = self.chance.randint(1, 60)
+        # Cesaro's means of a positive function are positive.
+        return Tabulated(moments=[g**order * (1.0 - order / count) ** 2 for order in range(count)]
+                         if abs(g) < 0.3 else [g**order for order in range(90)])
+
+    def samples(self) -> Tabulated:
+        """A lobe by the degree or so, which may be noisy."""
+        count = self.chance.choice([19, 37, 91, 181, 361])
+        g, noise = self.chance.uniform(-0.7, 0.8), self.chance.choice([0.0, 0.01, 0.1, 0.3])
+        cosines = [math.cos(math.pi * k / (count - 1)) for k in range(count)]
+        values = [(1.0 + g * g - 2.0 * g * x) ** -1.5 * math.exp(noise * self.chance.gauss(0.0, 1.0)) for x in cosines]
+        return Tabulated(cosines=cosines, values=values)
+
+    def mixture(self) -> Mixture:
+        share = self.chance.random()
+        return Mixture([(share, self.phase(parts=False)), (1.0 - share, self.phase(parts=False))])
+
+    def medium(self) -> Medium:
+        if self.chance.random() < 0.12:
+            return self.graded()
+        kind = self.chance.random()
+        if kind < 0.7:
+            return Medium(albedo=self.spread(self.albedo), tau=self.spread(self.tau), phase=self.phase())
+        if kind < 0.88:
+            return Medium(sigma_s=self.spread(lambda: self.log(1e-3, 1e2)), phase=self.phase(),
+                          sigma_a=self.spread(lambda: self.chance.choice([0.0, self.log(1e-4, 1e2)])),
+                          thickness=self.log(1e-6, 10.0))
+        over = self.chance.choice([None, self.chance.random()])
+        tau = self.log(0.01, 30.0)
+        color = self.chance.uniform(0.02, 0.9)
+        if over is None:
+            return Medium(color=color, tau=tau, phase=HenyeyGreenstein(self.chance.uniform(-0.5, 0.85)))
+        # Close to what lies below, so that some albedo shows the colour.
+        return Medium(color=over * math.exp(-0.1 * tau), over=over, tau=tau)
+
+    def graded(self) -> Medium:
+        inner = sorted(self.chance.random() for _ in range(self.chance.choice([0, 0, 1, 2, 3])))
+        if inner and self.chance.random() < 0.3:
+            inner.insert(0, inner[0])  # a jump
+        depths = [0.0, *inner, 1.0]
+        if self.chance.random() < 0.3:
+            knots = [Knot(depth, sigma_s=self.log(1e-3, 10.0), sigma_a=self.log(1e-4, 1.0), phase=self.phase())
+                     for depth in depths]
+            return Medium(thickness=self.log(1e-3, 3.0), profile=knots)
+        knots = [Knot(depth, albedo=self.spread(self.albedo), phase=self.phase()) for depth in depths]
+        return Medium(tau=self.log(1e-4, 20.0), profile=knots)
+
+    def facets(self) -> dict:
+        rough = self.chance.random() < 0.5
+        return {"alpha": self.log(1e-3, 1.0) if rough else 0.0,
+                "distribution": self.chance.choice(["ggx", "ggx", "beckmann"]),
+                "compensate": self.chance.random() < 0.8, "correlated": self.chance.random() < 0.8}
+
+    def interface(self, ior: float | None = None) -> Interface:
+        if ior is None:
+            ior = self.chance.choice([1.0, 1.0 + self.log(1e-3, 0.3), self.chance.uniform(1.2, 1.8),
+                                      self.chance.uniform(1.2, 1.8), self.chance.uniform(1.0, 4.0)])
+        return Interface(ior, **self.facets())
+
+    def base(self):
+        kind = self.chance.choice(["sheet", "sheet", "black", "lambert", "lambert", "half-space", "metal", "metal"])
+        if kind == "black":
+            return Black()
+        if kind == "lambert":
+            return Lambert(self.spread(lambda: self.chance.choice([0.0, 1.0, *([self.chance.random()] * 4)])),
+                           textured=self.chance.random() < 0.2)
+        if kind == "half-space":
+            return HalfSpace(self.spread(self.albedo), self.phase())
+        if kind == "metal" and self.chance.random() < 0.3:
+            facing = self.chance.uniform(0.3, 0.95)
+            return Conductor(facing=facing, grazing=self.chance.uniform(facing, 1.0), **self.facets())
+        if kind == "metal":
+            return Conductor(self.spread(lambda: self.log(0.05, 4.0)), self.spread(lambda: self.log(0.5, 9.0)),
+                             **self.facets())
+        return None
