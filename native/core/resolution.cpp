@@ -132,7 +132,7 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
 int orders_for_lobes(const Stack& stack, double tolerance) {
   const std::vector<double> indices = refractive_indices(stack);
   // Widths of lobes in n sin(theta), which refraction keeps: of refracted and of reflected light.
-  std::vector<double> through;
+  double refracted = std::numeric_limits<double>::infinity();
   double reflected = std::numeric_limits<double>::infinity();
   int mirrors = 0;
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
@@ -141,7 +141,7 @@ int orders_for_lobes(const Stack& stack, double tolerance) {
     const double below = indices[layer + 1];
     mirrors += above != below ? 1 : 0;
     if (interface != nullptr && interface->is_rough(above)) {
-      through.push_back(std::abs(below - above) * interface->facets.alpha);
+      refracted = std::min(refracted, std::abs(below - above) * interface->facets.alpha);
       reflected = std::min(reflected, 2.0 * std::min(above, below) * interface->facets.alpha);
     }
   }
@@ -154,18 +154,14 @@ int orders_for_lobes(const Stack& stack, double tolerance) {
   if (mirrors < 2 || std::isinf(reflected)) {
     return 0;
   }
-  std::sort(through.begin(), through.end());
-  const double narrowest = through.empty() ? reflected : std::min(reflected, through.front());
-  double three = 2.0 * narrowest + reflected;
-  if (through.size() > 1) {
-    three = std::min(three, 2.0 * (through[0] + through[1]));
-  }
-  // The spectrum of a GGX lobe of width w falls as exp(-w k), sideways by the cosine's share more slowly. Lookup tables
-  // hold two in a row by these orders, too, as well as the nodes can.
-  constexpr double kSideways = 0.5;
-  const double decay = (1.0 - std::log(std::min(tolerance, 1e-2))) / kSideways;
-  const double two = std::min(0.25 * decay / (2.0 * narrowest), 64.0);
-  return static_cast<int>(std::min(std::ceil(std::max(decay / three, two)), static_cast<double>(kMostOrders)));
+  const double narrowest = std::min(reflected, refracted);
+  // The spectrum of a GGX lobe of width w falls as exp(-w k); where that is too hopeful, the check of what is returned
+  // asks for more. Lookup tables hold two lobes in a row by these orders, too, as well as the nodes can.
+  constexpr double kResolved = 32.0;
+  const double decay = 1.0 - std::log(std::min(tolerance, 1e-2));
+  const double two = std::min(0.5 * decay / (2.0 * narrowest), kResolved);
+  const double orders = std::max(decay / (2.0 * narrowest + reflected), two);
+  return static_cast<int>(std::min(std::ceil(orders), static_cast<double>(kMostOrders)));
 }
 
 Resolution refined(const Resolution& resolution) {

@@ -19,7 +19,7 @@ using std::numbers::pi;
 
 /// What a smaller value counts as: of the mean over azimuths, and in 1/sr.
 constexpr double kFaint = 1e-3;
-constexpr double kLeast = 1e-5;
+constexpr double kLeast = 1e-3;
 
 /// Sum of the orders that follow these, of geometric decay: the last four against the four before.
 double rest_of(const ArrayXd& orders) {

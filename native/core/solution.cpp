@@ -276,9 +276,12 @@ Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
       return solution;
     }
     Resolution finer = refined(resolution);
-    if (!(solution.checks().azimuth < tolerance) && solution.orders() < kMostOrders) {
+    if (!(solution.checks().azimuth < tolerance)) {
+      if (solution.orders() >= kMostOrders) {
+        solution.require_sound();
+      }
       finer = resolution;
-      finer.fewest_orders = std::min(kMostOrders, 3 * solution.orders() / 2);
+      finer.fewest_orders = std::min(kMostOrders, 8 * solution.orders() / 5);
     } else if (finer.nodes == resolution.nodes) {
       solution.require_sound();
     }

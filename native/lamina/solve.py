@@ -33,6 +33,8 @@ _PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
 def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | None = None) -> ScatteringFunction:
     """The scattering function of a stack, to a relative pointwise tolerance (cosines >= .05) of .1 %
     ("final") or 1 % ("preview"). `threads` 0 uses every hardware thread; results do not depend on it.
+    Where there are boundaries, values below 1e-3 per steradian, or below 1e-3 of their mean over azimuths, are only
+    promised to that share of these. At most 200 azimuth orders are tried.
     `nodes` takes that many nodes per hemisphere as they are, without a promise: for a quick look.
 
     Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
