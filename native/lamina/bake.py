@@ -94,9 +94,10 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
     else:
         seen, base = slices(solved, grid, pool, portion(step, 0.3, 0.7)), None
     fitted = {}
-    for kind, wanted in seen.items():
+    ends = np.linspace(0.7, 0.95, len(seen) + 1)
+    for (kind, wanted), first, last in zip(seen.items(), ends, ends[1:], strict=False):
         effort, own = (reflected, made) if kind == "reflection" else (through, ())
-        fitted[kind] = fit(kind, wanted, effort, portion(step, 0.7, 0.95), own, given[kind])
+        fitted[kind] = fit(kind, wanted, effort, portion(step, first, last), own, given[kind])
     if solved.is_sheet:
         fitted["transmission"] = compensated(*fitted.values(), seen["transmission"], grid)
     for kind, wanted in seen.items():
