@@ -140,7 +140,9 @@ void FacetRays::circle(double mu, double angle, double weight, Rays& reflected, 
   const double density = 2.0 * facets_.density(Eigen::ArrayXd::Constant(1, upright))[0] * flat / mu * weight;
   constexpr double kPerCircle = 5.0;
   constexpr double kPerWave = 1.0;
-  const double points = kPerCircle * pieces_.density + kPerWave * pieces_.degree * flat;
+  // Rays that leave all around the normal see whole waves of the azimuth.
+  const double around = std::min(1.0, flat / std::max(sine(mu), 1e-9));
+  const double points = kPerCircle * pieces_.density + kPerWave * pieces_.degree * around;
 
   // Azimuths at which something ends, from 0 to the last one that faces the ray.
   std::array<double, kMostCuts> cuts{};

@@ -282,6 +282,7 @@ Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
       }
       finer = resolution;
       finer.fewest_orders = std::min(kMostOrders, 8 * solution.orders() / 5);
+      finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
     } else if (finer.nodes == resolution.nodes) {
       solution.require_sound();
     }
