@@ -123,8 +123,7 @@ void Solution::solve(ThreadPool& pool) {
     for (const SolveChecks& checks : found) {
       checks_.worsen(checks);
     }
-    if (last >= fewest &&
-        share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
+    if (last >= fewest && share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
       break;
     }
   }
