@@ -116,8 +116,8 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
     const double x0 = std::asinh(low / facets_.alpha);
     const double x1 = std::asinh(high / facets_.alpha);
     if (x1 - x0 > 1e-12) {
-      const int points =
-          2 + static_cast<int>(std::ceil(kPerLobe * pieces_.density * (x1 - x0) + kPerWave * pieces_.degree * (high - low)));
+      const int points = 2 + static_cast<int>(std::ceil(kPerLobe * pieces_.density * (x1 - x0) +
+                                                        kPerWave * pieces_.degree * (high - low)));
       const Quadrature& rule = gauss(points);
       for (Eigen::Index k = 0; k < rule.mu.size(); ++k) {
         // Where circles touch a division, sums over them begin or end as square roots.

@@ -67,9 +67,10 @@ SolveChecks check_returned(const Solution& solution, ThreadPool& pool) {
           orders[m] = (m == 0 ? 1.0 : 2.0) / pi * smooth[k][static_cast<std::size_t>(m)](o, i);
           values += orders[m] * (static_cast<double>(m) * dphi).cos();
         }
-        const double mean = 0.5 / pi * ((values.head(dphi.size() - 1) + values.tail(dphi.size() - 1)) *
-                                        (dphi.tail(dphi.size() - 1) - dphi.head(dphi.size() - 1)))
-                                           .sum();
+        const double mean = 0.5 / pi *
+                            ((values.head(dphi.size() - 1) + values.tail(dphi.size() - 1)) *
+                             (dphi.tail(dphi.size() - 1) - dphi.head(dphi.size() - 1)))
+                                .sum();
         SolveChecks found;
         found.azimuth = (rest_of(orders, dphi) / values.max(std::max(kFaint * mean, kLeast))).maxCoeff();
         found.negativity = std::max(0.0, -values.minCoeff()) / std::max(mean, kLeast);

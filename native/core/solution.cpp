@@ -124,8 +124,7 @@ void Solution::solve(ThreadPool& pool) {
       checks_.worsen(checks);
     }
     limit_modes();
-    if (last >= fewest &&
-        share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
+    if (last >= fewest && share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
       break;
     }
   }
