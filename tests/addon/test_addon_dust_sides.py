@@ -43,7 +43,7 @@ def shown_by(addon, lamina, material, name):
     return exact
 
 
-def scene(below):
+def scene(addon, below):
     made = bpy.context.scene
     camera = bpy.data.cameras.new("Camera")
     camera.type, camera.ortho_scale = "ORTHO", 0.5
@@ -53,8 +53,7 @@ def scene(below):
     made.collection.objects.link(eye)
     made.camera = eye
     made.world = bpy.data.worlds.new("Sky")
-    made.world.use_nodes = True
-    made.world.node_tree.nodes["Background"].inputs[0].default_value = (1.0, 1.0, 1.0, 1.0)
+    addon.graph.tree_of(made.world).nodes["Background"].inputs[0].default_value = (1.0, 1.0, 1.0, 1.0)
     made.render.engine = "CYCLES"
     made.render.threads_mode, made.render.threads = "FIXED", 1
     made.render.resolution_x = made.render.resolution_y = 24
@@ -64,8 +63,8 @@ def scene(below):
     made.cycles.use_denoising = made.cycles.use_adaptive_sampling = False
 
 
-def seen(tmp_path, below):
-    scene(below)
+def seen(addon, tmp_path, below):
+    scene(addon, below)
     return float(render(tmp_path / "seen.exr").reshape(-1, 4)[:, 1].mean())
 
 
@@ -89,8 +88,8 @@ def test_dust_shows_on_the_side_that_it_lies_on(dust, addon, lamina, material, t
     above, below = exact(1.0, "top"), exact(1.0, "bottom") if name == "leaf" else 0.05
     assert abs(above - below) > 0.1, "the sides differ by more than the errors"
     # The table keeps the energy of each row to .2 %; row between rows and noise are of that size.
-    assert seen(tmp_path, below=False) == pytest.approx(above, rel=0.015)
-    assert seen(tmp_path, below=True) == pytest.approx(below, rel=0.015)
+    assert seen(addon, tmp_path, below=False) == pytest.approx(above, rel=0.015)
+    assert seen(addon, tmp_path, below=True) == pytest.approx(below, rel=0.015)
 
 
 @pytest.mark.parametrize("modifier", [None, "SUBSURF"])
@@ -103,9 +102,9 @@ def test_cycles_reads_dust_of_face_corners(dust, addon, lamina, material, tmp_pa
         body.modifiers.new("Finer", modifier).subdivision_type = "SIMPLE"
     dust.settle(bpy.context, body)
     assert body.data.attributes["lamina_dust"].domain == "CORNER"
-    assert seen(tmp_path, below=False) == pytest.approx(exact(1.0, "top"), rel=0.015)
+    assert seen(addon, tmp_path, below=False) == pytest.approx(exact(1.0, "top"), rel=0.015)
     body.location.z = 1.0
-    assert seen(tmp_path, below=True) == pytest.approx(0.05, rel=0.015)
+    assert seen(addon, tmp_path, below=True) == pytest.approx(0.05, rel=0.015)
 
 
 def test_a_sheet_of_two_different_sides_is_not_turned_over(dust, addon, lamina, material, tmp_path):  # noqa: F811
@@ -114,8 +113,8 @@ def test_a_sheet_of_two_different_sides_is_not_turned_over(dust, addon, lamina, 
     plate = plane(material, True)
     dust.settle(bpy.context, plate)
     assert "Flip the normals" in addon.dust_panel.mismatch(material, plate.lamina_dust)
-    assert seen(tmp_path, below=False) == pytest.approx(exact(0.0, "bottom"), rel=0.015)
-    assert seen(tmp_path, below=True) == pytest.approx(exact(0.0, "top"), rel=0.015)
+    assert seen(addon, tmp_path, below=False) == pytest.approx(exact(0.0, "bottom"), rel=0.015)
+    assert seen(addon, tmp_path, below=True) == pytest.approx(exact(0.0, "top"), rel=0.015)
 
 
 @pytest.mark.parametrize("below", [False, True], ids=["front", "back"])
@@ -124,4 +123,4 @@ def test_a_thickness_of_another_source_counts_for_both_sides(addon, lamina, mate
     plate = grid(material=material)
     plate.data.attributes.new("soot", "FLOAT", "POINT").data.foreach_set("value", [1.0] * len(plate.data.vertices))
     addon.thickness.wire_thickness(material, "attribute", "soot")
-    assert seen(tmp_path, below) == pytest.approx(exact(1.0, "top"), rel=0.015)
+    assert seen(addon, tmp_path, below) == pytest.approx(exact(1.0, "top"), rel=0.015)

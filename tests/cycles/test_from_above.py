@@ -9,6 +9,7 @@ import math
 import baked_samples
 import bpy
 import goniophotometer
+import node_tree
 import numpy as np
 import pytest
 
@@ -35,7 +36,7 @@ def _sample(addon, name, stack):
     """At the largest thickness, where a layer varies: that row and the first are solved."""
     lut = lamina.bake(stack, "preview", row_stride=32 if stack.varying is not None else 1)
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    node_tree.of(material)
     addon.stack_io.assign_stack(material, stack)
     addon.bake_job.apply(material, lut)
     return baked_samples.Sample(name, material, lut, lamina.solve(stack, "preview"), VIEWS)
