@@ -107,8 +107,7 @@ std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const 
   const Targets targets({&mu_o, &mu_i});
   const Assembly assembly(solution, targets.mu, pool);
   const FacetMeetings meetings(assembly);
-  const std::vector<std::vector<Eigen::MatrixXd>> all =
-      smooth_orders(assembly, meetings, passages, pool);
+  const std::vector<std::vector<Eigen::MatrixXd>> all = smooth_orders(assembly, meetings, passages, pool);
   const Eigen::ArrayXd cosines = dphi.array().cos();
   Eigen::MatrixXd waves(static_cast<Eigen::Index>(solution.orders()), dphi.size());
   for (Eigen::Index m = 0; m < waves.rows(); ++m) {
@@ -135,7 +134,8 @@ std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const 
       for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
         const Eigen::Index column = targets.find(mu_i[i]);
         slice.row(i) += once(o, column, cosines).matrix().transpose();
-        slice.row(i) += meetings.value(passages[k].side, passages[k].path, o, column, dphi.array()).matrix().transpose();
+        slice.row(i) +=
+            meetings.value(passages[k].side, passages[k].path, o, column, dphi.array()).matrix().transpose();
         slice.row(i) = slice.row(i).cwiseMax(0.0);
       }
     });
@@ -148,8 +148,8 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
   const Targets exact({&mu_o, &mu_i});
   const bool tabulate = exact.mu.size() > AngleTable::kKnots;
   const Assembly smooth(solution, tabulate ? AngleTable::cosines() : exact.mu, pool);
-  const std::vector<Eigen::MatrixXd> orders = std::move(
-      smooth_orders(smooth, FacetMeetings(smooth), {{side, path}}, pool).front());
+  const std::vector<Eigen::MatrixXd> orders =
+      std::move(smooth_orders(smooth, FacetMeetings(smooth), {{side, path}}, pool).front());
   const Assembly all(solution, exact.mu);
   const FacetMeetings meetings(all);
   const OnceScattered once(all, side, path);

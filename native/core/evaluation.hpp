@@ -24,8 +24,8 @@ struct Passage {
   Side side;
   Path path;
 };
-/// For each passage and azimuth order, the part of pi f between all targets of an assembly that is smooth: without light
-/// that a medium scattered once or facets once or twice.
+/// For each passage and azimuth order, the part of pi f between all targets of an assembly that is smooth: without
+/// light that a medium scattered once or facets once or twice.
 std::vector<std::vector<Eigen::MatrixXd>> smooth_orders(const Assembly& assembly, const FacetMeetings& meetings,
                                                         const std::vector<Passage>& passages, ThreadPool& pool);
 std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const std::vector<Passage>& passages,

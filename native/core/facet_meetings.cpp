@@ -76,8 +76,9 @@ FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), se
     const std::vector<double> own = critical_cosines(indices, above);
     if (at_base) {
       const std::complex<double> ratio = stack.base.ior / above;
-      made.rays.emplace_back(facets(boundary), [ratio](double mu) { return conductor_fresnel(mu, ratio); },
-                             FacetRays::Pieces{kDegree, own, {}, density});
+      made.rays.emplace_back(
+          facets(boundary), [ratio](double mu) { return conductor_fresnel(mu, ratio); },
+          FacetRays::Pieces{kDegree, own, {}, density});
     } else {
       const double below = indices[boundary.layer + 1];
       const std::vector<double> other = critical_cosines(indices, below);
@@ -181,8 +182,10 @@ void FacetMeetings::add_rays(ArrayXd& sum, const Meeting& meeting, bool backward
     return;
   }
   const std::vector<Directions>& directions = assembly_.directions();
-  const std::size_t begin = gap(backwards ? meeting.second : meeting.first, backwards ? meeting.arriving : meeting.leaving);
-  const std::size_t end = gap(backwards ? meeting.first : meeting.second, backwards ? meeting.leaving : meeting.arriving);
+  const std::size_t begin =
+      gap(backwards ? meeting.second : meeting.first, backwards ? meeting.arriving : meeting.leaving);
+  const std::size_t end =
+      gap(backwards ? meeting.first : meeting.second, backwards ? meeting.leaving : meeting.arriving);
   const ArrayXd mu = Eigen::Map<const ArrayXd>(own.rays.mu.data(), count);
   const auto in_gap = [&](std::size_t gap) -> ArrayXd {
     return mu.unaryExpr([&](double m) { return refracted_cosine(m, directions[begin].ior, directions[gap].ior); });

@@ -116,8 +116,8 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
     const double x0 = std::asinh(low / facets_.alpha);
     const double x1 = std::asinh(high / facets_.alpha);
     if (x1 - x0 > 1e-12) {
-      const int points =
-          2 + static_cast<int>(std::ceil(kPerLobe * pieces_.density * (x1 - x0) + kPerWave * pieces_.degree * (high - low)));
+      const int points = 2 + static_cast<int>(std::ceil(kPerLobe * pieces_.density * (x1 - x0) +
+                                                        kPerWave * pieces_.degree * (high - low)));
       const Quadrature& rule = gauss(points);
       for (Eigen::Index k = 0; k < rule.mu.size(); ++k) {
         // Where circles touch a division, sums over them begin or end as square roots.
@@ -140,7 +140,9 @@ void FacetRays::circle(double mu, double angle, double weight, Rays& reflected, 
   const double density = 2.0 * facets_.density(Eigen::ArrayXd::Constant(1, upright))[0] * flat / mu * weight;
   constexpr double kPerCircle = 5.0;
   constexpr double kPerWave = 1.0;
-  const double points = kPerCircle * pieces_.density + kPerWave * pieces_.degree * flat;
+  // Rays that leave all around the normal see whole waves of the azimuth.
+  const double around = std::min(1.0, flat / std::max(sine(mu), 1e-9));
+  const double points = kPerCircle * pieces_.density + kPerWave * pieces_.degree * around;
 
   // Azimuths at which something ends, from 0 to the last one that faces the ray.
   std::array<double, kMostCuts> cuts{};

@@ -42,9 +42,8 @@ Deltas MirrorSections::layer(std::size_t layer, const Cosines& cosines) const {
     const ArrayXd below = cosines(layer + 1);
     for (Eigen::Index k = 0; k < above.size(); ++k) {
       // Directions that exist on one side only are totally reflected there.
-      const double back = above[k] > 0.0 && below[k] > 0.0
-                              ? fresnel(above[k], below[k], indices_[layer], indices_[layer + 1])
-                              : 1.0;
+      const double back =
+          above[k] > 0.0 && below[k] > 0.0 ? fresnel(above[k], below[k], indices_[layer], indices_[layer + 1]) : 1.0;
       deltas.reflect_above[k] = deltas.reflect_below[k] = back;
       deltas.transmit[k] = 1.0 - back;
     }

@@ -71,8 +71,8 @@ ArrayXd OnceScattered::by_facets(Index o, Index i, const ArrayXd& cosines) const
         const bool by_top = to == Face::kTop;
         const double share = (by_top ? f.at.out_down : f.at.out_up)[o] * (on_top ? f.at.in_down : f.at.in_up)[i];
         if (share > 0.0) {
-          sum += share *
-                 f.surface->value(from, to, (on_top ? f.at.mu : f.mu_below)[i], (by_top ? f.at.mu : f.mu_below)[o], cosines);
+          sum += share * f.surface->value(from, to, (on_top ? f.at.mu : f.mu_below)[i],
+                                          (by_top ? f.at.mu : f.mu_below)[o], cosines);
         }
       }
     }

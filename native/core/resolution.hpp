@@ -36,6 +36,9 @@ int orders_for_lobes(const Stack& stack, double tolerance);
 /// The largest number of azimuth orders that a solve tries.
 inline constexpr int kMostOrders = 200;
 
+/// Nodes that resolve in the cosine what so many orders resolve in the azimuth.
+inline int nodes_beside(int orders) { return 8 * ((3 * orders + 79) / 80); }
+
 /// The next finer one, or the same when there is none.
 Resolution refined(const Resolution& resolution);
 

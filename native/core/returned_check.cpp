@@ -21,15 +21,25 @@ using std::numbers::pi;
 constexpr double kFaint = 1e-3;
 constexpr double kLeast = 1e-3;
 
-/// Sum of the orders that follow these, of geometric decay: the last four against the four before.
-double rest_of(const ArrayXd& orders) {
+/// What the orders that follow may add at these azimuths. They decay geometrically: the last four against the four
+/// before. Where they keep their sign, or change it each time, their waves cancel but near azimuth 0, or pi.
+ArrayXd rest_of(const ArrayXd& orders, const ArrayXd& dphi) {
   constexpr Index kFew = 4;
   constexpr double kSlowest = 0.9;
   const Index few = std::min(kFew, orders.size() / 2);
-  const double last = orders.tail(few).abs().sum();
+  const ArrayXd tail = orders.tail(few);
+  const double last = tail.abs().sum();
   const double before = orders.segment(orders.size() - 2 * few, few).abs().sum();
   const double ratio = last < kSlowest * before ? last / before : kSlowest;
-  return last * ratio / (1.0 - ratio);
+  const double all = last * ratio / (1.0 - ratio);
+  const ArrayXd steps = tail.head(few - 1) * tail.tail(few - 1);
+  ArrayXd rest = ArrayXd::Constant(dphi.size(), all);
+  if ((steps > 0.0).all() || (steps < 0.0).all()) {
+    const ArrayXd half = 0.5 * dphi;
+    const ArrayXd distance = (steps > 0.0).all() ? half.sin().eval() : half.cos().eval();
+    rest = rest.min(tail.abs().maxCoeff() / (2.0 * distance.max(1e-9)));
+  }
+  return rest;
 }
 
 }  // namespace
@@ -57,12 +67,12 @@ SolveChecks check_returned(const Solution& solution, ThreadPool& pool) {
           orders[m] = (m == 0 ? 1.0 : 2.0) / pi * smooth[k][static_cast<std::size_t>(m)](o, i);
           values += orders[m] * (static_cast<double>(m) * dphi).cos();
         }
-        const double mean = 0.5 / pi * ((values.head(dphi.size() - 1) + values.tail(dphi.size() - 1)) *
-                                        (dphi.tail(dphi.size() - 1) - dphi.head(dphi.size() - 1)))
-                                           .sum();
-        const double scale = std::max(values.minCoeff(), kFaint * mean);
+        const double mean = 0.5 / pi *
+                            ((values.head(dphi.size() - 1) + values.tail(dphi.size() - 1)) *
+                             (dphi.tail(dphi.size() - 1) - dphi.head(dphi.size() - 1)))
+                                .sum();
         SolveChecks found;
-        found.azimuth = rest_of(orders) / std::max(scale, kLeast);
+        found.azimuth = (rest_of(orders, dphi) / values.max(std::max(kFaint * mean, kLeast))).maxCoeff();
         found.negativity = std::max(0.0, -values.minCoeff()) / std::max(mean, kLeast);
         checks.worsen(found);
       }

@@ -136,8 +136,7 @@ FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int
   for (const DirectionSet::Range& range : set.ranges()) {
     degree = std::max(degree, fineness * static_cast<double>(range.nodes.mu.size()));
   }
-  return {static_cast<int>(degree), ends(set, ior),
-          beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
+  return {static_cast<int>(degree), ends(set, ior), beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
 }
 
 /// Writes one part of an operator: its block on live nodes, and columns and rows of targets. `arriving` is light

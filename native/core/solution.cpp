@@ -124,8 +124,7 @@ void Solution::solve(ThreadPool& pool) {
       checks_.worsen(checks);
     }
     limit_modes();
-    if (last >= fewest &&
-        share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
+    if (last >= fewest && share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
       break;
     }
   }
@@ -282,6 +281,7 @@ Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
       }
       finer = resolution;
       finer.fewest_orders = std::min(kMostOrders, 8 * solution.orders() / 5);
+      finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
     } else if (finer.nodes == resolution.nodes) {
       solution.require_sound();
     }
