@@ -22,16 +22,17 @@ ArrayXd dielectric_fresnel(const ArrayXd& c, double ratio) {
 }
 
 /// Born and Wolf, Principles of Optics, 13.2; real arithmetic so that it runs on whole arrays.
-ArrayXd conductor_fresnel_array(const ArrayXd& c, std::complex<double> ratio) {
+template <typename Array>  // an array of fixed size needs no memory from the heap
+Array conductor_fresnel_array(const Array& c, std::complex<double> ratio) {
   const std::complex<double> square = ratio * ratio;
-  const ArrayXd sine2 = 1.0 - c.square();
-  const ArrayXd real = square.real() - sine2;
-  const ArrayXd modulus = (real.square() + square.imag() * square.imag()).sqrt();
-  const ArrayXd a = (0.5 * (modulus + real)).max(0.0).sqrt();
-  const ArrayXd s = (modulus + c.square() - 2.0 * a * c) / (modulus + c.square() + 2.0 * a * c);
-  const ArrayXd left = modulus * c.square() + sine2.square();
-  const ArrayXd right = 2.0 * a * c * sine2;
-  const ArrayXd p = s * (left - right) / (left + right);
+  const Array sine2 = 1.0 - c.square();
+  const Array real = square.real() - sine2;
+  const Array modulus = (real.square() + square.imag() * square.imag()).sqrt();
+  const Array a = (0.5 * (modulus + real)).max(0.0).sqrt();
+  const Array s = (modulus + c.square() - 2.0 * a * c) / (modulus + c.square() + 2.0 * a * c);
+  const Array left = modulus * c.square() + sine2.square();
+  const Array right = 2.0 * a * c * sine2;
+  const Array p = s * (left - right) / (left + right);
   return 0.5 * (s + p);
 }
 
@@ -94,13 +95,13 @@ ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, d
 }
 
 double conductor_fresnel(double mu, std::complex<double> ratio) {
-  return conductor_fresnel_array(ArrayXd::Constant(1, mu), ratio)[0];
+  return conductor_fresnel_array<Eigen::Array<double, 1, 1>>(Eigen::Array<double, 1, 1>(mu), ratio)[0];
 }
 
 double mean_conductor_fresnel(std::complex<double> ratio) {
   const Quadrature quadrature(32);
   return (2.0 * quadrature.mu.array() * quadrature.weight.array() *
-          conductor_fresnel_array(quadrature.mu.array(), ratio))
+          conductor_fresnel_array<ArrayXd>(quadrature.mu.array(), ratio))
       .sum();
 }
 

@@ -86,9 +86,98 @@ int nodes_for(const PhaseFunction& phase, double albedo, double tolerance) {
   return nodes;
 }
 
+/// A boundary that mirrors light, however roughly.
+struct Reflector {
+  double alpha;
+  double refracted;  ///< width in n sin(theta), which refraction keeps, of a refracted lobe; infinite: there is none
+  double reflected;  ///< of a reflected lobe
+  double depth;      ///< optical thickness above
+};
+
+std::vector<Reflector> reflectors_of(const Stack& stack) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const std::vector<double> indices = refractive_indices(stack);
+  std::vector<Reflector> found;
+  double depth = 0.0;
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    const double above = indices[layer];
+    const double below = indices[layer + 1];
+    if (const auto* medium = std::get_if<Medium>(&stack.layers[layer])) {
+      depth += medium->tau;
+    } else if (const auto* graded = std::get_if<GradedMedium>(&stack.layers[layer])) {
+      depth += graded->tau();
+    } else if (above != below) {
+      const double alpha = std::get<Interface>(stack.layers[layer]).facets.alpha;
+      found.push_back({alpha, std::abs(below - above) * alpha, 2.0 * std::min(above, below) * alpha, depth});
+    }
+  }
+  if (stack.base.kind == Base::Kind::kConductor) {
+    const double alpha = stack.base.facets.alpha;
+    found.push_back({alpha, kNone, 2.0 * indices.back() * alpha, depth});
+  }
+  return found;
+}
+
+/// The lobes of rough boundaries that light reaches from another boundary unscattered: how many azimuth orders three
+/// of them in a row take, and the narrowest facets among them.
+struct LobeChain {
+  double orders = 0.0;
+  double alpha = 0.0;
+};
+
+LobeChain slowest_chain(const Stack& stack, double tolerance) {
+  const std::vector<Reflector> reflectors = reflectors_of(stack);
+  const double wanted = 1.0 - std::log(std::min(tolerance, 1e-2));
+  double refracted = std::numeric_limits<double>::infinity();
+  double reflected = std::numeric_limits<double>::infinity();
+  double decay = 0.0;
+  LobeChain chain;
+  for (std::size_t k = 0; k < reflectors.size(); ++k) {
+    const Reflector& own = reflectors[k];
+    // Three lobes in a row pass media between boundaries twice, which leaves less to be resolved.
+    double gap = std::numeric_limits<double>::infinity();
+    if (k > 0) {
+      gap = own.depth - reflectors[k - 1].depth;
+    }
+    if (k + 1 < reflectors.size()) {
+      gap = std::min(gap, reflectors[k + 1].depth - own.depth);
+    }
+    if (!(own.alpha > 0.0 && wanted - 2.0 * gap > 0.0)) {
+      continue;
+    }
+    decay = std::max(decay, wanted - 2.0 * gap);
+    refracted = std::min(refracted, own.refracted);
+    reflected = std::min(reflected, own.reflected);
+    chain.alpha = chain.alpha > 0.0 ? std::min(chain.alpha, own.alpha) : own.alpha;
+  }
+  if (decay == 0.0) {
+    return chain;
+  }
+  const double narrowest = std::min(reflected, refracted);
+  // The spectrum of a GGX lobe of width w falls as exp(-w k); where that is too hopeful, the check of what is returned
+  // asks for more. Lookup tables hold two lobes in a row by these orders, too, as well as the nodes can.
+  constexpr double kResolved = 32.0;
+  const double two = std::min(0.5 * decay / (2.0 * narrowest), kResolved);
+  chain.orders = std::max(decay / (2.0 * narrowest + reflected), two);
+  return chain;
+}
+
+/// Facets so narrow that no admitted number of azimuth orders holds their lobes; the estimate may be twice too large.
+void refuse_needles(const Stack& stack, double tolerance) {
+  const LobeChain chain = slowest_chain(stack, tolerance);
+  if (chain.orders > 2.0 * kMostOrders) {
+    std::ostringstream message;
+    message << "the stack cannot be resolved: facets of alpha " << chain.alpha
+            << " send narrow lobes to another boundary and get them back, which takes about " << std::ceil(chain.orders)
+            << " azimuth orders (at most " << kMostOrders << "); wider facets, or alpha 0, can be resolved";
+    throw std::runtime_error(message.str());
+  }
+}
+
 }  // namespace
 
 Resolution choose_resolution(const Stack& stack, double tolerance) {
+  refuse_needles(stack, tolerance);
   int nodes = fewest_nodes(tolerance);
   double thinnest = 1.0;
   const auto scatter = [&](double albedo, const PhaseFunction& phase) {
@@ -130,38 +219,8 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
 }
 
 int orders_for_lobes(const Stack& stack, double tolerance) {
-  const std::vector<double> indices = refractive_indices(stack);
-  // Widths of lobes in n sin(theta), which refraction keeps: of refracted and of reflected light.
-  double refracted = std::numeric_limits<double>::infinity();
-  double reflected = std::numeric_limits<double>::infinity();
-  int mirrors = 0;
-  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
-    const auto* interface = std::get_if<Interface>(&stack.layers[layer]);
-    const double above = indices[layer];
-    const double below = indices[layer + 1];
-    mirrors += above != below ? 1 : 0;
-    if (interface != nullptr && interface->is_rough(above)) {
-      refracted = std::min(refracted, std::abs(below - above) * interface->facets.alpha);
-      reflected = std::min(reflected, 2.0 * std::min(above, below) * interface->facets.alpha);
-    }
-  }
-  if (stack.base.kind == Base::Kind::kConductor) {
-    ++mirrors;
-    if (stack.base.facets.alpha > 0.0) {
-      reflected = std::min(reflected, 2.0 * indices.back() * stack.base.facets.alpha);
-    }
-  }
-  if (mirrors < 2 || std::isinf(reflected)) {
-    return 0;
-  }
-  const double narrowest = std::min(reflected, refracted);
-  // The spectrum of a GGX lobe of width w falls as exp(-w k); where that is too hopeful, the check of what is returned
-  // asks for more. Lookup tables hold two lobes in a row by these orders, too, as well as the nodes can.
-  constexpr double kResolved = 32.0;
-  const double decay = 1.0 - std::log(std::min(tolerance, 1e-2));
-  const double two = std::min(0.5 * decay / (2.0 * narrowest), kResolved);
-  const double orders = std::max(decay / (2.0 * narrowest + reflected), two);
-  return static_cast<int>(std::min(std::ceil(orders), static_cast<double>(kMostOrders)));
+  const LobeChain chain = slowest_chain(stack, tolerance);
+  return static_cast<int>(std::min(std::ceil(chain.orders), static_cast<double>(kMostOrders)));
 }
 
 Resolution refined(const Resolution& resolution) {

@@ -119,18 +119,21 @@ def _albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
     dense, mu_o = light_grid(96, 64, DENSITY), view_cosines()[::stride]
     narrow = [name for name in ids if lobes.by_id(name).narrow]
     values = _sample(narrow, dense, mu_o) @ dense.solid_angle if narrow else None
-    numeric = (values[:, narrow.index(name)] if name in narrow
-               else lobes.directional_albedo(lobes.by_id(name), mu_o) for name in ids)
-    found = [_of_cone(lobes.by_id(name), mu_o, values) for name, values in zip(ids, numeric, strict=True)]
-    return np.stack(found, axis=1)
+    return np.stack([values[:, narrow.index(name)] if name in narrow else _albedo(lobes.by_id(name), mu_o)
+                     for name in ids], axis=1)
 
 
-def _of_cone(lobe: Lobe, mu_o: np.ndarray, numeric: np.ndarray) -> np.ndarray:
-    """Albedos, exact at the views where the lobe is a cone wholly above the horizon."""
-    if lobe.cone is None:
-        return numeric
-    _, height = Geometry(mu_o, mu_o, 0.0).normal(lobe.node.normal)
-    return np.where(np.arcsin(np.minimum(height, 1.0)) >= lobe.cone.reach, lobe.cone.whole, numeric)
+def _albedo(lobe: Lobe, mu_o: np.ndarray) -> np.ndarray:
+    """Directional albedos, exact at the views where the lobe is a cone wholly above the horizon."""
+    found = np.empty(len(mu_o))
+    crosses = np.ones(len(mu_o), dtype=bool)
+    if lobe.cone is not None:
+        _, height = Geometry(mu_o, mu_o, 0.0).normal(lobe.node.normal)
+        crosses = np.arcsin(np.minimum(height, 1.0)) < lobe.cone.reach
+        found[~crosses] = lobe.cone.whole
+    if crosses.any():
+        found[crosses] = lobes.directional_albedo(lobe, mu_o[crosses])
+    return found
 
 
 def _available(ids: Sequence[str], albedo: np.ndarray) -> np.ndarray:

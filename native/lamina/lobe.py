@@ -8,6 +8,7 @@ at (sin theta_o, 0, cos theta_o), so the light is at (-sin theta_i cos dphi, -si
 """
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -85,16 +86,21 @@ class Lobe:
 
 
 class Geometry:
-    """The two directions of a configuration in the frame whose z axis is the surface normal."""
+    """The two directions of a configuration in the frame whose z axis is the surface normal. Each array has the
+    shape of what it depends on: on a product grid most of them are small, and what combines them broadcasts."""
 
     def __init__(self, mu_o, mu_i, dphi, below: bool = False):
-        self.mu_o, self.mu_i, dphi = np.broadcast_arrays(*(np.asarray(x, float) for x in (mu_o, mu_i, dphi)))
+        self.mu_o, self.mu_i, dphi = (np.asarray(x, float) for x in (mu_o, mu_i, dphi))
         self.sin_o = np.sqrt(np.maximum(0.0, 1.0 - self.mu_o**2))
         self.sin_i = np.sqrt(np.maximum(0.0, 1.0 - self.mu_i**2))
         self.light_x = -self.sin_i * np.cos(dphi)
         self.light_y = -self.sin_i * np.sin(dphi)
         self.light_z = -self.mu_i if below else self.mu_i
-        self.cos_between = self.sin_o * self.light_x + self.mu_o * self.light_z
+
+    @functools.cached_property
+    def cos_between(self):
+        """Cosine between viewer and light."""
+        return self.sin_o * self.light_x + self.mu_o * self.light_z
 
     def cos_half(self):
         """Cosine between the half vector and either direction."""

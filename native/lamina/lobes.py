@@ -259,13 +259,16 @@ def _mirror_alpha(closure: str) -> float:
     return alpha
 
 
+_gauss = functools.lru_cache(maxsize=4)(np.polynomial.legendre.leggauss)
+
+
 def directional_albedo(lobe: Lobe, mu_o, nodes: tuple[int, int] = (96, 64)) -> np.ndarray:
     """Integral of `evaluate` over the light's hemisphere, shape of `mu_o`.
 
     `nodes` are those in theta (Gauss) and dphi (midpoint); the default is good to 3e-4 for every closure
     of the dictionary, whose kinks need more nodes than a scattering function does.
     """
-    x, w = np.polynomial.legendre.leggauss(nodes[0])
+    x, w = _gauss(nodes[0])
     theta = (x + 1.0) * np.pi / 4
     dphi = (np.arange(nodes[1]) + 0.5) * np.pi / nodes[1]
     mu_o = np.asarray(mu_o, float)

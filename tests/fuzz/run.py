@@ -2,7 +2,10 @@
 """Solves and bakes random stacks and checks what holds for all of them; each runs in a process of its own, which
 tells its CPU time and memory. A refusal in one sentence is counted and listed.
 
-python tests/fuzz/run.py --count 3000 --seed 1 [--first 0] [--bake-every 1]"""
+python tests/fuzz/run.py --count 3000 --seed 1 [--first 0] [--results FILE]
+
+With --results each finding is a line of JSON in that file as soon as the stack is done. Stacks that the file already
+holds are not examined again: an interrupted run goes on where it stopped."""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ import signal
 import sys
 import traceback
 from collections import Counter
+from pathlib import Path
 
 import invariants
 from random_stacks import random_stack
@@ -22,7 +26,7 @@ from random_stacks import random_stack
 import lamina
 
 MOST_SECONDS, MOST_MEGABYTES = 2.0, 400.0
-KILLED_AFTER = 300  # CPU seconds
+KILLED_AFTER = 60  # CPU seconds
 LARGEST = 6 << 30  # bytes of address space
 
 
@@ -97,6 +101,20 @@ def apart(work) -> dict:
             "solve": usage.ru_utime + usage.ru_stime, "megabytes": usage.ru_maxrss / 1024.0}
 
 
+def read_results(path: Path | None, seed: int) -> dict[int, dict]:
+    """Findings of an earlier run by number; a last line that was cut short is left out."""
+    found = {}
+    if path and path.exists():
+        for line in path.read_text().splitlines():
+            try:
+                result = json.loads(line)
+            except json.JSONDecodeError:
+                continue
+            if result["seed"] == seed:
+                found[result["number"]] = result
+    return found
+
+
 def summary(results: list[dict]) -> str:
     """What was found, with the worst by time and by memory."""
     wrong = [r for r in results if r["wrong"]]
@@ -126,6 +144,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--walk-every", type=int, default=10, help="0: no walks")
     parser.add_argument("--no-bake", action="store_true")
+    parser.add_argument("--results", type=Path, help="file of findings, one line of JSON each; a run goes on with it")
     parser.add_argument("--show", action="store_true", help="print the stacks as JSON, and what each costs")
     given = parser.parse_args(arguments)
     # Tables that all bakes share are made once, before the clock runs.
@@ -135,13 +154,20 @@ def main(arguments: list[str] | None = None) -> int:
     numbers = range(given.first, given.first + given.count)
     every = given.walk_every
     comparisons = 3 * invariants.WALK_POINTS * max(1, len(numbers) // every if every else 1)
+    known = read_results(given.results, given.seed)
     results = []
     for number in numbers:
+        if number in known:
+            results.append(known[number])
+            continue
         walked = bool(every) and number % every == 0
         result = apart(lambda number=number, walked=walked: examine(
             given.seed, number, comparisons, walked, not given.no_bake))
-        result["number"] = number
+        result |= {"number": number, "seed": given.seed}
         results.append(result)
+        if given.results:
+            with given.results.open("a") as file:
+                file.write(json.dumps(result) + "\n")
         if given.show:
             print(json.dumps(random_stack(given.seed, number).to_json()))
         if given.show or result["wrong"] or seconds(result) > MOST_SECONDS or result["megabytes"] > MOST_MEGABYTES:
