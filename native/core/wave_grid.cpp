@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using std::numbers::pi;
 
-constexpr int kWidth = 12; // lines of the grid that a ray touches
+constexpr int kWidth = 12;  // lines of the grid that a ray touches
 constexpr double kSteepness = 2.3 * kWidth;
 constexpr double kFiner = 2.0;  // lines for each wave
 
