@@ -174,6 +174,12 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
 /// plus a part of the mean of the rest.
 double Solution::share_of_order(int order) const {
   constexpr double kGrazing = 0.04;  // below it, values are not promised
+  // Of each node in the least dense medium that has it: light that grazes there need not graze in a denser one.
+  std::vector<double> outside;
+  for (const DirectionSet::Range& range : set_->ranges()) {
+    outside.insert(outside.end(), range.nodes.mu.begin(), range.nodes.mu.end());
+  }
+  const auto grazes = [&](Eigen::Index node) { return outside[static_cast<std::size_t>(node)] < kGrazing; };
   double share = 0.0;
   for (std::size_t k = 0; k < scatterers_.size(); ++k) {
     const Scatterer& scatterer = scatterers_[k];
@@ -186,7 +192,7 @@ double Solution::share_of_order(int order) const {
     const double quarter = 0.25 * scatterer.medium.single_scattering_albedo();
     for (Eigen::Index j = 0; j < mu.size(); ++j) {
       for (Eigen::Index i = 0; i <= j; ++i) {
-        if (mu[i] < kGrazing || mu[j] < kGrazing) {
+        if (grazes(i) || grazes(j)) {
           continue;
         }
         const double sines = order % 2 == 0 ? 1.0 : std::sqrt((1.0 - mu[i] * mu[i]) * (1.0 - mu[j] * mu[j]));

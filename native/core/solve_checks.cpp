@@ -21,17 +21,53 @@ Eigen::MatrixXd coefficients(const Eigen::MatrixXd& table, const Quadrature& ran
   return analysis * table * analysis.transpose();
 }
 
+/// Whether a range holds light that grazes a boundary to a thinner medium, which layers above need: in this medium its
+/// cosines fall together, functions are constant there, and the nodes show rounding alone.
+bool falls_together(const DirectionSet::Range& range, double ior) {
+  constexpr double kGrazing = 0.04;  // below it, values are not promised
+  return range.ior < ior && range.nodes.high() < kGrazing;
+}
+
+/// The least entry between nodes that do not fall together.
+double least_entry(const Eigen::MatrixXd& repeated, const Directions& directions, const DirectionSet& set) {
+  double least = 0.0;
+  Eigen::Index row = 0;
+  for (const DirectionSet::Range& out : set.ranges()) {
+    const Eigen::Index rows = out.nodes.mu.size();
+    if (row + rows > directions.live) {
+      break;
+    }
+    Eigen::Index column = 0;
+    for (const DirectionSet::Range& in : set.ranges()) {
+      const Eigen::Index columns = in.nodes.mu.size();
+      if (column + columns > directions.live) {
+        break;
+      }
+      if (!falls_together(out, directions.ior) && !falls_together(in, directions.ior)) {
+        least = std::min(least, repeated.block(row, column, rows, columns).minCoeff());
+      }
+      column += columns;
+    }
+    row += rows;
+  }
+  return least;
+}
+
 /// Share of the highest three coefficients of what repeated scattering adds, in all that the layer sends:
 /// where they have not decayed, polynomials through the nodes do not represent the function.
-double tail_share(const Eigen::MatrixXd& repeated, const Eigen::MatrixXd& all, const Eigen::Index live,
+double tail_share(const Eigen::MatrixXd& repeated, const Eigen::MatrixXd& all, const Directions& directions,
                   const DirectionSet& set) {
   constexpr Eigen::Index kTail = 3;
   double worst = 0.0;
   Eigen::Index first = 0;
   for (const DirectionSet::Range& range : set.ranges()) {
     const Eigen::Index n = range.nodes.mu.size();
-    if (first + n > live) {
+    if (first + n > directions.live) {
       break;
+    }
+    if (falls_together(range, directions.ior)) {
+      first += n;
+      continue;
     }
     if (n <= kTail) {
       return 1.0;
@@ -104,10 +140,11 @@ SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScat
   const Eigen::MatrixXd turned = multiple.reflect + quarter * phase.reflect;
   const Eigen::MatrixXd passed = multiple.transmit + quarter * phase.transmit;
   const double largest = std::max(turned.maxCoeff(), passed.maxCoeff());
-  const double smallest = std::min(multiple.reflect.minCoeff(), multiple.transmit.minCoeff());
+  const double smallest =
+      std::min(least_entry(multiple.reflect, directions, set), least_entry(multiple.transmit, directions, set));
   checks.negativity = largest > 0.0 ? std::max(0.0, -smallest / largest) : 0.0;
-  checks.resolution = std::max(tail_share(multiple.reflect, turned, directions.live, set),
-                               tail_share(multiple.transmit, passed, directions.live, set));
+  checks.resolution = std::max(tail_share(multiple.reflect, turned, directions, set),
+                               tail_share(multiple.transmit, passed, directions, set));
   return checks;
 }
 

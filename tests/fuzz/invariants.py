@@ -26,9 +26,9 @@ WALK_POINTS = 3
 
 
 def grids(solved) -> dict:
-    """BRDF and, for sheets, BTDF from both sides, [o, i, dphi, channel], by (path, side)."""
+    """BRDF and, for sheets with air below, BTDF from both sides, [o, i, dphi, channel], by (path, side)."""
     sights = [("reflect", "top")]
-    if solved.stack.base is None:
+    if solved.stack.base is None and ends_in_air(solved.stack):
         sights += [("reflect", "bottom"), ("transmit", "top"), ("transmit", "bottom")]
     return {sight: solved.grid(sight[0], MU, MU, DPHI, side=sight[1]) for sight in sights}
 
