@@ -75,6 +75,31 @@ Solution::Solution(SlicedStack sliced, const Resolution& resolution, ThreadPool&
   solve(pool);
 }
 
+/// More azimuth orders where those are missing, else more nodes. Throws std::runtime_error where there are no more.
+Resolution Solution::finer() const {
+  Resolution finer = resolution_;
+  if (!(checks_.azimuth < resolution_.tolerance)) {
+    finer.fewest_orders = std::min(kMostOrders, 8 * orders() / 5);
+    finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
+    if (orders() >= kMostOrders) {
+      require_sound();
+    }
+    return finer;
+  }
+  finer = refined(resolution_);
+  if (finer.nodes == resolution_.nodes) {
+    require_sound();
+  }
+  return finer;
+}
+
+Solution Solution::refined_until_sound(Solution solution, ThreadPool& pool) {
+  while (!solution.checks_.problem(solution.resolution_.tolerance).empty()) {
+    solution = Solution(solution.sliced_, solution.finer(), pool);
+  }
+  return solution;
+}
+
 Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& pool) const {
   const std::size_t begin = sliced_.first.at(layer);
   const std::size_t end = sliced_.first.at(layer + 1);
@@ -90,8 +115,7 @@ Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& poo
     }
   }
   other.solve(pool);
-  other.require_sound();
-  return other;
+  return refined_until_sound(std::move(other), pool);
 }
 
 Solution Solution::with_reflectance(double reflectance) const {
@@ -273,26 +297,8 @@ void Solution::require_sound() const {
 }
 
 Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
-  Resolution resolution = choose_resolution(stack, tolerance);
-  const SlicedStack sliced(stack, tolerance, pool);
-  while (true) {
-    Solution solution(sliced, resolution, pool);
-    if (solution.checks().problem(tolerance).empty()) {
-      return solution;
-    }
-    Resolution finer = refined(resolution);
-    if (!(solution.checks().azimuth < tolerance)) {
-      if (solution.orders() >= kMostOrders) {
-        solution.require_sound();
-      }
-      finer = resolution;
-      finer.fewest_orders = std::min(kMostOrders, 8 * solution.orders() / 5);
-      finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
-    } else if (finer.nodes == resolution.nodes) {
-      solution.require_sound();
-    }
-    resolution = finer;
-  }
+  const Resolution resolution = choose_resolution(stack, tolerance);
+  return Solution::refined_until_sound(Solution(SlicedStack(stack, tolerance, pool), resolution, pool), pool);
 }
 
 Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPool& pool) {

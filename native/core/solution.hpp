@@ -27,6 +27,10 @@ class Solution {
   /// is stretched. The modes, which do not depend on it, are shared and may grow: not for several threads at once.
   Solution with_thickness(std::size_t layer, double tau, ThreadPool& pool) const;
 
+  /// Solves again with finer resolutions until all checks pass. Throws std::runtime_error, with the numbers, where the
+  /// finest resolution does not pass either.
+  static Solution refined_until_sound(Solution solution, ThreadPool& pool);
+
   /// The same stack over a Lambert surface of another reflectance, which no layer's own function depends on.
   Solution with_reflectance(double reflectance) const;
 
@@ -65,6 +69,7 @@ class Solution {
   using Modes = std::vector<std::unique_ptr<HomogeneousModes>>;  // by order
 
   void solve(ThreadPool& pool);
+  Resolution finer() const;
   void solve_medium(int order, std::size_t scatterer, SolveChecks& checks);
   void limit_modes();
   double share_of_order(int order) const;

@@ -54,3 +54,16 @@ def test_nothing_is_negative_and_all_is_reciprocal(stack):
     assert values.min() >= 0.0
     assert values == pytest.approx(values.swapaxes(0, 1), rel=1e-6)
     assert solved.checks["negativity"] < TOLERANCE and solved.checks["azimuth"] < TOLERANCE
+
+
+@pytest.mark.parametrize("tau", [0.0, 0.01, 0.1, 0.5])
+def test_a_thinner_layer_above_is_resolved_anew(tau):
+    """Thin dust hides less of the lobes below: more azimuth orders are needed than under thick dust."""
+    dust = lamina.Medium(albedo=0.8, tau=0.5, phase=lamina.HenyeyGreenstein(0.5), varying=True)
+    metal = Conductor(0.27, 3.61, 0.2)
+    varied = lamina.solve(Stack([dust, Interface(1.5, 0.1)], metal), "preview", threads=1).with_thickness(0, tau)
+    thin = lamina.Medium(albedo=0.8, tau=tau, phase=dust.phase)
+    fixed = lamina.solve(Stack([thin, Interface(1.5, 0.1)], metal), "preview", threads=1)
+    assert varied.checks["azimuth"] < 1e-2
+    for dphi in (0.0, 0.7, 2.0):
+        assert varied.brdf(0.6, 0.7, dphi) == pytest.approx(fixed.brdf(0.6, 0.7, dphi), rel=1e-2)
