@@ -92,7 +92,23 @@ class Projection {
 
 }  // namespace
 
-LobeOperator::Columns LobeOperator::from(const VectorXd& mu, const VectorXd& common, ThreadPool& pool) const {
+std::shared_ptr<const LobeOperator::Columns> LobeOperator::from(const VectorXd& mu, const VectorXd& common,
+                                                                ThreadPool& pool) const {
+  {
+    const std::scoped_lock guard(last_->lock);
+    if (last_->columns && last_->mu.size() == mu.size() && last_->mu == mu && last_->common == common) {
+      return last_->columns;
+    }
+  }
+  const auto columns = std::make_shared<const Columns>(columns_from(mu, common, pool));
+  const std::scoped_lock guard(last_->lock);
+  last_->mu = mu;
+  last_->common = common;
+  last_->columns = columns;
+  return columns;
+}
+
+LobeOperator::Columns LobeOperator::columns_from(const VectorXd& mu, const VectorXd& common, ThreadPool& pool) const {
   Columns columns;
   const std::vector<Part> here = parts_of(set_, ior_, orders_);
   const std::vector<Part> there = parts_of(set_, beyond_, orders_);
@@ -132,7 +148,7 @@ LobeOperator::Columns LobeOperator::on_nodes(ThreadPool& pool) const {
   const Directions in = fine.in_medium(ior_, VectorXd());
   const Index live = set_.in_medium(ior_, VectorXd()).live;
   const MatrixXd carry = set_.carry_to(fine).topLeftCorner(in.live, live);
-  Columns columns = from(in.mu, ior_ * in.scale, pool);
+  Columns columns = columns_from(in.mu, ior_ * in.scale, pool);
   for (std::vector<MatrixXd>* matrices : {&columns.reflected, &columns.transmitted}) {
     for (MatrixXd& matrix : *matrices) {
       matrix = (matrix * carry).eval();

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "directions.hpp"
@@ -28,17 +30,28 @@ class LobeOperator {
       : rays_(std::move(rays)), set_(std::move(set)), ior_(ior), beyond_(beyond), orders_(orders) {}
 
   /// Light that comes along directions of the medium of `ior`; `common` is C of each, see Directions.
-  Columns from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
+  /// The last answer is kept: the rows of a lookup table ask for the same directions again and again.
+  std::shared_ptr<const Columns> from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
 
   /// The same on the nodes' polynomials: live nodes by live nodes.
   Columns on_nodes(ThreadPool& pool) const;
 
  private:
+  struct Answer {
+    std::mutex lock;
+    Eigen::VectorXd mu;
+    Eigen::VectorXd common;
+    std::shared_ptr<const Columns> columns;
+  };
+
+  Columns columns_from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
+
   FacetRays rays_;
   DirectionSet set_;
   double ior_;
   double beyond_;
   int orders_;
+  std::shared_ptr<Answer> last_ = std::make_shared<Answer>();
 };
 
 }  // namespace lamina

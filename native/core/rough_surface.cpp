@@ -218,25 +218,25 @@ RoughSurface::Operators RoughSurface::on(const Directions& above, const Directio
   const auto targets = [&](const LobeOperator& rays, const Directions& in) {
     return rays.from(in.mu.tail(in.targets), in.ior * in.scale.tail(in.targets), pool);
   };
-  const LobeOperator::Columns downward = targets(*from_above_, above);
-  const LobeOperator::Columns upward = from_below_ ? targets(*from_below_, below) : LobeOperator::Columns();
+  const std::shared_ptr<const LobeOperator::Columns> downward = targets(*from_above_, above);
+  const std::shared_ptr<const LobeOperator::Columns> upward = from_below_ ? targets(*from_below_, below) : nullptr;
   std::vector<ScatteringFunction> orders;
   for (std::size_t m = 0; m < nodes_.size(); ++m) {
     ScatteringFunction& order = orders.emplace_back(ScatteringFunction::nothing(above.size(), above.nodes));
-    fill(order.reflect_above.kernel, above, above, nodes_[m].reflect_above, downward.reflected[m],
-         downward.reflected[m].transpose());
+    fill(order.reflect_above.kernel, above, above, nodes_[m].reflect_above, downward->reflected[m],
+         downward->reflected[m].transpose());
     if (from_below_) {
-      fill(order.transmit.kernel, below, above, nodes_[m].transmit, downward.transmitted[m],
-           upward.transmitted[m].transpose());
-      fill(order.reflect_below.kernel, below, below, nodes_[m].reflect_below, upward.reflected[m],
-           upward.reflected[m].transpose());
+      fill(order.transmit.kernel, below, above, nodes_[m].transmit, downward->transmitted[m],
+           upward->transmitted[m].transpose());
+      fill(order.reflect_below.kernel, below, below, nodes_[m].reflect_below, upward->reflected[m],
+           upward->reflected[m].transpose());
     }
   }
   ScatteringFunction lobes = orders.front();
   MatrixXd& mean_above = orders.front().reflect_above.kernel;
   if (!from_below_) {
     if (perfect_) {
-      const MatrixXd whole = targets(*perfect_, above).reflected.front();
+      const MatrixXd whole = targets(*perfect_, above)->reflected.front();
       MatrixXd all = MatrixXd::Zero(above.size(), above.size());
       fill(all, above, above, perfect_nodes_, whole, whole.transpose());
       const VectorXd kept = leaving_flux(all, above);

@@ -70,7 +70,9 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     for count, row in enumerate(rows):
         step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
         share = axis[row] / largest if largest > 0.0 else 0.0
-        functions.append(full.with_thickness(stack.varying, [share * t for t in taus]))
+        # The clean stack shows the lobes of its boundaries most sharply: its resolution serves all other rows.
+        known = functions[0] if functions else full
+        functions.append(known.with_thickness(stack.varying, [share * t for t in taus]))
     return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)
 
 
