@@ -97,7 +97,9 @@ FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), se
       meetings_.push_back({k - 1, Face::kBottom, k, Face::kTop, k, &Deltas::transmit});
     }
   }
-  std::erase_if(meetings_, [&](const Meeting& meeting) { return !(between_nodes(meeting) > 0.0).any(); });
+  // What is fainter may stay with the nodes' polynomials.
+  const double faint = 0.1 * std::min(solution.resolution().tolerance, 1e-2);
+  std::erase_if(meetings_, [&](const Meeting& meeting) { return !(between_nodes(meeting) > faint).any(); });
 }
 
 /// What of the light on nodes gets from one lobe to the other.
@@ -161,8 +163,13 @@ void FacetMeetings::take_from(ScatteringFunction& rest, int order) const {
   }
 }
 
-FacetMeetings::Lobe FacetMeetings::lobe(std::size_t boundary, Face from, Face to, double mu) const {
-  Lobe made;
+const FacetMeetings::Lobe& FacetMeetings::lobe(std::size_t boundary, Face from, Face to, double mu,
+                                               Lobes& known) const {
+  const auto [place, is_new] = known.try_emplace({boundary, from, to, mu});
+  Lobe& made = place->second;
+  if (!is_new) {
+    return made;
+  }
   Rays other;
   const FacetRays& rays = boundaries_[boundary].rays[from == Face::kTop ? 0 : 1];
   from == to ? rays.scatter(mu, made.rays, other) : rays.scatter(mu, other, made.rays);
@@ -221,7 +228,11 @@ void FacetMeetings::add_rays(ArrayXd& sum, const Meeting& meeting, bool backward
   }
 }
 
-ArrayXd FacetMeetings::value(Side side, Path path, Index o, Index i, const ArrayXd& dphi) const {
+ArrayXd FacetMeetings::value(Side side, Path path, Index o, Index i, const ArrayXd& dphi, Lobes& known) const {
+  constexpr std::size_t kMost = 128;  // some megabytes
+  if (known.size() > kMost) {
+    known.clear();
+  }
   ArrayXd sum = ArrayXd::Zero(dphi.size());
   const bool leaves_above = (side == Side::kTop) == (path == Path::kReflect);
   const DeltaField& deltas = assembly_.deltas();
@@ -239,8 +250,8 @@ ArrayXd FacetMeetings::value(Side side, Path path, Index o, Index i, const Array
         }
         const double mu_i = cosine(meeting.first, entering, i);
         const double mu_o = cosine(meeting.second, exiting, o);
-        const Lobe forth = lobe(meeting.first, entering, meeting.leaving, mu_i);
-        const Lobe back = lobe(meeting.second, exiting, meeting.arriving, mu_o);
+        const Lobe& forth = lobe(meeting.first, entering, meeting.leaving, mu_i, known);
+        const Lobe& back = lobe(meeting.second, exiting, meeting.arriving, mu_o, known);
         ArrayXd found = ArrayXd::Zero(dphi.size());
         add_rays(found, meeting, false, entering, exiting, mu_i, mu_o, forth, back, dphi);
         add_rays(found, meeting, true, entering, exiting, mu_i, mu_o, forth, back, dphi);

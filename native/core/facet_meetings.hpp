@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Core>
+#include <map>
+#include <tuple>
 #include <vector>
 
 #include "assembly.hpp"
@@ -25,8 +27,18 @@ class FacetMeetings {
   /// Takes out of an azimuth order between targets what the nodes' polynomials say of such light.
   void take_from(ScatteringFunction& rest, int order) const;
 
-  /// BRDF or BTDF in 1/sr between two targets, of light that enters on `side`.
-  Eigen::ArrayXd value(Side side, Path path, Eigen::Index o, Eigen::Index i, const Eigen::ArrayXd& dphi) const;
+  /// A lobe's rays into one side: cosines there, cosines of the azimuth, shares, and their sum.
+  struct Lobe {
+    Rays rays;
+    double whole = 0.0;
+  };
+  /// Lobes by boundary, face that light comes from, face that it leaves by, and cosine. For one thread.
+  using Lobes = std::map<std::tuple<std::size_t, Face, Face, double>, Lobe>;
+
+  /// BRDF or BTDF in 1/sr between two targets, of light that enters on `side`. `known` keeps the lobes of one call for
+  /// the next.
+  Eigen::ArrayXd value(Side side, Path path, Eigen::Index o, Eigen::Index i, const Eigen::ArrayXd& dphi,
+                       Lobes& known) const;
 
  private:
   /// From a face of one boundary, as light leaves, to a face of one, as light arrives.
@@ -44,12 +56,6 @@ class FacetMeetings {
     const RoughSurface* surface;
     std::vector<FacetRays> rays;  // from above; between dielectrics also from below
   };
-  /// A lobe's rays into one side: cosines there, cosines of the azimuth, shares, and their sum.
-  struct Lobe {
-    Rays rays;
-    double whole = 0.0;
-  };
-
   std::size_t gap(std::size_t boundary, Face face) const {
     return face == Face::kTop ? boundaries_[boundary].gap_above : boundaries_[boundary].gap_below;
   }
@@ -59,7 +65,7 @@ class FacetMeetings {
   bool exists(std::size_t boundary, Face face) const {
     return face == Face::kTop || boundaries_[boundary].rays.size() > 1;
   }
-  Lobe lobe(std::size_t boundary, Face from, Face to, double mu) const;
+  const Lobe& lobe(std::size_t boundary, Face from, Face to, double mu, Lobes& known) const;
   Eigen::MatrixXd to_nodes(std::size_t boundary, Face from, Face to, int order) const;
   void add_rays(Eigen::ArrayXd& sum, const Meeting& meeting, bool backwards, Face entering, Face exiting, double mu_i,
                 double mu_o, const Lobe& forth, const Lobe& back, const Eigen::ArrayXd& dphi) const;
