@@ -25,7 +25,7 @@ ROW = 20.5  # of thickness, at which the varying dust is seen
 
 VIEWS = baked_samples.gauss_views(3)
 LIGHTS = baked_samples.about_the_mirror_direction(VIEWS, 3, 6, 3.0)
-DENSE = baked_samples.about_the_mirror_direction(VIEWS, 40, 64, 4.0)
+DENSE = baked_samples.about_the_mirror_direction(VIEWS, 24, 40, 4.0)
 
 
 def _names():
