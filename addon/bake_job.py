@@ -162,7 +162,7 @@ def difference(material):
     """Which settings the last bake was made with and which are chosen, as 'quality Preview instead of Final',
     or '' when they are the same."""
     settings, result = material.lamina, material.lamina.result
-    # Files of before there was a choice of basis do not name theirs, which was the standard one.
+    # Older files do not name a basis; theirs is the standard one.
     basis = result.basis or "standard"
     pairs = (("quality", result.quality, settings.quality), ("basis", basis, settings.basis))
     return ", ".join(
