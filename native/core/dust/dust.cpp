@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "numeric/rng.hpp"
+#include "numeric/tangents.hpp"
 
 namespace lamina {
 
@@ -172,15 +173,6 @@ std::uint64_t for_points(const PointSet& points, ThreadPool& pool, const auto& w
 
 bool is_zero(const Vec3f& v) { return v[0] == 0.0F && v[1] == 0.0F && v[2] == 0.0F; }
 
-/// Two directions at right angles to a unit normal and each other (Duff et al. 2017).
-void complete_basis(const Vec3f& n, Vec3f& a, Vec3f& b) {
-  const float sign = std::copysign(1.0F, n[2]);
-  const float c = -1.0F / (sign + n[2]);
-  const float d = n[0] * n[1] * c;
-  a = {1.0F + sign * n[0] * n[0] * c, sign * d, -sign * n[0]};
-  b = {d, sign + n[1] * n[1] * c, -n[1]};
-}
-
 }  // namespace
 
 OpenShare::OpenShare(const Fall& fall)
@@ -258,9 +250,7 @@ std::uint64_t dust_exposures(const MeshScene& scene, const PointSet& points, con
           return;
         }
         const DiscTurn turn(options.seed, number);
-        Vec3f a;
-        Vec3f b;
-        complete_basis(normal, a, b);
+        const auto [a, b] = tangents_of(normal[0], normal[1], normal[2]);
         const float offset = offset_at(position, options.offset);
         std::size_t open = 0;
         for (std::size_t i = 0; i < pattern.size(); ++i) {

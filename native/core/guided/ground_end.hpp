@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "guided/guide_heights.hpp"
+#include "numeric/rng.hpp"
 
 namespace lamina {
 
@@ -31,6 +32,16 @@ struct GroundEnd {
     constexpr double kMost = 0.98;
     odds = value > 0.0 ? value / (value + rest) : 0.0;
     odds = rest > 0.0 ? std::min(odds, kMost) : odds;
+  }
+
+  /// Decides whether the branch ends here. Multiplies `weight` by what either outcome is worth over its probability.
+  bool taken(Rng& rng, double& weight) const {
+    if (rng.uniform() < odds) {
+      weight *= value / odds;
+      return true;
+    }
+    weight /= 1.0 - odds;
+    return false;
   }
 };
 

@@ -15,6 +15,13 @@ struct GuidedVertex {
   double t;
   std::size_t cell;  ///< of the guide's heights
   double up;         ///< way up in the cell
+
+  /// The value of a table's column here, linear between the heights.
+  double at(const GuideHeights::Column& column) const {
+    const auto low = static_cast<double>(column[static_cast<Eigen::Index>(cell)]);
+    const auto high = static_cast<double>(column[static_cast<Eigen::Index>(cell + 1)]);
+    return low + up * (high - low);
+  }
 };
 
 /// The directions in which a walk of the scattering equation goes on from a vertex, chosen from several candidates by

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "numeric/rng.hpp"
+#include "numeric/tangents.hpp"
 
 namespace lamina {
 
@@ -47,20 +48,16 @@ struct Azimuth {
   }
 };
 
-/// `ray` turned by an angle of this cosine, with uniform azimuth about it. The frame is that of Duff et al. (JCGT
-/// 2017).
+/// `ray` turned by an angle of this cosine, with uniform azimuth about it.
 inline Ray scattered(const Ray& ray, double cosine, Rng& rng) {
   const Azimuth azimuth(rng);
   const double sine = sine_of(cosine);
   const double x = sine * azimuth.cosine;
   const double y = sine * azimuth.sine;
-  const double sign = std::copysign(1.0, ray.z);
-  const double a = -1.0 / (sign + ray.z);
-  const double b = ray.x * ray.y * a;
-  const Ray turned{cosine * ray.x + x * (1.0 + sign * ray.x * ray.x * a) + y * b,
-                   cosine * ray.y + x * sign * b + y * (sign + ray.y * ray.y * a),
-                   cosine * ray.z - (x * sign * ray.x + y * ray.y)};
-  // Rounding must not add up over thousands of events.
+  const auto [first, second] = tangents_of(ray.x, ray.y, ray.z);
+  const Ray turned{cosine * ray.x + x * first[0] + y * second[0], cosine * ray.y + x * first[1] + y * second[1],
+                   cosine * ray.z + (x * first[2] + y * second[2])};
+  // One Newton step towards length 1, so that rounding does not accumulate over thousands of events.
   const double correction = 1.5 - 0.5 * turned.dot(turned);
   return {turned.x * correction, turned.y * correction, turned.z * correction};
 }
