@@ -81,7 +81,7 @@ def test_simpler_next_events_estimate_the_same(next_event):
     truth = lamina.solve(SLAB, threads=1).brdf(0.5, 0.5, math.pi / 2)[0]
     for stack in (SLAB, Stack([*SLAB.layers, Interface(1.0)])):
         _, layers, base = core_stack(stack, 0)
-        walk = _core.transfer_walk(_core.Stack(layers, base), *lamina.Query(0.5, 0.5, math.pi / 2).arguments(),
+        walk = _core.transfer_walk(_core.Stack(layers, base), lamina.Query(0.5, 0.5, math.pi / 2).target(),
                                    getattr(_core.NextEvent, next_event))
         total, squares, _, count, _ = _core.run_walk(walk, 5, 0, 40, pool)
         mean = total / count
