@@ -139,7 +139,7 @@ class Scene {
     require_triples(positions, "positions");
     require_triples(normals, "normals");
     if (positions.shape(0) != normals.shape(0)) {
-      throw py::value_error("positions and normals must have as many rows");
+      throw py::value_error("positions and normals must have the same number of rows");
     }
     if (options.rays < 1) {
       throw py::value_error("rays must be at least 1");

@@ -18,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Small enough that threads finish together, large enough to amortise the set-up of a task.
 constexpr std::size_t kPointsPerTask = 32;
-constexpr std::size_t kBatch = 256;
+constexpr std::size_t kBatch = 256;  // rays whose pattern is turned at once
 constexpr std::uint64_t kGrainsPerTask = 8192;
 // Start of each ray, relative to the offset. A point may lie in the plane of a neighbouring face, for example at the
 // foot of a wall, and that face must not occlude it. The face that the point was offset from is farther than this.

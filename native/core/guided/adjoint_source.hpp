@@ -60,6 +60,7 @@ class AdjointSource {
 
   double add_order(const Tabulation& tabulation, int m);
 
+  // Sizes of the table. The walk is unbiased for any of them; finer tables take longer to fill.
   static constexpr std::size_t kCells = 12;  // in each hemisphere of mu, and in half a turn of azimuth
   static constexpr std::size_t kCosines = 2 * kCells + 1;
   static constexpr std::size_t kAzimuths = kCells + 1;

@@ -116,7 +116,7 @@ class GuidedTransferWalk final : public Walk {
   }
 
  private:
-  static constexpr std::size_t kFirst = 512;
+  static constexpr std::size_t kFirst = 512;  // bins of the first collision's probability
 
   struct Collision {
     Ray ray;  ///< the direction that the light arrives in

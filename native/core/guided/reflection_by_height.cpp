@@ -40,7 +40,7 @@ TruncatedMedium ReflectionByHeight::medium(double height, double tau) const {
 
 std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
   std::vector<Eigen::MatrixXd> all;
-  // S = 4 mu mu0 pi f.
+  // S = 4 mu mu0 pi f, where f is the BRDF.
   const Eigen::VectorXd unscaled = 2.0 * directions_.mu.cwiseQuotient(directions_.scale);
   const auto keep = [&](const Eigen::MatrixXd& kernel) {
     all.push_back(unscaled.asDiagonal() * kernel * unscaled.asDiagonal());

@@ -7,7 +7,7 @@
 namespace lamina {
 namespace {
 
-constexpr double kLeastCosine = 1e-6;
+constexpr double kLeastCosine = 1e-6;  // replaces 0, by which shapes would divide
 
 /// Azimuth orders are summed until none of an order's values exceeds this, relative to .05 + albedo.
 constexpr double kUnseen = 5e-4;

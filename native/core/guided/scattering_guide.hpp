@@ -28,7 +28,7 @@ class ScatteringGuide {
 
   const GuideHeights& heights() const { return heights_; }
 
-  static constexpr std::size_t kCells = 12;
+  static constexpr std::size_t kCells = 12;  ///< of each axis of the tables; walks are unbiased for any number
   static constexpr std::size_t kPoints = kCells + 1;
   using Column = GuideHeights::Column;
 
@@ -119,9 +119,9 @@ class ScatteringGuide {
   };
 
  private:
-  static constexpr std::size_t kAzimuths = 10;
+  static constexpr std::size_t kAzimuths = 10;  // bins in half a turn
   static constexpr std::size_t kBins = kCells * kAzimuths;
-  static constexpr std::size_t kSlots = 512;
+  static constexpr std::size_t kSlots = 512;  // about four per bin
 
   struct Grid;
 

@@ -21,6 +21,7 @@ using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kM
 
 // Added to the diagonal of the Gram matrix of unit-norm closures, so that nearly equal closures do not cancel.
 inline constexpr double kRidge = 1e-11;
+// Gradients below this count as optimal; objectives are of order 1.
 inline constexpr double kGradientTolerance = 1e-10;
 
 /// Minimises x'Gx / 2 - b'x over x >= 0 on the normal equations, for unknowns of about unit scale.

@@ -152,7 +152,7 @@ class CosineTable {
 
   /// Sums of shares times P_l at the points.
   static std::vector<double> legendre_sums(std::vector<double> points, std::vector<double> shares, int count) {
-    constexpr std::size_t kLane = 16;
+    constexpr std::size_t kLane = 16;  // points summed together, for vector registers
     using Lane = std::array<double, kLane>;
     while (points.size() % kLane != 0) {
       points.push_back(0.0);

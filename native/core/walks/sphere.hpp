@@ -27,7 +27,7 @@ inline Ray normalised(const Ray& ray) {
 
 inline double sine_of(double cosine) { return std::sqrt(std::max(0.0, 1.0 - cosine * cosine)); }
 
-/// A direction of the unit circle with uniform azimuth: from a point of the unit disc, without a sine or a cosine.
+/// A uniform point of the unit circle, from a point of the unit disc by rejection, without a sine or a cosine.
 struct Azimuth {
   double cosine;
   double sine;
@@ -41,7 +41,7 @@ struct Azimuth {
       sine = (static_cast<double>(bits & 0xffffffffU) + 0.5) * kScale - 1.0;
       square = cosine * cosine + sine * sine;
     } while (square > 1.0);
-    // Twice the angle is uniform as well and needs no square root.
+    // Twice the angle is uniform too and needs no square root.
     const double x = (cosine * cosine - sine * sine) / square;
     sine = 2.0 * cosine * sine / square;
     cosine = x;

@@ -162,9 +162,9 @@ def test_the_scattering_walk_finds_the_solved_value(g):
 
 
 def test_stacks_that_the_scattering_walk_does_not_know():
-    for stack, more, words in [(Stack([Interface(1.5)], Lambert(0.5)), {}, ".* do not know boundaries"),
-                               (Stack([hg(0.9, 1.0, 0.0)]), {"path": "transmit"}, "knows the BRDF from above"),
-                               (Stack([hg(0.9, 1.0, 0.0)]), {"side": "bottom"}, "knows the BRDF from above")]:
+    for stack, more, words in [(Stack([Interface(1.5)], Lambert(0.5)), {}, ".* do not support boundaries"),
+                               (Stack([hg(0.9, 1.0, 0.0)]), {"path": "transmit"}, "estimates only the BRDF from above"),
+                               (Stack([hg(0.9, 1.0, 0.0)]), {"side": "bottom"}, "estimates only the BRDF from above")]:
         with pytest.raises(StackError, match=f"method = 'scattering': {words}"):
             lamina.estimate(stack, 0.5, 0.5, method="scattering", **more)
 
