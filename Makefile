@@ -40,6 +40,7 @@ fuzz: build/stamps/wheel
 
 lint: build/stamps/wheel
 	$(RUN) -m ruff check .
+	PYTHONPATH=native $(VENV)/bin/lint-imports --no-cache
 	tools/lint_cpp.sh $(VENV)/bin
 
 bench: build/stamps/extension build/stamps/bench

@@ -12,7 +12,7 @@ import numpy as np
 
 import lamina
 from lamina import Conductor, Interface, Medium, Stack
-from lamina.solve import tolerance_of
+from lamina.solver.solve import tolerance_of
 
 QUALITY = "preview"
 TOLERANCE = tolerance_of(QUALITY)
