@@ -34,7 +34,7 @@ struct GroundEnd {
     odds = rest > 0.0 ? std::min(odds, kMost) : odds;
   }
 
-  /// Decides whether the branch ends here. Multiplies `weight` by what either outcome is worth over its probability.
+  /// Chooses at random whether the branch ends here. Multiplies `weight` by the outcome's value over its probability.
   bool taken(Rng& rng, double& weight) const {
     if (rng.uniform() < odds) {
       weight *= value / odds;

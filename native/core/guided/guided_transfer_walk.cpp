@@ -23,8 +23,8 @@ using std::numbers::pi;
 constexpr int kCandidates = 32;
 using Values = Eigen::Array<float, kCandidates, 1>;
 
-/// Continuation probability of a collision that is worth as much as the first ones, and of one that is worth nothing:
-/// as in the residual walk, any values are unbiased.
+/// Continuation probability of a collision that is worth as much as the first ones, and least continuation probability.
+/// As in the residual walk, any values are unbiased.
 constexpr double kEager = 0.6;
 constexpr double kLeastOn = 0.05;
 

@@ -29,7 +29,7 @@ struct GuidedWalk::Branch {
   SlabRay b;
 };
 
-/// What the tables say of one branch.
+/// The tables' values for one branch.
 struct GuidedWalk::Guidance {
   ScatteringGuide::Terms terms;
   double cosine;                     ///< of single scattering

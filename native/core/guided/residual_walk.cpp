@@ -23,7 +23,7 @@ constexpr double kLeast = 0.02;
 constexpr double kFloor = 1e-3;
 /// Least share of S that the residual R~ is taken for in the continuation probability.
 constexpr double kLeastRest = 0.05;
-/// Continuation probability of a branch that holds the whole residual, and of one that holds nothing.
+/// Continuation probability of a branch with the whole residual, and least continuation probability.
 constexpr double kEager = 0.6;
 constexpr double kLeastOn = 0.05;
 
