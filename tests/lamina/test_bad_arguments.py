@@ -13,7 +13,7 @@ import pytest
 import lamina
 from lamina import ArgumentError, Lambert, Lut, LutError, Medium, Query, ShardError, Stack, StackError
 from lamina.cli import main
-from lamina.common.errors import shown
+from lamina.common.errors import quoted
 from lamina.walks.shards import load_part, merge, run_shard
 
 SLAB = Stack([Medium(albedo=0.9, tau=1.0)], Lambert(0.5))
@@ -267,7 +267,7 @@ def test_a_key_that_is_given_twice_is_refused(tmp_path, capsys):
 @pytest.mark.parametrize("value", ["x" * 10**6, "x\n" * 10**5, list(range(10**6)), {"a" * 10**6: 1}, 10**4000, 10**5000,
                                    [[["x" * 999] * 99] * 99]], ids=lambda value: type(value).__name__)
 def test_long_values_are_cut_short(value):
-    assert len(shown(value)) <= 150 and "\n" not in shown(value)
+    assert len(quoted(value)) <= 150 and "\n" not in quoted(value)
     for call in (lambda: Medium(albedo=value, tau=1.0), lambda: Medium(albedo=0.5, tau=1.0, phase=value),
                  lambda: Medium(albedo=0.5, tau=1.0, varying=value)):
         with pytest.raises(StackError) as caught:

@@ -11,13 +11,13 @@ import numpy as np
 
 from .. import _core
 from ..closures import lobes, narrow_lobes
-from ..closures.axes import COLUMNS, TAU_ROWS
 from ..closures.closure_table import grid_for
 from ..common.arguments import check_choice, check_seed, check_whole
-from ..common.errors import ArgumentError, StackError, shown
+from ..common.errors import ArgumentError, StackError, quoted
 from ..common.progress import Progress, portion, stepper
-from ..material.fields import channel
-from ..material.layers import Lambert
+from ..kinds.bases import Lambert
+from ..kinds.fields import channel
+from ..kinds.table import COLUMNS, PREFIX, TAU_ROWS, THROWN_BACK
 from ..material.stack import Stack
 from ..solver.solve import check_nodes, check_stack, thread_pool, tolerance_of
 from .base_texture import over_texture
@@ -25,7 +25,7 @@ from .clean_row import mix_rows, without_varying
 from .dropped_weights import folded
 from .fit_report import all_rows, fit_report
 from .lut import Lut
-from .lut_header import PREFIX, SCHEMA, THROWN_BACK
+from .lut_header import SCHEMA
 from .mixture import Effort, Mixture, mix
 from .slices import slices, solve_rows
 from .strayed_light import compensated
@@ -147,7 +147,7 @@ def bake(stack: Stack, quality: str = "final", seed: int = 0, progress: Progress
 def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
     """Given closures by kind. Raises ArgumentError for one that is not in the dictionary, twice there, or too many."""
     if isinstance(ids, str) or not isinstance(ids, Sequence) or not all(isinstance(name, str) for name in ids):
-        raise ArgumentError(f"closures = {shown(ids)}: must be a list of lobe ids")
+        raise ArgumentError(f"closures = {quoted(ids)}: must be a list of lobe ids")
     given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": []}
     for name in ids:
         if name in ("transparent", THROWN_BACK) or name.startswith("mirror:"):
@@ -156,10 +156,10 @@ def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
             lobe = lobes.by_id(name.removeprefix(PREFIX))
             given["base" if name.startswith(PREFIX) else lobe.side].append(lobe.id)
         except KeyError:
-            raise ArgumentError(f"closures: {shown(name)} is not in the dictionary") from None
+            raise ArgumentError(f"closures: {quoted(name)} is not in the dictionary") from None
     for kind, names in given.items():
         if len(set(names)) < len(names):
-            raise ArgumentError(f"closures = {shown(list(ids))}: one is given twice")
+            raise ArgumentError(f"closures = {quoted(list(ids))}: one is given twice")
         if len(names) > _core.MAX_CLOSURES:
             raise ArgumentError(f"closures: {len(names)} for {kind}, at most {_core.MAX_CLOSURES} can be fitted")
     return given

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from ..common.archive import save_archive
 from ..common.errors import DustError
+from ..kinds.dust import MOST_SPREAD, Settling
 from ..settling import ply
-from ..settling.settings import MOST_SPREAD, Settling
 from ..settling.settle import Dust, settle
 
 _DOWN = {"x": (-1.0, 0.0, 0.0), "y": (0.0, -1.0, 0.0), "z": (0.0, 0.0, -1.0)}

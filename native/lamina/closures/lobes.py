@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from ..common.errors import shown
+from ..common.errors import quoted
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, mirror
 from .through_lobes import through
@@ -234,7 +234,7 @@ def by_id(lobe_id: str) -> Lobe:
     except (KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError):
         lobe = None
     if lobe is None or lobe.id != lobe_id:
-        raise KeyError(f"closure {shown(lobe_id)}: not in the dictionary")
+        raise KeyError(f"closure {quoted(lobe_id)}: not in the dictionary")
     return lobe
 
 
@@ -255,7 +255,7 @@ def _mirror_alpha(closure: str) -> float:
     except ValueError:
         alpha = math.nan
     if not 0.0 <= alpha <= 1.0:
-        raise KeyError(f"closure {shown(closure)}: not in the dictionary")
+        raise KeyError(f"closure {quoted(closure)}: not in the dictionary")
     return alpha
 
 

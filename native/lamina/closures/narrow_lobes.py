@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..material.fields import channel
-from ..material.layers import Conductor, Interface
+from ..kinds.bases import Conductor
+from ..kinds.boundaries import Interface
+from ..kinds.fields import channel
 from ..material.stack import Stack
 
 # Facets narrower than this reflect and refract like a mirror to the solver; only their closure is as wide as

@@ -11,8 +11,8 @@ from importlib.resources import files
 
 from ..common.arguments import check_kind
 from ..common.errors import StackError, unknown
-from .fields import channel, channel_count, check_forms
-from .layers import Conductor
+from ..kinds.bases import Conductor
+from ..kinds.fields import channel, channel_count, check_forms
 
 GRAZING = math.cos(math.radians(82.0))  # the angle at which Hoffman (2019) gives a metal its second colour
 

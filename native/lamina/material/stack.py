@@ -14,10 +14,12 @@ from pathlib import Path
 
 from ..common import json_file
 from ..common.atomic import write_atomically
-from ..common.errors import StackError, shown
+from ..common.errors import StackError, quoted
+from ..kinds.bases import BASES, Base, Conductor, HalfSpace
+from ..kinds.boundaries import Interface
+from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
 from .colours import albedos_of
-from .fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
-from .layers import BASES, Base, Conductor, HalfSpace, Interface, Medium
+from .layers import Medium
 from .metals import indices_of
 from .phase import check_phase, read_phase
 from .profile import optical_knots, read_profile
@@ -46,9 +48,9 @@ class Stack:
     def __init__(self, layers: Sequence[Medium | Interface] = (), base: Base | None = None, name: str = "",
                  category: str = "", source: str = ""):
         if not isinstance(layers, Sequence) or isinstance(layers, str):
-            raise StackError(f"layers = {shown(layers)}: must be a list, top layer first")
+            raise StackError(f"layers = {quoted(layers)}: must be a list, top layer first")
         layers = list(layers)
-        if layers and base is None and isinstance(layers[-1], tuple(BASES.values())):
+        if layers and base is None and isinstance(layers[-1], Base):
             base = layers.pop()
         if len(layers) > MOST_LAYERS:
             raise StackError(f"layers has {len(layers)} entries: a stack must have at most {MOST_LAYERS}")
@@ -59,7 +61,7 @@ class Stack:
             raise StackError("layers = []: a stack must hold at least one layer or a base")
         for text, value in zip(self.texts, (name, category, source), strict=True):
             if not isinstance(value, str):
-                raise StackError(f"{text} = {shown(value)}: must be a text")
+                raise StackError(f"{text} = {quoted(value)}: must be a text")
             object.__setattr__(self, text, value)
         varying = [i for i, layer in enumerate(checked) if layer.varying]
         if len(varying) > 1:
@@ -166,11 +168,11 @@ class Stack:
         check_keys(data, {"schema", "layers", "base", *cls.texts}, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
-            raise StackError(f"schema = {shown(schema)}: must be {SCHEMA}")
+            raise StackError(f"schema = {quoted(schema)}: must be {SCHEMA}")
         if schema > SCHEMA:
-            raise StackError(f"schema = {shown(schema)}: must be at most {SCHEMA}; this stack needs a newer Lamina")
+            raise StackError(f"schema = {quoted(schema)}: must be at most {SCHEMA}; this stack needs a newer Lamina")
         if not isinstance(data["layers"], list):
-            raise StackError(f"layers = {shown(data['layers'])}: must be a list, top layer first")
+            raise StackError(f"layers = {quoted(data['layers'])}: must be a list, top layer first")
         layers = []
         for index, entry in enumerate(data["layers"]):
             path = f"layers[{index}]"
@@ -187,7 +189,8 @@ class Stack:
             elif is_text and kind == Interface.kind:
                 layers.append(_read(Interface, entry, path, {"name"}))
             else:
-                raise StackError(f"{path}.kind = {shown(kind)}: must be 'medium', 'interface', or a base at the bottom")
+                raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', or a base at the "
+                                 "bottom")
         base = data.get("base")
         texts = {text: data[text] for text in cls.texts if text in data}
         return cls(layers, None if base is None else _read_base(base, "base"), **texts)
@@ -267,23 +270,23 @@ def _fields_of(thing, path):
 
 def _checked(thing, path):
     values = {q.name: q.check(getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
-    for name, allowed in thing.choices.items():
-        value = getattr(thing, name)
-        if type(value) is not type(allowed[0]) or value not in allowed:
-            words = " or ".join(json.dumps(choice) for choice in allowed)
-            raise StackError(f"{path}.{name} = {shown(value)}: must be {words}")
-    if hasattr(thing, "forms"):
+    for option in thing.options:
+        value = getattr(thing, option.name)
+        if type(value) is not type(option.values[0]) or value not in option.values:
+            words = " or ".join(json.dumps(choice) for choice in option.values)
+            raise StackError(f"{path}.{option.name} = {quoted(value)}: must be {words}")
+    if getattr(thing, "forms", ()):
         values.update(check_forms(thing, path))
     return replace(thing, **values)
 
 
 def _check_layer(layer, path: str) -> Medium | Interface:
-    if isinstance(layer, tuple(BASES.values())):
+    if isinstance(layer, Base):
         raise StackError(f"{path}.kind = '{layer.kind}': a base can only stand at the bottom")
     if not isinstance(layer, Medium | Interface):
-        raise StackError(f"{path} = {shown(layer)}: must be a layer")
+        raise StackError(f"{path} = {quoted(layer)}: must be a layer")
     if not isinstance(layer.name, str):
-        raise StackError(f"{path}.name = {shown(layer.name)}: must be a text")
+        raise StackError(f"{path}.name = {quoted(layer.name)}: must be a text")
     if isinstance(layer, Interface):
         return _checked(layer, path)
     return layer.checked(path)
@@ -292,8 +295,8 @@ def _check_layer(layer, path: str) -> Medium | Interface:
 def _check_base(base):
     if base is None:
         return None
-    if not isinstance(base, tuple(BASES.values())):
-        raise StackError(f"base = {shown(base)}: must be a base or none")
+    if not isinstance(base, Base):
+        raise StackError(f"base = {quoted(base)}: must be a base or none")
     base = _checked(base, "base")
     if isinstance(base, HalfSpace):
         base = replace(base, phase=check_phase(base.phase, "base.phase"))
@@ -316,7 +319,7 @@ def _plain(thing) -> dict:
 
 def _unusual(thing) -> dict:
     """Choices that are not the usual ones: what is new stays out of the hashes of what was before."""
-    return {name: getattr(thing, name) for name, allowed in thing.choices.items() if getattr(thing, name) != allowed[0]}
+    return {one.name: getattr(thing, one.name) for one in thing.options if getattr(thing, one.name) != one.values[0]}
 
 
 def _canonical(thing, channels: int) -> dict:
@@ -344,7 +347,7 @@ def _read_medium(entry, path: str) -> Medium:
 def _read_base(entry, path: str):
     kind = read_kind(entry, path)
     if not isinstance(kind, str) or kind not in BASES:
-        raise StackError(f"{path}.kind = {shown(kind)}: must be one of {', '.join(BASES)}")
+        raise StackError(f"{path}.kind = {quoted(kind)}: must be one of {', '.join(BASES)}")
     values = dict(entry)
     phase = values.pop("phase", None) if kind == HalfSpace.kind else None
     base = _read(BASES[kind], values, path)
@@ -355,6 +358,6 @@ def _read(cls, entry, path: str, optional: set[str] = frozenset()):
     """An interface or a base from its JSON object; what has a usual value may be left out."""
     names = {quantity.name for quantity in all_fields(cls)}
     usual = {field.name for field in fields(cls) if field.default is not MISSING}
-    allowed = {"kind", *names, *cls.choices, *optional}
+    allowed = {"kind", *names, *(option.name for option in cls.options), *optional}
     check_keys(entry, allowed, path, required=names - usual)
     return cls(**{key: value for key, value in entry.items() if key != "kind"})
