@@ -59,12 +59,25 @@ def test_what_is_no_stack_is_refused_by_all_that_take_one(value):
 
 
 @pytest.mark.parametrize(("name", "value"), [
-    ("seed", "x"), ("seed", -1), ("seed", 1 << 64), ("row_stride", 0), ("row_stride", 1.5), ("row_stride", 34),
+    ("row_stride", 0), ("row_stride", 1.5), ("row_stride", 34),
     ("basis", []), ("closures", 5), ("closures", [5]), ("closures", "diffuse"), ("closures", ["ggx:nan"]),
     ("progress", 5), ("cancel", "x"), ("quality", []), ("quality", None)])
 def test_any_argument_of_a_bake_is_checked(name, value):
     with pytest.raises(ArgumentError, match=f"^{name}"):
         lamina.bake(SLAB, **{"quality": "preview", name: value})
+
+
+@pytest.mark.parametrize("seed", ["x", -1, 1 << 64, 0.5])
+def test_seeds_that_cannot_be(seed):
+    for call in (lambda: lamina.estimate(SLAB, 0.5, 0.5, samples=4096, seed=seed),
+                 lambda: run_shard(SLAB, Query(0.5, 0.5), "transfer", 4096, seed, (1, 1))):
+        with pytest.raises(ArgumentError, match=r"^seed = .*: must be a whole number from 0 to 2\^64 - 1$"):
+            call()
+
+
+def test_a_bake_has_no_seed():
+    with pytest.raises(TypeError, match="seed"):
+        lamina.bake(SLAB, "preview", seed=1)
 
 
 @pytest.mark.parametrize(("layer", "taus", "words"), [

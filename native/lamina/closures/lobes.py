@@ -25,7 +25,7 @@ from .through_lobes import through
 def _normal_suffix(normal: Normal) -> str:
     if isinstance(normal, tuple):
         return f"_tilt{number(normal[1])}"
-    return {"N": "", "I": "_i", "N+I": "_h", "N+R": "_r"}[normal]
+    return {"N": "", "I": "_i", "N+I": "_h"}[normal]
 
 
 # --- Lambert's cosine ---------------------------------------------------------------------------
@@ -209,7 +209,6 @@ DICTIONARY: tuple[Lobe, ...] = (
 )
 
 _BY_ID = {lobe.id: lobe for lobe in DICTIONARY}
-DICTIONARY_IDS = frozenset(_BY_ID)
 
 # Closures made to measure for one stack's boundaries: their ids hold their parameters.
 _MADE = {

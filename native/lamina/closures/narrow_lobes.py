@@ -33,7 +33,7 @@ def resolved(stack: Stack) -> Stack:
     """The stack as it is solved for a bake: facets too narrow for any table are a smooth boundary."""
     layers = [replace(layer, alpha=0.0) if _is_sharp(layer) else layer for layer in stack.layers]
     base = replace(stack.base, alpha=0.0) if _is_sharp(stack.base) else stack.base
-    return Stack(layers, base)
+    return stack.with_facets(layers, base)
 
 
 def narrowest(stack: Stack) -> float | None:

@@ -10,17 +10,18 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from ..kinds.limits import MOST_SEED, MOST_THREADS, SEED, THREADS
 from .errors import ArgumentError, quoted
 
 # BRDFs have reached their limit at grazing incidence here, to nine digits; below 1e-150 squares of a cosine vanish.
 LEAST_COSINE = 1e-9
 
 
-def check_whole(value, name: str, low: int, high: int, range_words: str = "") -> int:
-    """`value` as an int in [low, high]. Raises ArgumentError."""
+def check_whole(value, name: str, low: int, high: int, rule: str = "") -> int:
+    """`value` as an int in [low, high]; `rule` says so in other words. Raises ArgumentError."""
     if isinstance(value, numbers.Integral) and not isinstance(value, bool) and low <= value <= high:
         return operator.index(value)
-    raise ArgumentError(f"{name} = {quoted(value)}: must be a whole number {range_words or f'from {low} to {high}'}")
+    raise ArgumentError(f"{name} = {quoted(value)}: {rule or f'must be a whole number from {low} to {high}'}")
 
 
 def check_choice(value, name: str, choices: Iterable[str], words: str = "") -> str:
@@ -57,12 +58,12 @@ def check_callable(value, name: str) -> None:
 
 def check_threads(threads: int) -> int:
     """A count of threads, 0 for all. Raises ArgumentError."""
-    return check_whole(threads, "threads", 0, 1024, "from 0 (all) to 1024")
+    return check_whole(threads, "threads", 0, MOST_THREADS, THREADS)
 
 
 def check_seed(seed: int) -> int:
     """Raises ArgumentError unless it is a seed."""
-    return check_whole(seed, "seed", 0, (1 << 64) - 1, "from 0 to 2^64 - 1")
+    return check_whole(seed, "seed", 0, MOST_SEED, SEED)
 
 
 def finite_array(values, name: str) -> np.ndarray:

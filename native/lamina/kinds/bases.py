@@ -19,13 +19,15 @@ __all__ = ["Black", "Conductor", "HalfSpace", "Lambert"]
 
 class Base:
     """`fields`: quantities; `forms`: sets of quantities of which one describes the base; `options`: choices;
-    `item`: the kind as an entry of the panel's list. A base with a member `phase` is a medium."""
+    `item`: the kind as an entry of the panel's list. `has_phase`: the base is a medium, with a member `phase`."""
 
     kind = ""
     fields: tuple[Field, ...] = ()
     forms: tuple[Form, ...] = ()
     options: tuple[Option, ...] = ()
     item: Item
+    has_phase = False
+    form_prop = ""  # the add-on's property that says which form is given
 
     def in_channel(self, index: int) -> tuple:
         """(name, parameters...) of one channel, as the core makes a base of them."""
@@ -83,6 +85,7 @@ class Conductor(Base):
                 subtype="COLOR", words="grazing colour")),
         ), Item("colours", "Colours", "By the colours that it shows facing and grazing", 1)),
     )
+    form_prop = "metal_form"
     fields = (ALPHA,)
     options = FACETS
     item = Item(kind, "Metal", "A metal, by its refractive index or by its colours", 4)
@@ -108,6 +111,7 @@ class HalfSpace(Base):
 
     kind = "half-space"
     fields = (ALBEDO,)
+    has_phase = True
     item = Item(kind, "Deep Medium", "A medium without bottom: soil, snow, thick paint", 3)
 
     def in_channel(self, index: int) -> tuple:

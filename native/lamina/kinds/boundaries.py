@@ -42,6 +42,7 @@ class Interface:
     kind = "interface"
     fields = (IOR, ALPHA)
     options = FACETS
+    has_phase = False
     varying = False
     item = Item(kind, "Interface", "A boundary that reflects and refracts: the surface of varnish, glass, water", 1,
                 icon="MESH_PLANE")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How dust falls and what stays: the options of settling, checked.
 
-A new option is a member of Settling and, unless it is a vector or a switch, an entry of OPTIONS; the command line and
-the add-on's properties and panel follow from the entry."""
+A new option is a member of Settling and, unless it is a vector, an entry of OPTIONS; the command line and the add-on's
+properties and panel follow from the entry."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ MOST_WIND = 20.0  # over the speed of the fall
 
 @dataclass(frozen=True)
 class DustOption:
-    """A number of Settling, in [low, high]. `unit`: "rad" or "m". `optional`: may be None, which a 0 in the panel
-    stands for. `whole`: a whole number. `help`: of the command line, without its default; "" for no flag. `group`:
-    the part of the panel, "fall", "stay" or "target"."""
+    """A number or switch of Settling; a number lies in [low, high]. `unit`: "rad" or "m". `optional`: may be None,
+    which a 0 in the panel stands for. `whole`: a whole number. `switch`: true or false. `help`: of the command line,
+    without the default; "" for no flag. `group`: the part of the panel, "fall", "stay" or "target"."""
 
     name: str
     low: float
@@ -32,12 +32,13 @@ class DustOption:
     unit: str = ""
     optional: bool = False
     whole: bool = False
+    switch: bool = False
     help: str = ""
     group: str = ""
 
     def check(self, value) -> None:
         """Raises DustError unless `value` is allowed."""
-        if value is None and self.optional:
+        if self.switch or value is None and self.optional:
             return
         if self.whole:
             if isinstance(value, bool) or not isinstance(value, int) or not self.low <= value <= self.high:
@@ -47,15 +48,7 @@ class DustOption:
             raise DustError(f"settling.{self.name} = {value!r}: must lie in [{self.low:g}, {self.high:g}]")
 
 
-def _degrees(label: str, tip: str, default: float) -> Panel:
-    return Panel(label, tip, math.radians(default), subtype="ANGLE")
-
-
-def _share(label: str, tip: str, default: float) -> Panel:
-    return Panel(label, tip, default, subtype="FACTOR")
-
-
-# In the order of the panel.
+# In the order of the panel, which has the defaults of Settling where it has none of its own.
 OPTIONS = (
     DustOption("amount", 0.0, 1e3, Panel(
         "Amount", "Optical thickness on an open horizontal plate: 0.1 is a veil, 1 is dusty, 10 hides all", 1.0,
@@ -64,25 +57,28 @@ OPTIONS = (
         "Mass", "Grams on a square metre of an open horizontal plate", 2.0, soft_high=50.0, step=10,
         text="Grams per m²"), optional=True, group="fall"),
     DustOption("time", 0.0, 1e6, Panel(
-        "Time", "For how long it falls: so many times the amount", 1.0, soft_high=10.0, step=10), group="fall"),
+        "Time", "For how long it falls: so many times the amount", soft_high=10.0, step=10), group="fall"),
     DustOption("spread", 0.0, MOST_SPREAD, Panel(
-        "Spread", "Half-angle of the cone from which grains fall", math.radians(35.0), high=math.radians(85.0),
+        "Spread", "Half-angle of the cone from which grains fall", high=math.radians(85.0),
         subtype="ANGLE"), unit="rad", help="half-angle of the fall", group="fall"),
-    DustOption("repose", 0.0, math.pi, _degrees(
-        "Slope", "Where a surface is steeper, more than half of the grains slide off", 45.0), unit="rad",
+    DustOption("repose", 0.0, math.pi, Panel(
+        "Slope", "Where a surface is steeper, more than half of the grains slide off", subtype="ANGLE"), unit="rad",
         help="angle of repose", group="stay"),
     DustOption("repose_width", 0.0, math.pi, unit="rad"),
-    DustOption("concavity", 0.0, 1.0, _share(
-        "Concavity", "How much of what would slide off stays in corners and folds", 0.5), group="stay"),
+    DustOption("concavity", 0.0, 1.0, Panel(
+        "Concavity", "How much of what would slide off stays in corners and folds", subtype="FACTOR"), group="stay"),
     DustOption("reach", 1e-12, 1e12, unit="m", optional=True),
-    DustOption("coverage", 0.0, 1.0, _share(
-        "Coverage", "Share of the surface that keeps its dust; elsewhere it is wiped off", 1.0),
+    DustOption("coverage", 0.0, 1.0, Panel(
+        "Coverage", "Share of the surface that keeps its dust; elsewhere it is wiped off", subtype="FACTOR"),
         help="share of the surface that is left dusty", group="stay"),
     DustOption("patch", 1e-12, 1e12, Panel(
         "Patch Size", "Size of those patches; 0 is a tenth of the object", 0.0, low=0.0, high=1e6, soft_high=1.0,
         subtype="DISTANCE"), unit="m", optional=True, group="stay"),
+    DustOption("two_sided", 0, 1, Panel(
+        "Two-Sided", "Dust lies on either side of a face: leaves, cloth. Each side shows its own"), switch=True,
+        help="dust lies on either side of faces", group="stay"),
     DustOption("rays", 1, 65536, Panel(
-        "Rays", "Rays a point: more are slower and smoother", 256, soft_low=16, soft_high=4096), whole=True,
+        "Rays", "Rays a point: more are slower and smoother", soft_low=16, soft_high=4096), whole=True,
         help="rays a vertex", group="target"),
 )  # fmt: skip
 

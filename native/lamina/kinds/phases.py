@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Phase functions that numbers describe: how a medium turns light. The core evaluates them.
 
-A new one is a class here, with its name in __all__, KINDS and IN_PANEL, and its C++ type in the core. Tables and mixtures of
-phase functions: see lamina.material.phase."""
+A new one is a class here, with its name in __all__, KINDS and IN_PANEL, and its C++ type in the core. Tables and
+mixtures of phase functions: see lamina.material.phase."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
-from ..kinds.bases import BASES, Base, Conductor, HalfSpace
+from ..kinds.bases import BASES, Base, Conductor
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
 from .colours import albedos_of
@@ -86,6 +86,24 @@ class Stack:
     def hash(self) -> str:
         """Name of the stack's content: SHA-256 of the canonical form, hexadecimal."""
         return hashlib.sha256(self.canonical().encode()).hexdigest()
+
+    def turned(self) -> Stack:
+        """The layers upside down, on the same base."""
+        layers = [layer.turned() if isinstance(layer, Medium) else layer for layer in reversed(self.layers)]
+        albedos = [tuple(reversed(found)) if isinstance(layer, Medium) and layer.profile is not None else found
+                   for layer, found in zip(self.layers, self._albedos, strict=True)]
+        return self._derived(layers, self.base, reversed(albedos))
+
+    def with_facets(self, layers: Sequence[Medium | Interface], base: Base | None) -> Stack:
+        """The same stack with other facets: `layers` and `base` are its own but for the facets' width."""
+        return self._derived(layers, base, self._albedos)
+
+    def _derived(self, layers, base, albedos) -> Stack:
+        """A stack of parts that have been checked already, and whose albedos are known."""
+        derived = object.__new__(Stack)
+        for name, value in {**self.__dict__, "layers": tuple(layers), "base": base, "_albedos": tuple(albedos)}.items():
+            object.__setattr__(derived, name, value)
+        return derived
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
         """(albedo, tau) of a layer in one channel; the albedo that shows the layer's colour where that is given, and
@@ -222,7 +240,7 @@ class Stack:
                     yield from knot.quantities(f"layers[{index}].profile[{number}]")
         if self.base is not None:
             yield from _fields_of(self.base, "base")
-            if isinstance(self.base, HalfSpace):
+            if self.base.has_phase:
                 yield from self.base.phase.quantities("base.phase")
 
     def _find_albedos(self) -> tuple:
@@ -298,7 +316,7 @@ def _check_base(base):
     if not isinstance(base, Base):
         raise StackError(f"base = {quoted(base)}: must be a base or none")
     base = _checked(base, "base")
-    if isinstance(base, HalfSpace):
+    if base.has_phase:
         base = replace(base, phase=check_phase(base.phase, "base.phase"))
     return base
 
@@ -312,7 +330,7 @@ def _given(thing) -> dict:
 def _plain(thing) -> dict:
     """JSON form of a base or an interface; choices that are the usual ones are left out."""
     entry = {"kind": thing.kind, **_given(thing), **_unusual(thing)}
-    if isinstance(thing, HalfSpace):
+    if thing.has_phase:
         entry["phase"] = thing.phase.to_json()
     return entry
 
@@ -328,7 +346,7 @@ def _canonical(thing, channels: int) -> dict:
     for quantity in thing.fields:
         value = getattr(thing, quantity.name)
         entry[quantity.name] = [to_plain(channel(value, c)) for c in range(channels)]
-    if isinstance(thing, HalfSpace):
+    if thing.has_phase:
         entry["phase"] = thing.phase.canonical(channels)
     return entry
 
@@ -349,7 +367,7 @@ def _read_base(entry, path: str):
     if not isinstance(kind, str) or kind not in BASES:
         raise StackError(f"{path}.kind = {quoted(kind)}: must be one of {', '.join(BASES)}")
     values = dict(entry)
-    phase = values.pop("phase", None) if kind == HalfSpace.kind else None
+    phase = values.pop("phase", None) if BASES[kind].has_phase else None
     base = _read(BASES[kind], values, path)
     return base if phase is None else replace(base, phase=read_phase(phase, f"{path}.phase"))
 
