@@ -53,12 +53,14 @@ test: lint docs build/stamps/extension
 # Before a commit, within two minutes once all is built.
 check: build/stamps/wheel build/stamps/develop
 	$(RUN) -m ruff check .
+	PYTHONPATH=native $(VENV)/bin/lint-imports --no-cache
 	$(RUN) -m mypy
 	tools/lint_cpp.sh $(VENV)/bin changed
 	$(RUN) -m pytest -n 2 --durations=10 tests/core $(addprefix tests/lamina/,$(SAMPLE))
 
 lint: build/stamps/wheel build/stamps/develop
 	$(RUN) -m ruff check .
+	PYTHONPATH=native $(VENV)/bin/lint-imports --no-cache
 	$(RUN) -m mypy
 	tools/lint_cpp.sh $(VENV)/bin all
 

@@ -3,29 +3,19 @@
 
 import bpy
 
-from . import (
-    bake_job,
-    blend_saving,
-    command_line,
-    dust_job,
-    dust_panel,
-    dust_properties,
-    live,
-    menus,
-    migration,
-    native,
-    operators,
-    panel,
-    preferences,
-    properties,
-    shown,
-    thickness_panel,
-)
+from . import operators
+from .baking import bake_job, live
+from .base import native, preferences
+from .command_line import blend_saving, command
+from .properties import dust_properties, material_properties, migration
+from .settling import dust_job
+from .stack_json import solved_colours
+from .ui import dust_panel, menus, panel, thickness_panel
 
 PARTS = (
-    properties,
+    material_properties,
     dust_properties,
-    shown,
+    solved_colours,
     migration,
     bake_job,
     dust_job,
@@ -36,7 +26,7 @@ PARTS = (
     thickness_panel,
     dust_panel,
     blend_saving,
-    command_line,
+    command,
 )
 
 

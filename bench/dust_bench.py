@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from lamina import dust, ply
-from lamina.dust_mesh import common_frame, unit_normals, vertex_points
+from lamina.settling.mesh import common_frame, unit_normals, vertex_points
 
 OCCLUSION = Path(__file__).resolve().parent.parent / "build/native-bench/native/bench/bench_occlusion"
 POINTS = 1_000_000

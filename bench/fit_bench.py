@@ -10,7 +10,7 @@ import statistics
 from pathlib import Path
 
 import lamina
-from lamina.bake import BASES
+from lamina.baking.bake import BASES
 
 STACKS = Path(__file__).resolve().parent.parent / "tests/data/fit_stacks.json"
 GROUPS = {"used to choose": (False,), "blind": (True,), "all": (False, True)}

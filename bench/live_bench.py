@@ -60,19 +60,19 @@ def measure_in_blender(repeats=40):
     rows = []
     for name, stack in STACKS.items():
         material = bpy.data.materials.new(name)
-        addon.stack_io.assign_stack(material, stack)
-        addon.bake_job.bake_material(material, "preview")
+        addon.editing.stack_io.assign_stack(material, stack)
+        addon.baking.bake_job.bake_material(material, "preview")
         material.lamina.live = True
         times, parts = [], {"solve": [], "fit": [], "pixels": []}
         for step in range(repeats + 3):
             solving.spent.clear()
             start = time.perf_counter()
             material.lamina.layers[0].g = 0.3 + 0.001 * step
-            addon.live.poll()
+            addon.baking.live.poll()
             # In Blender the main thread is free meanwhile.
-            addon.live.running().wait()
+            addon.baking.live.running().wait()
             before = time.perf_counter()
-            addon.live.poll()
+            addon.baking.live.poll()
             end = time.perf_counter()
             if step < 3:
                 continue

@@ -10,7 +10,7 @@ import mitsuba_peer
 
 import lamina
 from lamina import _core
-from lamina.solve import core_stack
+from lamina.solver.solve import core_stack
 
 DIRECTIONS = (0.5, 0.5, math.pi / 2)
 ERROR = 1e-3

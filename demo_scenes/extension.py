@@ -80,7 +80,7 @@ def bake(name, stack, quality="final", say=lambda text: None, basis="standard"):
     """
     import bpy
 
-    stack_io, bake_job = part("stack_io"), part("bake_job")
+    stack_io, bake_job = part("editing.stack_io"), part("baking.bake_job")
     material = bpy.data.materials.new(name)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "stack.json"

@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import bake_job, live, messages, native
+from ..baking import bake_job, live
+from ..base import messages, native
 from . import common
 from .following import Following
 

@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import bake_job
+from ..baking import bake_job
 
 
 class LAMINA_OT_bake_cancel(bpy.types.Operator):

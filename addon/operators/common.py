@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """When an operator may act on the material that the context shows."""
 
-from .. import bake_job, dust, dust_job, migration, native
+from ..baking import bake_job
+from ..base import native
+from ..properties import migration
+from ..settling import dust_job, object_dust
 
 
 def material_of(context):
@@ -61,7 +64,9 @@ def is_idle(cls):
 
 def can_be_dusty(cls, context):
     """A mesh object of this file, and a working Embree layer. Sets the reason otherwise."""
-    sentence = dust.problem(context.object) or ("Dust is settling" if dust_job.running() is not None else "")
+    sentence = object_dust.problem(context.object)
+    if not sentence and dust_job.running() is not None:
+        sentence = "Dust is settling"
     if sentence:
         cls.poll_message_set(sentence)
     return not sentence

@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import node_group
+from ..nodes import node_group
 from . import common
 
 

@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import dust_job
+from ..settling import dust_job
 
 
 class LAMINA_OT_dust_cancel(bpy.types.Operator):

@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import dust
+from ..settling import object_dust
 from . import common
 
 
@@ -18,5 +18,5 @@ class LAMINA_OT_dust_clear(bpy.types.Operator):
         return common.has_dust(cls, context)
 
     def execute(self, context):
-        dust.clear(context.object)
+        object_dust.clear(context.object)
         return {"FINISHED"}

@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import dust, dust_job, messages, native, preferences
+from ..base import messages, native, preferences
+from ..settling import dust_job, object_dust
 from . import common
 from .following import Following
 
@@ -30,7 +31,7 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
         """Settle and wait for it: scripts, and everything under `blender -b`."""
         try:
             for obj in self._objects(context):
-                dust.settle(context, obj, threads=preferences.threads())
+                object_dust.settle(context, obj, threads=preferences.threads())
         except Exception as error:
             return self._failed(error)
         return {"FINISHED"}

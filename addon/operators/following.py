@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What modal operators around a worker share: a timer that looks at it, ESC that cancels, a status line."""
 
-from .. import redraw
+from ..base import redraw
 
 INTERVAL = 0.1  # seconds between two looks at the worker
 

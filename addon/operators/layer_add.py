@@ -3,8 +3,8 @@
 
 import bpy
 
-from .. import layer_list
-from ..layer_properties import LAYER_KINDS
+from ..editing import layer_list
+from ..properties.layer_properties import LAYER_KINDS
 from . import common
 
 

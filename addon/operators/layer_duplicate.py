@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import layer_list
+from ..editing import layer_list
 from . import common
 
 

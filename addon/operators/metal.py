@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import messages, metals, native
+from ..base import messages, native
+from ..editing import metals
 from . import common
 
 

@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import layer_list, phases
+from ..editing import layer_list
+from ..stack_json import phases
 from . import common
 
 

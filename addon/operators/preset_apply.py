@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import messages, native, presets
+from ..base import messages, native
+from ..editing import presets
 from . import common
 
 

@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import messages, presets
+from ..base import messages
+from ..editing import presets
 
 
 class LAMINA_OT_preset_delete(bpy.types.Operator):

@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import messages, presets
+from ..base import messages
+from ..editing import presets
 from . import common
 
 

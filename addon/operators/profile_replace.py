@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import layer_list, profiles
+from ..editing import layer_list
+from ..stack_json import profiles
 from . import common
 
 

@@ -4,7 +4,8 @@
 import bpy
 from bpy_extras.io_utils import ImportHelper
 
-from .. import messages, stack_io
+from ..base import messages
+from ..editing import stack_io
 from . import common
 
 

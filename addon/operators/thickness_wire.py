@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import messages, thickness
+from ..base import messages
+from ..nodes import thickness
 from . import common
 
 ITEMS = (

@@ -5,7 +5,6 @@ All copies share a mesh and its dust, settled once: what falls is proportional t
 its share of the thickness as the property SHARE, and the material multiplies the two.
 """
 
-import importlib
 import math
 
 import bpy
@@ -60,7 +59,7 @@ def material(stack, quality, row_stride):
 
     if not any(layer.get("varying") for layer in stack["layers"]):
         raise ValueError("layers: none of them is varying; the dust must be")
-    stack_io, bake_job = (importlib.import_module(f"{extension.PACKAGE}.{name}") for name in ("stack_io", "bake_job"))
+    stack_io, bake_job = extension.part("editing.stack_io"), extension.part("baking.bake_job")
     made = bpy.data.materials.new("dusty bronze")
     described = lamina.Stack.from_json(stack)
     stack_io.assign_stack(made, described)

@@ -44,7 +44,7 @@ def run(out, quality, stack_path, say):
     setting = QUALITIES[quality]
     say(f"dust: {setting.width} x {scene.height_of(setting.width)} pixels, {setting.seeds} seeds")
     material, lut = extension.bake("dust", stack, say=lambda text: say(f"bake: {text}"))
-    thickness = extension.part("thickness")
+    thickness = extension.part("nodes.thickness")
     thickness.wire_thickness(material, "value").socket.default_value = scene.TAU
     baked, seconds_baked, seen = _render("baked", stack, material, setting, setting.samples_baked, say)
     truth, seconds_truth, _ = _render("shell", stack, None, setting, setting.samples_shell, say)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All presets of the library on one sheet, by category, and how well each is fitted."""
 
-import importlib
 import os
 import tempfile
 import time
@@ -58,7 +57,7 @@ def run(out, quality, stack_path, say):
 
 def _bake(lamina, entry):
     """(material, what is told of it)."""
-    stack_io, bake_job = (importlib.import_module(f"{extension.PACKAGE}.{name}") for name in ("stack_io", "bake_job"))
+    stack_io, bake_job = extension.part("editing.stack_io"), extension.part("baking.bake_job")
     material = bpy.data.materials.new(entry.id)
     stack_io.assign_stack(material, entry.stack)
     varies = entry.stack.varying is not None

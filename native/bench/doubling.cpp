@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "adding.hpp"
-#include "homogeneous_layer.hpp"
+#include "operators/adding.hpp"
+#include "solve/homogeneous_layer.hpp"
 
 namespace {
 

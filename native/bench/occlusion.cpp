@@ -16,8 +16,8 @@
 #include <numbers>
 #include <vector>
 
-#include "dust.hpp"
-#include "rng.hpp"
+#include "dust/dust.hpp"
+#include "numeric/rng.hpp"
 
 namespace {
 

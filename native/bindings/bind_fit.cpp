@@ -4,8 +4,8 @@
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
-#include "closure_fit.hpp"
-#include "thread_pool.hpp"
+#include "fit/closure_fit.hpp"
+#include "numeric/thread_pool.hpp"
 
 namespace py = pybind11;
 

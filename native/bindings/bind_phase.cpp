@@ -2,6 +2,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <optional>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "bindings.hpp"
@@ -25,40 +28,49 @@ void expect_count(const std::string& kind, const py::tuple& parameters, std::siz
   }
 }
 
-SinglePhase make_single(const std::string& kind, const py::tuple& parameters) {
-  const auto takes = [&](std::size_t count) { expect_count(kind, parameters, count); };
-  // These two have no parameters; any given are left alone, so that one call can serve every kind with a g.
-  if (kind == "isotropic") {
-    return Isotropic{};
+template <typename Phase, std::size_t... Index>
+Phase from_numbers(const py::tuple& parameters, std::index_sequence<Index...> /*parameters*/) {
+  return Phase{number(parameters, Index)...};
+}
+
+/// Sets `made` if Phase is of that kind; returns whether it is.
+template <typename Phase>
+bool make_kind(const std::string& kind, const py::tuple& parameters, std::optional<SinglePhase>& made) {
+  if (kind != Phase::kKind) {
+    return false;
   }
-  if (kind == "rayleigh") {
-    return Rayleigh{};
+  // Kinds without parameters ignore any that are given, so that one call can serve every kind with a g.
+  if (Phase::kParameters > 0) {
+    expect_count(kind, parameters, Phase::kParameters);
   }
-  if (kind == "hg") {
-    takes(1);
-    return HenyeyGreenstein{number(parameters, 0)};
-  }
-  if (kind == "double-hg") {
-    takes(3);
-    return DoubleHenyeyGreenstein(number(parameters, 0), number(parameters, 1), number(parameters, 2));
-  }
-  if (kind == "draine") {
-    takes(2);
-    return Draine(number(parameters, 0), number(parameters, 1));
-  }
-  if (kind == "cornette-shanks") {
-    takes(1);
-    return CornetteShanks(number(parameters, 0));
-  }
+  made = from_numbers<Phase>(parameters, std::make_index_sequence<Phase::kParameters>());
+  return true;
+}
+
+/// The one phase function that is given by lists, in two ways.
+template <>
+bool make_kind<Tabulated>(const std::string& kind, const py::tuple& parameters, std::optional<SinglePhase>& made) {
   if (kind == "moments") {
-    takes(1);
-    return Tabulated::from_moments(numbers(parameters, 0));
+    expect_count(kind, parameters, 1);
+    made = Tabulated::from_moments(numbers(parameters, 0));
+  } else if (kind == "samples") {
+    expect_count(kind, parameters, 2);
+    made = Tabulated::from_samples(numbers(parameters, 0), numbers(parameters, 1));
   }
-  if (kind == "samples") {
-    takes(2);
-    return Tabulated::from_samples(numbers(parameters, 0), numbers(parameters, 1));
+  return made.has_value();
+}
+
+template <typename... Phase>
+SinglePhase make_any(const std::string& kind, const py::tuple& parameters, const std::variant<Phase...>* /*kinds*/) {
+  std::optional<SinglePhase> made;
+  if (!(make_kind<Phase>(kind, parameters, made) || ...)) {
+    throw py::value_error("phase.kind = '" + kind + "': unknown");
   }
-  throw py::value_error("phase.kind = '" + kind + "': unknown");
+  return *made;
+}
+
+SinglePhase make_single(const std::string& kind, const py::tuple& parameters) {
+  return make_any(kind, parameters, static_cast<const SinglePhase*>(nullptr));
 }
 
 /// Each parameter is a pair (share, (kind, parameters...)).

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "bindings.hpp"
-#include "evaluation.hpp"
-#include "guided_transfer_walk.hpp"
-#include "joined_media.hpp"
-#include "scattering_ode.hpp"
-#include "scattering_walk.hpp"
+#include "guided/guided_transfer_walk.hpp"
+#include "guided/scattering_walk.hpp"
+#include "matter/joined_media.hpp"
+#include "solve/evaluation.hpp"
+#include "solve/scattering_ode.hpp"
 
 namespace py = pybind11;
 

@@ -5,10 +5,11 @@
 #include <algorithm>
 
 #include "bindings.hpp"
-#include "evaluation.hpp"
-#include "graded_slices.hpp"
-#include "slice_evaluation.hpp"
-#include "solution.hpp"
+#include "matter/graded_sublayers.hpp"
+#include "solve/evaluation.hpp"
+#include "solve/sound_solution.hpp"
+#include "solve/sublayer_choice.hpp"
+#include "table/slice_evaluation.hpp"
 
 namespace py = pybind11;
 
@@ -91,12 +92,12 @@ void lamina::bind_solver(py::module_& module) {
            py::arg("layers"), py::arg("base") = Base{});
 
   module.def(
-      "slices_of", [](const GradedMedium& medium, double coarseness) { return slices_of(medium, coarseness); },
-      py::arg("medium"), py::arg("coarseness"), "Homogeneous slices that stand for a graded medium.");
+      "sublayers_of", [](const GradedMedium& medium, double coarseness) { return sublayers_of(medium, coarseness); },
+      py::arg("medium"), py::arg("coarseness"), "Homogeneous sublayers that stand for a graded medium.");
   module.def(
-      "count_slices",
+      "count_sublayers",
       [](const Stack& stack, double tolerance, ThreadPool& pool) {
-        return SlicedStack(stack, tolerance, pool).stack.layers.size();
+        return resolved_sublayers(stack, tolerance, pool).stack.layers.size();
       },
       py::arg("stack"), py::arg("tolerance"), py::arg("pool"), "Layers of the stack as it is solved.");
 
@@ -130,7 +131,7 @@ void lamina::bind_solver(py::module_& module) {
           [](const Solution& s) -> Eigen::VectorXd { return s.directions(Eigen::VectorXd()).front().weight; })
       .def_property_readonly("checks", &Solution::checks)
       .def("with_reflectance", &Solution::with_reflectance, py::arg("reflectance"))
-      .def("with_thickness", &Solution::with_thickness, py::arg("layer"), py::arg("tau"), py::arg("pool"), unlocked)
+      .def("with_thickness", &lamina::with_thickness, py::arg("layer"), py::arg("tau"), py::arg("pool"), unlocked)
       .def(
           "grid",
           [](const Solution& s, Side side, Path path, const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
@@ -175,7 +176,7 @@ void lamina::bind_solver(py::module_& module) {
         resolution.nodes = nodes;
         resolution.azimuth_tolerance = azimuth_tolerance;
         resolution.thinnest = thinnest;
-        return Solution(SlicedStack(stack, resolution.tolerance, pool), resolution, pool);
+        return lamina::solve_at(stack, resolution, pool);
       },
       py::arg("stack"), py::arg("nodes"), py::arg("azimuth_tolerance"), py::arg("pool"), py::arg("thinnest") = 1.0,
       unlocked, "Solves at a stated resolution, without refinement; the checks tell what it is worth.");

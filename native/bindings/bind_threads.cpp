@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bindings.hpp"
-#include "thread_pool.hpp"
+#include "numeric/thread_pool.hpp"
 
 namespace py = pybind11;
 

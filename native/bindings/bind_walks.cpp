@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/stl.h>
 
-#include "adding_walk.hpp"
 #include "bindings.hpp"
-#include "transfer_walk.hpp"
+#include "walks/adding_walk.hpp"
+#include "walks/transfer_walk.hpp"
 
 namespace py = pybind11;
 

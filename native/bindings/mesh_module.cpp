@@ -9,10 +9,10 @@
 #include <future>
 #include <optional>
 
-#include "corner_split.hpp"
-#include "dust.hpp"
+#include "dust/corner_split.hpp"
+#include "dust/dust.hpp"
+#include "dust/texel_raster.hpp"
 #include "processor.hpp"
-#include "texel_raster.hpp"
 
 namespace py = pybind11;
 

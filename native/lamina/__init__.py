@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
-from . import colours, dust, export, metals, presets, rgl
-from .bake import bake
-from .errors import (
+from . import colours, dust, export, lobes, metals, ply, presets, rgl
+from .baking.bake import bake
+from .baking.lut import Lut
+from .common.errors import (
     ArgumentError,
     Cancelled,
     DustError,
@@ -15,10 +16,8 @@ from .errors import (
     StackError,
     UnknownName,
 )
-from .estimate import Estimate, Query, estimate
-from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
-from .lut import Lut
-from .phase import (
+from .material.layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
+from .material.phase import (
     CornetteShanks,
     DoubleHenyeyGreenstein,
     Draine,
@@ -28,9 +27,10 @@ from .phase import (
     Rayleigh,
     Tabulated,
 )
-from .profile import Knot
-from .solve import ScatteringFunction, solve
-from .stack import Stack
+from .material.profile import Knot
+from .material.stack import Stack
+from .solver.solve import ScatteringFunction, solve
+from .walks.estimate import Estimate, Query, estimate
 
 __all__ = [
     "ArgumentError",
@@ -68,7 +68,9 @@ __all__ = [
     "dust",
     "estimate",
     "export",
+    "lobes",
     "metals",
+    "ply",
     "presets",
     "rgl",
     "solve",

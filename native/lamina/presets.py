@@ -1,63 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The library of stacks that comes with Lamina: JSON files in the folder `presets`, one a material."""
+"""The library of stacks that comes with Lamina."""
 
-from __future__ import annotations
+from .material.presets import Preset, entries, load, names
 
-from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
-
-from . import json_file
-from .errors import unknown
-from .stack import Stack
-
-
-@dataclass(frozen=True)
-class Preset:
-    """A stack of the library: `id` is its file's name, `source` says where its numbers come from."""
-
-    id: str
-    stack: Stack
-
-    @property
-    def name(self) -> str:
-        return self.stack.name
-
-    @property
-    def category(self) -> str:
-        return self.stack.category
-
-    @property
-    def source(self) -> str:
-        return self.stack.source
-
-
-@cache
-def _texts() -> dict:
-    """The files by id, sorted."""
-    found = {entry.name.removesuffix(".json"): entry for entry in files(__package__).joinpath("presets").iterdir()
-             if entry.name.endswith(".json")}
-    return dict(sorted(found.items()))
-
-
-def names() -> list[str]:
-    """The ids of all presets, sorted."""
-    return list(_texts())
-
-
-def load(id: str) -> Stack:
-    """A preset's stack. Raises UnknownName, a KeyError and StackError, when there is none of that id, and OSError
-    when the files of the library are gone."""
-    if not isinstance(id, str) or id not in _texts():
-        raise unknown("preset", id, names())
-    return _load(id)
-
-
-@cache
-def _load(id: str) -> Stack:
-    return Stack.from_json(json_file.parse(_texts()[id].read_text(encoding="utf-8")))
-
-
-def entries() -> list[Preset]:
-    """All presets, by id."""
-    return [Preset(id, load(id)) for id in names()]
+__all__ = ["Preset", "entries", "load", "names"]

@@ -84,19 +84,26 @@ def addon():
 @pytest.fixture
 def lamina(addon):
     """The native package; tests that bake are skipped without it."""
-    if not addon.native.available():
-        pytest.skip(addon.native.reason())
-    return addon.native.require()
+    if not addon.base.native.available():
+        pytest.skip(addon.base.native.reason())
+    return addon.base.native.require()
 
 
 @pytest.fixture
 def material(addon):
     """A new material with nodes and a first stack: one layer of dust over grey, preview quality."""
     material = bpy.data.materials.new("Bronze")
-    addon.graph.tree_of(material)
-    addon.layer_list.add_stack(material)
+    addon.nodes.graph.tree_of(material)
+    addon.editing.layer_list.add_stack(material)
     material.lamina.quality = "preview"
     return material
+
+
+@pytest.fixture
+def disabled_afterwards():
+    """The add-on may be disabled in the test; the next one finds it enabled."""
+    yield
+    enable()
 
 
 @pytest.fixture

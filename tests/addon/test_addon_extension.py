@@ -35,9 +35,9 @@ try:
     addon = sys.modules.get(module)
     facts = {"done": list(done), "enabled": module in bpy.context.preferences.addons}
     facts["file"] = addon.__file__
-    facts["reason"] = addon.native.reason()
-    facts["lamina"] = getattr(addon.native._package, "__file__", "")
-    facts["cli"] = addon.command_line.main(["list"])
+    facts["reason"] = addon.base.native.reason()
+    facts["lamina"] = getattr(addon.base.native._package, "__file__", "")
+    facts["cli"] = addon.command_line.command.main(["list"])
     if not facts["reason"]:
         material = bpy.data.materials.new("Dusty")
         with bpy.context.temp_override(material=material):

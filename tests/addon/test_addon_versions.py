@@ -5,7 +5,7 @@ import ast
 
 from conftest import ROOT
 
-SWITCHES = {"addon/graph.py", "demo_scenes/node_tree.py"}  # each asks for the version first
+SWITCHES = {"addon/nodes/graph.py", "demo_scenes/node_tree.py"}  # each asks for the version first
 
 
 def test_use_nodes_is_touched_in_one_place_alone():

@@ -13,29 +13,29 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina import rays
+from lamina.settling import embree
 
-needs_rays = pytest.mark.skipif(bool(rays.why_not()), reason=rays.why_not())
+needs_rays = pytest.mark.skipif(bool(embree.why_not()), reason=embree.why_not())
 UP = ([0, 0, 1], [1, 0, 0], [0, 1, 0])
 FAR = math.inf
 
 
 def test_this_installation_traces_rays():
     """Whoever builds Lamina without Embree knows it; a test run does not pass by leaving dust out."""
-    assert rays.why_not() == ""
+    assert embree.why_not() == ""
 
 
 def scene(*meshes, threads=1, go_on=lambda fraction: None):
     parts = [(np.asarray(v, np.float32), np.asarray(t, np.uint32)) for v, t in meshes]
-    return rays.layer().Scene(parts, threads, go_on)
+    return embree.layer().Scene(parts, threads, go_on)
 
 
 def fall(wind=(0.0, 0.0), spread=0.0):
-    return rays.layer().Fall(*UP, *wind, math.sin(spread))
+    return embree.layer().Fall(*UP, *wind, math.sin(spread))
 
 
 def options(count, two_sided=False):
-    return rays.layer().Options(count, 0, two_sided, 2.0**-17)
+    return embree.layer().Options(count, 0, two_sided, 2.0**-17)
 
 
 def grid(cells, height):
@@ -134,7 +134,7 @@ def test_wrong_arguments_are_refused():
     with pytest.raises(ValueError, match="as many rows"):
         made.arrivals(fall(), np.zeros((2, 3), np.float32), np.zeros((1, 3), np.float32), 0, options(1))
     with pytest.raises(ValueError, match="sin_spread"):
-        rays.layer().Fall(*UP, 0.0, 0.0, 1.0)
+        embree.layer().Fall(*UP, 0.0, 0.0, 1.0)
 
 
 @needs_rays
@@ -142,7 +142,7 @@ def test_each_texel_has_one_triangle():
     """A fan around an inner point covers the square once, without a gap along its edges."""
     rim = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
     uvs = np.array([[rim[k], rim[(k + 1) % 4], [0.5, 0.5]] for k in range(4)], float)
-    triangle, weights = rays.layer().texels(uvs, 64, 64)
+    triangle, weights = embree.layer().texels(uvs, 64, 64)
     assert np.bincount(triangle.ravel() + 1, minlength=5)[0] == 0
     second, third = weights[..., 0], weights[..., 1]
     corners = uvs[triangle]
@@ -158,7 +158,7 @@ def test_no_symbol_of_embree_is_left_to_bind():
     tool = shutil.which("nm")
     if tool is None:
         pytest.skip("no nm here")
-    listed = subprocess.run([tool, "-D", rays.layer().__file__], check=True, capture_output=True, text=True).stdout
+    listed = subprocess.run([tool, "-D", embree.layer().__file__], check=True, capture_output=True, text=True).stdout
     assert "PyInit__mesh" in listed
     names = [line.split()[-1] for line in listed.splitlines() if "rtc" in line or "embree" in line or "tbb" in line]
     assert names == []
@@ -174,6 +174,7 @@ WITHOUT = {
 SCRIPT = """
 import numpy as np, lamina
 from lamina.dust import Mesh, settle
+from lamina.settling import embree
 print(lamina.solve(lamina.Stack([lamina.Medium(albedo=.9, tau=2.)])).reflectance(1.).round(3))
 print(lamina.dust.available())
 try:

@@ -16,7 +16,7 @@ import pytest
 
 import lamina
 from lamina import lobes
-from lamina.base_texture import PREFIX, THROWN_BACK
+from lamina.baking.lut_header import PREFIX, THROWN_BACK
 
 OTHER = {"top": "bottom", "bottom": "top"}
 BLACK = 1e-6  # of a slice's largest value: what is darker is not told apart
@@ -239,8 +239,8 @@ def made(stacks, samples_of, names):
 def make_sample(addon, name, stack, views, quality="final"):
     """The stack goes through the panel's properties, the bake and the node group, as a user's does."""
     material = bpy.data.materials.new(name)
-    addon.stack_io.assign_stack(material, stack)
-    lut = addon.bake_job.bake_material(material, quality)
+    addon.editing.stack_io.assign_stack(material, stack)
+    lut = addon.baking.bake_job.bake_material(material, quality)
     assert lut.header["stack_hash"] == stack.hash
     return Sample(name, material, lut, lamina.solve(stack), views)
 

@@ -25,7 +25,7 @@ def addon(tmp_path_factory):
     repositories = bpy.context.preferences.extensions.repos
     repository = repositories.new(name="Goniophotometer", module="gonio", custom_directory=str(folder))
     package = addon_utils.enable("bl_ext.gonio.lamina", default_set=True)
-    assert package is not None and package.native.available(), package and package.native.reason()
+    assert package is not None and package.base.native.available(), package and package.base.native.reason()
     yield package
     addon_utils.disable("bl_ext.gonio.lamina", default_set=True)
     if hasattr(bpy.types.Material, "lamina"):  # a class left at interpreter exit hangs Blender

@@ -37,8 +37,8 @@ def _sample(addon, name, stack):
     lut = lamina.bake(stack, "preview", row_stride=32 if stack.varying is not None else 1)
     material = bpy.data.materials.new(name)
     node_tree.of(material)
-    addon.stack_io.assign_stack(material, stack)
-    addon.bake_job.apply(material, lut)
+    addon.editing.stack_io.assign_stack(material, stack)
+    addon.baking.bake_job.apply(material, lut)
     return baked_samples.Sample(name, material, lut, lamina.solve(stack, "preview"), VIEWS)
 
 

@@ -6,7 +6,8 @@ import goniophotometer
 import numpy as np
 import pytest
 
-from lamina import closure_table, lobes
+from lamina import lobes
+from lamina.closures import closure_table
 
 # (mu_o, mu_i, dphi): normal and grazing, forward, backward and off the plane of incidence.
 DIRECTIONS = [

@@ -12,7 +12,7 @@ from z_limit import z_limit
 
 import lamina
 from lamina import Conductor, Interface, Medium, Stack
-from lamina.solve import tolerance_of
+from lamina.solver.solve import tolerance_of
 
 QUALITY = "preview"
 TOLERANCE = tolerance_of(QUALITY)

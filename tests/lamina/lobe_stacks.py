@@ -5,7 +5,7 @@ import math
 import random
 
 from lamina import Conductor, HenyeyGreenstein, Interface, Lambert, Medium, Stack
-from lamina.estimate import Query
+from lamina.walks.estimate import Query
 
 METALS = [(0.2, 3.0), (0.2, 3.9), (1.3, 7.5), (2.9, 3.1), (0.06, 4.0)]
 

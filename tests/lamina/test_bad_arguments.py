@@ -13,8 +13,8 @@ import pytest
 import lamina
 from lamina import ArgumentError, Lambert, Lut, LutError, Medium, Query, ShardError, Stack, StackError
 from lamina.cli import main
-from lamina.errors import shown
-from lamina.shards import load_part, merge, run_shard
+from lamina.common.errors import shown
+from lamina.walks.shards import load_part, merge, run_shard
 
 SLAB = Stack([Medium(albedo=0.9, tau=1.0)], Lambert(0.5))
 ODD = [None, math.nan, -1, 0, 2.5, 10**400, -(10**30), "x", "x" * 100000, b"x", [], [1], {}, {"a": 1}, True, object(),

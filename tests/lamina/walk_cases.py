@@ -14,7 +14,7 @@ from lamina import (
     Rayleigh,
     Stack,
 )
-from lamina.estimate import Query
+from lamina.walks.estimate import Query
 
 
 def hg(albedo, tau, g):

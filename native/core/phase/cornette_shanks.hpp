@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The phase function of Cornette and Shanks.
 #pragma once
 #include <cmath>
+#include <cstddef>
 
-#include "draine.hpp"
+#include "phase/draine.hpp"
 
 namespace lamina {
 
@@ -11,6 +13,9 @@ namespace lamina {
 /// Rayleigh scattering at g = 0. The mean cosine is 3 g (4 + g^2) / (5 (2 + g^2)).
 class CornetteShanks {
  public:
+  static constexpr const char* kKind = "cornette-shanks";
+  static constexpr std::size_t kParameters = 1;
+
   explicit CornetteShanks(double g) : g_(g), factor_(1.5 * (1.0 - g * g) / (2.0 + g * g)), same_as_(g, 1.0) {}
 
   double evaluate(double cosine) const {

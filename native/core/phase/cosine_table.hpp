@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A tabulated non-negative function of the cosine, with exact sampling.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -7,8 +8,8 @@
 #include <map>
 #include <vector>
 
-#include "../quadrature.hpp"
-#include "invert.hpp"
+#include "numeric/invert.hpp"
+#include "numeric/quadrature.hpp"
 
 namespace lamina {
 

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Two Henyey-Greenstein lobes.
 #pragma once
-#include "henyey_greenstein.hpp"
-#include "moment_decay.hpp"
+#include <cstddef>
+#include "phase/henyey_greenstein.hpp"
+#include "phase/moment_decay.hpp"
 
 namespace lamina {
 
 /// Two lobes, most often one forward and one back: weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965).
 /// g1 and g2 in (-1, 1), weight in [0, 1].
 struct DoubleHenyeyGreenstein {
+  static constexpr const char* kKind = "double-hg";
+  static constexpr std::size_t kParameters = 3;
+
   HenyeyGreenstein first;
   HenyeyGreenstein second;
   double weight = 1.0;

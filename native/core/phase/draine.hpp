@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The phase function of Draine.
 #pragma once
 #include <cmath>
+#include <cstddef>
 
-#include "henyey_greenstein.hpp"
-#include "invert.hpp"
-#include "moment_decay.hpp"
+#include "numeric/invert.hpp"
+#include "phase/henyey_greenstein.hpp"
+#include "phase/moment_decay.hpp"
 
 namespace lamina {
 
@@ -13,6 +15,9 @@ namespace lamina {
 /// Cornette-Shanks, g = 0 with alpha = 1 Rayleigh. g is not the mean cosine, moment(1) is.
 class Draine {
  public:
+  static constexpr const char* kKind = "draine";
+  static constexpr std::size_t kParameters = 2;
+
   Draine(double g, double alpha)
       : lobe_{g}, alpha_(alpha), normalisation_(1.0 / (1.0 + alpha * (1.0 + 2.0 * g * g) / 3.0)) {}
 

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The phase function of Henyey and Greenstein.
 #pragma once
 #include <cmath>
+#include <cstddef>
 
 namespace lamina {
 
 /// Henyey and Greenstein, "Diffuse radiation in the galaxy" (1941); g in (-1, 1) is the mean cosine.
 struct HenyeyGreenstein {
+  static constexpr const char* kKind = "hg";
+  static constexpr std::size_t kParameters = 1;
+
   double g = 0.0;
 
   double evaluate(double cosine) const {

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The isotropic phase function.
 #pragma once
+#include <cstddef>
+
 namespace lamina {
 
 /// Scatters equally into all directions.
 struct Isotropic {
+  static constexpr const char* kKind = "isotropic";
+  static constexpr std::size_t kParameters = 0;
+
   double evaluate(double /*cosine*/) const { return 1.0; }
   double moment(int order) const { return order == 0 ? 1.0 : 0.0; }
   double peak() const { return 0.0; }

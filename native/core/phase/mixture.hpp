@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Several sorts of particles in one medium: a weighted sum of phase functions.
 #pragma once
 #include <algorithm>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include "cornette_shanks.hpp"
-#include "double_henyey_greenstein.hpp"
-#include "draine.hpp"
-#include "henyey_greenstein.hpp"
-#include "isotropic.hpp"
-#include "moment_decay.hpp"
-#include "rayleigh.hpp"
-#include "tabulated.hpp"
+#include "phase/cornette_shanks.hpp"
+#include "phase/double_henyey_greenstein.hpp"
+#include "phase/draine.hpp"
+#include "phase/henyey_greenstein.hpp"
+#include "phase/isotropic.hpp"
+#include "phase/moment_decay.hpp"
+#include "phase/rayleigh.hpp"
+#include "phase/tabulated.hpp"
 
 namespace lamina {
 
-/// Phase functions of one sort of particles.
+/// The phase functions of one sort of particles. Each but Tabulated states its kind, kKind, and how many numbers its
+/// constructor takes, kParameters; the binding makes them by these.
 using SinglePhase =
     std::variant<Isotropic, HenyeyGreenstein, Rayleigh, DoubleHenyeyGreenstein, Draine, CornetteShanks, Tabulated>;
 

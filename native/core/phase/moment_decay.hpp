@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// How fast the Legendre moments of a phase function decay.
 #pragma once
 #include <cmath>
 

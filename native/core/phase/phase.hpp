@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A phase function of any kind.
 #pragma once
 #include <Eigen/Core>
 #include <utility>
 #include <variant>
 
-#include "mixture.hpp"
+#include "phase/mixture.hpp"
 
 namespace lamina {
+
+/// The kinds of a variant, and a mixture of them.
+template <typename Single>
+struct WithMixture;
+template <typename... Single>
+struct WithMixture<std::variant<Single...>> {
+  using Type = std::variant<Single..., Mixture>;
+};
 
 /// A phase function p(cos), azimuthally symmetric. Stored values are 4 pi times the normalised density,
 /// so that the mean over the sphere is 1. Each kind offers
@@ -16,8 +25,7 @@ namespace lamina {
 ///   sample(u)         the cosine for a uniform u in [0, 1), distributed exactly as pdf.
 class PhaseFunction {
  public:
-  using Kind = std::variant<Isotropic, HenyeyGreenstein, Rayleigh, DoubleHenyeyGreenstein, Draine, CornetteShanks,
-                            Tabulated, Mixture>;
+  using Kind = WithMixture<SinglePhase>::Type;
 
   PhaseFunction() = default;
   PhaseFunction(Kind kind) : kind_(std::move(kind)) {}
@@ -35,7 +43,7 @@ class PhaseFunction {
   double peak() const {
     return std::visit([](const auto& p) { return p.peak(); }, kind_);
   }
-  /// Whether it says the same in all directions.
+  /// True if the value is the same in all directions.
   bool is_isotropic() const {
     const auto* lobe = std::get_if<HenyeyGreenstein>(&kind_);
     return std::holds_alternative<Isotropic>(kind_) || (lobe != nullptr && lobe->g == 0.0);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A phase function given by Legendre moments or by samples.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -6,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "cosine_table.hpp"
-#include "moment_decay.hpp"
+#include "phase/cosine_table.hpp"
+#include "phase/moment_decay.hpp"
 
 namespace lamina {
 

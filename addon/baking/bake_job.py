@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes: blocking as a plain function, or in a worker thread that the main thread polls.
+
+The worker sees a stack and numbers, never Blender data. What runs, and why the last bake of a
+material failed, lives here for the session and is never written to the .blend.
+"""
+
+import json
+import logging
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..base import changes, messages, native, preferences
+from ..base.worker import Place, Worker
+from ..editing import stack_io
+from ..nodes import node_group, thickness
+from ..stack_json import stack_check
+
+log = logging.getLogger(__name__)
+
+LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # what live editing bakes, whatever the material's choice
+COARSE = "coarse"  # quality of a live bake that leaves rows or nodes out
+
+_place = Place()
+running, forget, stop = _place.running, _place.forget, _place.stop
+_failures = {}
+
+
+class Job(Worker):
+    """One bake in a worker thread, of a stack or of what a function of no arguments makes there; `more` goes
+    to lamina.bake."""
+
+    def __init__(self, stack, quality, threads, seed=0, **more):
+        bake = native.require().bake
+
+        def work(progress, cancel):
+            known = stack() if callable(stack) else stack
+            return bake(
+                known, quality=quality, seed=seed, progress=progress, cancel=cancel, threads=threads, **more
+            )
+
+        super().__init__(work, "lamina bake")
+
+    @property
+    def lut(self):
+        return self.result
+
+
+class MaterialJob(Job):
+    """A job that knows which material its LUT is for, even when that is renamed meanwhile."""
+
+    def __init__(self, material, quality, threads, stack=None, **more):
+        self.uid, self.quality = material.session_uid, quality
+        more.setdefault("basis", material.lamina.basis)
+        super().__init__(stack or stack_io.to_stack(material), quality, threads, **more)
+
+    def material(self):
+        """The material, or None when it has been deleted."""
+        return next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
+
+    def finish(self):
+        """Put the finished LUT into its material; main thread only. Returns the material or None.
+
+        Raises what the bake raised; then, and after a cancel, the material is as it was.
+        """
+        material = self.material()
+        if self.error is not None:
+            raise self.error
+        if material is None or self.cancelling:
+            return None
+        apply(material, self.lut)
+        return material
+
+
+def bake_material(material, quality=None, threads=None, progress=None, cancel=None, basis=None):
+    """Bake the material's stack and build its node group; returns the LUT. Blocks.
+
+    `progress(fraction, text)` and `cancel() -> bool` as in lamina.bake. On any error the material
+    keeps its earlier bake. Raises lamina.StackError, SolveError, Cancelled, NativeMissingError,
+    UnknownClosureError.
+    """
+    lamina = native.require()
+    lut = lamina.bake(
+        stack_io.to_stack(material),
+        quality=quality or material.lamina.quality,
+        progress=progress,
+        cancel=cancel,
+        threads=preferences.threads() if threads is None else threads,
+        basis=basis or material.lamina.basis,
+    )
+    apply(material, lut)
+    return lut
+
+
+def apply(material, lut, in_place=False, coarse=False):
+    """Build the material's node group from a finished LUT and note its report.
+
+    With `in_place`, a group of the same layout just gets a new picture. `coarse`: the LUT leaves rows or
+    nodes out, and is noted as of quality COARSE.
+    """
+    if not (in_place and node_group.update(material, lut)):
+        had_input = thickness.has_input(material)
+        node_group.build(material, lut)
+        if not had_input:
+            thickness.reconnect(material)
+    _note_report(material.lamina.result, lut)
+    if coarse:
+        material.lamina.result.quality = COARSE
+    clear_failure(material)
+
+
+def start(material, quality=None):
+    """Start a bake in the background; one at a time. Raises like bake_material, before it starts."""
+    return _place.take(MaterialJob(material, quality or material.lamina.quality, preferences.threads()))
+
+
+def running_for(material):
+    job = running()
+    return job if job is not None and job.uid == material.session_uid else None
+
+
+def note_failure(material, error):
+    """Keep the sentence for the panel, until the stack changes or a bake succeeds. Returns it."""
+    if not messages.expected(error):
+        log.error("bake of %s failed", material.name, exc_info=error)
+    text = messages.sentence(error, material)
+    _failures[material.session_uid] = (repr(stack_io.to_dict(material)), text)
+    return text
+
+
+def failure(material):
+    """Why the last bake of the material's present stack failed, or ''."""
+    stack, text = _failures.get(material.session_uid, ("", ""))
+    return text if text and stack == repr(stack_io.to_dict(material)) else ""
+
+
+def clear_failure(material):
+    _failures.pop(material.session_uid, None)
+
+
+def state(material):
+    """How the material's bake stands to its layers and settings:
+
+    'none' before the first bake; 'invalid', the layers cannot be baked; 'stale', the layers have changed
+    since; 'fresh', a bake of these layers at the chosen quality and basis; 'live', live editing's preview of
+    these layers, where another quality or basis is chosen; 'other', any other bake of these layers at another
+    quality or basis than the chosen ones, see `difference`.
+    """
+    settings, result = material.lamina, material.lamina.result
+    if not result.stack_hash or settings.node_group is None:
+        return "none"
+    stack, error = stack_check.of(stack_io.to_text(material))
+    if error is not None:
+        return "invalid"
+    if stack.hash != result.stack_hash:
+        return "stale"
+    if not difference(material):
+        return "fresh"
+    is_preview = result.quality in (LIVE_QUALITY, COARSE) and (result.basis or "standard") == LIVE_BASIS
+    return "live" if settings.live and is_preview else "other"
+
+
+def difference(material):
+    """Which settings the last bake was made with and which are chosen, as 'quality Preview instead of Final',
+    or '' when they are the same."""
+    settings, result = material.lamina, material.lamina.result
+    # Older files do not name a basis; theirs is the standard one.
+    basis = result.basis or "standard"
+    pairs = (("quality", result.quality, settings.quality), ("basis", basis, settings.basis))
+    return ", ".join(
+        f"{name} {baked.capitalize()} instead of {chosen.capitalize()}"
+        for name, baked, chosen in pairs
+        if baked and baked != chosen
+    )
+
+
+def _note_report(result, lut):
+    header, report = lut.header, lut.report
+    transmission = report.get("fit_error_transmission")
+    result.stack_hash = header["stack_hash"]
+    result.quality = header["quality"]
+    result.basis = header["basis"]
+    result.fit_error = report["fit_error"]
+    result.fit_error_transmission = -1.0 if transmission is None else transmission
+    for prefix, key in (("", "worst_slice"), ("through_", "worst_slice_transmission")):
+        worst = report.get(key) or {"error": -1.0}
+        tau = worst.get("tau")
+        setattr(result, f"{prefix}worst_error", worst["error"])
+        setattr(result, f"{prefix}worst_mu", worst.get("mu_o", 1.0))
+        setattr(result, f"{prefix}worst_channel", int(worst.get("channel", 0)))
+        setattr(result, f"{prefix}worst_side", str(worst.get("side", "top")))
+        varies = tau is not None and header["axes"]["tau"]["count"] > 1
+        setattr(result, f"{prefix}worst_tau", tau if varies else -1.0)
+    result.row_errors = json.dumps(_row_errors(report))
+    between = report.get("tau_error") or {}
+    result.between_rows = between.get("mean", -1.0)
+    result.between_rows_worst = between.get("worst", -1.0)
+    result.albedo_error = report["albedo_error"]
+    result.energy_error = report["energy_error"]
+    result.closures = int(report["closures"])
+    result.seconds = report["seconds"]
+
+
+def _row_errors(report):
+    """[[thickness, mean fit error, worst], ...] of a varying layer's rows; [] without one."""
+    rows = report.get("row_errors") or {"tau": [], "mean": [], "worst": []}
+    return [list(row) for row in zip(rows["tau"], rows["mean"], rows["worst"], strict=True)]
+
+
+@persistent
+def _on_load(*_):
+    stop()
+    _failures.clear()
+
+
+def register():
+    changes.removals.append(clear_failure)
+    bpy.app.handlers.load_pre.append(_on_load)
+
+
+def unregister():
+    stop()
+    _failures.clear()
+    changes.removals.remove(clear_failure)
+    if _on_load in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_on_load)

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live editing: a changed layer bakes again at preview quality, and the picture follows.
+
+Property callbacks only note which material has changed. A timer looks at the notes: it starts one bake at a
+time in a worker thread, always of the newest state, and puts a finished one in its place. So typing never
+waits, a slow stack shows fewer pictures, and once editing rests the timer ends. What runs lives here for the
+session and is never written to the .blend.
+"""
+
+import time
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..base import changes, native, preferences, redraw
+from ..editing import stack_io
+from ..nodes import node_group
+from ..properties import migration
+from ..stack_json import stack_check
+from . import bake_job
+
+WORKING, WAITING = 0.004, 0.05  # seconds to the next look: while a bake runs, while editing may go on
+REST = 1.0  # seconds without a change, after which things are tidied up
+PATIENCE = 0.5  # a bake of an outdated state may run this long before the newest state takes its place
+# A stack whose bake takes longer than this many seconds has just some rows and nodes solved while edited.
+SLOW, ROW_STRIDE, NODES = 0.08, 4, 32
+# Closures are kept while editing; at rest others are chosen if the fit has become this much worse, visibly.
+WORSE, NOTICED = 1.5, 0.02
+
+_followed = {}  # uid -> _Material
+_job = None
+
+
+class _Material:
+    """What is known of a material that is edited live."""
+
+    def __init__(self, material):
+        self.changed = False  # since the last bake was started
+        self.touched = time.monotonic()  # when something last happened
+        self.seconds, self.nodes = 0.0, 0  # of the last whole bake
+        self.coarse = False  # what is shown leaves something out
+        self.error = 0.0  # the fit error now, and when the closures were chosen
+        self.chosen_error = material.lamina.result.fit_error
+
+
+    def coarse_options(self, material):
+        """What a bake leaves out while this material is edited; nothing when it is quick."""
+        options = {}
+        if self.seconds > SLOW:
+            if any(layer.varying for layer in material.lamina.layers):
+                options["row_stride"] = ROW_STRIDE
+            if self.nodes > NODES:
+                options["nodes"] = NODES
+        return options
+
+
+class LiveJob(bake_job.MaterialJob):
+    """A bake that keeps the closures of the one before, unless new ones are to be chosen."""
+
+    def __init__(self, material, closures, coarse):
+        self.started, self.kept, self.coarse = time.monotonic(), bool(closures), bool(coarse)
+        more = {"closures": closures} if closures else {}
+        text = stack_io.to_text(material)
+        # A colour takes a solve to be understood: not while somebody types.
+        super().__init__(material, bake_job.LIVE_QUALITY, preferences.threads(), lambda: _stack(text),
+                         basis=bake_job.LIVE_BASIS, **more, **coarse)
+
+
+def mark(material):
+    """`material` has changed: bake it soon if it is live. Cheap enough for any callback."""
+    if _can_follow(material):
+        followed = _follow(material)
+        followed.changed, followed.touched = True, time.monotonic()
+        _wake()
+
+
+def switch(material):
+    """Live has been turned on or off."""
+    if not material.lamina.live:
+        leave(material)
+    elif native.available() and _needs_bake(material):
+        mark(material)
+
+
+def leave(material):
+    """End what runs for this material; what it shows stays. The next change begins anew."""
+    global _job
+    if _job is not None and _job.uid == material.session_uid:
+        _job.cancel()  # its thread ends on its own: nobody waits for it
+        _job = None
+    _followed.pop(material.session_uid, None)
+
+
+def poll():
+    """One look, the timer's body. Returns the seconds until the next; None when nothing is left to do."""
+    _finish_job()
+    if _job is None and bake_job.running() is None:
+        _start_next()
+    if _job is not None:
+        return WORKING
+    return _tidy()
+
+
+def running():
+    """The running job, or None."""
+    return _job
+
+
+def stop():
+    """End the running bake and forget it."""
+    global _job
+    if _job is not None:
+        _job.cancel()
+        _job.wait()
+        _job = None
+
+
+def _can_follow(material):
+    settings = material.lamina
+    if not (settings.live and settings.enabled and native.available()):
+        return False
+    return material.is_editable and not migration.is_from_the_future(material)
+
+
+def _needs_bake(material):
+    """Whether live editing has something to show that the last bake does not."""
+    state = bake_job.state(material)
+    return state in ("none", "stale", "invalid") or material.lamina.result.quality == bake_job.COARSE
+
+
+def _follow(material):
+    if material.session_uid not in _followed:
+        _followed[material.session_uid] = _Material(material)
+    return _followed[material.session_uid]
+
+
+def _finish_job():
+    """Show the job's picture if it is done; give it up if it has become a hindrance."""
+    global _job
+    if _job is None:
+        return
+    followed = _followed.get(_job.uid)
+    if not _job.done:
+        if followed is None or (followed.changed and time.monotonic() - _job.started > PATIENCE):
+            _job.cancel()
+            if followed is not None and not _job.coarse:  # it would have taken longer still
+                followed.seconds = max(followed.seconds, PATIENCE, 2.0 * SLOW)
+                followed.nodes = followed.nodes or NODES + 1
+        return
+    job, _job = _job, None
+    material = job.material()
+    if material is None or followed is None or job.cancelling or not _can_follow(material):
+        return
+    followed.touched = time.monotonic()
+    try:
+        _show(job, material, followed)
+    except Exception as error:  # One sentence in the panel; the last good picture stays.
+        if not followed.changed:
+            bake_job.note_failure(material, error)
+    redraw.properties()
+
+
+def _show(job, material, followed):
+    if job.error is not None:
+        raise job.error
+    bake_job.apply(material, job.lut, in_place=True, coarse=job.coarse)
+    followed.error, followed.coarse = job.lut.report["fit_error"], job.coarse
+    if not job.coarse:
+        report = job.lut.report
+        followed.seconds, followed.nodes = report["seconds"], report["solver"]["nodes"]
+    if not job.kept:
+        followed.chosen_error = followed.error
+
+
+def _start_next():
+    """Start a bake of the newest state of a material that has changed."""
+    for uid, followed in list(_followed.items()):
+        material = _material(uid)
+        if material is None:
+            del _followed[uid]
+        elif followed.changed:
+            followed.changed = False
+            coarse = followed.coarse_options(material)
+            if _can_follow(material) and _start(material, _kept(material), coarse):
+                return
+
+
+def _kept(material):
+    """The closures of the earlier bake, unless they are too many to be quick."""
+    is_few = material.lamina.result.basis in ("", bake_job.LIVE_BASIS)
+    return node_group.closures(material) if is_few else None
+
+
+def _start(material, closures, coarse=None):
+    """Whether a bake could be started; if not, the panel says why."""
+    global _job
+    try:
+        _job = LiveJob(material, closures, coarse or {})
+    except Exception as error:
+        bake_job.note_failure(material, error)
+        redraw.properties()
+        return False
+    return True
+
+
+def _tidy():
+    """At rest: all rows, better closures where the kept ones do badly; then nothing more."""
+    resting = True
+    for uid, followed in list(_followed.items()):
+        material = _material(uid)
+        if material is None:
+            del _followed[uid]
+            continue
+        worse = followed.error > max(NOTICED, WORSE * followed.chosen_error)
+        if not (followed.changed or followed.coarse or worse):
+            continue
+        if not followed.changed and followed.touched + REST < time.monotonic() and bake_job.running() is None:
+            followed.coarse, followed.chosen_error = False, max(followed.chosen_error, followed.error)
+            if _start(material, None if worse else _kept(material)):
+                return WORKING
+        else:
+            resting = False
+    return None if resting else WAITING
+
+
+def _material(uid):
+    return next((one for one in bpy.data.materials if one.session_uid == uid), None)
+
+
+def _stack(text):
+    stack, error = stack_check.of(text)
+    if error is not None:
+        raise error
+    return stack
+
+
+def _wake():
+    # Nothing runs timers in the background, and one left there at the exit would hang Blender.
+    if not bpy.app.background and not bpy.app.timers.is_registered(poll):
+        bpy.app.timers.register(poll, first_interval=0.0)
+
+
+@persistent
+def _on_load(*_):
+    stop()
+    _followed.clear()
+
+
+@persistent
+def _on_undo(*_):
+    # An undo step is made when a layer changes, before its picture is there.
+    for material in bpy.data.materials:
+        if _can_follow(material) and bake_job.state(material) == "stale":
+            mark(material)
+
+
+HANDLERS = {"load_pre": _on_load, "undo_post": _on_undo, "redo_post": _on_undo}
+
+
+def register():
+    changes.listeners.append(mark)
+    changes.switches.append(switch)
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister():
+    stop()
+    if bpy.app.timers.is_registered(poll):
+        bpy.app.timers.unregister(poll)
+    changes.listeners.remove(mark)
+    changes.switches.remove(switch)
+    for name, handler in HANDLERS.items():
+        if handler in getattr(bpy.app.handlers, name):
+            getattr(bpy.app.handlers, name).remove(handler)
+    _followed.clear()

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is set once per user: threads and the quality and basis that new materials start with."""
+
+import bpy
+
+from . import native, package
+
+QUALITIES = (
+    ("preview", "Preview", "Fast and coarse: to find the look"),
+    ("final", "Final", "Accurate: for the render"),
+)
+
+BASES = (
+    ("standard", "Standard", "Few closures: about as quick to render as a Principled BSDF"),
+    ("accurate", "Accurate", "Some twenty closures: nearer to the exact function, slower to render"),
+)
+
+
+class LaminaPreferences(bpy.types.AddonPreferences):
+    bl_idname = package.NAME
+
+    threads: bpy.props.IntProperty(
+        name="Threads",
+        description="Threads that a bake may use; 0 uses all of the machine",
+        default=0,
+        min=0,
+        max=1024,
+    )
+    default_quality: bpy.props.EnumProperty(
+        name="Quality of New Materials",
+        description="Bake quality that a material starts with",
+        items=QUALITIES,
+        default="final",
+    )
+    default_basis: bpy.props.EnumProperty(
+        name="Basis of New Materials",
+        description="How many closures a material starts with",
+        items=BASES,
+        default="standard",
+    )
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
+        if not native.available():
+            column.label(text=native.reason(), icon="ERROR")
+        column.prop(self, "threads", text="Threads (0 = All)")
+        column.prop(self, "default_quality")
+        column.prop(self, "default_basis")
+
+
+def threads():
+    entry = bpy.context.preferences.addons.get(package.NAME)
+    return entry.preferences.threads if entry and entry.preferences else 0
+
+
+def default_quality():
+    entry = bpy.context.preferences.addons.get(package.NAME)
+    return entry.preferences.default_quality if entry and entry.preferences else "final"
+
+
+def default_basis():
+    entry = bpy.context.preferences.addons.get(package.NAME)
+    return entry.preferences.default_basis if entry and entry.preferences else "standard"

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A material's layers <-> stacks and their JSON files.
+
+`to_dict` and `assign` need no native module; whatever judges or hashes a stack asks `lamina`.
+"""
+
+import json
+
+from ..base import changes, native
+from ..properties import migration
+from ..stack_json import stack_check, stack_read, stack_write
+
+
+def to_dict(material):
+    """The stack of `material` as plain JSON data, top layer first."""
+    return stack_write.stack(material.lamina)
+
+
+def to_text(material):
+    """The same as text."""
+    return json.dumps(to_dict(material))
+
+
+def to_stack(material):
+    """`lamina.Stack` of the material. Raises lamina.StackError, NativeMissingError."""
+    stack, error = stack_check.of(to_text(material))
+    if error is not None:
+        raise error.with_traceback(None)
+    return stack
+
+
+def assign(material, data):
+    """Replace the layers and base of `material` by the JSON data of a *valid* stack.
+
+    All is read before anything is changed. Raises RefusedError.
+    """
+    layers = [stack_read.layer(layer, f"layers[{index}]") for index, layer in enumerate(data["layers"])]
+    base = stack_read.base(data.get("base"))
+    settings = material.lamina
+    migration.start(material)
+    settings.layers.clear()
+    for values in layers:
+        _write(settings.layers.add(), values)
+    _write(settings.base, base)
+    settings.about = stack_read.about(data)
+    settings.active_index = 0
+    changes.tell(material)
+
+
+def assign_stack(material, stack):
+    """Like `assign`, from a `lamina.Stack`."""
+    assign(material, stack.to_json())
+
+
+def import_file(material, path):
+    """Read a stack JSON into `material`.
+
+    Raises lamina.StackError, OSError, RefusedError, NativeMissingError; the material is as it was then.
+    """
+    assign_stack(material, native.require().Stack.load(path))
+
+
+def export_file(material, path):
+    """Write the stack of `material` as JSON. Raises lamina.StackError, OSError, NativeMissingError."""
+    to_stack(material).save(path)
+
+
+def _write(group, values):
+    for key, value in values.items():
+        if isinstance(value, dict):
+            _write(getattr(group, key), value)
+        else:
+            setattr(group, key, value)

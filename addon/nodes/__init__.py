@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node group that a bake makes, and what feeds its thickness input."""

@@ -1,0 +1,314 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The inside of a material's node group: from the view angle to a sum of weighted closures.
+
+u = (theta_o / (pi/2) * 63 + .5) / 64 and v = (strip * rows + t * (rows - 1) + .5) / height address the
+texel centres of the LUT (see lamina.Lut). Every closure reads its own strip; the strips of a sheet's
+bottom side follow those of its top side, and back faces read them. Cycles has already turned the
+normal towards the viewer there.
+"""
+
+import math
+
+import numpy as np
+
+from ..base.messages import RefusedError
+from . import lut_image, side_graph
+from .graph import Graph
+
+TAU_HALF = 0.5  # t = tau / (tau + TAU_HALF), scaled to 1 at the largest tau
+
+SCALE_LABEL = "rows"
+
+ANGLE_COLOUR = (0.16, 0.24, 0.34)
+NORMAL_COLOUR = (0.20, 0.20, 0.36)
+ROW_COLOUR = (0.18, 0.30, 0.24)
+BASE_COLOUR = (0.34, 0.20, 0.16)
+CLOSURE_COLOUR = (0.30, 0.24, 0.16)
+
+# Strips that a textured base weighs, and the share of its light that the layers throw back to it: see
+# lamina.base_texture.
+BASE_PREFIX, THROWN_BACK = "base/", "base/thrown back"
+
+# Where N = I, the plane of incidence is undefined and directions in it would be zero vectors. The cross
+# product of I with this vector is added to them: far above the rounding of single precision, far below what
+# any lobe shows. The vector is parallel to no likely normal.
+ASIDE = (0.61e-5, 1.07e-5, 1.57e-5)
+
+
+class UnknownClosureError(RefusedError):
+    """A recipe that this Blender cannot follow; str() is one sentence."""
+
+
+def used_closures(lut):
+    """Indices of the closures that weigh something anywhere; at least one, so that the group has a shader."""
+    used = np.flatnonzero(np.any(np.asarray(lut.weights) != 0.0, axis=(0, 2, 3, 4)))
+    return [int(index) for index in used if lut.header["closures"][index] != THROWN_BACK] or [0]
+
+
+def base_colour(lut):
+    """The reflectance of a textured base that the stack states, RGB, or None."""
+    if THROWN_BACK not in lut.header["closures"]:
+        return None
+    reflectance = lut.header["stack"]["base"]["reflectance"]
+    return tuple(reflectance * 3 if len(reflectance) == 1 else reflectance)
+
+
+def largest_tau(lut):
+    """The varying layer's optical thickness at the last row, or None when no layer varies."""
+    axis = lut.header["axes"]["tau"]
+    return float(axis["values"][-1]) if axis["count"] > 1 else None
+
+
+def draw(tree, lut, image, recipe_of):
+    """Add the whole graph of `lut` to `tree`. `recipe_of(closure id)` -> NodeRecipe. Returns the Graph.
+
+    Takes back what it has added when it fails. Raises UnknownClosureError.
+    """
+    graph = Graph(tree)
+    try:
+        _draw(graph, lut, image, recipe_of)
+    except BaseException:
+        graph.remove_created()
+        raise
+    return graph
+
+
+def _draw(graph, lut, image, recipe_of):
+    rows = lut.header["axes"]["tau"]["count"]
+    closures = lut.header["closures"]
+    columns = lut.header["axes"]["view"]["count"]
+    height = lut_image.height_of(lut)
+    used = used_closures(lut)
+    recipes = [recipe_of(closures[index].removeprefix(BASE_PREFIX)) for index in used]
+
+    inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
+    geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
+    incoming = geometry.outputs["Incoming"]
+    backfacing = geometry.outputs["Backfacing"]
+
+    graph.begin_frame("Normal (the surface's own when the input is empty)", NORMAL_COLOUR)
+    normal = _normal(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
+    graph.begin_frame("View angle to column u", ANGLE_COLOUR)
+    cosine, angle, u = _column(graph, incoming, normal, columns)
+    graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
+    v = _row(graph, lut, inputs, backfacing, rows, height)
+    graph.end_frame()
+    corner = graph.node("ShaderNodeCombineXYZ", 5.6, 3, "u, v")
+    graph.set(corner.inputs[0], u)
+    graph.set(corner.inputs[1], v)
+
+    graph.begin_frame("Directions of the closures", NORMAL_COLOUR)
+    directions = _Directions(graph, incoming, normal, cosine, angle)
+    for recipe in recipes:
+        for wanted in (recipe.normal, *recipe.vectors.values()):
+            directions.of(wanted)
+        for multiple in recipe.view_angles.values():
+            directions.view_angle(multiple)
+
+    def strip(index, column, line, label):
+        first_row = (index * rows + 0.5) / height
+        place = graph.vector("ADD", column, line, f"strip {index}", corner.outputs[0], (0.0, first_row, 0.0))
+        texture = graph.node("ShaderNodeTexImage", column + 1, line, label)
+        texture.image = image
+        texture.interpolation, texture.extension = "Linear", "EXTEND"
+        graph.link(place, texture.inputs[0])
+        return texture.outputs["Color"]
+
+    gain = None
+    if THROWN_BACK in closures:
+        graph.begin_frame("Base colour c, its light thrown back again and again: c / (1 - c r)", BASE_COLOUR)
+        gain = _gain(graph, inputs.outputs["Base Color"], strip(closures.index(THROWN_BACK), 7, -3, "r"))
+    graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
+    total = None
+    for line, (index, recipe) in enumerate(zip(used, recipes, strict=True)):
+        name = closures[index]
+        weight = strip(index, 7, line, f"weight {name}")
+        if name.startswith(BASE_PREFIX):
+            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gain)
+        shader = _closure(graph, line, name, recipe, weight, directions, backfacing)
+        total = shader if total is None else _add(graph, line, total, shader)
+    graph.end_frame()
+
+    output = graph.node("NodeGroupOutput", 13.6, len(used) - 1, folded=False)
+    output.is_active_output = True
+    graph.link(total, output.inputs["Shader"])
+
+
+def _gain(graph, colour, thrown_back):
+    again = graph.vector("MULTIPLY", 9.2, -3, "c r", colour, thrown_back)
+    rest = graph.vector("SUBTRACT", 10.2, -3, "1 - c r", (1.0, 1.0, 1.0), again)
+    return graph.vector("DIVIDE", 11.2, -3, "c / (1 - c r)", colour, rest)
+
+
+def _normal(graph, given, own):
+    """The group's Normal input, or the surface's normal while nothing is linked to it (a zero vector)."""
+    length = graph.vector("LENGTH", -0.6, 0, "length", given)
+    is_given = graph.math("GREATER_THAN", 0.4, 0, "is given", length, 0.5)
+    mix = graph.node("ShaderNodeMix", 1.4, 1, "normal")
+    mix.data_type = "VECTOR"
+    factor, first, second = (
+        socket for socket in mix.inputs if socket.identifier in ("Factor_Float", "A_Vector", "B_Vector")
+    )
+    graph.link(is_given, factor)
+    graph.link(own, first)
+    graph.link(given, second)
+    result = next(socket for socket in mix.outputs if socket.identifier == "Result_Vector")
+    return graph.vector("NORMALIZE", 2.4, 1, "N", result)
+
+
+def _column(graph, incoming, normal, columns):
+    cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
+    angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
+    last = columns - 1
+    share = graph.math("MULTIPLY", 1.4, 4, "columns per radian", angle, last / columns / (math.pi / 2))
+    return cosine, angle, graph.math("ADD", 2.4, 4, "u", share, 0.5 / columns)
+
+
+def _row(graph, lut, inputs, backfacing, rows, height):
+    """v of strip 0, less its half texel: which each strip adds."""
+    tau, side = None, backfacing
+    if rows > 1:
+        most, scale = _thickness_scale(lut, rows, height)
+        tau, side = side_graph.draw(graph, lut, inputs, backfacing, most)
+    first = 0.0
+    if len(lut.header["sides"]) > 1:
+        strips = len(lut.header["closures"])
+        first = graph.math("MULTIPLY", 4.4, 8.2, "bottom side's strips", side, strips * rows / height)
+    if rows == 1:
+        return graph.math("ADD", 5.4, 8.2, "v", first, 0.0)
+    shifted = graph.math("ADD", 3.4, 8.2, "tau + 1/2", tau, TAU_HALF)
+    share = graph.math("DIVIDE", 3.4, 7, "tau / (tau + 1/2)", tau, shifted)
+    row = graph.math("MULTIPLY", 4.4, 7, SCALE_LABEL, share, scale)
+    return graph.math("ADD", 5.4, 7, "v", row, first)
+
+
+def _thickness_scale(lut, rows, height):
+    """(largest thickness that the table holds, factor from tau / (tau + 1/2) to v)."""
+    largest = largest_tau(lut)
+    last = 1.0 if math.isinf(largest) else largest / (largest + TAU_HALF)
+    return min(largest, 1.0e30), (rows - 1) / height / last if last else 0.0
+
+
+def rescale(tree, lut):
+    """Make a drawn tree read the thickness axis of another table of the same layout."""
+    rows = lut.header["axes"]["tau"]["count"]
+    if rows > 1:
+        most, scale = _thickness_scale(lut, rows, lut_image.height_of(lut))
+        values = {side_graph.MOST_LABEL: most, SCALE_LABEL: scale}
+        for node in tree.nodes:
+            if node.type == "MATH" and node.label in values:
+                node.inputs[1].default_value = values[node.label]
+
+
+class _Directions:
+    """The directions that recipes ask for, each made once: see lamina.lobes.NodeRecipe."""
+
+    def __init__(self, graph, incoming, normal, cosine, angle):
+        self.graph = graph
+        self.cosine = cosine
+        self.angle = angle
+        self.multiples = {}
+        self.known = {"N": normal, "I": incoming}
+        self.line = 10.2
+        self.tangent = None
+        self.aside = None
+
+    def of(self, wanted):
+        wanted = tuple(wanted) if isinstance(wanted, list) else wanted
+        if wanted not in self.known:
+            self.known[wanted] = self._make(wanted)
+        return self.known[wanted]
+
+    def view_angle(self, multiple):
+        """That multiple of the angle between I and N, in radians."""
+        if multiple not in self.multiples:
+            self.line += 1
+            name = f"{multiple:g} view angle"
+            scaled = self.graph.math("MULTIPLY", 3.4, self.line, name, self.angle, multiple)
+            self.multiples[multiple] = scaled
+        return self.multiples[multiple]
+
+    def _make(self, wanted):
+        graph, normal, incoming = self.graph, self.known["N"], self.known["I"]
+        self.line += 1
+        if wanted == "N+I":
+            total = graph.vector("ADD", 2.4, self.line, "N + I", normal, incoming)
+        elif wanted == "N+R":
+            # N + R = (1 + 2 N.I) N - I
+            twice = graph.math("MULTIPLY_ADD", 0.4, self.line, "1 + 2 N.I", self.cosine, 2.0, 1.0)
+            along = graph.scale(1.4, self.line, "along N", normal, twice)
+            total = graph.vector("SUBTRACT", 2.4, self.line, "N + R", along, incoming)
+        elif isinstance(wanted, tuple) and wanted[0] == "lean":
+            # R + share N = (share + 2 N.I) N - I
+            twice = graph.math("MULTIPLY_ADD", 0.4, self.line, "share + 2 N.I", self.cosine, 2.0, wanted[1])
+            along = graph.scale(1.4, self.line, "along N", normal, twice)
+            total = graph.vector("SUBTRACT", 2.4, self.line, f"R + {wanted[1]:g} N", along, incoming)
+        elif wanted == "T":
+            # N across I; where both are one, any direction square to I will do.
+            along = graph.scale(-0.6, self.line, "(N.I) I", incoming, self.cosine)
+            across = graph.vector("SUBTRACT", 0.4, self.line, "N across I", normal, along)
+            total = graph.vector("ADD", 2.4, self.line, "square to I", across, self._aside())
+        elif wanted == "I aside":
+            total = graph.vector("ADD", 2.4, self.line, "I aside", incoming, self._aside())
+        elif isinstance(wanted, tuple) and wanted[0] == "tilt":
+            angle = math.radians(wanted[1])
+            across = graph.scale(0.4, self.line, "sin", self._tangent(), math.sin(angle))
+            along = graph.scale(1.4, self.line, "cos", normal, math.cos(angle))
+            total = graph.vector("ADD", 2.4, self.line, f"N tilted {wanted[1]:g}", along, across)
+        else:
+            raise UnknownClosureError(f"normal = {wanted!r}: this add-on does not know that direction")
+        return graph.vector("NORMALIZE", 3.4, self.line, "unit", total)
+
+    def _tangent(self):
+        """Unit vector across N towards the viewer: normalised I - (N.I) N; any across N where I = N."""
+        if self.tangent is None:
+            graph = self.graph
+            along = graph.scale(-2.6, self.line, "(N.I) N", self.known["N"], self.cosine)
+            across = graph.vector("SUBTRACT", -1.6, self.line, "I across N", self.known["I"], along)
+            across = graph.vector("ADD", -0.6, self.line, "never zero", across, self._aside())
+            self.tangent = graph.vector("NORMALIZE", 0.4, self.line, "to the viewer", across)
+            self.line += 1
+        return self.tangent
+
+    def _aside(self):
+        """A vector of length 2e-5 at most, square to I, and so to N where both are one."""
+        if self.aside is None:
+            self.aside = self.graph.vector("CROSS_PRODUCT", 1.4, 9.6, "aside", self.known["I"], ASIDE)
+        return self.aside
+
+
+def _closure(graph, line, name, recipe, weight, directions, backfacing):
+    try:
+        node = graph.node(recipe.type, 10.6, line, name)
+        for key, value in recipe.enums.items():
+            setattr(node, key, value)
+        for key, value in recipe.inputs.items():
+            node.inputs[key].default_value = value
+        graph.link(weight, node.inputs[recipe.weight_input])
+        # A plain N is what an unlinked socket means, unless the group was given a normal: link it always.
+        if recipe.normal_input in node.inputs:
+            graph.link(directions.of(recipe.normal), node.inputs[recipe.normal_input])
+        for key, wanted in recipe.vectors.items():
+            graph.link(directions.of(wanted), node.inputs[key])
+        for key, multiple in recipe.view_angles.items():
+            graph.link(directions.view_angle(multiple), node.inputs[key])
+        if recipe.invert_ior_on_backface:
+            _invert_on_backface(graph, line, node.inputs["IOR"], float(recipe.inputs["IOR"]), backfacing)
+        for socket in node.inputs:
+            socket.hide = not socket.is_linked  # a folded node grows with every socket that it shows
+    except (KeyError, TypeError, RuntimeError) as error:
+        raise UnknownClosureError(f"closure {name}: this Blender cannot build it ({error})") from error
+    return node.outputs[0]
+
+
+def _invert_on_backface(graph, line, target, ior, backfacing):
+    """Cycles takes 1/IOR on back faces; feed it 1/IOR there, so that the lobe is the same on both sides."""
+    inverse = graph.math("MULTIPLY_ADD", 9.5, line, "IOR of this side", backfacing, 1.0 / ior - ior, ior)
+    graph.link(inverse, target)
+
+
+def _add(graph, line, first, second):
+    node = graph.node("ShaderNodeAddShader", 12, line)
+    graph.link(first, node.inputs[0])
+    graph.link(second, node.inputs[1])
+    return node.outputs[0]

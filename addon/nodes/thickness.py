@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What feeds the varying layer's thickness: the input's own value, an attribute of the mesh, or an image.
+
+Plain nodes beside the baked group, so that the file renders without the add-on. Nodes made here carry a mark:
+they may be replaced, an artist's own may not unless that is asked for.
+"""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..base.messages import RefusedError
+from ..properties.dust_properties import ATTRIBUTE, BACK_ATTRIBUTE
+from . import node_group
+from .side_graph import BACK, FRONT
+
+SOURCES = ("value", "attribute", "image")
+TWO_SIDES = "lamina_two_sides"  # marks images whose alpha is the thickness on back faces
+IMAGE_SIZE = 1024
+
+_MARK = "lamina_thickness"
+_LABELS = {
+    "attribute": "Thickness attribute",
+    "back": "Thickness attribute, back faces",
+    "image": "Thickness image",
+    "uv": "Thickness UV map",
+}
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """`source`: one of SOURCES, "custom" for nodes of the artist's own, or "none" without a thickness input.
+
+    `name`: that of the attribute, the image, or the artist's node. `socket`: the input; `node`: what feeds
+    it; `uv`: the UV Map node of an image."""
+
+    source: str
+    name: str = ""
+    socket: bpy.types.NodeSocket | None = None
+    node: bpy.types.Node | None = None
+    uv: bpy.types.Node | None = None
+
+
+def wiring(material):
+    """What feeds the thickness of `material` now: a Wiring."""
+    sockets = _sockets(material)
+    if not sockets:
+        return Wiring("none")
+    socket = sockets[0]
+    if not socket.is_linked:
+        return Wiring("value", socket=socket)
+    node = socket.links[0].from_node
+    if node.get(_MARK) == "attribute":
+        return Wiring("attribute", node.attribute_name, socket, node)
+    if node.get(_MARK) == "image":
+        links = node.inputs["Vector"].links
+        uv = links[0].from_node if links and links[0].from_node.get(_MARK) == "uv" else None
+        return Wiring("image", node.image.name if node.image else "", socket, node, uv)
+    return Wiring("custom", node.label or node.name, socket, node)
+
+
+def wire_thickness(material, source, name="", uv_map="", replace=False):
+    """Feed the thickness input of `material`, a baked one with a varying layer. Returns its new Wiring.
+
+    source: "value" (the input's own number), "attribute" (`name`: a float attribute of the mesh that holds
+    optical thickness; default lamina_dust; 0 where a mesh has none), or "image" (`name`: an image of optical
+    thickness, or its name, read by the UV map `uv_map`, default the active one; without a name a new black
+    one is made). The image becomes Non-Color, and is packed when no file holds it. Its infinite texels become
+    the largest thickness and those that are not numbers 0, since Blender 5.2 reads both as 0; such an image
+    is packed too.
+
+    Settled dust lies on one side of a face: front faces read lamina_dust, and back faces lamina_dust_back,
+    which is 0 where a mesh has none; of a settled image, back faces read the alpha. Other sources count for
+    both sides.
+
+    Links of the artist's own stay, and RefusedError is raised, unless `replace`; their nodes stay in any
+    case. Raises RefusedError, with nothing changed, for what cannot be done.
+    """
+    if source not in SOURCES:
+        raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
+    if not material.is_editable:
+        raise RefusedError("The material is linked from another file: edit it there, or make it local")
+    sockets = _sockets(material)
+    if not sockets:
+        raise RefusedError("The material has no thickness input: mark a layer as varying and bake")
+    foreign = [link.from_node for socket in sockets for link in socket.links if not link.from_node.get(_MARK)]
+    if foreign and not replace:
+        raise RefusedError(f"Thickness is linked to the node “{foreign[0].label or foreign[0].name}”: "
+                           "unlink it, or replace the link")
+    image = _image(material, name) if source == "image" else None
+    tree = material.node_tree
+    backs = [socket for socket in _sockets(material, BACK)
+             if not socket.is_linked or socket.links[0].from_node.get(_MARK)]
+    for socket in (*sockets, *backs):
+        for link in list(socket.links):
+            tree.links.remove(link)
+    _remove_marked(tree)
+    if source == "attribute":
+        name = name or ATTRIBUTE
+        _feed(sockets, _attribute(tree, sockets[0].node, name).outputs["Fac"])
+        if name == ATTRIBUTE and backs:
+            _feed(backs, _attribute(tree, sockets[0].node, BACK_ATTRIBUTE, "back").outputs["Fac"])
+    elif source == "image":
+        texture = _texture(tree, sockets[0].node, image, uv_map)
+        _feed(sockets, texture.outputs["Color"])
+        if image.get(TWO_SIDES):
+            _feed(backs, texture.outputs["Alpha"])
+    return wiring(material)
+
+
+def has_input(material):
+    """Whether the material's baked group takes a thickness."""
+    return bool(_sockets(material))
+
+
+def image_problem(image):
+    """Why an image does not hold thickness as it is, in a sentence, or ''."""
+    if image is None:
+        return "No image: the thickness is undefined"
+    if image.colorspace_settings.name != "Non-Color":
+        return f"The image “{image.name}” is read as {image.colorspace_settings.name}: it must be Non-Color"
+    return ""
+
+
+def reconnect(material):
+    """Links the nodes made here again, to an input that has gone and come back with a bake."""
+    fronts, backs = ([socket for socket in _sockets(material, name) if not socket.is_linked]
+                     for name in (FRONT, BACK))
+    for node in material.node_tree.nodes:
+        mark = node.get(_MARK)
+        if mark == "attribute":
+            _feed(fronts, node.outputs["Fac"])
+        elif mark == "back":
+            _feed(backs, node.outputs["Fac"])
+        elif mark == "image":
+            _feed(fronts, node.outputs["Color"])
+            if node.image is not None and node.image.get(TWO_SIDES):
+                _feed(backs, node.outputs["Alpha"])
+
+
+def _sockets(material, name=FRONT):
+    """The thickness inputs of the material's baked group: one, or several where it is used more than once."""
+    nodes = node_group.group_nodes(material)
+    return [node.inputs[name] for node in nodes if name in node.inputs]
+
+
+def _feed(sockets, output):
+    for socket in sockets:
+        socket.id_data.links.new(output, socket)
+
+
+def _remove_marked(tree):
+    """Takes the nodes made here away, but not those that the artist uses for something else as well."""
+    while True:  # what feeds a node goes after it
+        idle = [node for node in tree.nodes
+                if node.get(_MARK) and not any(output.is_linked for output in node.outputs)]
+        for node in idle:
+            tree.nodes.remove(node)
+        if not idle:
+            return
+
+
+def _node(tree, kind, mark, beside, columns):
+    node = tree.nodes.new(kind)
+    node[_MARK], node.label = mark, _LABELS[mark]
+    node.location = (beside.location.x - columns * 280.0, beside.location.y - 160.0)
+    node.select = False
+    return node
+
+
+def _attribute(tree, beside, name, mark="attribute"):
+    node = _node(tree, "ShaderNodeAttribute", mark, beside, 1)
+    node.attribute_type, node.attribute_name = "GEOMETRY", name
+    return node
+
+
+def _texture(tree, beside, image, uv_map):
+    node = _node(tree, "ShaderNodeTexImage", "image", beside, 1)
+    # Linear between texels, and no seam at the border of the map.
+    node.image, node.interpolation, node.extension = image, "Linear", "EXTEND"
+    uv = _node(tree, "ShaderNodeUVMap", "uv", beside, 2)
+    uv.uv_map = uv_map
+    tree.links.new(uv.outputs[0], node.inputs["Vector"])
+    return node
+
+
+def _image(material, wanted):
+    """The image to be used, made fit to hold numbers. Raises RefusedError."""
+    if not wanted:
+        image = bpy.data.images.new(f"{material.name} thickness", IMAGE_SIZE, IMAGE_SIZE, alpha=False,
+                                    float_buffer=True, is_data=True)
+        black = np.zeros((IMAGE_SIZE * IMAGE_SIZE, 4), np.float32)
+        black[:, 3] = 1.0
+        image.pixels.foreach_set(black.ravel())  # a generated picture that was never drawn cannot be packed
+        image.update()
+    else:
+        image = wanted if isinstance(wanted, bpy.types.Image) else bpy.data.images.get(wanted)
+    if image is None:
+        raise RefusedError(f"image = {wanted!r}: this file has no image of that name")
+    texels = _odd_texels(image)
+    if image_problem(image) or texels is not None:
+        mine = {node.image for node in material.node_tree.nodes if node.get(_MARK) == "image"}
+        if not image.is_editable or image.users - image.use_fake_user > (image in mine):
+            problem = image_problem(image) or f"The image “{image.name}” holds texels that are not finite"
+            raise RefusedError(f"{problem}, and it is used elsewhere as it is")
+        image.colorspace_settings.name = "Non-Color"
+    if texels is not None:
+        image.pixels.foreach_set(_finite(texels, image.channels))
+        image.update()
+        image.pack()
+    elif image.is_editable and image.packed_file is None and (image.source == "GENERATED" or image.is_dirty):
+        image.pack()
+    return image
+
+
+def _odd_texels(image):
+    """The texels of an image that holds infinities or NaN, flat; None for any other image."""
+    if not image.is_float:
+        return None
+    texels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(texels)
+    return None if np.isfinite(texels).all() else texels
+
+
+def _finite(texels, channels):
+    """Texels with infinity as the largest thickness, -infinity and NaN as 0, and such an alpha as 1."""
+    colours = np.nan_to_num(texels, nan=0.0, posinf=node_group.LARGEST, neginf=0.0).reshape(-1, channels)
+    if channels == 4:
+        alphas = texels[3::4]
+        colours[:, 3] = np.where(np.isfinite(alphas), alphas, 1.0)
+    return colours.ravel()

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a material keeps in the .blend: its layers, its base, and the facts of its last bake.
+
+Whether a bake is running, and why the last one failed, is not kept here: see bake_job.
+"""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from ..base import changes
+from ..base.preferences import BASES, QUALITIES
+from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
+
+SCHEMA = 2  # 1: media of three phase functions on four bases
+
+
+class LaminaResult(bpy.types.PropertyGroup):
+    """The facts of the last finished bake, copied from the LUT's report."""
+
+    stack_hash: StringProperty(description="Hash of the stack that was baked; empty before the first bake")
+    quality: StringProperty()
+    basis: StringProperty(description="Empty for a bake of before there was a choice: standard")
+    fit_error: FloatProperty(description="Mean over slices of the relative L2 error, reflection")
+    fit_error_transmission: FloatProperty(description="For transmission; negative when there is none")
+    worst_error: FloatProperty(description="Relative L2 error of the worst slice")
+    worst_mu: FloatProperty(description="View cosine of the worst slice")
+    worst_channel: IntProperty()
+    worst_side: StringProperty()
+    worst_tau: FloatProperty(description="Its row's optical thickness; negative when none varies")
+    through_worst_error: FloatProperty(
+        default=-1.0, description="The same of the worst slice of transmission; negative when there is none"
+    )
+    through_worst_mu: FloatProperty()
+    through_worst_channel: IntProperty()
+    through_worst_side: StringProperty()
+    through_worst_tau: FloatProperty()
+    row_errors: StringProperty(
+        description="JSON: [thickness, mean fit error, worst] of each row of the varying layer"
+    )
+    between_rows: FloatProperty(
+        default=-1.0, description="Mean error between rows of thickness; negative when not measured"
+    )
+    between_rows_worst: FloatProperty(default=-1.0)
+    albedo_error: FloatProperty(description="Worst relative error of the directional albedo")
+    energy_error: FloatProperty()
+    closures: IntProperty()
+    seconds: FloatProperty()
+
+
+class LaminaMaterial(bpy.types.PropertyGroup):
+    enabled: BoolProperty(description="This material has a layer stack")
+    schema: IntProperty(description="Version of these properties; 0 before the first use")
+    layers: CollectionProperty(type=LaminaLayer)
+    active_index: IntProperty(name="Active Layer", options=set())
+    base: PointerProperty(type=LaminaBase)
+    about: StringProperty(description="JSON of what else an imported stack says of itself: name, source")
+    quality: EnumProperty(
+        name="Quality", description="How exactly to bake", items=QUALITIES, default="final", options=set()
+    )
+    basis: EnumProperty(
+        name="Basis",
+        description="How many closures the material is made of. Live editing shows Standard",
+        items=BASES,
+        default="standard",
+        options=set(),
+    )
+    live: BoolProperty(
+        name="Live",
+        description="Bake again at preview quality whenever a layer changes, and show it at once",
+        update=lambda settings, _context: changes.switched(settings),
+        options=set(),
+    )
+    result: PointerProperty(type=LaminaResult)
+    node_group: PointerProperty(type=bpy.types.NodeTree, description="What the bake keeps up to date")
+
+
+CLASSES = (LaminaDepth, LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)
+
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
+def register():
+    _register_classes()
+    bpy.types.Material.lamina = PointerProperty(type=LaminaMaterial, name="Lamina")
+
+
+def unregister():
+    del bpy.types.Material.lamina
+    _unregister_classes()

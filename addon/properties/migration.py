@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Brings the properties of older files up to this version.
+
+Each step takes a material from schema n to n + 1. Steps are never edited, only added.
+"""
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import material_properties
+
+STEPS = {}
+
+
+def start(material):
+    """Give `material` its layer settings, at this version's schema. Does nothing when it has them."""
+    settings = material.lamina
+    if not settings.enabled:
+        settings.enabled = True
+        settings.schema = material_properties.SCHEMA
+
+
+def is_from_the_future(material):
+    """True when a newer Lamina wrote the material: it is shown, and left alone."""
+    return material.lamina.schema > material_properties.SCHEMA
+
+
+def migrate(material, steps=None, schema=None):
+    """Bring one material up to date. Returns whether anything was changed."""
+    steps = STEPS if steps is None else steps
+    schema = material_properties.SCHEMA if schema is None else schema
+    settings = material.lamina
+    if not settings.enabled or not material.is_editable:
+        return False
+    changed = False
+    while settings.schema < schema:
+        step = steps.get(settings.schema)
+        if step is not None:
+            step(material)
+        settings.schema += 1
+        changed = True
+    return changed
+
+
+def migrate_all():
+    """Bring every material of the open file up to date."""
+    for material in bpy.data.materials:
+        migrate(material)
+
+
+@persistent
+def _on_load(*_):
+    migrate_all()
+
+
+def _once():
+    """The file that is open while the add-on is being enabled; bpy.data cannot be read earlier."""
+    migrate_all()
+
+
+def register():
+    bpy.app.handlers.load_post.append(_on_load)
+    if not bpy.app.background:
+        bpy.app.timers.register(_once, first_interval=0.0)
+
+
+def unregister():
+    if _on_load in bpy.app.handlers.load_post:
+        bpy.app.handlers.load_post.remove(_on_load)
+    if bpy.app.timers.is_registered(_once):
+        bpy.app.timers.unregister(_once)

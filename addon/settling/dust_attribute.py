@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settled dust as attributes of an object's own mesh: of its vertices, or of its face corners where a vertex
+at a hard edge has several values.
+"""
+
+import numpy as np
+from mathutils import kdtree
+
+from ..base.messages import RefusedError
+from ..properties.dust_properties import ATTRIBUTE, BACK_ATTRIBUTE
+
+NEAR = 8  # rendered vertices that are looked at for a corner that modifiers have left without one
+ALIKE = 0.1  # by which the cosines of normals may differ
+
+
+def check_names(mesh):
+    """Raises RefusedError when an attribute of another kind has one of our names."""
+    for name in (ATTRIBUTE, BACK_ATTRIBUTE):
+        attribute = mesh.attributes.get(name)
+        if attribute is None:
+            continue
+        if attribute.data_type != "FLOAT" or attribute.domain not in ("POINT", "CORNER"):
+            text = f"{mesh.name} has another kind of attribute named {name}: rename or remove it"
+            raise RefusedError(text)
+
+
+def remove(mesh):
+    """Take the dust off. Raises RefusedError when one of the names is another's."""
+    check_names(mesh)
+    for name in (ATTRIBUTE, BACK_ATTRIBUTE):
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+
+
+def write(mesh, surface, own, dust):
+    """Keep lamina's Dust on `surface` as attributes of `mesh`, which `own` describes: CORNER where corners
+    of one vertex take their dust from different places of the surface, POINT otherwise.
+    """
+    place = _places(surface, own, dust)
+    by_corner, vertices = place[:len(own.corners)], own.corners
+    of_vertex = np.zeros(len(own.vertices), np.int64)
+    of_vertex[vertices[::-1]] = by_corner[::-1]
+    loose = _loose(own)
+    of_vertex[loose] = place[len(own.corners):]
+    split = bool((by_corner != of_vertex[vertices]).any())
+    remove(mesh)
+    front = dust.tau if dust.back is None else dust.tau - dust.back
+    for name, values in ((ATTRIBUTE, front), (BACK_ATTRIBUTE, dust.back)):
+        if values is not None:
+            attribute = mesh.attributes.new(name, "FLOAT", "CORNER" if split else "POINT")
+            chosen = values[by_corner if split else of_vertex]
+            attribute.data.foreach_set("value", np.ascontiguousarray(chosen, np.float32))
+    mesh.update()
+
+
+def _loose(own):
+    """Vertices of no face."""
+    return np.flatnonzero(np.bincount(own.corners, minlength=len(own.vertices)) == 0)
+
+
+def _places(surface, own, dust):
+    """Which of the dust's values each corner of the own mesh has, and then each of its loose vertices."""
+    loose = _loose(own)
+    if own.loops is not None:
+        found = np.zeros(len(own.corners) + len(loose), np.int64)
+        found[own.loops.ravel()] = dust.corners.ravel()
+        found[len(own.corners):] = loose
+        return found
+    vertices = np.concatenate([own.corners, loose])
+    normals = _unit(np.concatenate([own.normals, np.zeros((len(loose), 3), np.float32)]))
+    on_points = np.zeros((len(dust.tau), 3), np.float32)
+    on_points[dust.corners.ravel()] = surface.normals.reshape(-1, 3)
+    on_points = _unit(on_points)
+    found = np.full(len(vertices), -1, np.int64)
+    if own.origins is not None:
+        origin = own.origins[dust.vertices]
+        order = np.argsort(origin, kind="stable")
+        start = np.searchsorted(origin[order], np.arange(len(own.vertices) + 1))
+        counts = (start[1:] - start[:-1])[vertices]
+        asking = np.repeat(np.arange(len(vertices)), counts)
+        first = np.repeat(np.cumsum(counts) - counts, counts)
+        asked = order[np.repeat(start[vertices], counts) + np.arange(len(asking)) - first]
+        cosine = np.einsum("ij,ij->i", normals[asking], on_points[asked])
+        _choose(found, asking, asked, np.abs(cosine), dust.tau)
+    lost = np.flatnonzero(found < 0)
+    if len(lost):
+        asking, asked = _neighbours(surface, own.vertices[vertices[lost]], lost, dust.vertices)
+        cosine = np.einsum("ij,ij->i", normals[asking], on_points[asked])
+        _choose(found, asking, asked, cosine, dust.tau)
+    return found
+
+
+def _choose(found, asking, asked, cosine, tau):
+    """Of all that are asked, those whose normal is nearly the most alike, and the most dust of these: both
+    sides of a shell stand for one vertex.
+    """
+    best = np.full(len(found), -2.0)
+    np.maximum.at(best, asking, cosine)
+    alike = cosine >= best[asking] - ALIKE
+    asking, asked = asking[alike], asked[alike]
+    order = np.lexsort((-asked, tau[asked], asking))
+    found[asking[order]] = asked[order]  # the last of each stays
+
+
+def _neighbours(surface, places, numbers, vertex_of_point):
+    """(asking, asked): for each number, the points of the rendered vertices nearest to its place."""
+    tree = kdtree.KDTree(len(surface.vertices))
+    for index, place in enumerate(surface.vertices):
+        tree.insert(place, index)
+    tree.balance()
+    order = np.argsort(vertex_of_point, kind="stable")
+    start = np.searchsorted(vertex_of_point[order], np.arange(len(surface.vertices) + 1))
+    asking, asked = [], []
+    for number, place in zip(numbers, places, strict=True):
+        near = tree.find_n(place, NEAR)
+        reach = 2.0 * near[0][2] + 1e-12
+        for _, index, distance in near:
+            if distance <= reach:
+                points = order[start[index]:start[index + 1]]
+                asking += [number] * len(points)
+                asked += points.tolist()
+    return np.array(asking, np.int64), np.array(asked, np.int64)
+
+
+def _unit(normals):
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.divide(normals, length, out=np.zeros_like(normals), where=length > 0.0)

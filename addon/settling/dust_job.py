@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dust that settles in a worker thread, on one object or several, one after the other."""
+
+import logging
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..base import native, preferences
+from ..base.worker import Place, Worker
+from . import object_dust
+
+log = logging.getLogger(__name__)
+
+_place = Place()
+running, forget, stop = _place.running, _place.forget, _place.stop
+
+
+class DustJob(Worker):
+    """`answers` holds those of the tasks that are finished, in their sequence."""
+
+    def __init__(self, tasks, threads):
+        self.tasks = tasks
+        native.require()
+
+        def work(progress, cancel):
+            answers = []
+            for number, task in enumerate(tasks):
+                def told(fraction, text="", number=number, task=task):
+                    where = f"{task.name}: {text}" if len(tasks) > 1 else text
+                    progress((number + fraction) / len(tasks), where)
+
+                answers.append(object_dust.settle_gathered(task, told, cancel, threads))
+            return answers
+
+        super().__init__(work, "lamina dust")
+
+    def finish(self):
+        """Keep all dust on its objects; main thread only. Returns the objects, none after a cancel.
+
+        Raises what the work raised; then, and after a cancel, the last dust is untouched."""
+        if self.error is not None:
+            raise self.error
+        if self.cancelling:
+            return []
+        by_uid = {obj.session_uid: obj for obj in bpy.data.objects}
+        done = []
+        for task, answer in zip(self.tasks, self.result, strict=True):
+            obj = by_uid.get(task.uid)
+            if obj is not None:
+                object_dust.apply(obj, task, answer)
+                done.append(obj)
+        return done
+
+
+def start(context, objects):
+    """Start in the background, one job at a time. Raises as object_dust.gather does, before it starts."""
+    tasks = [object_dust.gather(context, obj) for obj in objects]
+    return _place.take(DustJob(tasks, preferences.threads()))
+
+
+@persistent
+def _on_load(*_):
+    stop()
+
+
+def register():
+    bpy.app.handlers.load_pre.append(_on_load)
+
+
+def unregister():
+    stop()
+    if _on_load in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_on_load)

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dust on objects: what is asked of `lamina`, and where the answer goes.
+
+`gather` reads the scene, `settle_gathered` sees arrays only and may run in a thread, `apply` writes. Nothing
+is written before all of an object's dust is there.
+"""
+
+import math
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ..base import float_image, native
+from ..base.messages import RefusedError
+from ..nodes import thickness
+from ..properties.dust_properties import ATTRIBUTE
+from . import dust_attribute, geometry
+
+FINER = 3  # times the mesh's own vertices, behind modifiers, are worth a word
+MARGIN = 4  # texels by which an image's islands grow, so that filtering finds dust at their borders
+
+
+@dataclass(frozen=True)
+class Task:
+    """The dust of one object, as arrays."""
+
+    uid: int
+    name: str
+    surface: geometry.Arrays
+    own: geometry.OwnMesh
+    occluders: list
+    settling: dict
+    seed: int
+    size: int  # of the image; 0: an attribute
+
+
+@dataclass(frozen=True)
+class Answer:
+    """`dust`: lamina's; of an image where the task has a size for one."""
+
+    dust: object
+
+
+def settle(context, obj, progress=None, cancel=None, threads=0):
+    """Let dust settle on a mesh object and keep it there; returns lamina's Dust. Blocks.
+
+    Raises RefusedError, lamina's DustError and Cancelled, NativeMissingError; the last dust stays as it was.
+    """
+    task = gather(context, obj)
+    answer = settle_gathered(task, progress, cancel, threads)
+    apply(obj, task, answer)
+    return answer.dust
+
+
+def problem(obj):
+    """Why no dust can settle on an object, in a sentence, or ''."""
+    if obj is None or obj.type != "MESH":
+        return "Dust settles on mesh objects: select one"
+    if not obj.is_editable or not obj.data.is_editable:
+        return f"{obj.name} is linked from another file: edit it there, or make it local"
+    if obj.mode == "EDIT":
+        return f"{obj.name} is being edited: leave Edit Mode"
+    return unavailable()
+
+
+def unavailable():
+    """Why dust cannot settle at all, in a sentence, or ''."""
+    if not native.available():
+        return native.reason()
+    try:
+        return native.part("dust").available()
+    except native.NativeMissingError as error:
+        return str(error)
+
+
+def gather(context, obj):
+    """What the dust of an object depends on. Raises RefusedError."""
+    sentence = problem(obj)
+    if sentence:
+        raise RefusedError(sentence)
+    settings = obj.lamina_dust
+    size = settings.size if settings.target == "image" else 0
+    if not size:
+        dust_attribute.check_names(obj.data)
+    surface, own = geometry.of_object(context, obj, settings.uv_map if size else None)
+    return Task(
+        uid=obj.session_uid,
+        name=obj.name,
+        surface=surface,
+        own=own,
+        occluders=geometry.others(context, obj) if settings.others else [],
+        settling=_settling(settings, context.scene),
+        seed=settings.seed,
+        size=size,
+    )
+
+
+def settle_gathered(task, progress=None, cancel=None, threads=0):
+    """The Answer to a Task. Raises as lamina.dust.settle does."""
+    dust = native.part("dust")
+    surface, *occluders = (dust.Mesh(one.vertices, one.triangles, one.normals, name=one.name)
+                           for one in (task.surface, *task.occluders))
+    how = {
+        "settings": dust.Settling(**task.settling),
+        "seed": task.seed,
+        "progress": progress,
+        "cancel": cancel,
+        "threads": threads,
+    }
+    if task.size:
+        uvs = task.surface.uvs
+        return Answer(dust.settle_image(surface, uvs, task.size, occluders, margin=MARGIN, **how))
+    return Answer(dust.settle(surface, None, occluders, **how))
+
+
+def apply(obj, task, answer):
+    """Keep an Answer on its object, and feed the thickness of its materials from there where nothing
+    else does. Raises RefusedError when the mesh has changed meanwhile.
+    """
+    if (len(obj.data.vertices), len(obj.data.loops)) != (len(task.own.vertices), len(task.own.corners)):
+        raise RefusedError(f"{obj.name} has been edited while dust settled: let it settle again")
+    if not task.size:
+        if obj.data.users > 1:  # dust depends on where an object is: a shared mesh becomes its own
+            obj.data = obj.data.copy()
+        dust_attribute.write(obj.data, task.surface, task.own, answer.dust)
+        source, name = "attribute", ATTRIBUTE
+    else:
+        source, name = "image", _write_image(obj, answer.dust).name
+    settings = obj.lamina_dust
+    statistics = answer.dust.statistics
+    notes = [str(statistics), *statistics.notes, *_switches(statistics), *_coarseness(task)]
+    settings.told, settings.largest = "; ".join(notes), statistics.maximum
+    settings.largest_back = 0.0 if answer.dust.back is None else float(answer.dust.back.max(initial=0.0))
+    for slot in obj.material_slots:
+        if slot.material is not None and slot.material.is_editable and _is_free(slot.material):
+            thickness.wire_thickness(slot.material, source, name, settings.uv_map)
+
+
+def clear(obj):
+    """Take the dust of an object away. Its materials show none where they read the attribute."""
+    dust_attribute.remove(obj.data)
+    settings = obj.lamina_dust
+    image, settings.image = settings.image, None
+    if image is not None:
+        bpy.data.images.remove(image)
+    settings.told, settings.largest, settings.largest_back = "", 0.0, 0.0
+
+
+def _settling(settings, scene):
+    gravity = scene.gravity if scene.use_gravity and scene.gravity.length > 0.0 else Vector((0.0, 0.0, -1.0))
+    towards = settings.wind_from + math.pi
+    wind = settings.wind * np.array([math.cos(towards), math.sin(towards), 0.0])
+    by_mass = settings.form == "mass"
+    return {
+        "amount": None if by_mass else settings.amount,
+        "grams": settings.grams if by_mass else None,
+        "extinction": settings.substance,
+        "time": settings.time,
+        "gravity": tuple(gravity),
+        "spread": settings.spread,
+        "wind": tuple(wind),
+        "repose": min(settings.repose, math.pi),  # single precision rounds 180 degrees up
+        "concavity": settings.concavity,
+        "coverage": settings.coverage,
+        "patch": settings.patch * scene.unit_settings.scale_length or None,
+        "two_sided": settings.two_sided,
+        "rays": settings.rays,
+    }
+
+
+def _switches(statistics):
+    """Where the artist lets dust fall through what keeps it off."""
+    if statistics.keepers:
+        names = " and ".join(statistics.keepers)
+        yield f"switch off Keeps Dust Off Others in the panel of {names} to let it through"
+
+
+def _coarseness(task):
+    """What an attribute loses where modifiers make the surface finer than its mesh."""
+    own, rendered = len(task.own.vertices), len(task.surface.vertices)
+    if not task.size and rendered > FINER * own:
+        yield (
+            f"the attribute has the mesh's {own:,} vertices for the {rendered:,} that modifiers make of it: "
+            "apply those, or keep the dust in an image"
+        )
+
+
+def _write_image(obj, dust):
+    """Colour is what lies on front faces, alpha on back faces. A new image takes the place of the last one:
+    renders do not look again at pixels that they know.
+    """
+    texels = np.zeros((*dust.tau.shape, 4), np.float32)
+    texels[..., :3] = dust.tau[..., None]
+    if dust.back is not None:
+        texels[..., :3] -= dust.back[..., None]
+        texels[..., 3] = dust.back
+    image = float_image.create(f"{obj.name} dust", texels)
+    image[thickness.TWO_SIDES] = True
+    last, obj.lamina_dust.image = obj.lamina_dust.image, image
+    if last is not None:
+        name = last.name
+        last.user_remap(image)
+        bpy.data.images.remove(last)
+        image.name = name
+    return image
+
+
+def _is_free(material):
+    """Whether a material's thickness is an unused input, or fed by what we made."""
+    return thickness.wiring(material).source in ("value", "attribute", "image")

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The other number of a medium: the albedo behind its colour, or the colour behind its albedo.
+
+Both take a solve, and so does it to check a stack with colours in it. The panel asks while it draws and gets
+what is known; what is not is worked out in a thread, and the panel is drawn again. Nothing of it is written
+to the .blend.
+"""
+
+import json
+import logging
+import math
+import threading
+
+import bpy
+
+from ..base import messages, native, redraw
+from . import stack_check, stack_write
+
+log = logging.getLogger(__name__)
+
+LOOK = 0.03  # seconds between two looks at the worker
+KEPT = 256  # answers
+
+_answers = {}  # (what, JSON) -> what `answer` said
+_latest = {}  # what was last shown for a layer: it stays until the new answer is there, and nothing flickers
+_wanted = {}  # layer -> its newest question
+_worker = None
+
+
+def albedo(end):
+    """The albedo of a medium, or of its bottom, that is given by its colour: three numbers, () when none
+    shows that colour, or None while unknown."""
+    return _ask("albedo", _text(end, "albedo"), (end.id_data.session_uid, end.path_from_id()))
+
+
+def thick_colour(end):
+    """What a medium, or its bottom, shows when infinitely thick, under diffuse light; as `albedo`."""
+    return _ask("colour", _text(end, "colour"), (end.id_data.session_uid, end.path_from_id()))
+
+
+def is_checked(material, text):
+    """Whether `lamina` has looked at the material's stack, this JSON, or will do so in no time."""
+    if stack_check.is_quick(text):
+        return True
+    if _answers.get(("stack", text)):
+        del _answers["stack", text]  # long ago, and no longer kept there
+    _ask("stack", text, material.session_uid)
+    return False
+
+
+def answer(what, text):
+    """Works one question out: 'albedo' or 'colour' of the layer with this JSON, () for an invalid one; or
+    True once the 'stack' with this JSON has been looked at."""
+    if what == "stack":
+        stack_check.of(text)
+        return True
+    lamina, colours = native.require(), native.part("colours")
+    try:
+        stack = lamina.Stack.from_json({"schema": stack_write.JSON_SCHEMA, "layers": [json.loads(text)]})
+        albedos = tuple(stack.optics(0, channel)[0] for channel in range(stack.channels))
+        if what == "albedo":
+            return _triple(albedos)
+        thick = lamina.Medium(albedo=albedos, tau=math.inf, phase=stack.layers[0].phase)
+        return _triple(colours.shown(thick))
+    except (lamina.StackError, lamina.SolveError):
+        return ()
+
+
+def look():
+    """The timer's body: takes what is finished, starts the next. Returns the seconds until the next look."""
+    global _worker
+    if _worker is not None:
+        if _worker.is_alive():
+            return LOOK
+        _worker = None
+        redraw.properties()
+    if not _wanted:
+        return None
+    question = _wanted.pop(next(iter(_wanted)))
+    if question not in _answers:
+        while len(_answers) >= KEPT:
+            del _answers[next(iter(_answers))]
+        _worker = threading.Thread(target=_work, args=(question,), name="lamina colours", daemon=True)
+        _worker.start()
+    return LOOK
+
+
+def _ask(what, text, place):
+    """The answer; meanwhile the latest one of the same place, or None."""
+    if not native.available():
+        return None
+    question, place = (what, text), (what, place)
+    known = _answers.get(question)
+    if known is None:
+        _wanted[place] = question
+        if not bpy.app.timers.is_registered(look):
+            bpy.app.timers.register(look, first_interval=LOOK)
+        return _latest.get(place)
+    _wanted.pop(place, None)
+    _latest[place] = known
+    return known
+
+
+def _text(end, what):
+    """The medium of a layer or of its bottom, as a layer of its own."""
+    path = end.path_from_id()
+    layer = end.id_data.path_resolve(path.removesuffix(".bottom"))
+    entry = stack_write.homogeneous(layer, end)
+    if what == "colour":
+        entry["thickness" if "thickness" in entry else "tau"] = 1.0
+    return json.dumps(entry)
+
+
+def _work(question):
+    try:
+        _answers[question] = answer(*question)
+    except Exception as error:  # Whatever it is, the panel does without.
+        log.warning("no colour for a layer", exc_info=None if messages.expected(error) else error)
+        _answers[question] = ()
+
+
+def _triple(values):
+    values = tuple(float(value) for value in values)
+    return values * 3 if len(values) == 1 else values
+
+
+def register():
+    pass
+
+
+def unregister():
+    global _worker
+    if bpy.app.timers.is_registered(look):
+        bpy.app.timers.unregister(look)
+    if _worker is not None:
+        _worker.join()
+        _worker = None
+    for kept in (_answers, _latest, _wanted):
+        kept.clear()
+    stack_check.forget()

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `lamina` says of a stack's JSON: a stack, or an error.
+
+The panel asks about the same stack many times a second, and a colour takes a solve to be understood, so the
+latest answers are kept. A thread may ask as well.
+"""
+
+import json
+
+from ..base import native
+
+KEPT = 64
+
+_answers = {}  # (package, JSON) -> (stack, error)
+
+
+def of(text):
+    """(stack, None), or (None, lamina.StackError). Raises NativeMissingError."""
+    lamina = native.require()
+    answer = _answers.get((lamina, text))
+    if answer is None:
+        answer = _ask(lamina, text)
+        for oldest in list(_answers)[: len(_answers) - KEPT + 1]:
+            _answers.pop(oldest, None)
+        _answers[lamina, text] = answer
+    return answer
+
+
+def is_quick(text):
+    """Whether `of` will answer at once. Raises NativeMissingError."""
+    return '"color"' not in text or (native.require(), text) in _answers
+
+
+def forget():
+    _answers.clear()
+
+
+def _ask(lamina, text):
+    try:
+        return lamina.Stack.from_json(json.loads(text)), None
+    except lamina.StackError as error:
+        return None, error

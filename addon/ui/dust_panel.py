@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of the dust on the active object, below the layers of its material."""
+
+import bpy
+
+from ..nodes import thickness
+from ..settling import dust_job, object_dust
+from .fields import split
+from .panel import MaterialPanel, draw_progress, draw_sentence
+
+BACK_MATTERS = 0.05  # of the largest thickness
+
+
+class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
+    bl_label = "Settled Dust"
+    bl_parent_id = "LAMINA_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.object is not None
+
+    def draw(self, context):
+        layout, obj = self.layout, context.object
+        sentence = object_dust.problem(obj)
+        if sentence:
+            draw_sentence(context, layout, sentence, "ERROR" if object_dust.unavailable() else "INFO")
+            return
+        settings = obj.lamina_dust
+        _draw_fall(layout, settings)
+        _draw_stay(layout, settings)
+        _draw_target(layout, obj)
+        job = dust_job.running()
+        if job is not None:
+            draw_progress(layout, job, "lamina.dust_cancel")
+            return
+        row = layout.row(align=True)
+        row.scale_y = 1.4
+        text = "Settle Again" if settings.told else "Settle Dust"
+        row.operator("lamina.dust_settle", text=text, icon="FORCE_FORCE")
+        if settings.told:
+            row.operator("lamina.dust_clear", text="", icon="TRASH")
+            draw_sentence(context, layout, settings.told[0].upper() + settings.told[1:])
+            sentence = mismatch(context.material, settings)
+            if sentence:
+                draw_sentence(context, layout, sentence, "ERROR")
+
+
+def mismatch(material, settings):
+    """Why the material does not show the dust as it lies, or ''."""
+    found = thickness.wiring(material)
+    if found.source == "none":
+        return "The material has no thickness input: mark its dust layer as varying and bake"
+    if found.source != settings.target:
+        return f"The material does not read it: its thickness comes from {found.source} {found.name}".rstrip()
+    most = material.lamina.node_group.get("lamina_largest_tau", -1.0)
+    if 0.0 <= most < settings.largest:
+        return f"Thicker than baked: above τ {most:.3g} nothing changes. Raise the layer's thickness and bake"
+    if settings.largest_back > BACK_MATTERS * settings.largest and not material.lamina.node_group.get(
+            "lamina_shows_back", True):
+        return ("Dust on back faces is not shown: this sheet has two different sides, and its dust layer is "
+                "that of the front. Flip the normals of faces that look down")
+    return ""
+
+
+def _draw_fall(layout, settings):
+    layout.row().prop(settings, "form", expand=True)
+    column = split(layout.column())
+    if settings.form == "mass":
+        column.prop(settings, "grams", text="Grams per m²")
+        column.prop(settings, "substance")
+    else:
+        column.prop(settings, "amount", text="Amount τ")
+    column.prop(settings, "time")
+    column.prop(settings, "spread")
+    column.prop(settings, "wind")
+    row = column.row()
+    row.active = settings.wind > 0.0
+    row.prop(settings, "wind_from")
+
+
+def _draw_stay(layout, settings):
+    column = split(layout.column())
+    column.prop(settings, "repose")
+    column.prop(settings, "concavity")
+    column.prop(settings, "coverage")
+    row = column.row()
+    row.active = settings.coverage < 1.0
+    row.prop(settings, "patch")
+    column.prop(settings, "two_sided")
+    column.prop(settings, "others")
+    column.prop(settings, "stops")
+
+
+def _draw_target(layout, obj):
+    settings = obj.lamina_dust
+    column = split(layout.column())
+    column.row().prop(settings, "target", expand=True)
+    if settings.target == "image":
+        column.prop(settings, "size")
+        column.prop_search(settings, "uv_map", obj.data, "uv_layers", text="UV Map")
+    column.prop(settings, "rays")
+    column.prop(settings, "seed")
+
+
+register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_dust,))

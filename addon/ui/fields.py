@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws the numbers of one layer, and of the base.
+
+Labels are short, for the editor is narrow; tooltips say the rest.
+"""
+
+from ..base import native
+from ..base.decimals import shortest
+from ..editing import metals
+from ..stack_json import phases, profiles, solved_colours
+
+
+def draw_layer(layout, layer):
+    """`layout` is the panel's own: a folded part needs its full width."""
+    column = split(layout.column())
+    column.prop(layer, "kind")
+    if layer.kind == "interface":
+        _draw_interface(column, layer)
+        _draw_advanced(layout, layer)
+    else:
+        _draw_medium(layout, layer)
+
+
+def draw_base(layout, base):
+    """`layout` is the panel's own."""
+    column = split(layout.column())
+    column.prop(base, "kind", text="Below")
+    if base.kind == "lambert":
+        column.prop(base, "reflectance")
+        column.prop(base, "textured")
+    elif base.kind == "half-space":
+        column.prop(base, "albedo")
+        _draw_phase(column, base, is_base=True)
+    elif base.kind == "conductor":
+        _draw_metal(column, base)
+        _draw_facets(column, base)
+        _draw_advanced(layout, base)
+
+
+def facts(layer):
+    """A layer in a few characters, for the list."""
+    if layer.kind == "interface":
+        ior = "/".join(f"{shortest(value):g}" for value in layer.ior_rgb) if layer.ior_per_channel else None
+        ior = ior or f"{shortest(layer.ior):g}"
+        return f"ior {ior}, rough {layer.roughness:.2g}" if layer.alpha > 0.0 else f"ior {ior}, smooth"
+    if _is_infinite(layer):
+        return "∞"
+    if layer.mode == "coefficients":
+        return f"{shortest(layer.thickness):g} mm"
+    tau = max(layer.tau_rgb) if layer.tau_per_channel else layer.tau
+    return f"τ {shortest(tau):g}"
+
+
+def split(layout):
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout
+
+
+def _draw_interface(column, layer):
+    if layer.ior_per_channel:
+        _rgb_column(column, layer, "ior_rgb", "IOR")
+    else:
+        column.prop(layer, "ior")
+    _draw_facets(column, layer)
+
+
+def _draw_facets(column, owner):
+    column.prop(owner, "roughness", slider=True)
+    column.prop(owner, "distribution")
+
+
+def _draw_advanced(layout, owner):
+    header, body = layout.panel("lamina_advanced", default_closed=True)
+    header.label(text="Advanced")
+    if body is not None:
+        column = split(body.column())
+        column.prop(owner, "compensate")
+        column.prop(owner, "correlated")
+        if hasattr(owner, "ior_per_channel"):
+            column.prop(owner, "ior_per_channel")
+
+
+def _draw_medium(layout, layer):
+    imported = profiles.imported(layer)
+    if not imported:
+        layout.row().prop(layer, "mode", expand=True)
+    column = split(layout.column())
+    if imported:
+        row = _labelled(column, "Profile", f"Imported: {imported}")
+        row.operator("lamina.profile_replace", text="", icon="X")
+    else:
+        _draw_medium_at(column, layer, layer)
+    amount = "Largest" if layer.varying else "Thickness"
+    if layer.mode == "coefficients":
+        _with_infinity(column, layer, "thickness", f"{amount} mm")
+    else:
+        _draw_over(column, layer)
+        _draw_tau(column, layer, f"{amount} τ")
+    column.prop(layer, "varying", text="Varying")
+    if imported:
+        return
+    _draw_phase(column, layer)
+    column.prop(layer, "graded")
+    if layer.graded:
+        box = layout.box()
+        box.label(text="At the Bottom", icon="TRIA_DOWN_BAR")
+        bottom = split(box.column())
+        _draw_medium_at(bottom, layer, layer.bottom)
+        _draw_phase(bottom, layer.bottom, is_bottom=True)
+
+
+def _draw_medium_at(column, layer, end):
+    """What scatters at the top, the layer itself, or at its bottom."""
+    if layer.mode == "colour":
+        column.prop(end, "colour")
+        albedo = solved_colours.albedo(end)
+        waiting = "…" if albedo is None else "None shows this"
+        _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else waiting)
+        return
+    if layer.mode == "coefficients":
+        _rgb_column(column, end, "sigma_s", "Scattering")
+        _rgb_column(column, end, "sigma_a", "Absorption")
+    else:
+        column.prop(end, "albedo")
+    column.prop(end, "shown_colour", text="As Thick Layer")
+
+
+def _draw_over(column, layer):
+    if layer.mode == "colour" and not _is_infinite(layer):
+        row = column.row(heading="Over")
+        row.prop(layer, "over_given", text="")
+        swatch = row.row()
+        swatch.active = layer.over_given
+        swatch.prop(layer, "over", text="")
+
+
+def _draw_tau(column, layer, text):
+    if layer.tau_per_channel and not _is_infinite(layer):
+        _rgb_column(column, layer, "tau_rgb", text)
+    else:
+        _with_infinity(column, layer, "tau", text)
+    if not _is_infinite(layer):
+        column.prop(layer, "tau_per_channel")
+
+
+def _draw_phase(column, owner, is_base=False, is_bottom=False):
+    imported = phases.imported(owner)
+    if imported:
+        row = _labelled(column, "Phase", f"Imported: {imported}")
+        operator = row.operator("lamina.phase_replace", text="", icon="X")
+        operator.base, operator.bottom = is_base, is_bottom
+        return
+    column.prop(owner, "phase", text="Phase")
+    for prop in phases.FIELDS[owner.phase].values():
+        column.prop(owner, prop, slider=prop != "draine_alpha")
+
+
+def _draw_metal(column, base):
+    row = _labelled(column, "Metal", None)
+    row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
+    column.row().prop(base, "metal_form", expand=True)
+    if base.metal_form == "colours":
+        column.prop(base, "facing")
+        column.prop(base, "grazing")
+        return
+    _rgb_column(column, base, "eta", "Index n")
+    _rgb_column(column, base, "k", "Extinction k")
+
+
+def _metal_name(base):
+    try:
+        return metals.label(metals.name_of(base))
+    except native.NativeMissingError:
+        return ""
+
+
+def _labelled(column, name, text):
+    """A line of text, lined up with the properties above and below; its row, for more."""
+    parts = column.split(factor=0.4)
+    parts.use_property_split = False
+    label = parts.row()
+    label.alignment = "RIGHT"
+    label.label(text=name)
+    row = parts.row(align=True)
+    if text is not None:
+        row.label(text=text)
+    return row
+
+
+def _with_infinity(column, layer, name, text):
+    """A number with its infinity switch; what changes with depth has an end."""
+    row = _labelled(column, text, None)
+    value = row.row(align=True)
+    value.active = not _is_infinite(layer)
+    value.prop(layer, name, text="")
+    if profiles.is_graded(layer):
+        return
+    switch = row.row(align=True)
+    switch.ui_units_x = 1.6
+    switch.prop(layer, "infinite", text="∞", toggle=True)
+
+
+def _is_infinite(layer):
+    return layer.infinite and not profiles.is_graded(layer)
+
+
+def _rgb_column(column, owner, name, text):
+    column = column.column(align=True)
+    for index, channel in enumerate("RGB"):
+        column.prop(owner, name, index=index, text=f"{text} {channel}" if index == 0 else channel)

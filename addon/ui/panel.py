@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Lamina panel in the Material tab: presets, Layers, Base, Bake, Result."""
+
+import math
+
+import bpy
+
+from ..baking import bake_job
+from ..base import messages, native
+from ..base.messages import percent
+from ..editing import layer_list, stack_io
+from ..nodes import node_group
+from ..properties import migration
+from ..properties.layer_properties import LAYER_KINDS
+from ..stack_json import solved_colours, stack_check
+from . import fields
+
+CHANNELS = ("red", "green", "blue")
+SWATCHES = {"optical": "albedo", "colour": "colour"}
+ICONS = {kind: icon for kind, _name, _description, icon, _number in LAYER_KINDS}
+
+
+class LAMINA_UL_layers(bpy.types.UIList):
+    """Top layer first, as light meets it: kind, name, thickness or index, colour."""
+
+    error = None  # the row in error; the panel says so before it draws the list
+
+    def draw_item(self, _context, layout, _data, layer, _icon, _active, _property, index=0):
+        row = layout.row(align=True)
+        icon = "ERROR" if self.error == index else ICONS[layer.kind]
+        row.prop(layer, "name", text="", emboss=False, icon=icon)
+        facts = row.row(align=True)
+        facts.alignment = "RIGHT"
+        facts.label(text=fields.facts(layer), icon="TEXTURE" if layer.varying else "NONE")
+        if layer.kind == "medium" and layer.mode in SWATCHES:
+            row.separator(factor=0.5)
+            swatch = row.row(align=True)
+            swatch.ui_units_x = 1.2
+            swatch.prop(layer, SWATCHES[layer.mode], text="")
+
+
+class MaterialPanel:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    COMPAT_ENGINES = {"CYCLES"}
+
+    @classmethod
+    def poll(cls, context):
+        if context.material is None or context.engine not in cls.COMPAT_ENGINES:
+            return False
+        return cls.wanted(context.material)
+
+    @classmethod
+    def wanted(cls, material):
+        return material.lamina.enabled and not migration.is_from_the_future(material)
+
+
+class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
+    bl_label = "Lamina"
+
+    @classmethod
+    def wanted(cls, material):
+        return material.grease_pencil is None
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        if not native.available():
+            draw_sentence(context, layout, native.reason(), "ERROR")
+        if migration.is_from_the_future(material):
+            draw_sentence(context, layout, "Made by a newer version of Lamina: update Lamina to edit it")
+        elif not material.is_editable:
+            draw_sentence(context, layout, "Linked from another file: edit the layers there", "LINKED")
+        else:
+            if not material.lamina.enabled:
+                layout.operator("lamina.add_stack", icon="ADD")
+            layout.menu("LAMINA_MT_presets", icon="PRESET")
+
+
+class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
+    bl_label = "Layers"
+    bl_parent_id = "LAMINA_PT_main"
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        settings = material.lamina
+        layout.active = material.is_editable
+        LAMINA_UL_layers.error = _error_layer(material)
+        row = layout.row()
+        row.template_list("LAMINA_UL_layers", "", settings, "layers", settings, "active_index", rows=5)
+        column = row.column(align=True)
+        column.operator_menu_enum("lamina.layer_add", "kind", text="", icon="ADD")
+        column.operator("lamina.layer_remove", text="", icon="REMOVE")
+        column.separator()
+        column.menu("LAMINA_MT_stack", text="", icon="DOWNARROW_HLT")
+        column.separator()
+        column.operator("lamina.layer_move", text="", icon="TRIA_UP").direction = "UP"
+        column.operator("lamina.layer_move", text="", icon="TRIA_DOWN").direction = "DOWN"
+        layer = layer_list.active_layer(material)
+        if layer is not None:
+            fields.draw_layer(layout, layer)
+
+
+class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
+    bl_label = "Base"
+    bl_parent_id = "LAMINA_PT_main"
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        layout.active = material.is_editable
+        fields.draw_base(layout, material.lamina.base)
+        ior = layer_list.open_ior(material)
+        if ior is not None:
+            text = f"The sheet ends inside a dielectric of IOR {ior:.3g}: it has no back surface"
+            draw_sentence(context, layout, text)
+            layout.operator("lamina.sheet_close", icon="ADD")
+
+
+class LAMINA_PT_bake(MaterialPanel, bpy.types.Panel):
+    bl_label = "Bake"
+    bl_parent_id = "LAMINA_PT_main"
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        row = layout.row()
+        row.prop(material.lamina, "quality", expand=True)
+        row.prop(material.lamina, "live", toggle=True, icon="PLAY" if not material.lamina.live else "PAUSE")
+        row = layout.row(heading="Basis")
+        row.prop(material.lamina, "basis", expand=True)
+        job = bake_job.running_for(material)
+        if job is not None:
+            draw_progress(layout, job, "lamina.bake_cancel")
+            return
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("lamina.bake", text=_bake_label(material), icon="RENDER_STILL")
+        failure = bake_job.failure(material) or _stack_error(material)
+        if failure:
+            draw_sentence(context, layout, failure, "ERROR", alert=True)
+
+
+class LAMINA_PT_result(MaterialPanel, bpy.types.Panel):
+    bl_label = "Result"
+    bl_parent_id = "LAMINA_PT_main"
+
+    @classmethod
+    def wanted(cls, material):
+        return super().wanted(material) and bool(material.lamina.result.stack_hash)
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        _draw_state(layout, context, material)
+        if material.lamina.node_group is not None and not node_group.is_connected(material):
+            row = layout.row()
+            row.label(text="Not connected to the output", icon="UNLINKED")
+            row.operator("lamina.connect", text="Connect")
+        column = layout.column(align=True)
+        for name, value in result_lines(material.lamina.result):
+            split = column.split(factor=0.4)
+            label = split.row()
+            label.alignment = "RIGHT"
+            label.label(text=name)
+            split.label(text=value)
+
+
+def result_lines(result):
+    """(name, value) for each line of the result box."""
+    lines = [("Fit Error", f"{percent(result.fit_error)} mean, {percent(result.worst_error)} worst")]
+    lines.append(("Worst At", _place(result, "worst")))
+    if result.fit_error_transmission >= 0.0:
+        through = f"{percent(result.fit_error_transmission)} mean"
+        if result.through_worst_error >= 0.0:  # bakes of earlier versions do not tell it
+            through += f", {percent(result.through_worst_error)} worst"
+        lines.append(("Transmission", through))
+    if result.through_worst_error >= 0.0:
+        lines.append(("Worst At", _place(result, "through_worst")))
+    lines.append(("Albedo Error", percent(result.albedo_error, 2)))
+    lines.append(("Energy Error", percent(result.energy_error, 2)))
+    lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} basis"))
+    lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
+    return lines
+
+
+def _place(result, prefix):
+    """Where a worst slice is, from the properties that begin with `prefix`."""
+    names = ("mu", "channel", "side", "tau")
+    cosine, channel, side, tau = (getattr(result, f"{prefix}_{name}") for name in names)
+    angle = math.degrees(math.acos(min(max(cosine, 0.0), 1.0)))
+    place = [f"{angle:.0f}° view", CHANNELS[min(max(channel, 0), 2)]]
+    if side == "bottom":
+        place.append("back side")
+    if tau >= 0.0:
+        place.append(f"τ {tau:.2g}")
+    return ", ".join(place)
+
+
+def draw_progress(layout, job, cancel):
+    """How far a worker is, and the operator that cancels it."""
+    row = layout.row(align=True)
+    row.scale_y = 1.4
+    text = "Cancelling" if job.cancelling else f"{job.fraction:.0%}  {job.text}"
+    row.progress(factor=job.fraction, text=text)
+    row.operator(cancel, text="", icon="CANCEL")
+
+
+def _draw_state(layout, context, material):
+    state = "unknown"
+    if native.available():
+        state = bake_job.state(material) if _is_checked(material) else "stale"
+    if state == "fresh":
+        layout.label(text="Up to date", icon="CHECKMARK")
+    elif state == "stale":
+        layout.label(text="Out of date: the layers have changed", icon="FILE_REFRESH")
+    elif state == "live":
+        chosen = f"{material.lamina.quality.capitalize()}, {material.lamina.basis.capitalize()}"
+        draw_sentence(context, layout, f"Live preview of these layers; Bake makes {chosen}", "PLAY")
+    elif state == "other":
+        text = f"Out of date: baked with {bake_job.difference(material)}"
+        draw_sentence(context, layout, text, "FILE_REFRESH")
+    elif state == "invalid":
+        draw_sentence(context, layout, "Out of date: the layers cannot be baked as they are", "ERROR")
+    elif state == "none":
+        draw_sentence(context, layout, "The node group of the last bake is gone: bake again", "ERROR")
+
+
+def _bake_label(material):
+    return "Bake Again" if material.lamina.result.stack_hash else "Bake"
+
+
+def _is_checked(material):
+    """Whether the stack can be judged while the panel draws. If not, the panel is drawn again when it can."""
+    return solved_colours.is_checked(material, stack_io.to_text(material))
+
+
+def _error(material):
+    """The error in the layers as they are now, or None."""
+    if not native.available() or not _is_checked(material):
+        return None
+    return stack_check.of(stack_io.to_text(material))[1]
+
+
+def _stack_error(material):
+    """What is wrong with the layers as they are now, or ''."""
+    error = _error(material)
+    return "" if error is None else messages.sentence(error, material)
+
+
+def _error_layer(material):
+    """Index of the layer that the stack's error speaks of, or None."""
+    error = _error(material)
+    return None if error is None else messages.layer_index(str(error))
+
+
+def draw_sentence(context, layout, text, icon="INFO", alert=False):
+    """A sentence on as many lines as the panel's width asks for."""
+    scale = context.preferences.system.ui_scale
+    width = max(int((context.region.width / scale - 70.0) / 6.4), 20)
+    column = layout.column(align=True)
+    column.alert = alert
+    for number, line in enumerate(messages.wrapped(text, width)):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1")
+
+
+CLASSES = (
+    LAMINA_UL_layers,
+    LAMINA_PT_main,
+    LAMINA_PT_layers,
+    LAMINA_PT_base,
+    LAMINA_PT_bake,
+    LAMINA_PT_result,
+)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

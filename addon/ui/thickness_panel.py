@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of the varying layer's thickness: what feeds it, and how good the bake is there."""
+
+import json
+
+import bpy
+
+from ..base.messages import percent
+from ..nodes import thickness
+from .panel import MaterialPanel, draw_sentence
+
+SHOWN_ROWS = 5
+
+
+class LAMINA_PT_thickness(MaterialPanel, bpy.types.Panel):
+    bl_label = "Thickness"
+    bl_parent_id = "LAMINA_PT_main"
+
+    @classmethod
+    def wanted(cls, material):
+        return super().wanted(material) and thickness.has_input(material)
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        layout.active = material.is_editable
+        now = thickness.wiring(material)
+        row = layout.row(align=True)
+        for source in thickness.SOURCES:
+            button = row.operator(
+                "lamina.thickness_wire", text=source.capitalize(), depress=now.source == source
+            )
+            button.source = source.upper()
+            button.replace = False
+        _draw_source(context, layout, now)
+        for name, value in error_lines(material.lamina.result, now):
+            split = layout.split(factor=0.4)
+            label = split.row()
+            label.alignment = "RIGHT"
+            label.label(text=name)
+            split.label(text=value)
+
+
+def _draw_source(context, layout, now):
+    column = layout.column()
+    column.use_property_split, column.use_property_decorate = True, False
+    if now.source == "value":
+        column.prop(now.socket, "default_value", text="Thickness τ")
+    elif now.source == "attribute":
+        column.prop(now.node, "attribute_name", text="Attribute")
+        if not _has_attribute(context, now.name):
+            draw_sentence(context, layout, f"This object has no attribute “{now.name}”: its thickness is 0")
+    elif now.source == "image":
+        column.template_ID(now.node, "image", new="image.new", open="image.open")
+        mesh = getattr(context.object, "data", None)
+        if now.uv is not None and hasattr(mesh, "uv_layers"):
+            column.prop_search(now.uv, "uv_map", mesh, "uv_layers", text="UV Map")
+        problem = thickness.image_problem(now.node.image)
+        if problem:
+            draw_sentence(context, layout, problem, "ERROR", alert=True)
+    else:
+        layout.label(text=f"Linked to “{now.name}”", icon="NODE")
+
+
+def _has_attribute(context, name):
+    """Of the active object as its modifiers leave it; others are not looked at."""
+    thing = context.object
+    if thing is None or thing.type != "MESH":
+        return True
+    return name in thing.evaluated_get(context.evaluated_depsgraph_get()).data.attributes
+
+
+def error_lines(result, now):
+    """(name, value) of the fit error by thickness: at the value, or at some rows; and between rows."""
+    try:
+        rows = json.loads(result.row_errors or "[]")
+    except ValueError:
+        return []
+    if not rows:
+        return []
+    if now.source == "value":
+        tau = now.socket.default_value
+        rows = [min(rows, key=lambda row: abs(row[0] - tau))]
+    else:
+        last = len(rows) - 1
+        rows = [rows[round(last * k / (SHOWN_ROWS - 1))] for k in range(SHOWN_ROWS)]
+    lines = []
+    for tau, mean, worst in rows:
+        lines.append((f"Error at τ {tau:.2g}", f"{percent(mean)} mean, {percent(worst)} worst"))
+    if result.between_rows >= 0.0:
+        text = f"{percent(result.between_rows, 2)} mean, {percent(result.between_rows_worst)} worst"
+        lines.append(("Between Rows", text))
+    return lines
+
+
+register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_thickness,))

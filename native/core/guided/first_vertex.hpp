@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tables for the first vertex of a guided walk, whose two directions are the same for all samples.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "guided/scattering_guide.hpp"
+#include "matter/graded_medium.hpp"
+#include "numeric/rng.hpp"
+
+namespace lamina {
+
+/// The first vertex of a walk of the scattering equation in a homogeneous slab: its two directions are the same for
+/// all samples, so that tables can say, nearly without error, at which height the terms kS, Sk and SkS add how much,
+/// and for kS and Sk from which directions. These are tabulated in rectangles of the phase function's own two uniform
+/// numbers, where k is flat whatever its peak, and small in angle as well, so that they resolve S.
+class FirstVertex {
+ public:
+  FirstVertex(const GradedMedium& medium, const ScatteringGuide& guide, const SlabRay& a, const SlabRay& b);
+
+  enum class Term { kOfA, kOfB, kBoth, kNone };
+  struct Choice {
+    Term term;
+    double t;
+    std::size_t cell;
+    double up;      ///< way up in the cell
+    double weight;  ///< one over the probability and density of all that was chosen
+    SlabRay ray;    ///< the direction after scattering, for kOfA and kOfB; below the horizon nothing comes
+  };
+  /// For kOfA and kOfB the weight includes k / mu', for kBoth nothing of what follows.
+  Choice draw(Rng& rng) const;
+
+  /// What the tables say is R.
+  double rest() const { return total_; }
+
+ private:
+  static constexpr std::size_t kRows = 48;  // of the number that gives the cosine
+  static constexpr std::size_t kTurns = 48;
+  static constexpr std::size_t kSquares = kRows * kTurns;
+  struct Side {
+    SlabRay from;
+    std::vector<float> value;          // [height, square]: S~ / mu'
+    std::vector<float> keep;           // [height, square]: of Walker's alias method
+    std::vector<std::uint16_t> alias;  // [height, square]
+    ScatteringGuide::Column mean;
+  };
+  void divide();
+  void tabulate(Side& side, const ScatteringGuide& guide, const SlabRay& other);
+  SlabRay direction(const Side& side, double row, double turn) const;
+
+  GuideHeights heights_;
+  LocalScattering scattering_;
+  std::array<double, kRows + 1> rows_;  ///< where they begin
+  double slope_;                        ///< 1 / mu + 1 / mu0
+  std::array<Side, 2> sides_;
+  ScatteringGuide::Column both_;
+  ScatteringGuide::Column source_;
+  ScatteringGuide::Column mass_;
+  double total_ = 0.0;
+};
+
+}  // namespace lamina

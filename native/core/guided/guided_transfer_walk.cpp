@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "guided/guided_transfer_walk.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "guided/adjoint_source.hpp"
+#include "matter/single_scattering_shape.hpp"
+#include "numeric/azimuth_lattice.hpp"
+#include "walks/next_event.hpp"
+#include "walks/sphere.hpp"
+
+namespace lamina {
+namespace {
+
+using std::numbers::pi;
+
+/// On a lattice the variance falls much faster than the cost rises: 16 are 2.3 times as efficient as 8, 32 6.6 times.
+constexpr int kCandidates = 32;
+using Values = Eigen::Array<float, kCandidates, 1>;
+
+/// Probability of going on from a collision that is worth all that is to be found, and from one that is worth nothing.
+constexpr double kEager = 0.6;
+constexpr double kLeastOn = 0.05;
+
+const AzimuthLattice<kCandidates> lattice;
+
+/// Directions about a ray; the frame is that of Duff et al. (JCGT 2017).
+class RayFrame {
+ public:
+  explicit RayFrame(const Ray& axis) : axis_(axis) {
+    const double sign = std::copysign(1.0, axis.z);
+    const double a = -1.0 / (sign + axis.z);
+    const double b = axis.x * axis.y * a;
+    first_ = {1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x};
+    second_ = {b, sign + axis.y * axis.y * a, -axis.y};
+  }
+  Ray tilted(double cosine, double along, double aside) const {
+    return normalised({cosine * axis_.x + along * first_.x + aside * second_.x,
+                       cosine * axis_.y + along * first_.y + aside * second_.y,
+                       cosine * axis_.z + along * first_.z + aside * second_.z});
+  }
+
+ private:
+  Ray axis_;
+  Ray first_;
+  Ray second_;
+};
+
+/// (1 - exp(-rate way)) / rate, rate >= 0.
+Values decayed(const Values& rate, const Values& way) {
+  const Values depth = rate * way;
+  return (depth < 1e-4F).select(way * (1.0F - 0.5F * depth), -(-depth).expm1() / rate.max(1e-30F));
+}
+
+class GuidedTransferWalk final : public Walk {
+ public:
+  GuidedTransferWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi)
+      : medium_(medium),
+        scattering_(medium_.at(0.0)),
+        tau_(medium.tau()),
+        in_{sine_of(mu_i), 0.0, -mu_i},
+        out_{sine_of(mu_o) * std::cos(dphi), sine_of(mu_o) * std::sin(dphi), mu_o},
+        exit_(out_),
+        worth_(medium_, out_),
+        both_(fitted(NextEvent::kFitting, *scattering_.p) == NextEvent::kFromBothEnds),
+        once_(scattering_.evaluate(in_.dot(out_)) * single_reflection(mu_o, mu_i, tau_) / (4.0 * pi)),
+        collides_(-std::expm1(-tau_ / mu_i)) {
+    // The first collision's worth, by the probability of coming there.
+    double before = worth(0.0, in_);
+    for (std::size_t k = 0; k < kFirst; ++k) {
+      const double after = worth(first_depth(static_cast<double>(k + 1) / kFirst), in_);
+      below_[k] = total_;
+      total_ += 0.5 * (before + after);
+      before = after;
+    }
+    below_[kFirst] = total_;
+  }
+
+  double sample(Rng& rng, std::uint64_t& events) const override {
+    ++events;
+    if (!(total_ > 0.0)) {
+      return once_;
+    }
+    const double place = rng.uniform() * total_;
+    const auto above = std::upper_bound(below_.begin() + 1, below_.end() - 1, place);
+    const auto bin = static_cast<std::size_t>(above - below_.begin()) - 1;
+    const double mass = below_[bin + 1] - below_[bin];
+    double depth = first_depth((static_cast<double>(bin) + rng.uniform()) / kFirst);
+    double weight = collides_ / kFirst * total_ / mass;
+    double value = worth(depth, in_);
+    Ray ray = in_;
+    const double usual = collides_ / kFirst * total_;
+    double score = 0.0;
+    while (true) {
+      const double on = std::clamp(kEager * weight * value / usual, kLeastOn, 1.0);
+      if (rng.uniform() >= on) {
+        score += weight * value;
+        break;
+      }
+      score += weight * value * (1.0 - 1.0 / on);
+      weight /= on;
+      ++events;
+      std::array<Ray, kCandidates> rays;
+      const Values share = both_ ? scatter<kCandidates * 5 / 8>(ray, rays, rng) : scatter<kCandidates>(ray, rays, rng);
+      Values x;
+      Values y;
+      Values z;
+      Values part;
+      const double shift = rng.uniform();
+      for (int k = 0; k < kCandidates; ++k) {
+        const Ray& next = rays[static_cast<std::size_t>(k)];
+        x[k] = static_cast<float>(next.x);
+        y[k] = static_cast<float>(next.y);
+        z[k] = static_cast<float>(next.z);
+        // A lattice with the directions, shifted in both, so that each end alone is uniform.
+        const double place_of_end = shift + static_cast<double>((5 * k) % kCandidates) / kCandidates;
+        part[k] = static_cast<float>(place_of_end < 1.0 ? place_of_end : place_of_end - 1.0);
+      }
+      const auto here = static_cast<float>(depth);
+      const auto slowness = static_cast<float>(1.0 / out_.z);
+      const Values distance = (z > 0.0F).select(Values::Constant(here), here - static_cast<float>(tau_)) / z;
+      const Values length = (z.abs() > 1e-7F).select(distance, 1e6F).min(1e6F);
+      // Next event, along all flights: of exp(-s) times what the viewer gets from there, exp(-(depth - s z) / mu_o).
+      const Values rate = 1.0F - z * slowness;
+      const Values through = (-length).exp();
+      const Values kept = (rate < 0.0F).select(through, static_cast<float>(std::exp(-depth / out_.z)));
+      const Values k_out = scattering_.evaluate_all(
+          Values(static_cast<float>(out_.x) * x + static_cast<float>(out_.y) * y + static_cast<float>(out_.z) * z));
+      score += weight * static_cast<double>((share * k_out * kept * decayed(rate.abs(), length)).mean());
+      // Ends, and which of them the walk goes on from.
+      const Values collides = -(-length).expm1();
+      const Values way = -(-part.min(0.9999999F) * collides).log1p();
+      const Values ends = (here - z * way).max(0.0F).min(static_cast<float>(tau_));
+      const Values further = worth_(ends, x, y, z);
+      const Values chances = share * collides * further;
+      const auto all = static_cast<double>(chances.sum());
+      if (!(all > 0.0)) {
+        break;
+      }
+      double rest = rng.uniform() * all;
+      int chosen = 0;
+      for (int k = 0; k < kCandidates; ++k) {
+        if (chances[k] > 0.0F) {
+          chosen = k;
+          rest -= static_cast<double>(chances[k]);
+          if (rest < 0.0) {
+            break;
+          }
+        }
+      }
+      value = static_cast<double>(further[chosen]);
+      weight *= all / (kCandidates * value);
+      ray = rays[static_cast<std::size_t>(chosen)];
+      depth = static_cast<double>(ends[chosen]);
+    }
+    return once_ + score / (4.0 * pi * out_.z);
+  }
+
+ private:
+  static constexpr std::size_t kFirst = 512;
+
+  double first_depth(double u) const { return std::min(tau_, in_.z * std::log1p(-u * collides_)); }
+
+  double worth(double depth, const Ray& ray) const {
+    using One = Eigen::Array<float, 1, 1>;
+    const auto one = [](double x) { return One::Constant(static_cast<float>(x)); };
+    return static_cast<double>(worth_(One(one(depth)), One(one(ray.x)), One(one(ray.y)), One(one(ray.z)))[0]);
+  }
+
+  /// Directions after a collision, on a lattice, some scattered backwards from the exit, and the albedo times their
+  /// weights by the balance heuristic.
+  template <int kOwn>
+  Values scatter(const Ray& ray, std::array<Ray, kCandidates>& rays, Rng& rng) const {
+    constexpr int kBack = kCandidates - kOwn;
+    const double shift = rng.uniform();
+    const double turn = 2.0 * pi * rng.uniform();
+    const double turn_cosine = std::cos(turn);
+    const double turn_sine = std::sin(turn);
+    const RayFrame around(ray);
+    Values from_ray;
+    Values from_exit;
+    for (std::size_t k = 0; k < kCandidates; ++k) {
+      const bool own = k < kOwn;
+      const auto number = static_cast<double>(own ? k : k - kOwn);
+      const double cosine = scattering_.sample((number + shift) / (own ? kOwn : kBack));
+      const double sine = sine_of(cosine);
+      const double along = sine * (turn_cosine * lattice.cosine[k] - turn_sine * lattice.sine[k]);
+      const double aside = sine * (turn_sine * lattice.cosine[k] + turn_cosine * lattice.sine[k]);
+      const Ray next = (own ? around : exit_).tilted(cosine, along, aside);
+      rays[k] = next;
+      const auto i = static_cast<Eigen::Index>(k);
+      from_ray[i] = static_cast<float>(ray.dot(next));
+      from_exit[i] = static_cast<float>(next.dot(out_));
+    }
+    const auto albedo = static_cast<float>(scattering_.albedo());
+    if constexpr (kBack == 0) {
+      return Values::Constant(albedo);
+    } else {
+      const Values p = scattering_.evaluate_all(from_ray);
+      const Values q = scattering_.evaluate_all(from_exit);
+      constexpr auto kAll = static_cast<float>(kCandidates);
+      return albedo * kAll * p / (static_cast<float>(kOwn) * p + static_cast<float>(kBack) * q);
+    }
+  }
+
+  GradedMedium medium_;
+  LocalScattering scattering_;
+  double tau_;
+  Ray in_;
+  Ray out_;
+  RayFrame exit_;
+  AdjointSource worth_;
+  bool both_;
+  double once_;      ///< the BRDF's single scattering
+  double collides_;  ///< share of the first flight
+  double total_ = 0.0;
+  std::array<double, kFirst + 1> below_{};  ///< the first collision's worth up to each bin of its probability
+};
+
+}  // namespace
+
+std::unique_ptr<Walk> make_guided_transfer_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi) {
+  if (!medium.is_homogeneous() || medium.ground() > 0.0) {
+    throw std::invalid_argument("medium: must be homogeneous, over nothing");
+  }
+  return std::make_unique<GuidedTransferWalk>(medium, mu_o, mu_i, dphi);
+}
+
+}  // namespace lamina

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A medium whose albedo and phase function vary with depth, linearly between knots.
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "phase/phase.hpp"
+
+namespace lamina {
+
+/// What scatters at one depth: k(cosine) = first p(cosine) + second q(cosine), the albedo times 4 pi the phase
+/// function's density.
+struct LocalScattering {
+  double first = 0.0;
+  double second = 0.0;
+  const PhaseFunction* p = nullptr;
+  const PhaseFunction* q = nullptr;
+
+  double albedo() const { return first + second; }
+  double evaluate(double cosine) const {
+    const double value = first * p->evaluate(cosine);
+    return second > 0.0 ? value + second * q->evaluate(cosine) : value;
+  }
+  /// The same for many cosines at once, in single precision.
+  template <typename Cosines>
+  Cosines evaluate_all(const Cosines& cosine) const {
+    const HenyeyGreenstein* lobe = second > 0.0 ? nullptr : p->as_henyey_greenstein();
+    if (lobe == nullptr) {
+      return cosine.unaryExpr([&](float c) { return static_cast<float>(evaluate(static_cast<double>(c))); });
+    }
+    const auto g = static_cast<float>(lobe->g);
+    const Cosines denominator = 1.0F + g * g - (2.0F * g) * cosine;
+    return (static_cast<float>(first) * (1.0F - g * g)) / (denominator * denominator.sqrt());
+  }
+
+  /// The cosine for a uniform u in (0, 1), distributed as evaluate(cosine) / (2 albedo).
+  double sample(double u) const {
+    const double share = second > 0.0 ? first / (first + second) : 1.0;
+    return u < share ? p->sample(u / share) : q->sample((u - share) / (1.0 - share));
+  }
+};
+
+/// A slab whose properties vary with depth. Between knots, albedo times phase function varies linearly with the
+/// optical depth; two knots at one depth are a jump.
+class GradedMedium {
+ public:
+  struct Knot {
+    double tau = 0.0;     ///< optical depth below the top
+    double albedo = 0.0;  ///< [0, 1]
+    PhaseFunction phase;
+  };
+
+  /// Knots from the top, tau 0, to the bottom; tau never falls, and rises from the first and to the last. Throws
+  /// std::invalid_argument otherwise.
+  explicit GradedMedium(std::vector<Knot> knots);
+  static GradedMedium homogeneous(double albedo, double tau, const PhaseFunction& phase);
+
+  /// The same on a Lambert surface of that reflectance, [0, 1], for the roads of the scattering equation, to which it
+  /// is S where t = 0. Without, there is nothing below, or something black.
+  GradedMedium over(double reflectance) const;
+  double ground() const { return ground_; }
+  /// Upside down, over nothing.
+  GradedMedium turned() const;
+
+  double tau() const { return knots_.back().tau; }
+  bool is_homogeneous() const { return homogeneous_; }
+  bool is_isotropic() const { return isotropic_; }
+  const std::vector<Knot>& knots() const { return knots_; }
+  /// Optical heights of the knots between top and bottom, ascending; a jump's is there twice.
+  std::vector<double> inner_heights() const;
+  double largest_albedo() const;
+  /// The phase function of a knot that has the largest mean cosine, either way.
+  const PhaseFunction& sharpest_phase() const;
+  /// Whether both ends of the piece below knot `above` have the same phase function.
+  bool keeps_phase(std::size_t above) const { return keeps_phase_[above]; }
+  bool is_constant(std::size_t above) const {
+    return keeps_phase_[above] && knots_[above].albedo == knots_[above + 1].albedo;
+  }
+
+  /// What scatters at the optical height t above the bottom; at a jump, what lies below it.
+  LocalScattering at(double t) const {
+    if (homogeneous_) {
+      return {knots_.front().albedo, 0.0, &knots_.front().phase, &knots_.front().phase};
+    }
+    return at_depth(tau() - t);
+  }
+  LocalScattering at_depth(double depth) const;
+
+ private:
+  std::vector<Knot> knots_;
+  std::vector<bool> keeps_phase_;
+  bool homogeneous_ = false;
+  bool isotropic_ = false;
+  double ground_ = 0.0;
+};
+
+}  // namespace lamina

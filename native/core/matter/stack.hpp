@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A stack: media and boundaries, top first, on a base.
+#pragma once
+#include <algorithm>
+#include <complex>
+#include <variant>
+#include <vector>
+
+#include "matter/graded_medium.hpp"
+#include "matter/medium.hpp"
+#include "matter/microfacet.hpp"
+
+namespace lamina {
+
+/// A boundary between two dielectrics. `ior` is the absolute refractive index of all that lies below it,
+/// down to the next interface; above the first one is air, of index 1. Smooth when facets.alpha is 0.
+struct Interface {
+  double ior = 1.5;
+  Facets facets{.alpha = 0.0};
+  bool compensate = true;  ///< give back the energy that single-scattering facets lose
+
+  /// Between media of one index there is no boundary, however rough.
+  bool is_rough(double ior_above) const { return facets.alpha > 0.0 && ior != ior_above; }
+};
+
+using Layer = std::variant<Medium, Interface, GradedMedium>;
+
+/// What lies below the last layer.
+struct Base {
+  enum class Kind { kNone, kLambert, kConductor };
+  Kind kind = Kind::kNone;        ///< none: a thin sheet, light leaves at the bottom
+  double reflectance = 0.0;       ///< of a Lambert surface, [0, 1]
+  std::complex<double> ior = {};  ///< of a conductor, n + ik, absolute
+  Facets facets{.alpha = 0.0};    ///< of a conductor
+  bool compensate = true;
+};
+
+/// One channel of a stack, top layer first. A half-space is a last layer of infinite thickness.
+struct Stack {
+  std::vector<Layer> layers;
+  Base base;
+};
+
+/// True if all layers are homogeneous media, over nothing or a Lambert surface.
+inline bool has_only_media(const Stack& stack) {
+  return stack.base.kind != Base::Kind::kConductor &&
+         std::all_of(stack.layers.begin(), stack.layers.end(),
+                     [](const Layer& layer) { return std::holds_alternative<Medium>(layer); });
+}
+
+/// The refractive index in which each layer begins, then the one below the last.
+inline std::vector<double> refractive_indices(const Stack& stack) {
+  std::vector<double> indices{1.0};
+  for (const Layer& layer : stack.layers) {
+    const auto* boundary = std::get_if<Interface>(&layer);
+    indices.push_back(boundary != nullptr ? boundary->ior : indices.back());
+  }
+  return indices;
+}
+
+}  // namespace lamina

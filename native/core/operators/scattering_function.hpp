@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One azimuth order of the scattering function of a layer or a stack.
+#pragma once
+#include "operators/direction_operator.hpp"
+#include "operators/directions.hpp"
+
+namespace lamina {
+
+/// One azimuth order of the scattering function of a layer or a stack, in the symmetric scaling of
+/// Directions. Reciprocity makes the reflections symmetric and the way up the transpose of the way down.
+struct ScatteringFunction {
+  DirectionOperator reflect_above;  ///< R: from above to above
+  DirectionOperator transmit;       ///< T: from above to below; its transpose is T', from below to above
+  DirectionOperator reflect_below;  ///< R': from below to below
+
+  ScatteringFunction reversed() const { return {reflect_below, transmit.transposed(), reflect_above}; }
+
+  /// Absorbs everything.
+  static ScatteringFunction nothing(Eigen::Index size, Eigen::Index nodes,
+                                    Eigen::Index views = DirectionOperator::kAllTargets) {
+    return {DirectionOperator::zero(size, nodes, views), DirectionOperator::zero(size, nodes, views),
+            DirectionOperator::zero(size, nodes, views)};
+  }
+
+  /// Delta parts alone, all zero; kernels of no size, for lists of targets too long for them.
+  static ScatteringFunction bare(Eigen::Index size, Eigen::Index nodes) {
+    const DirectionOperator none{Eigen::MatrixXd(), Eigen::VectorXd::Zero(size), nodes};
+    return {none, none, none};
+  }
+
+  /// The same with kernels that are zero.
+  ScatteringFunction with_zero_kernels() const {
+    ScatteringFunction s = *this;
+    for (DirectionOperator* part : {&s.reflect_above, &s.transmit, &s.reflect_below}) {
+      part->kernel.setZero(part->delta.size(), part->delta.size());
+    }
+    return s;
+  }
+
+  /// Nothing there: light passes unchanged.
+  static ScatteringFunction empty(const Directions& directions) {
+    ScatteringFunction s = nothing(directions.size(), directions.nodes, directions.views);
+    s.transmit.delta.setOnes();
+    return s;
+  }
+
+  /// A Lambert surface seen from above; nothing comes through. Its kernel is the same for all
+  /// directions, so only azimuth order 0 has any.
+  static ScatteringFunction lambert(double reflectance, int order, const Directions& directions) {
+    ScatteringFunction s = nothing(directions.size(), directions.nodes, directions.views);
+    if (order == 0) {
+      s.reflect_above.kernel =
+          directions.spread((reflectance * directions.scale * directions.scale.transpose()).eval());
+    }
+    return s;
+  }
+};
+
+}  // namespace lamina

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "rough/lobe_operator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rough/wave_grid.hpp"
+
+namespace lamina {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The ranges of nodes that exist in one medium.
+struct Part {
+  const DirectionSet::Range* range;
+  Index first;
+  WaveTables tables;
+};
+
+std::vector<Part> parts_of(const DirectionSet& set, double ior, int orders) {
+  std::vector<Part> parts;
+  Index first = 0;
+  for (const DirectionSet::Range& range : set.ranges()) {
+    if (range.ior <= ior) {
+      parts.push_back({&range, first, WaveTables(range.nodes, orders)});
+      first += range.nodes.mu.size();
+    }
+  }
+  return parts;
+}
+
+Index live_nodes(const std::vector<Part>& parts) {
+  return parts.empty() ? 0 : parts.back().first + parts.back().range->nodes.mu.size();
+}
+
+/// Sums over rays in a medium of share * polynomial * cos(m phi).
+class Projection {
+ public:
+  Projection(const std::vector<Part>& parts, double ior)
+      : parts_(parts), ior_(ior), inverse_common_(live_nodes(parts)) {
+    for (const Part& part : parts_) {
+      const Quadrature& nodes = part.range->nodes;
+      inverse_common_.segment(part.first, nodes.mu.size()) =
+          (2.0 * nodes.mu.array() * nodes.weight.array()).sqrt().inverse() / part.range->ior;
+      grids_.emplace_back(part.tables);
+    }
+  }
+
+  /// Live nodes by orders.
+  MatrixXd sum(const Rays& rays, int orders) {
+    for (WaveGrid& grid : grids_) {
+      grid.clear();
+    }
+    for (std::size_t k = 0; k < rays.mu.size(); ++k) {
+      add(rays.share[k], rays.mu[k], rays.azimuth[k]);
+    }
+    MatrixXd result(inverse_common_.size(), orders);
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      result.middleRows(parts_[k].first, parts_[k].range->nodes.mu.size()) = grids_[k].sums();
+    }
+    return inverse_common_.asDiagonal() * result;
+  }
+
+ private:
+  /// To the range that holds the ray, with its cosine in the medium that the range belongs to.
+  void add(double share, double mu, double azimuth) {
+    double own = mu;
+    std::size_t chosen = 0;
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      const double ratio = ior_ / parts_[k].range->ior;
+      const double square = ratio == 1.0 ? mu * mu : 1.0 - ratio * ratio * (1.0 - mu * mu);
+      if (square < 0.0) {
+        continue;
+      }
+      own = std::sqrt(square);
+      chosen = k;
+      if (own <= parts_[k].range->nodes.high()) {
+        break;
+      }
+    }
+    grids_[chosen].add(share, own, azimuth);
+  }
+
+  const std::vector<Part>& parts_;
+  double ior_;
+  VectorXd inverse_common_;
+  std::vector<WaveGrid> grids_;
+};
+
+}  // namespace
+
+std::shared_ptr<const LobeOperator::Columns> LobeOperator::from(const VectorXd& mu, const VectorXd& common,
+                                                                ThreadPool& pool) const {
+  {
+    const std::scoped_lock guard(last_->lock);
+    if (last_->columns && last_->mu.size() == mu.size() && last_->mu == mu && last_->common == common) {
+      return last_->columns;
+    }
+  }
+  const auto columns = std::make_shared<const Columns>(columns_from(mu, common, pool));
+  const std::scoped_lock guard(last_->lock);
+  last_->mu = mu;
+  last_->common = common;
+  last_->columns = columns;
+  return columns;
+}
+
+LobeOperator::Columns LobeOperator::columns_from(const VectorXd& mu, const VectorXd& common, ThreadPool& pool) const {
+  Columns columns;
+  const std::vector<Part> here = parts_of(set_, ior_, orders_);
+  const std::vector<Part> there = parts_of(set_, beyond_, orders_);
+  const auto shape = [&](std::vector<MatrixXd>& matrices, const std::vector<Part>& parts) {
+    matrices.assign(static_cast<std::size_t>(orders_), MatrixXd(live_nodes(parts), mu.size()));
+  };
+  shape(columns.reflected, here);
+  if (beyond_ > 0.0) {
+    shape(columns.transmitted, there);
+  }
+  constexpr Index kChunk = 4;
+  pool.run(static_cast<std::size_t>((mu.size() + kChunk - 1) / kChunk), [&](std::size_t chunk) {
+    Rays reflected;
+    Rays transmitted;
+    Projection own(here, ior_);
+    Projection other(there, beyond_);
+    const Index first = static_cast<Index>(chunk) * kChunk;
+    for (Index i = first; i < std::min(first + kChunk, mu.size()); ++i) {
+      rays_.scatter(mu[i], reflected, transmitted);
+      const auto keep = [&](std::vector<MatrixXd>& matrices, const MatrixXd& sums) {
+        for (std::size_t m = 0; m < matrices.size(); ++m) {
+          matrices[m].col(i) = common[i] * sums.col(static_cast<Index>(m));
+        }
+      };
+      keep(columns.reflected, own.sum(reflected, orders_));
+      if (beyond_ > 0.0) {
+        keep(columns.transmitted, other.sum(transmitted, orders_));
+      }
+    }
+  });
+  return columns;
+}
+
+LobeOperator::Columns LobeOperator::on_nodes(ThreadPool& pool) const {
+  constexpr double kFiner = 1.5;
+  const DirectionSet fine = set_.finer_by(kFiner);
+  const Directions in = fine.in_medium(ior_, VectorXd());
+  const Index live = set_.in_medium(ior_, VectorXd()).live;
+  const MatrixXd carry = set_.carry_to(fine).topLeftCorner(in.live, live);
+  Columns columns = columns_from(in.mu, ior_ * in.scale, pool);
+  for (std::vector<MatrixXd>* matrices : {&columns.reflected, &columns.transmitted}) {
+    for (MatrixXd& matrix : *matrices) {
+      matrix = (matrix * carry).eval();
+    }
+  }
+  return columns;
+}
+
+}  // namespace lamina

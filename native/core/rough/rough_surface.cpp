@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "rough/rough_surface.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "numeric/legendre.hpp"
+
+namespace lamina {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using std::numbers::pi;
+
+/// C = n scale of all directions, 1 at targets, 0 where there is none.
+VectorXd common_scale(const Directions& directions) { return directions.ior * directions.spread(directions.scale); }
+
+/// For each incoming direction the flux that leaves into all directions: sum over nodes of C_j M_ji.
+VectorXd leaving_flux(const MatrixXd& matrix, const Directions& out) {
+  return matrix.topRows(out.nodes).transpose() * common_scale(out).head(out.nodes);
+}
+
+/// What of the incident flux, C_i, is missing; rounding does not count as a gain.
+VectorXd lost_flux(const Directions& in, const VectorXd& kept) { return (common_scale(in) - kept).cwiseMax(0.0); }
+
+/// The largest share of flux that is gained, by the nodes together or by any target that is not grazing: facets
+/// cannot gain, only too coarse a quadrature can.
+double gain(const Directions& in, const VectorXd& kept) {
+  constexpr double kGrazing = 0.04;
+  const VectorXd gained = kept - common_scale(in);
+  const VectorXd nodes = common_scale(in).head(in.nodes);
+  double worst = gained.head(in.nodes).dot(nodes) / nodes.squaredNorm();
+  for (Eigen::Index t = 0; t < in.targets; ++t) {
+    if (in.mu[in.live + t] >= kGrazing) {
+      worst = std::max(worst, gained[in.nodes + t]);
+    }
+  }
+  return worst;
+}
+
+double node_sum(const VectorXd& values, const Directions& directions) {
+  return values.head(directions.nodes).dot(common_scale(directions).head(directions.nodes));
+}
+
+void require_no_gain(double gained) {
+  constexpr double kAllowed = 1e-4;
+  if (gained > kAllowed) {
+    std::ostringstream message;
+    message << "the stack cannot be resolved: a rough boundary gains " << gained << " of its flux (allowed " << kAllowed
+            << ")";
+    throw std::runtime_error(message.str());
+  }
+}
+
+/// Polynomials orthonormal in flux on each range of a medium's live nodes, as columns, and their degrees.
+struct Modes {
+  MatrixXd basis;
+  Eigen::VectorXi degree;
+
+  Modes(const DirectionSet& set, const Directions& nodes)
+      : basis(MatrixXd::Zero(nodes.live, nodes.live)), degree(nodes.live) {
+    Eigen::Index first = 0;
+    for (const DirectionSet::Range& range : set.ranges()) {
+      const Eigen::Index n = range.nodes.mu.size();
+      if (range.ior > nodes.ior) {
+        break;
+      }
+      const VectorXd x =
+          2.0 * (range.nodes.mu.array() - range.nodes.low()) / (range.nodes.high() - range.nodes.low()) - 1.0;
+      const VectorXd common = nodes.scale.segment(first, n);
+      const MatrixXd powers = common.asDiagonal() * associated_legendre(0, static_cast<int>(n), x).transpose().eval();
+      basis.block(first, first, n, n) = powers.householderQr().householderQ();
+      degree.segment(first, n) = Eigen::VectorXi::LinSpaced(static_cast<int>(n), 0, static_cast<int>(n) - 1);
+      first += n;
+    }
+  }
+};
+
+/// The same map discretised from both of its ends. Sums over facets are least sure of the highest polynomials on
+/// the side where light leaves: between two of them, that one counts which found the lower at that side.
+MatrixXd merged(const MatrixXd& one, const MatrixXd& other, const Modes& out, const Modes& in) {
+  MatrixXd modes = out.basis.transpose() * one * in.basis;
+  const MatrixXd back = in.basis.transpose() * other * out.basis;
+  for (Eigen::Index k = 0; k < modes.cols(); ++k) {
+    for (Eigen::Index l = 0; l < modes.rows(); ++l) {
+      if (out.degree[l] > in.degree[k]) {
+        modes(l, k) = back(k, l);
+      } else if (out.degree[l] == in.degree[k]) {
+        modes(l, k) = 0.5 * (modes(l, k) + back(k, l));
+      }
+    }
+  }
+  return out.basis * modes * in.basis.transpose();
+}
+
+MatrixXd merged(const MatrixXd& reflection, const Modes& modes) {
+  const MatrixXd once = merged(reflection, reflection, modes, modes);
+  return 0.5 * (once + once.transpose());  // rounding
+}
+
+/// Puts back on the diagonal of a reflection what merging took from the flux out of each node.
+void restore(MatrixXd& reflection, const VectorXd& exact, const VectorXd& kept, const VectorXd& common) {
+  reflection.diagonal() += (exact - kept).cwiseQuotient(common);
+}
+
+MatrixXd merged_keeping_flux(const MatrixXd& one, const Modes& modes, const Directions& nodes) {
+  MatrixXd reflection = merged(one, modes);
+  const VectorXd common = nodes.ior * nodes.scale;
+  restore(reflection, one.transpose() * common, reflection * common, common);
+  return reflection;
+}
+
+/// Cosines in a medium at which ranges of nodes end.
+std::vector<double> ends(const DirectionSet& set, double ior) {
+  std::vector<double> cosines{0.0};
+  for (const DirectionSet::Range& range : set.ranges()) {
+    const double own = range.nodes.high();
+    const double cosine = refracted_cosine(own, range.ior, ior);
+    // The end of a denser medium's ranges is the beginning of the next thinner one's.
+    if (range.ior <= ior && cosine > 0.0 && cosine < 1.0) {
+      cosines.push_back(cosine);
+    }
+  }
+  return cosines;
+}
+
+FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int orders, double fineness) {
+  constexpr double kPerOrder = 1.2;
+  double degree = kPerOrder * orders;
+  for (const DirectionSet::Range& range : set.ranges()) {
+    degree = std::max(degree, fineness * static_cast<double>(range.nodes.mu.size()));
+  }
+  return {static_cast<int>(degree), ends(set, ior), beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
+}
+
+/// Writes one part of an operator: its block on live nodes, and columns and rows of targets. `arriving` is light
+/// that comes in along targets, `leaving` what goes out along them, by incoming live nodes.
+void fill(MatrixXd& kernel, const Directions& out, const Directions& in, const MatrixXd& nodes,
+          const MatrixXd& arriving, const MatrixXd& leaving) {
+  kernel.topLeftCorner(out.live, in.live) = nodes;
+  kernel.block(0, in.nodes, out.live, in.targets) = arriving;
+  kernel.block(out.nodes, 0, out.targets, in.live) = leaving;
+}
+
+}  // namespace
+
+RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders,
+                           ThreadPool& pool, double fineness)
+    : ior_above_(ior_above), ior_below_(interface.ior), compensate_(interface.compensate) {
+  const Facets facets = interface.facets;
+  const double ior_below = interface.ior;
+  reflect_above_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
+    return pi * dielectric_reflection(facets, ior_above, ior_below, o, i, cosines);
+  };
+  reflect_below_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
+    return pi * dielectric_reflection(facets, ior_below, ior_above, o, i, cosines);
+  };
+  transmit_ = [=](double below, double above, const ArrayXd& cosines) -> ArrayXd {
+    return pi * ior_above * ior_below * dielectric_transmission(facets, ior_above, ior_below, above, below, cosines);
+  };
+  from_above_.emplace(FacetRays(facets, ior_below / ior_above, pieces(set, ior_above, ior_below, orders, fineness)),
+                      set, ior_above, ior_below, orders);
+  from_below_.emplace(FacetRays(facets, ior_above / ior_below, pieces(set, ior_below, ior_above, orders, fineness)),
+                      set, ior_below, ior_above, orders);
+  const LobeOperator::Columns above = from_above_->on_nodes(pool);
+  const LobeOperator::Columns below = from_below_->on_nodes(pool);
+  const Directions over = set.in_medium(ior_above, VectorXd());
+  const Directions under = set.in_medium(ior_below, VectorXd());
+  const Modes modes_over(set, over);
+  const Modes modes_under(set, under);
+  for (std::size_t m = 0; m < above.reflected.size(); ++m) {
+    nodes_.push_back({merged(above.reflected[m], modes_over),
+                      merged(above.transmitted[m], below.transmitted[m], modes_under, modes_over),
+                      merged(below.reflected[m], modes_under)});
+  }
+  const VectorXd c_over = over.ior * over.scale;
+  const VectorXd c_under = under.ior * under.scale;
+  Nodes& flux = nodes_.front();
+  restore(flux.reflect_above,
+          above.reflected.front().transpose() * c_over + above.transmitted.front().transpose() * c_under,
+          flux.reflect_above * c_over + flux.transmit.transpose() * c_under, c_over);
+  restore(flux.reflect_below,
+          below.reflected.front().transpose() * c_under + below.transmitted.front().transpose() * c_over,
+          flux.reflect_below * c_under + flux.transmit * c_over, c_under);
+}
+
+RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders,
+                           ThreadPool& pool, double fineness)
+    : ior_above_(ior_above), ior_below_(ior_above), compensate_(conductor.compensate) {
+  const Facets facets = conductor.facets;
+  const std::complex<double> ratio = conductor.ior / ior_above;
+  reflect_above_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
+    return pi * conductor_reflection(facets, ratio, o, i, cosines);
+  };
+  const FacetRays::Pieces own = pieces(set, ior_above, 0.0, orders, fineness);
+  from_above_.emplace(
+      FacetRays(facets, [ratio](double mu) { return conductor_fresnel(mu, ratio); }, own), set, ior_above, 0.0, orders);
+  const Directions over = set.in_medium(ior_above, VectorXd());
+  const Modes modes(set, over);
+  for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
+    nodes_.push_back(
+        {nodes_.empty() ? merged_keeping_flux(matrix, modes, over) : merged(matrix, modes), MatrixXd(), MatrixXd()});
+  }
+  if (compensate_) {
+    mean_fresnel_ = mean_conductor_fresnel(ratio);
+    perfect_.emplace(FacetRays(facets, [](double) { return 1.0; }, own), set, ior_above, 0.0, 1);
+    perfect_nodes_ = merged_keeping_flux(perfect_->on_nodes(pool).reflected.front(), modes, over);
+  }
+}
+
+RoughSurface::Operators RoughSurface::on(const Directions& above, const Directions& below, ThreadPool& pool) const {
+  const auto targets = [&](const LobeOperator& rays, const Directions& in) {
+    return rays.from(in.mu.tail(in.targets), in.ior * in.scale.tail(in.targets), pool);
+  };
+  const std::shared_ptr<const LobeOperator::Columns> downward = targets(*from_above_, above);
+  const std::shared_ptr<const LobeOperator::Columns> upward = from_below_ ? targets(*from_below_, below) : nullptr;
+  std::vector<ScatteringFunction> orders;
+  for (std::size_t m = 0; m < nodes_.size(); ++m) {
+    ScatteringFunction& order = orders.emplace_back(ScatteringFunction::nothing(above.size(), above.nodes));
+    fill(order.reflect_above.kernel, above, above, nodes_[m].reflect_above, downward->reflected[m],
+         downward->reflected[m].transpose());
+    if (from_below_) {
+      fill(order.transmit.kernel, below, above, nodes_[m].transmit, downward->transmitted[m],
+           upward->transmitted[m].transpose());
+      fill(order.reflect_below.kernel, below, below, nodes_[m].reflect_below, upward->reflected[m],
+           upward->reflected[m].transpose());
+    }
+  }
+  ScatteringFunction lobes = orders.front();
+  MatrixXd& mean_above = orders.front().reflect_above.kernel;
+  if (!from_below_) {
+    if (perfect_) {
+      const MatrixXd whole = targets(*perfect_, above)->reflected.front();
+      MatrixXd all = MatrixXd::Zero(above.size(), above.size());
+      fill(all, above, above, perfect_nodes_, whole, whole.transpose());
+      const VectorXd kept = leaving_flux(all, above);
+      require_no_gain(gain(above, kept));
+      const VectorXd lost = lost_flux(above, kept);
+      const double loss = node_sum(lost, above);
+      if (loss > 0.0) {
+        // Reflected again and again, each time with the mean reflectance, until it gets out.
+        const double share = loss / node_sum(common_scale(above), above);
+        const double again = mean_fresnel_ * mean_fresnel_ * (1.0 - share) / (1.0 - mean_fresnel_ * share);
+        mean_above += again / loss * lost * lost.transpose();
+      }
+    }
+    return {std::move(orders), std::move(lobes)};
+  }
+  MatrixXd& through = orders.front().transmit.kernel;
+  MatrixXd& mean_below = orders.front().reflect_below.kernel;
+  const VectorXd kept_above = leaving_flux(mean_above, above) + leaving_flux(through, below);
+  const VectorXd kept_below = leaving_flux(mean_below, below) + leaving_flux(through.transpose(), above);
+  require_no_gain(std::max(gain(above, kept_above), gain(below, kept_below)));
+  if (compensate_) {
+    const VectorXd up = lost_flux(above, kept_above);
+    const VectorXd down = lost_flux(below, kept_below);
+    const double loss = node_sum(up, above) + node_sum(down, below);
+    if (loss > 0.0) {
+      mean_above += up * up.transpose() / loss;
+      through += down * up.transpose() / loss;
+      mean_below += down * down.transpose() / loss;
+    }
+  }
+  return {std::move(orders), std::move(lobes)};
+}
+
+ArrayXd RoughSurface::value(Face from, Face to, double mu_from, double mu_to, const ArrayXd& cosines) const {
+  if (from == Face::kTop && to == Face::kTop) {
+    return reflect_above_(mu_to, mu_from, cosines) / (pi * ior_above_ * ior_above_);
+  }
+  if (!transmit_) {
+    return ArrayXd::Zero(cosines.size());
+  }
+  if (from == to) {
+    return reflect_below_(mu_to, mu_from, cosines) / (pi * ior_below_ * ior_below_);
+  }
+  const bool down = from == Face::kTop;
+  return transmit_(down ? mu_to : mu_from, down ? mu_from : mu_to, cosines) / (pi * ior_above_ * ior_below_);
+}
+
+}  // namespace lamina

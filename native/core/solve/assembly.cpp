@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/assembly.hpp"
+
+#include "operators/adding.hpp"
+#include "operators/interface.hpp"
+
+namespace lamina {
+
+Assembly::Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool, Eigen::Index views)
+    : solution_(solution), directions_(solution.directions(targets)) {
+  for (Directions& directions : directions_) {
+    directions.views = views;
+  }
+  for (const Solution::Boundary& boundary : solution.boundaries()) {
+    const bool at_base = boundary.layer == solution.stack().layers.size();
+    const Directions& below = directions_[at_base ? boundary.layer : boundary.layer + 1];
+    surfaces_.push_back(boundary.surface->on(directions_[boundary.layer], below, pool));
+  }
+  for (const Solution::Scatterer& scatterer : solution.scatterers()) {
+    shapes_.emplace_back(directions_[scatterer.layer], scatterer.medium.tau);
+  }
+  deltas_ = DeltaField(layers(0, nullptr));
+}
+
+Assembly::Assembly(const Solution& solution, const Eigen::VectorXd& targets)
+    : solution_(solution), directions_(solution.directions(targets)) {
+  deltas_ = DeltaField(layers(0, nullptr));
+}
+
+std::vector<LayerKernels> Assembly::once(int order) const {
+  std::vector<LayerKernels> kernels;
+  for (std::size_t k = 0; k < shapes_.size(); ++k) {
+    const Solution::Scatterer& scatterer = solution_.scatterers()[k];
+    kernels.push_back(single_on(directions_[scatterer.layer], scatterer.medium, shapes_[k], order));
+  }
+  return kernels;
+}
+
+std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<LayerKernels>* once) const {
+  const bool kernels = once != nullptr;
+  const Stack& stack = solution_.stack();
+  std::vector<ScatteringFunction> functions;
+  std::size_t scatterer = 0;
+  std::size_t surface = 0;
+  const auto rough = [&](const Directions& here) {
+    functions.push_back(kernels ? surfaces_[surface].orders[static_cast<std::size_t>(order)]
+                                : ScatteringFunction::bare(here.size(), here.nodes));
+    ++surface;
+  };
+  const auto push_smooth = [&](ScatteringFunction deltas) {
+    functions.push_back(kernels ? deltas.with_zero_kernels() : std::move(deltas));
+  };
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    const Directions& here = directions_[layer];
+    if (const auto* interface = std::get_if<Interface>(&stack.layers[layer])) {
+      if (interface->is_rough(here.ior)) {
+        rough(here);
+      } else {
+        push_smooth(smooth_interface(here, directions_[layer + 1]));
+      }
+      continue;
+    }
+    const TruncatedMedium& medium = solution_.scatterers()[scatterer].medium;
+    if (kernels) {
+      functions.push_back(
+          layer_on(here, solution_.multiple(order, scatterer), medium, shapes_[scatterer], (*once)[scatterer], order));
+    } else {
+      ScatteringFunction direct = ScatteringFunction::bare(here.size(), here.nodes);
+      direct.transmit.delta = here.spread(direct_transmissions(here.mu, medium.tau));
+      functions.push_back(std::move(direct));
+    }
+    ++scatterer;
+  }
+  const Base& base = stack.base;
+  const Directions& bottom = directions_.back();
+  if (base.kind == Base::Kind::kLambert) {
+    functions.push_back(kernels ? ScatteringFunction::lambert(base.reflectance, order, bottom)
+                                : ScatteringFunction::bare(bottom.size(), bottom.nodes));
+  } else if (base.kind == Base::Kind::kConductor && base.facets.alpha > 0.0) {
+    rough(bottom);
+  } else if (base.kind == Base::Kind::kConductor) {
+    push_smooth(smooth_conductor(base.ior, bottom));
+  }
+  for (ScatteringFunction& function : functions) {
+    for (DirectionOperator* part : {&function.reflect_above, &function.transmit, &function.reflect_below}) {
+      part->views = bottom.views;
+    }
+  }
+  return functions;
+}
+
+ScatteringFunction Assembly::joined(int order, const std::vector<LayerKernels>& once) const {
+  const std::vector<ScatteringFunction> functions = layers(order, &once);
+  if (functions.empty()) {
+    return ScatteringFunction::empty(directions_.front());
+  }
+  ScatteringFunction whole = functions.back();
+  for (std::size_t k = functions.size() - 1; k-- > 0;) {
+    whole = join(functions[k], whole);
+  }
+  return whole;
+}
+
+ScatteringFunction Assembly::without_single(int order) const {
+  const Stack& stack = solution_.stack();
+  const std::vector<Solution::Scatterer>& scatterers = solution_.scatterers();
+  const bool base_reflects = stack.base.kind == Base::Kind::kConductor ||
+                             (stack.base.kind == Base::Kind::kLambert && order == 0 && stack.base.reflectance > 0.0);
+  if (stack.layers.size() == 1 && scatterers.size() == 1 && !base_reflects) {
+    // One medium alone: what is wanted is what was solved.
+    const Directions& here = directions_.front();
+    const LayerKernels alone =
+        multiple_on(here, solution_.multiple(order, 0), scatterers.front().medium, shapes_[0], order);
+    ScatteringFunction rest = ScatteringFunction::nothing(here.size(), here.nodes);
+    rest.reflect_above.kernel = alone.reflect;
+    if (stack.base.kind == Base::Kind::kNone) {
+      rest.reflect_below.kernel = alone.reflect;
+      rest.transmit.kernel = alone.transmit;
+    }
+    return rest;
+  }
+  const std::vector<LayerKernels> single = once(order);
+  ScatteringFunction rest = joined(order, single);
+  rest.reflect_above.delta.setZero();
+  rest.reflect_below.delta.setZero();
+  rest.transmit.delta.setZero();
+  const bool opaque = stack.base.kind != Base::Kind::kNone;
+  for (std::size_t k = 0; k < scatterers.size(); ++k) {
+    const std::size_t layer = scatterers[k].layer;
+    const Eigen::MatrixXd turned = directions_[layer].spread(single[k].reflect);
+    const Eigen::MatrixXd passed = directions_[layer].spread(single[k].transmit);
+    const DeltaField::Arrival& above = deltas_.from_above[layer];
+    const DeltaField::Arrival& below = deltas_.from_below[layer];
+    // Out of each face, light that arrived at either; only targets are wanted without it.
+    const auto take = [&](DirectionOperator& from, const DeltaField::Arrival& out, const DeltaField::Arrival& in) {
+      from.each_block([&](auto row, auto column, auto rows, auto columns) {
+        if (row < from.nodes || column < from.nodes) {
+          return;
+        }
+        const auto turning = turned.block(row, column, rows, columns);
+        const auto passing = passed.block(row, column, rows, columns);
+        const auto out_down = out.down.segment(row, rows).asDiagonal();
+        const auto out_up = out.up.segment(row, rows).asDiagonal();
+        const auto in_down = in.down.segment(column, columns).asDiagonal();
+        const auto in_up = in.up.segment(column, columns).asDiagonal();
+        auto part = from.kernel.block(row, column, rows, columns);
+        part -= out_down * turning * in_down;
+        part -= out_up * turning * in_up;
+        part -= out_down * passing * in_up;
+        part -= out_up * passing * in_down;
+      });
+    };
+    take(rest.reflect_above, above, above);
+    if (!opaque) {
+      take(rest.reflect_below, below, below);
+      take(rest.transmit, below, above);
+    }
+  }
+  if (opaque) {
+    rest.reflect_below.kernel.setZero();
+    rest.transmit.kernel.setZero();
+  }
+  return rest;
+}
+
+}  // namespace lamina

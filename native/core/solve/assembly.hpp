@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A solved stack on all nodes and target directions, its layers joined on demand.
+#pragma once
+#include <vector>
+
+#include "operators/delta_field.hpp"
+#include "solve/solution.hpp"
+
+namespace lamina {
+
+/// A solved stack put together for a list of target directions in air: its layers' scattering functions on
+/// all nodes and targets, joined on demand.
+class Assembly {
+ public:
+  /// `views`: see Directions; then kernels are joined only between views and lights.
+  Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool,
+           Eigen::Index views = DirectionOperator::kAllTargets);
+  /// Directions and delta field alone, for any number of targets; nothing can be joined.
+  Assembly(const Solution& solution, const Eigen::VectorXd& targets);
+
+  const Solution& solution() const { return solution_; }
+  /// Of the media between the layers, top first: one more than layers.
+  const std::vector<Directions>& directions() const { return directions_; }
+  /// Of rough boundary number `boundary` the lobes in one order, without what is given back.
+  const ScatteringFunction& lobes(std::size_t boundary, int order) const {
+    const RoughSurface::Operators& surface = surfaces_[boundary];
+    return order == 0 ? surface.lobes : surface.orders[static_cast<std::size_t>(order)];
+  }
+  /// Light that no medium and no rough boundary has scattered; by layer, the base last.
+  const DeltaField& deltas() const { return deltas_; }
+
+  /// The whole stack in one azimuth order. Lobes of rough boundaries between two targets are left out.
+  ScatteringFunction joined(int order) const { return joined(order, once(order)); }
+
+  /// The same without light that was scattered just once, by a medium or a rough boundary, and without
+  /// delta parts: smooth in azimuth.
+  ScatteringFunction without_single(int order) const;
+
+ private:
+  /// Light scattered once by each medium, in one order.
+  std::vector<LayerKernels> once(int order) const;
+  /// The layers, top first; `once` null: their delta parts alone.
+  std::vector<ScatteringFunction> layers(int order, const std::vector<LayerKernels>* once) const;
+  ScatteringFunction joined(int order, const std::vector<LayerKernels>& once) const;
+
+  const Solution& solution_;
+  std::vector<Directions> directions_;
+  std::vector<RoughSurface::Operators> surfaces_;  // by rough boundary
+  std::vector<LayerShapes> shapes_;                // by medium
+  DeltaField deltas_;
+};
+
+}  // namespace lamina

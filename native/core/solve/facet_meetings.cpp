@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/facet_meetings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lamina {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::array kFaces{Face::kTop, Face::kBottom};
+
+/// By how much a facet's slope turns a ray, in n sin(theta): reflection on either side, or refraction.
+double turn(double ior_here, double ior_beyond, bool reflects) {
+  return reflects ? 2.0 * ior_here : std::abs(ior_beyond - ior_here);
+}
+
+/// Cosines on one side at which directions of a thinner medium end.
+std::vector<double> critical_cosines(const std::vector<double>& indices, double ior) {
+  std::vector<double> cosines{0.0};
+  for (const double other : indices) {
+    if (other < ior) {
+      cosines.push_back(refracted_cosine(0.0, other, ior));
+    }
+  }
+  std::sort(cosines.begin(), cosines.end());
+  cosines.erase(std::unique(cosines.begin(), cosines.end()), cosines.end());
+  return cosines;
+}
+
+/// What a beam from outside brings to a face of a layer, and by reciprocity takes out of it, by direction.
+const VectorXd& at_face(const DeltaField::Arrival& arrival, Face face) {
+  return face == Face::kTop ? arrival.down : arrival.up;
+}
+
+}  // namespace
+
+FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), sections_(assembly.solution()) {
+  const Solution& solution = assembly.solution();
+  const Stack& stack = solution.stack();
+  const std::vector<double> indices = refractive_indices(stack);
+  const std::vector<Solution::Boundary>& rough = solution.boundaries();
+  // Of all lobes the narrowest: rays must be dense enough to see it from any other.
+  double narrowest = 1e300;
+  const auto facets = [&](const Solution::Boundary& boundary) -> const Facets& {
+    return boundary.layer == stack.layers.size() ? stack.base.facets
+                                                 : std::get<Interface>(stack.layers[boundary.layer]).facets;
+  };
+  const auto each_lobe = [&](const Solution::Boundary& boundary, auto body) {
+    const double above = indices[boundary.layer];
+    body(turn(above, above, true) * facets(boundary).alpha);
+    if (boundary.layer < stack.layers.size()) {
+      const double below = indices[boundary.layer + 1];
+      body(turn(below, above, true) * facets(boundary).alpha);
+      body(turn(above, below, false) * facets(boundary).alpha);
+    }
+  };
+  for (const Solution::Boundary& boundary : rough) {
+    each_lobe(boundary, [&](double width) { narrowest = std::min(narrowest, width); });
+  }
+  for (const Solution::Boundary& boundary : rough) {
+    double widest = 0.0;
+    each_lobe(boundary, [&](double width) { widest = std::max(widest, width); });
+    // Along the tail of a lobe, features of another are as wide as the root of the ratio of both widths.
+    constexpr double kDensity = 1.6;
+    constexpr int kDegree = 8;
+    const double density = kDensity * std::sqrt(widest / narrowest);
+    const double above = indices[boundary.layer];
+    const bool at_base = boundary.layer == stack.layers.size();
+    Boundary made{boundary.layer, at_base ? boundary.layer : boundary.layer + 1, boundary.surface.get(), {}};
+    const std::vector<double> own = critical_cosines(indices, above);
+    if (at_base) {
+      const std::complex<double> ratio = stack.base.ior / above;
+      made.rays.emplace_back(
+          facets(boundary), [ratio](double mu) { return conductor_fresnel(mu, ratio); },
+          FacetRays::Pieces{kDegree, own, {}, density});
+    } else {
+      const double below = indices[boundary.layer + 1];
+      const std::vector<double> other = critical_cosines(indices, below);
+      made.rays.emplace_back(facets(boundary), below / above, FacetRays::Pieces{kDegree, own, other, density});
+      made.rays.emplace_back(facets(boundary), above / below, FacetRays::Pieces{kDegree, other, own, density});
+    }
+    boundaries_.push_back(std::move(made));
+  }
+  for (std::size_t k = 0; k < rough.size(); ++k) {
+    meetings_.push_back({k, Face::kTop, k, Face::kTop, k, &Deltas::reflect_below});
+    if (exists(k, Face::kBottom)) {
+      meetings_.push_back({k, Face::kBottom, k, Face::kBottom, k + 1, &Deltas::reflect_above});
+    }
+    if (k > 0) {
+      meetings_.push_back({k, Face::kTop, k - 1, Face::kBottom, k, &Deltas::transmit});
+      meetings_.push_back({k - 1, Face::kBottom, k, Face::kTop, k, &Deltas::transmit});
+    }
+  }
+  // What is fainter may stay with the nodes' polynomials.
+  const double faint = 0.1 * std::min(solution.resolution().tolerance, 1e-2);
+  std::erase_if(meetings_, [&](const Meeting& meeting) { return !(between_nodes(meeting) > faint).any(); });
+}
+
+/// What of the light on nodes gets from one lobe to the other.
+ArrayXd FacetMeetings::between_nodes(const Meeting& meeting) const {
+  const std::vector<Directions>& directions = assembly_.directions();
+  const auto cosines = [&](std::size_t gap) -> ArrayXd {
+    ArrayXd all = ArrayXd::Zero(directions[gap].nodes);
+    all.head(directions[gap].live) = directions[gap].mu.head(directions[gap].live);
+    return all;
+  };
+  return sections_.section(meeting.section, cosines).*meeting.between;
+}
+
+double FacetMeetings::cosine(std::size_t boundary, Face face, Index target) const {
+  const Directions& here = assembly_.directions()[gap(boundary, face)];
+  return here.mu[here.live + target];
+}
+
+/// What one order of a boundary's lobes sends from targets on one face to nodes on another: nodes by targets.
+MatrixXd FacetMeetings::to_nodes(std::size_t boundary, Face from, Face to, int order) const {
+  const ScatteringFunction& lobes = assembly_.lobes(boundary, order);
+  const Directions& any = assembly_.directions().front();
+  if (from == to) {
+    const MatrixXd& kernel = (from == Face::kTop ? lobes.reflect_above : lobes.reflect_below).kernel;
+    return kernel.block(0, any.nodes, any.nodes, any.targets);
+  }
+  const MatrixXd& kernel = lobes.transmit.kernel;
+  return from == Face::kTop ? MatrixXd(kernel.block(0, any.nodes, any.nodes, any.targets))
+                            : MatrixXd(kernel.block(any.nodes, 0, any.targets, any.nodes).transpose());
+}
+
+void FacetMeetings::take_from(ScatteringFunction& rest, int order) const {
+  const Index targets = assembly_.directions().front().targets;
+  for (const Meeting& meeting : meetings_) {
+    const VectorXd between = between_nodes(meeting).matrix();
+    const std::size_t first = assembly_.solution().boundaries()[meeting.first].layer;
+    const std::size_t second = assembly_.solution().boundaries()[meeting.second].layer;
+    for (const Face entering : kFaces) {
+      for (const Face exiting : kFaces) {
+        const auto take = [&](DirectionOperator& part, const DeltaField::Arrival& in, const DeltaField::Arrival& out) {
+          const VectorXd arrives = at_face(in, entering).tail(targets);
+          const VectorXd leaves = at_face(out, exiting).tail(targets);
+          if (arrives.isZero(0.0) || leaves.isZero(0.0)) {
+            return;
+          }
+          part.kernel.bottomRightCorner(targets, targets) -=
+              leaves.asDiagonal() * to_nodes(meeting.second, exiting, meeting.arriving, order).transpose() *
+              between.asDiagonal() * to_nodes(meeting.first, entering, meeting.leaving, order) * arrives.asDiagonal();
+        };
+        if (!exists(meeting.first, entering) || !exists(meeting.second, exiting)) {
+          continue;
+        }
+        const DeltaField& deltas = assembly_.deltas();
+        take(rest.reflect_above, deltas.from_above[first], deltas.from_above[second]);
+        if (assembly_.solution().stack().base.kind == Base::Kind::kNone) {
+          take(rest.reflect_below, deltas.from_below[first], deltas.from_below[second]);
+          take(rest.transmit, deltas.from_above[first], deltas.from_below[second]);
+        }
+      }
+    }
+  }
+}
+
+const FacetMeetings::Lobe& FacetMeetings::lobe(std::size_t boundary, Face from, Face to, double mu,
+                                               Lobes& known) const {
+  const auto [place, is_new] = known.try_emplace({boundary, from, to, mu});
+  Lobe& made = place->second;
+  if (!is_new) {
+    return made;
+  }
+  Rays other;
+  const FacetRays& rays = boundaries_[boundary].rays[from == Face::kTop ? 0 : 1];
+  from == to ? rays.scatter(mu, made.rays, other) : rays.scatter(mu, other, made.rays);
+  for (const double share : made.rays.share) {
+    made.whole += share;
+  }
+  return made;
+}
+
+/// The rays of the first lobe, met by the second; `backwards`: the other way round.
+void FacetMeetings::add_rays(ArrayXd& sum, const Meeting& meeting, bool backwards, Face entering, Face exiting,
+                             double mu_i, double mu_o, const Lobe& forth, const Lobe& back, const ArrayXd& dphi) const {
+  const Lobe& own = backwards ? back : forth;
+  const Lobe& other = backwards ? forth : back;
+  const auto count = static_cast<Index>(own.rays.mu.size());
+  if (count == 0 || other.whole <= 0.0) {
+    return;
+  }
+  const std::vector<Directions>& directions = assembly_.directions();
+  const std::size_t begin =
+      gap(backwards ? meeting.second : meeting.first, backwards ? meeting.arriving : meeting.leaving);
+  const std::size_t end =
+      gap(backwards ? meeting.first : meeting.second, backwards ? meeting.leaving : meeting.arriving);
+  const ArrayXd mu = Eigen::Map<const ArrayXd>(own.rays.mu.data(), count);
+  const auto in_gap = [&](std::size_t gap) -> ArrayXd {
+    return mu.unaryExpr([&](double m) { return refracted_cosine(m, directions[begin].ior, directions[gap].ior); });
+  };
+  const ArrayXd between = sections_.section(meeting.section, in_gap).*meeting.between;
+  const ArrayXd arriving = in_gap(end);
+  const RoughSurface& first = *boundaries_[meeting.first].surface;
+  const RoughSurface& second = *boundaries_[meeting.second].surface;
+  const Index azimuths = dphi.size();
+  ArrayXd cosines(2 * azimuths);
+  for (Index k = 0; k < count; ++k) {
+    const auto ray = static_cast<std::size_t>(k);
+    const double strength = own.rays.share[ray] * between[k];
+    if (!(strength > 0.0 && arriving[k] > 0.0)) {
+      continue;
+    }
+    // A ray stands for itself and its mirror image in the plane of incidence.
+    const double cosine = own.rays.azimuth[ray];
+    const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+    cosines.head(azimuths) = dphi.cos() * cosine + dphi.sin() * sine;
+    cosines.tail(azimuths) = dphi.cos() * cosine - dphi.sin() * sine;
+    const ArrayXd here = ArrayXd::Constant(1, cosine);
+    const double found = backwards ? second.value(exiting, meeting.arriving, mu_o, mu[k], here)[0]
+                                   : first.value(entering, meeting.leaving, mu_i, mu[k], here)[0];
+    const ArrayXd met = backwards ? first.value(entering, meeting.leaving, mu_i, arriving[k], cosines)
+                                  : second.value(exiting, meeting.arriving, mu_o, arriving[k], cosines);
+    const double own_density = found / own.whole;
+    if (!(own_density > 0.0)) {
+      continue;
+    }
+    const ArrayXd weighted = met * (own_density / (own_density + met / other.whole));
+    sum += 0.5 * strength * (weighted.head(azimuths) + weighted.tail(azimuths));
+  }
+}
+
+ArrayXd FacetMeetings::value(Side side, Path path, Index o, Index i, const ArrayXd& dphi, Lobes& known) const {
+  constexpr std::size_t kMost = 128;  // some megabytes
+  if (known.size() > kMost) {
+    known.clear();
+  }
+  ArrayXd sum = ArrayXd::Zero(dphi.size());
+  const bool leaves_above = (side == Side::kTop) == (path == Path::kReflect);
+  const DeltaField& deltas = assembly_.deltas();
+  const Index nodes = assembly_.directions().front().nodes;
+  for (const Meeting& meeting : meetings_) {
+    const std::size_t first = assembly_.solution().boundaries()[meeting.first].layer;
+    const std::size_t second = assembly_.solution().boundaries()[meeting.second].layer;
+    const auto& in = side == Side::kTop ? deltas.from_above[first] : deltas.from_below[first];
+    const auto& out = leaves_above ? deltas.from_above[second] : deltas.from_below[second];
+    for (const Face entering : kFaces) {
+      for (const Face exiting : kFaces) {
+        const double share = at_face(in, entering)[nodes + i] * at_face(out, exiting)[nodes + o];
+        if (!(share > 0.0) || !exists(meeting.first, entering) || !exists(meeting.second, exiting)) {
+          continue;
+        }
+        const double mu_i = cosine(meeting.first, entering, i);
+        const double mu_o = cosine(meeting.second, exiting, o);
+        const Lobe& forth = lobe(meeting.first, entering, meeting.leaving, mu_i, known);
+        const Lobe& back = lobe(meeting.second, exiting, meeting.arriving, mu_o, known);
+        ArrayXd found = ArrayXd::Zero(dphi.size());
+        add_rays(found, meeting, false, entering, exiting, mu_i, mu_o, forth, back, dphi);
+        add_rays(found, meeting, true, entering, exiting, mu_i, mu_o, forth, back, dphi);
+        sum += share * found;
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace lamina

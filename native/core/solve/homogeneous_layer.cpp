@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/homogeneous_layer.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+#include "matter/single_scattering_shape.hpp"
+#include "numeric/legendre.hpp"
+
+namespace lamina {
+namespace {
+
+Eigen::VectorXd phase_weights(const TruncatedMedium& medium, int order) {
+  const int count = static_cast<int>(medium.moments.size());
+  Eigen::VectorXd weights(std::max(0, count - order));
+  for (int l = order; l < count; ++l) {
+    weights[l - order] = (2.0 * l + 1.0) * medium.moments[static_cast<std::size_t>(l)];
+  }
+  return weights;
+}
+
+/// sqrt(1 - mu^2) in odd orders, 1 in even ones.
+Eigen::ArrayXd parity_factor(int order, const Eigen::VectorXd& mu) {
+  if (order % 2 == 0) {
+    return Eigen::ArrayXd::Ones(mu.size());
+  }
+  return (1.0 - mu.array().square()).max(0.0).sqrt();
+}
+
+/// A symmetric function of two cosines and the thickness, as a matrix.
+template <typename Shape>
+Eigen::MatrixXd symmetric(const Eigen::VectorXd& mu, double tau, Shape shape) {
+  Eigen::MatrixXd values(mu.size(), mu.size());
+  for (Eigen::Index j = 0; j < mu.size(); ++j) {
+    for (Eigen::Index i = 0; i <= j; ++i) {
+      values(i, j) = values(j, i) = shape(mu[i], mu[j], tau);
+    }
+  }
+  return values;
+}
+
+/// Nodes that serve several media integrate the phase function's moments almost, but not quite exactly;
+/// what is missing from the normalisation, r = 1 - p w, is added as the smooth symmetric r_i + r_j - r.w.
+Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen::VectorXd& root) {
+  const double whole = root.squaredNorm();
+  const Eigen::VectorXd missing = (root - scattered * root).cwiseQuotient(root) / whole;
+  const double mean = missing.dot(root.cwiseAbs2()) / whole;
+  const Eigen::Index n = root.size();
+  return root.asDiagonal() *
+         (missing.replicate(1, n) + missing.transpose().replicate(n, 1) - Eigen::MatrixXd::Constant(n, n, mean)) *
+         root.asDiagonal();
+}
+
+/// Puts the smallest of some cosines first.
+Eigen::PermutationMatrix<Eigen::Dynamic> ascending_order(const Eigen::VectorXd& mu) {
+  std::vector<int> order(static_cast<std::size_t>(mu.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return mu[a] < mu[b]; });
+  Eigen::PermutationMatrix<Eigen::Dynamic> places(mu.size());
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    places.indices()[order[place]] = static_cast<int>(place);
+  }
+  return places;
+}
+
+}  // namespace
+
+HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions) {
+  const Eigen::Index n = directions.live;
+  const int count = static_cast<int>(medium.moments.size());
+  // The steepest rows first: elements grow as 1 / mu, by many powers of ten where nodes graze, and the reduction to
+  // tridiagonal form keeps the small eigenvalues only where it meets the large elements first.
+  const Eigen::PermutationMatrix<Eigen::Dynamic> ascending = ascending_order(directions.mu.head(n));
+  const Eigen::VectorXd mu = ascending * directions.mu.head(n);
+  const Eigen::MatrixXd legendre = associated_legendre(order, count, mu);
+  const Eigen::VectorXd weights = phase_weights(medium, order);
+
+  // A and B: out-scattering less in-scattering, by the parity of l - m.
+  const Eigen::VectorXd root = (ascending * directions.weight).cwiseSqrt();
+  const Eigen::VectorXd steep = mu.cwiseSqrt().cwiseInverse();
+  const auto transfer = [&](Eigen::Index parity) {
+    const Eigen::Index terms = (legendre.rows() - parity + 1) / 2;
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n, n);
+    if (terms > 0) {
+      Eigen::MatrixXd in(terms, n);
+      Eigen::MatrixXd out(terms, n);
+      for (Eigen::Index k = 0; k < terms; ++k) {
+        const Eigen::Index l = 2 * k + parity;
+        in.row(k) = legendre.row(l).cwiseProduct(root.transpose());
+        out.row(k) = medium.albedo * weights[l] * in.row(k);
+      }
+      matrix.noalias() -= in.transpose() * out;
+      if (order == 0 && parity == 0) {
+        matrix -= medium.albedo * normalising_share(in.transpose() * out / medium.albedo, root);
+      }
+    }
+    return (steep.asDiagonal() * matrix * steep.asDiagonal()).eval();
+  };
+  const Eigen::MatrixXd b = transfer(0);
+  const Eigen::LLT<Eigen::MatrixXd> a(transfer(1));
+  if (a.info() != Eigen::Success) {
+    throw std::runtime_error("the phase function cannot be resolved: transfer matrix is not positive");
+  }
+  const Eigen::MatrixXd half = a.matrixL();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(half.transpose() * (b * half));
+  if (eigen.info() != Eigen::Success) {
+    throw std::runtime_error("the modes of the equation of transfer did not converge");
+  }
+  // A conservative medium has one rate of zero, which rounding hides and an infinite depth would divide
+  // by; this floor costs a half-space 1e-9 of its reflectance.
+  constexpr double kSlowest = 1e-9;
+  rate_ = eigen.eigenvalues().cwiseMax(kSlowest * kSlowest).cwiseSqrt();
+  if (order == 0 && medium.albedo == 1.0) {
+    rate_[0] = kSlowest;
+  }
+  even_ = ascending.transpose() * (half * eigen.eigenvectors());
+  odd_ = ascending.transpose() * a.matrixU().solve(eigen.eigenvectors());
+}
+
+HomogeneousModes::Layer HomogeneousModes::layer(double tau) const {
+  const Eigen::Index n = rate_.size();
+  const double h = 0.5 * tau;
+  Eigen::VectorXd tangent(n);      // k tanh(k h)
+  Eigen::VectorXd cotangent(n);    // tanh(k h) / k
+  Eigen::VectorXd attenuation(n);  // 1 / cosh^2(k h)
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double k = rate_[i];
+    const double slope = std::tanh(k * h);
+    tangent[i] = k * slope;
+    cotangent[i] = slope / k;
+    const double hyperbolic = std::cosh(k * h);
+    attenuation[i] = 1.0 / hyperbolic / hyperbolic;
+  }
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
+  const Eigen::MatrixXd g = identity + odd_ * tangent.asDiagonal() * odd_.transpose();
+  const Eigen::MatrixXd h_matrix = identity + even_ * cotangent.asDiagonal() * even_.transpose();
+  const Eigen::LLT<Eigen::MatrixXd> g_factor(g);
+  const Eigen::LLT<Eigen::MatrixXd> h_factor(h_matrix);
+  Layer layer;
+  layer.reflect = g_factor.solve(identity) - h_factor.solve(identity);
+  // T = (1 + G)^-1 + (1 + H)^-1 - 1, brought to a form without cancellation in thick layers.
+  const Eigen::MatrixXd passing = odd_ * attenuation.asDiagonal() * even_.transpose();
+  layer.transmit = g_factor.solve(h_factor.solve(passing.transpose()).transpose());
+  return layer;
+}
+
+PhaseKernel::PhaseKernel(const TruncatedMedium& medium, int order, const Eigen::VectorXd& mu) {
+  const int count = static_cast<int>(medium.moments.size());
+  const Eigen::MatrixXd legendre = associated_legendre(order, count, mu);
+  const Eigen::VectorXd weights = phase_weights(medium, order);
+  const auto share = [&](Eigen::Index parity) {
+    const Eigen::Index terms = (legendre.rows() - parity + 1) / 2;
+    Eigen::MatrixXd rows(std::max<Eigen::Index>(terms, 0), mu.size());
+    Eigen::VectorXd factors(rows.rows());
+    for (Eigen::Index k = 0; k < terms; ++k) {
+      rows.row(k) = legendre.row(2 * k + parity);
+      factors[k] = weights[2 * k + parity];
+    }
+    return (rows.transpose() * factors.asDiagonal() * rows).eval();
+  };
+  const Eigen::MatrixXd even = share(0);
+  const Eigen::MatrixXd odd = share(1);
+  // P_l^m(-mu) = (-1)^(l-m) P_l^m(mu).
+  reflect = even - odd;
+  transmit = even + odd;
+}
+
+MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const TruncatedMedium& medium,
+                                       const PhaseKernel& phase, int order, const Directions& directions) {
+  const Eigen::VectorXd mu = directions.mu.head(directions.live);
+  layer.transmit.diagonal() -= direct_transmissions(mu, medium.tau);
+  const Eigen::VectorXd inner = parity_factor(order, mu).inverse();
+  const Eigen::VectorXd outer = inner.cwiseQuotient(directions.scale.head(directions.live));
+  const Eigen::MatrixXd shape = symmetric(mu, medium.tau, single_reflection);
+  const Eigen::MatrixXd passing = symmetric(mu, medium.tau, single_transmission);
+  const double quarter = 0.25 * medium.albedo;
+  const auto remainder = [&](const Eigen::MatrixXd& all, const Eigen::MatrixXd& phases,
+                             const Eigen::MatrixXd& single) -> Eigen::MatrixXd {
+    const Eigen::MatrixXd rest = outer.asDiagonal() * all * outer.asDiagonal() -
+                                 quarter * (inner.asDiagonal() * phases.cwiseProduct(single) * inner.asDiagonal());
+    // Reciprocity holds but for rounding, which the division makes visible in thin layers.
+    const Eigen::MatrixXd smooth = rest.cwiseQuotient(shape);
+    return 0.5 * (smooth + smooth.transpose());
+  };
+  MultipleScattering multiple{remainder(layer.reflect, phase.reflect, shape),
+                              remainder(layer.transmit, phase.transmit, passing), Eigen::VectorXd()};
+  if (order == 0) {
+    const Eigen::VectorXd scale = directions.scale.head(directions.live);
+    const Eigen::VectorXd scattered = ((layer.reflect + layer.transmit) * scale).cwiseQuotient(scale);
+    const Eigen::VectorXd removed = (1.0 - direct_transmissions(mu, medium.tau).array()).matrix();
+    multiple.survival = scattered.cwiseQuotient(removed);
+  }
+  return multiple;
+}
+
+Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau) {
+  return mu.unaryExpr([tau](double cosine) { return direct_transmission(cosine, tau); });
+}
+
+Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
+                               const TruncatedMedium& medium, const Eigen::MatrixXd& once,
+                               const Eigen::MatrixXd& repeated) {
+  const auto sums = [&](const Eigen::MatrixXd& kernel) -> Eigen::VectorXd {
+    return (kernel.transpose() * directions.scale.head(directions.live))
+        .cwiseQuotient(directions.scale.tail(directions.targets));
+  };
+  const Eigen::VectorXd all = sums(repeated);
+  const Eigen::VectorXd removed =
+      (1.0 - direct_transmissions(directions.mu.tail(directions.targets), medium.tau).array()).matrix();
+  const Eigen::VectorXd wanted =
+      (directions.interpolation.bottomRows(directions.targets) * multiple.survival).cwiseProduct(removed) - sums(once);
+  constexpr double kLargest = 1e-2;  // more would be a failure of the nodes, not of interpolation
+  return (all.array() > 0.0)
+      .select((wanted.array() / all.array()).max(1.0 - kLargest).min(1.0 + kLargest), 1.0)
+      .matrix();
+}
+
+LayerShapes::LayerShapes(const Directions& directions, double tau)
+    : reflect(symmetric(directions.mu, tau, single_reflection)),
+      transmit(symmetric(directions.mu, tau, single_transmission)) {}
+
+LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
+                         const TruncatedMedium& medium, const LayerShapes& shapes, int order) {
+  const Eigen::VectorXd outer = parity_factor(order, directions.mu) * directions.scale.array();
+  const Eigen::MatrixXd& carry = directions.interpolation;
+  const Eigen::MatrixXd shape = outer.asDiagonal() * shapes.reflect * outer.asDiagonal();
+  LayerKernels kernels{(carry * multiple.reflect * carry.transpose()).cwiseProduct(shape),
+                       (carry * multiple.transmit * carry.transpose()).cwiseProduct(shape)};
+  if (order == 0 && directions.targets > 0 && multiple.survival.size() > 0) {
+    const auto to_targets = [&](const LayerKernels& k) -> Eigen::MatrixXd {
+      return (k.reflect + k.transmit).topRightCorner(directions.live, directions.targets);
+    };
+    const Eigen::VectorXd factors = energy_factors(
+        directions, multiple, medium, to_targets(single_on(directions, medium, shapes, 0)), to_targets(kernels));
+    for (Eigen::MatrixXd* kernel : {&kernels.reflect, &kernels.transmit}) {
+      auto out = kernel->bottomLeftCorner(directions.targets, directions.live);
+      auto in = kernel->topRightCorner(directions.live, directions.targets);
+      out = factors.asDiagonal() * out;
+      in = in * factors.asDiagonal();
+    }
+  }
+  return kernels;
+}
+
+LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, const LayerShapes& shapes,
+                       int order) {
+  const PhaseKernel phase(medium, order, directions.mu);
+  const auto kernel = [&](const Eigen::MatrixXd& phases, const Eigen::MatrixXd& shape) -> Eigen::MatrixXd {
+    return 0.25 * medium.albedo *
+           (directions.scale.asDiagonal() * phases.cwiseProduct(shape) * directions.scale.asDiagonal());
+  };
+  return {kernel(phase.reflect, shapes.reflect), kernel(phase.transmit, shapes.transmit)};
+}
+
+ScatteringFunction layer_on(const Directions& directions, const MultipleScattering& multiple,
+                            const TruncatedMedium& medium, const LayerShapes& shapes, const LayerKernels& once,
+                            int order) {
+  const LayerKernels rest = multiple_on(directions, multiple, medium, shapes, order);
+  ScatteringFunction s = ScatteringFunction::nothing(directions.size(), directions.nodes);
+  s.reflect_above.kernel = directions.spread((once.reflect + rest.reflect).eval());
+  s.reflect_below.kernel = s.reflect_above.kernel;
+  s.transmit.kernel = directions.spread((once.transmit + rest.transmit).eval());
+  s.transmit.delta = directions.spread(direct_transmissions(directions.mu, medium.tau));
+  return s;
+}
+
+}  // namespace lamina

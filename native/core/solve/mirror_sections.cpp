@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/mirror_sections.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "operators/interface.hpp"
+
+namespace lamina {
+
+using Eigen::ArrayXd;
+
+MirrorSections::MirrorSections(const Solution& solution)
+    : solution_(solution), indices_(refractive_indices(solution.stack())) {
+  for (const Solution::Scatterer& scatterer : solution.scatterers()) {
+    media_.push_back({scatterer.layer, scatterer.medium.tau});
+  }
+  const std::size_t layers = solution.stack().layers.size();
+  std::size_t first = 0;
+  for (const Solution::Boundary& boundary : solution.boundaries()) {
+    sections_.push_back({first, boundary.layer});
+    first = boundary.layer + 1;
+  }
+  sections_.push_back({first, std::max(first, layers + 1)});
+}
+
+Deltas MirrorSections::layer(std::size_t layer, const Cosines& cosines) const {
+  const Stack& stack = solution_.stack();
+  const ArrayXd above = cosines(layer);
+  Deltas deltas = Deltas::nothing(above.size());
+  if (layer == stack.layers.size()) {
+    if (stack.base.kind == Base::Kind::kConductor) {
+      const std::complex<double> ratio = stack.base.ior / indices_.back();
+      deltas.reflect_above = above.unaryExpr([&](double mu) { return mu > 0.0 ? conductor_fresnel(mu, ratio) : 1.0; });
+    }
+    if (stack.base.kind != Base::Kind::kNone) {
+      deltas.transmit.setZero();
+    }
+    return deltas;
+  }
+  if (std::holds_alternative<Interface>(stack.layers[layer])) {
+    const ArrayXd below = cosines(layer + 1);
+    for (Eigen::Index k = 0; k < above.size(); ++k) {
+      // Directions that exist on one side only are totally reflected there.
+      const double back =
+          above[k] > 0.0 && below[k] > 0.0 ? fresnel(above[k], below[k], indices_[layer], indices_[layer + 1]) : 1.0;
+      deltas.reflect_above[k] = deltas.reflect_below[k] = back;
+      deltas.transmit[k] = 1.0 - back;
+    }
+    return deltas;
+  }
+  const auto medium = std::find_if(media_.begin(), media_.end(), [&](const Medium& m) { return m.layer == layer; });
+  constexpr double kLeast = 1e-300;  // a direction that does not exist
+  deltas.transmit = (-medium->tau / above.max(kLeast)).exp();
+  return deltas;
+}
+
+Deltas MirrorSections::section(std::size_t section, const Cosines& cosines) const {
+  const Section& s = sections_[section];
+  if (s.first == s.last) {
+    return Deltas::nothing(cosines(std::min(s.first, solution_.stack().layers.size())).size());
+  }
+  Deltas all = layer(s.first, cosines);
+  for (std::size_t k = s.first + 1; k < s.last; ++k) {
+    all = joined(all, layer(k, cosines));
+  }
+  return all;
+}
+
+}  // namespace lamina

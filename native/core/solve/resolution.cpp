@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/resolution.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+namespace lamina {
+namespace {
+
+constexpr int kMostNodes = 160;
+constexpr int kStep = 8;
+
+int rounded_up(double nodes) { return static_cast<int>(std::ceil(nodes / kStep)) * kStep; }
+
+/// What the finest nodes leave of a peak shows in the aureole, and spoils the faint light elsewhere.
+constexpr double kUnresolved = 1e-5;
+
+/// Of the tolerance, what the moments left out may add to light scattered twice, beside isotropic light of 1.
+constexpr double kNoise = 1.0;
+
+/// Light scattered twice has the moments chi_l^2: those from `first` on add this to it where they add most, straight
+/// on or straight back.
+double left_out(const PhaseFunction& phase, int first) {
+  double sum = 0.0;
+  for (int l = first; l <= kMostMoments; ++l) {
+    sum += (2.0 * l + 1.0) * phase.moment(l) * phase.moment(l);
+  }
+  return sum;
+}
+
+/// Whether the moments from `first` on are those of noise, which know nothing of each other, and not those of a peak,
+/// which fall slowly (a peak straight back alternates their signs).
+bool is_noise(const PhaseFunction& phase, int first) {
+  double squares = 0.0;
+  double products = 0.0;
+  for (int l = first; l + 2 <= std::min(kMostMoments, first + 128); ++l) {
+    squares += phase.moment(l) * phase.moment(l);
+    products += phase.moment(l) * phase.moment(l + 2);
+  }
+  return squares > 0.0 && products < 0.5 * squares;
+}
+
+/// Whether nodes that resolve so many moments will do although those beyond are noise: they show in light scattered
+/// once, which takes the phase function itself, and hardly in what is scattered again.
+bool only_noise_beyond(const PhaseFunction& phase, double albedo, int moments, double tolerance) {
+  return is_noise(phase, moments) && albedo * left_out(phase, moments) <= kNoise * tolerance;
+}
+
+void refuse(const PhaseFunction& phase, double rest) {
+  constexpr int kLast = 2 * kMostNodes;
+  std::ostringstream message;
+  message << "the stack cannot be resolved: ";
+  if (is_noise(phase, kLast)) {
+    int count = 0;
+    int largest = kLast;
+    for (int l = kLast; l <= kMostMoments; ++l) {
+      count += std::abs(phase.moment(l)) > kUnresolved ? 1 : 0;
+      largest = std::abs(phase.moment(l)) > std::abs(phase.moment(largest)) ? l : largest;
+    }
+    message << "the moments of a phase function do not fall off, " << count << " of its moments " << kLast << " to "
+            << kMostMoments << " are above " << kUnresolved << " and moment " << largest << " is "
+            << phase.moment(largest) << "; values with less noise or farther apart can be resolved";
+  } else {
+    message << "the peak of a phase function is too sharp, its moment " << kLast << " is " << rest << ", must be below "
+            << kUnresolved << " (Henyey-Greenstein: |g| up to .964)";
+  }
+  throw std::runtime_error(message.str());
+}
+
+/// Measured: 32 nodes hold 1e-4 for peaks up to .8, and thin layers down to tau = .001 within 1e-3.
+int fewest_nodes(double tolerance) { return tolerance < 5e-3 ? 32 : 16; }
+
+/// Beyond that, |chi_2n| near 1e-3 of the tolerance keeps the error of truncation below it.
+int nodes_for(const PhaseFunction& phase, double albedo, double tolerance) {
+  const double peak = phase.peak();
+  const double peaked = peak > 0.0 ? std::log(1e-3 * tolerance) / (2.0 * std::log(peak)) : 0.0;
+  const int fewest = fewest_nodes(tolerance);
+  int nodes = std::clamp(rounded_up(peaked), fewest, kMostNodes);
+  while (nodes > fewest && only_noise_beyond(phase, albedo, 2 * (nodes - kStep), tolerance)) {
+    nodes -= kStep;
+  }
+  return nodes;
+}
+
+/// A boundary that mirrors light, however roughly.
+struct Reflector {
+  double alpha;
+  double refracted;  ///< width in n sin(theta), which refraction keeps, of a refracted lobe; infinite: there is none
+  double reflected;  ///< of a reflected lobe
+  double depth;      ///< optical thickness above
+};
+
+std::vector<Reflector> reflectors_of(const Stack& stack) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const std::vector<double> indices = refractive_indices(stack);
+  std::vector<Reflector> found;
+  double depth = 0.0;
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    const double above = indices[layer];
+    const double below = indices[layer + 1];
+    if (const auto* medium = std::get_if<Medium>(&stack.layers[layer])) {
+      depth += medium->tau;
+    } else if (const auto* graded = std::get_if<GradedMedium>(&stack.layers[layer])) {
+      depth += graded->tau();
+    } else if (above != below) {
+      const double alpha = std::get<Interface>(stack.layers[layer]).facets.alpha;
+      found.push_back({alpha, std::abs(below - above) * alpha, 2.0 * std::min(above, below) * alpha, depth});
+    }
+  }
+  if (stack.base.kind == Base::Kind::kConductor) {
+    const double alpha = stack.base.facets.alpha;
+    found.push_back({alpha, kNone, 2.0 * indices.back() * alpha, depth});
+  }
+  return found;
+}
+
+/// The lobes of rough boundaries that light reaches from another boundary unscattered: how many azimuth orders three
+/// of them in a row take, and the narrowest facets among them.
+struct LobeChain {
+  double orders = 0.0;
+  double alpha = 0.0;
+};
+
+LobeChain slowest_chain(const Stack& stack, double tolerance) {
+  const std::vector<Reflector> reflectors = reflectors_of(stack);
+  const double wanted = 1.0 - std::log(std::min(tolerance, 1e-2));
+  double refracted = std::numeric_limits<double>::infinity();
+  double reflected = std::numeric_limits<double>::infinity();
+  double decay = 0.0;
+  LobeChain chain;
+  for (std::size_t k = 0; k < reflectors.size(); ++k) {
+    const Reflector& own = reflectors[k];
+    // Three lobes in a row pass media between boundaries twice, which leaves less to be resolved.
+    double gap = std::numeric_limits<double>::infinity();
+    if (k > 0) {
+      gap = own.depth - reflectors[k - 1].depth;
+    }
+    if (k + 1 < reflectors.size()) {
+      gap = std::min(gap, reflectors[k + 1].depth - own.depth);
+    }
+    if (!(own.alpha > 0.0 && wanted - 2.0 * gap > 0.0)) {
+      continue;
+    }
+    decay = std::max(decay, wanted - 2.0 * gap);
+    refracted = std::min(refracted, own.refracted);
+    reflected = std::min(reflected, own.reflected);
+    chain.alpha = chain.alpha > 0.0 ? std::min(chain.alpha, own.alpha) : own.alpha;
+  }
+  if (decay == 0.0) {
+    return chain;
+  }
+  const double narrowest = std::min(reflected, refracted);
+  // The spectrum of a GGX lobe of width w falls as exp(-w k); where that is too hopeful, the check of what is returned
+  // asks for more. Lookup tables hold two lobes in a row by these orders, too, as well as the nodes can.
+  constexpr double kResolved = 32.0;
+  const double two = std::min(0.5 * decay / (2.0 * narrowest), kResolved);
+  chain.orders = std::max(decay / (2.0 * narrowest + reflected), two);
+  return chain;
+}
+
+/// Facets so narrow that no admitted number of azimuth orders holds their lobes; the estimate may be twice too large.
+void refuse_needles(const Stack& stack, double tolerance) {
+  const LobeChain chain = slowest_chain(stack, tolerance);
+  if (chain.orders > 2.0 * kMostOrders) {
+    std::ostringstream message;
+    message << "the stack cannot be resolved: facets of alpha " << chain.alpha
+            << " send narrow lobes to another boundary and get them back, which takes about " << std::ceil(chain.orders)
+            << " azimuth orders (at most " << kMostOrders << "); wider facets, or alpha 0, can be resolved";
+    throw std::runtime_error(message.str());
+  }
+}
+
+}  // namespace
+
+Resolution choose_resolution(const Stack& stack, double tolerance) {
+  refuse_needles(stack, tolerance);
+  int nodes = fewest_nodes(tolerance);
+  double thinnest = 1.0;
+  const auto scatter = [&](double albedo, const PhaseFunction& phase) {
+    constexpr int kLast = 2 * kMostNodes;
+    const double rest = albedo * std::abs(phase.moment(kLast));
+    if (rest > kUnresolved && !only_noise_beyond(phase, albedo, kLast, tolerance)) {
+      refuse(phase, rest);
+    }
+    nodes = std::max(nodes, nodes_for(phase, albedo, tolerance));
+  };
+  const auto add_medium = [&](double tau) {
+    if (tau > kThinnestRepeated) {
+      thinnest = std::min(thinnest, tau);
+    }
+  };
+  for (const Layer& layer : stack.layers) {
+    const auto* medium = std::get_if<Medium>(&layer);
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > 0.0) {
+      scatter(medium->albedo, medium->phase);
+      add_medium(medium->tau);
+    }
+    // Of a graded layer its whole thickness counts: the sublayers need no resolution each, only their sum does.
+    const auto* graded = std::get_if<GradedMedium>(&layer);
+    if (graded != nullptr && graded->largest_albedo() > 0.0) {
+      for (const GradedMedium::Knot& knot : graded->knots()) {
+        if (knot.albedo > 0.0) {
+          scatter(knot.albedo, knot.phase);
+        }
+      }
+      add_medium(graded->tau());
+    }
+  }
+  Resolution resolution;
+  resolution.nodes = nodes;
+  resolution.thinnest = std::max(thinnest, kThinnestResolved);
+  resolution.tolerance = tolerance;
+  resolution.azimuth_tolerance = 0.03 * tolerance;
+  return resolution;
+}
+
+int orders_for_lobes(const Stack& stack, double tolerance) {
+  const LobeChain chain = slowest_chain(stack, tolerance);
+  return static_cast<int>(std::min(std::ceil(chain.orders), static_cast<double>(kMostOrders)));
+}
+
+Resolution refined(const Resolution& resolution) {
+  Resolution finer = resolution;
+  finer.nodes = std::min(kMostNodes, rounded_up(1.4 * resolution.nodes));
+  return finer;
+}
+
+}  // namespace lamina

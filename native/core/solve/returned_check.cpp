@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/returned_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "solve/evaluation.hpp"
+#include "solve/facet_meetings.hpp"
+#include "solve/stack_single_scattering.hpp"
+
+namespace lamina {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using std::numbers::pi;
+
+/// What a smaller value counts as: of the mean over azimuths, and in 1/sr.
+constexpr double kFaint = 1e-3;
+constexpr double kLeast = 1e-3;
+
+/// What the orders that follow may add at these azimuths. They decay geometrically: the last four against the four
+/// before. Where they keep their sign, or change it each time, their waves cancel but near azimuth 0, or pi.
+ArrayXd rest_of(const ArrayXd& orders, const ArrayXd& dphi) {
+  constexpr Index kFew = 4;
+  constexpr double kSlowest = 0.9;
+  const Index few = std::min(kFew, orders.size() / 2);
+  const ArrayXd tail = orders.tail(few);
+  const double last = tail.abs().sum();
+  const double before = orders.segment(orders.size() - 2 * few, few).abs().sum();
+  const double ratio = last < kSlowest * before ? last / before : kSlowest;
+  const double all = last * ratio / (1.0 - ratio);
+  const ArrayXd steps = tail.head(few - 1) * tail.tail(few - 1);
+  ArrayXd rest = ArrayXd::Constant(dphi.size(), all);
+  if ((steps > 0.0).all() || (steps < 0.0).all()) {
+    const ArrayXd half = 0.5 * dphi;
+    const ArrayXd distance = (steps > 0.0).all() ? half.sin().eval() : half.cos().eval();
+    rest = rest.min(tail.abs().maxCoeff() / (2.0 * distance.max(1e-9)));
+  }
+  return rest;
+}
+
+}  // namespace
+
+SolveChecks check_returned(const Solution& solution, ThreadPool& pool) {
+  const Eigen::VectorXd mu{{0.06, 0.3, 0.6, 0.9}};
+  const ArrayXd dphi{{0.0, 0.2, 0.6, 1.2, 1.8, 2.5, pi}};
+  const Assembly assembly(solution, mu, pool);
+  const FacetMeetings meetings(assembly);
+  std::vector<Passage> passages{{Side::kTop, Path::kReflect}};
+  if (solution.stack().base.kind == Base::Kind::kNone) {
+    passages.push_back({Side::kBottom, Path::kReflect});
+    passages.push_back({Side::kTop, Path::kTransmit});
+  }
+  const std::vector<std::vector<Eigen::MatrixXd>> smooth = smooth_orders(assembly, meetings, passages, pool);
+  SolveChecks checks;
+  for (std::size_t k = 0; k < passages.size(); ++k) {
+    const auto& [side, path] = passages[k];
+    const StackSingleScattering once(assembly, side, path);
+    FacetMeetings::Lobes lobes;
+    for (Index o = 0; o < mu.size(); ++o) {
+      for (Index i = path == Path::kReflect ? o : 0; i < mu.size(); ++i) {
+        ArrayXd orders(solution.orders());
+        ArrayXd values = once(o, i, dphi.cos()) + meetings.value(side, path, o, i, dphi, lobes);
+        for (Index m = 0; m < orders.size(); ++m) {
+          orders[m] = (m == 0 ? 1.0 : 2.0) / pi * smooth[k][static_cast<std::size_t>(m)](o, i);
+          values += orders[m] * (static_cast<double>(m) * dphi).cos();
+        }
+        const double mean = 0.5 / pi *
+                            ((values.head(dphi.size() - 1) + values.tail(dphi.size() - 1)) *
+                             (dphi.tail(dphi.size() - 1) - dphi.head(dphi.size() - 1)))
+                                .sum();
+        SolveChecks found;
+        found.azimuth = (rest_of(orders, dphi) / values.max(std::max(kFaint * mean, kLeast))).maxCoeff();
+        found.negativity = std::max(0.0, -values.minCoeff()) / std::max(mean, kLeast);
+        checks.worsen(found);
+      }
+    }
+  }
+  return checks;
+}
+
+}  // namespace lamina

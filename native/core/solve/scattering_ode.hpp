@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The differential form of the scattering equation, integrated over depth; a second road for tests.
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "matter/graded_medium.hpp"
+#include "numeric/thread_pool.hpp"
+
+namespace lamina {
+
+/// How finely the differential form is discretised.
+struct OdeSettings {
+  int nodes = 32;           ///< Gauss-Legendre nodes in (0, 1); their moments must hold the phase functions' peaks
+  double tolerance = 1e-8;  ///< of a step's error, relative to the largest S (1 at least)
+};
+
+/// A slab by the differential form of the scattering equation, on quadrature nodes and in azimuth orders:
+///   dS/dt = -(1/mu + 1/mu0) S + k + kS + Sk + SkS,      S = 4 mu mu0 rho where t = 0, the bottom,
+/// and for light that passes downwards, without what does so unscattered, the direct beam E = exp(-t/mu),
+///   dT/dt = -T/mu0 + (E + T)(k + kS),
+/// rho being the reflectance of the surface below, integrated upwards through whatever profile the medium has. No
+/// adding, no eigenvectors: a road of its own.
+class OdeSolution {
+ public:
+  /// Throws std::invalid_argument where the nodes do not hold a phase function's peak.
+  OdeSolution(const GradedMedium& medium, const OdeSettings& settings, const Eigen::VectorXd& targets,
+              ThreadPool& pool);
+
+  /// BRDF and BTDF, 1/sr, light from above, between targets (by number); dphi = 0: light keeps its azimuth.
+  double brdf(Eigen::Index out, Eigen::Index in, double dphi) const { return sum(true, out, in, dphi); }
+  double btdf(Eigen::Index out, Eigen::Index in, double dphi) const { return sum(false, out, in, dphi); }
+  /// Light of a beam from each target that is reflected, or passes after being scattered.
+  Eigen::VectorXd reflectance() const { return flux(true); }
+  Eigen::VectorXd transmittance() const { return flux(false); }
+  int orders() const { return static_cast<int>(moments_.size()); }
+  int steps() const { return steps_; }  ///< taken in order 0
+
+ private:
+  double sum(bool reflect, Eigen::Index out, Eigen::Index in, double dphi) const;
+  Eigen::VectorXd flux(bool reflect) const;
+
+  Eigen::Index nodes_;
+  Eigen::VectorXd mu_;  // nodes, then targets
+  Eigen::VectorXd weight_;
+  std::vector<Eigen::ArrayXXd> moments_;  // by order: S above T; columns: incident light
+  int steps_ = 0;
+};
+
+}  // namespace lamina

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/solution.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+namespace lamina {
+namespace {
+
+/// Orders solved between two looks at convergence; fixed, so that results do not depend on threads.
+constexpr int kBlock = 4;
+
+/// Where repeated scattering is less than single scattering by so much, rounding would show instead.
+bool scatters_repeatedly(const TruncatedMedium& medium) {
+  constexpr double kFaintest = 1e-7;
+  return medium.albedo > kFaintest && medium.tau > kThinnestRepeated;
+}
+
+/// The smallest phase value over the azimuth, for light turned back between two directions.
+double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double turn) {
+  const double sines = std::sqrt((1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i));
+  double least = phase.evaluate(turn * mu_o * mu_i - sines);
+  for (const double azimuth : {-0.5, 0.0, 0.5, 1.0}) {
+    least = std::min(least, phase.evaluate(turn * mu_o * mu_i + azimuth * sines));
+  }
+  return least;
+}
+
+/// By refractive index, the thickness of the thinnest layer that scatters repeatedly, if not below `least`.
+std::map<double, double> thinnest_layers(const Stack& stack, double least) {
+  const std::vector<double> indices = refractive_indices(stack);
+  std::map<double, double> thinnest;
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    const auto* medium = std::get_if<Medium>(&stack.layers[layer]);
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > kThinnestRepeated) {
+      double& known = thinnest.try_emplace(indices[layer], 1.0).first->second;
+      known = std::min(known, std::max(least, medium->tau));
+    }
+  }
+  return thinnest;
+}
+
+/// Boundaries that mirror, however roughly.
+int reflectors(const Stack& stack) {
+  const std::vector<double> indices = refractive_indices(stack);
+  int count = stack.base.kind == Base::Kind::kConductor ? 1 : 0;
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    count += indices[layer + 1] != indices[layer] ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+Solution::Solution(SublayerStack sublayers, const Resolution& resolution, ThreadPool& pool)
+    : sublayers_(std::move(sublayers)),
+      resolution_(resolution),
+      set_(std::make_shared<DirectionSet>(refractive_indices(stack()), resolution.nodes,
+                                          thinnest_layers(stack(), resolution.thinnest))) {
+  const std::vector<double> indices = refractive_indices(stack());
+  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
+    if (const auto* medium = std::get_if<Medium>(&stack().layers[layer])) {
+      scatterers_.push_back({layer, indices[layer], TruncatedMedium(*medium, resolution.moments()), medium->phase});
+      native_directions_.push_back(set_->in_medium(indices[layer], Eigen::VectorXd()));
+      modes_.push_back(std::make_shared<Modes>());
+    }
+  }
+  solve(pool);
+}
+
+Resolution Solution::finer() const {
+  Resolution finer = resolution_;
+  if (!(checks_.azimuth < resolution_.tolerance)) {
+    finer.fewest_orders = std::min(kMostOrders, 8 * orders() / 5);
+    finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
+    if (orders() >= kMostOrders) {
+      require_sound();
+    }
+    return finer;
+  }
+  finer = refined(resolution_);
+  if (finer.nodes == resolution_.nodes) {
+    require_sound();
+  }
+  return finer;
+}
+
+Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& pool) const {
+  const std::size_t begin = sublayers_.first.at(layer);
+  const std::size_t end = sublayers_.first.at(layer + 1);
+  if (!std::holds_alternative<Medium>(stack().layers[begin])) {
+    throw std::invalid_argument("with_thickness: layer " + std::to_string(layer) + " is not a medium");
+  }
+  Solution other = *this;
+  for (Scatterer& scatterer : other.scatterers_) {
+    if (scatterer.layer >= begin && scatterer.layer < end) {
+      Medium& medium = std::get<Medium>(other.sublayers_.stack.layers[scatterer.layer]);
+      medium.tau = sublayers_.share[scatterer.layer] * tau;
+      scatterer.medium = TruncatedMedium(medium, resolution_.moments());
+    }
+  }
+  other.solve(pool);
+  return other;
+}
+
+Solution Solution::with_reflectance(double reflectance) const {
+  if (stack().base.kind != Base::Kind::kLambert) {
+    throw std::invalid_argument("with_reflectance: the base is not a Lambert surface");
+  }
+  Solution other = *this;
+  other.sublayers_.stack.base.reflectance = reflectance;
+  return other;
+}
+
+void Solution::solve(ThreadPool& pool) {
+  multiple_.clear();
+  checks_ = SolveChecks{};
+  checks_.quadrature = set_->moment_error();
+  const std::size_t media = scatterers_.size();
+  const int fewest = fewest_orders();
+  const int most = std::max(resolution_.moments(), fewest);
+  for (int first = 0; first < most; first += kBlock) {
+    const int last = std::min(first + kBlock, most);
+    multiple_.resize(static_cast<std::size_t>(last), std::vector<MultipleScattering>(media));
+    for (const auto& modes : modes_) {
+      modes->resize(std::max(modes->size(), static_cast<std::size_t>(last)));
+    }
+    std::vector<SolveChecks> found(media * static_cast<std::size_t>(last - first));
+    pool.run(found.size(), [&](std::size_t task) {
+      solve_medium(first + static_cast<int>(task / media), task % media, found[task]);
+    });
+    for (const SolveChecks& checks : found) {
+      checks_.worsen(checks);
+    }
+    limit_modes();
+    if (last >= fewest && share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
+      break;
+    }
+  }
+  add_boundaries(pool);
+}
+
+/// The modes of many sublayers at many orders would take hundreds of megabytes: then another thickness finds them
+/// again.
+void Solution::limit_modes() {
+  constexpr double kMostBytes = 64e6;
+  double bytes = 0.0;
+  for (std::size_t k = 0; k < modes_.size(); ++k) {
+    const double nodes = static_cast<double>(native_directions_[k].live);
+    bytes += 2.0 * sizeof(double) * nodes * nodes * static_cast<double>(modes_[k]->size());
+  }
+  if (bytes > kMostBytes) {
+    for (const std::shared_ptr<Modes>& modes : modes_) {
+      std::for_each(modes->begin(), modes->end(), [](auto& one) { one.reset(); });
+    }
+  }
+}
+
+void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& checks) {
+  const TruncatedMedium& medium = scatterers_[scatterer].medium;
+  const Directions& directions = native_directions_[scatterer];
+  MultipleScattering& multiple = multiple_[static_cast<std::size_t>(order)][scatterer];
+  if (!scatters_repeatedly(medium) || order >= resolution_.moments()) {
+    const Eigen::Index n = directions.live;
+    multiple = {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd()};
+    return;
+  }
+  std::unique_ptr<HomogeneousModes>& modes = (*modes_[scatterer])[static_cast<std::size_t>(order)];
+  if (!modes) {
+    modes = std::make_unique<HomogeneousModes>(medium, order, directions);
+  }
+  const PhaseKernel phase(medium, order, directions.mu);
+  const HomogeneousModes::Layer solved = modes->layer(medium.tau);
+  multiple = multiple_scattering(solved, medium, phase, order, directions);
+  if (order == 0) {
+    checks = check_layer(solved, multiple, phase, medium, directions, *set_);
+  }
+}
+
+/// The largest share that an order has of the least that a medium sends anywhere: light scattered once
+/// plus a part of the mean of the rest.
+double Solution::share_of_order(int order) const {
+  constexpr double kGrazing = 0.04;  // below it, values are not promised
+  // Of each node in the least dense medium that has it: light that grazes there need not graze in a denser one.
+  std::vector<double> outside;
+  for (const DirectionSet::Range& range : set_->ranges()) {
+    outside.insert(outside.end(), range.nodes.mu.begin(), range.nodes.mu.end());
+  }
+  const auto grazes = [&](Eigen::Index node) { return outside[static_cast<std::size_t>(node)] < kGrazing; };
+  double share = 0.0;
+  for (std::size_t k = 0; k < scatterers_.size(); ++k) {
+    const Scatterer& scatterer = scatterers_[k];
+    if (!scatters_repeatedly(scatterer.medium)) {
+      continue;
+    }
+    const Eigen::VectorXd& mu = native_directions_[k].mu;
+    const MultipleScattering& mean = multiple_.front()[k];
+    const MultipleScattering& wave = multiple_[static_cast<std::size_t>(order)][k];
+    const double quarter = 0.25 * scatterer.medium.single_scattering_albedo();
+    for (Eigen::Index j = 0; j < mu.size(); ++j) {
+      for (Eigen::Index i = 0; i <= j; ++i) {
+        if (grazes(i) || grazes(j)) {
+          continue;
+        }
+        const double sines = order % 2 == 0 ? 1.0 : std::sqrt((1.0 - mu[i] * mu[i]) * (1.0 - mu[j] * mu[j]));
+        const double back = quarter * least_phase(scatterer.phase, mu[i], mu[j], -1.0) + 0.1 * mean.reflect(i, j);
+        const double on = quarter * least_phase(scatterer.phase, mu[i], mu[j], 1.0) + 0.1 * mean.transmit(i, j);
+        share =
+            std::max({share, std::abs(wave.reflect(i, j)) * sines / back, std::abs(wave.transmit(i, j)) * sines / on});
+      }
+    }
+  }
+  return share;
+}
+
+std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) const {
+  std::vector<Directions> all;
+  for (const double ior : refractive_indices(stack())) {
+    all.push_back(set_->in_medium(ior, targets));
+  }
+  return all;
+}
+
+/// Light that a medium scattered once shows its azimuth orders through the lobes of rough boundaries; and lobes that
+/// meet lobes need orders by their width.
+int Solution::fewest_orders() const {
+  const std::vector<double> indices = refractive_indices(stack());
+  bool rough = stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0;
+  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
+    const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
+    rough = rough || (interface != nullptr && interface->is_rough(indices[layer]));
+  }
+  int orders = resolution_.fewest_orders;
+  if (!rough) {
+    return orders;
+  }
+  for (const Scatterer& scatterer : scatterers_) {
+    for (int m = orders; m < resolution_.moments(); ++m) {
+      if (scatterer.medium.albedo * std::abs(scatterer.medium.moments[static_cast<std::size_t>(m)]) >
+          resolution_.azimuth_tolerance) {
+        orders = m + 1;
+      }
+    }
+  }
+  return std::max(orders, orders_for_lobes(stack(), resolution_.tolerance));
+}
+
+void Solution::add_boundaries(ThreadPool& pool) {
+  if (boundary_orders_ >= orders()) {
+    return;  // no thickness changes what facets do
+  }
+  boundaries_.clear();
+  boundary_orders_ = orders();
+  const std::vector<double> indices = refractive_indices(stack());
+  const double fineness = reflectors(stack()) > 1 ? 2.2 : 1.0;  // measured: albedo within a few 1e-4
+  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
+    const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
+    if (interface != nullptr && interface->is_rough(indices[layer])) {
+      boundaries_.push_back(
+          {layer, std::make_shared<RoughSurface>(*interface, *set_, indices[layer], orders(), pool, fineness)});
+    }
+  }
+  if (stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0) {
+    boundaries_.push_back({stack().layers.size(), std::make_shared<RoughSurface>(stack().base, *set_, indices.back(),
+                                                                                 orders(), pool, fineness)});
+  }
+  // Once now, so that lobes too narrow to be resolved are refused here and not when values are wanted.
+  const std::vector<Directions> here = directions(Eigen::VectorXd());
+  for (const Boundary& boundary : boundaries_) {
+    boundary.surface->on(here[boundary.layer], here[std::min(boundary.layer + 1, here.size() - 1)], pool);
+  }
+}
+
+void Solution::require_sound() const {
+  const std::string problem = checks_.problem(resolution_.tolerance);
+  if (!problem.empty()) {
+    throw std::runtime_error("the stack cannot be resolved with " + std::to_string(resolution_.nodes) +
+                             " nodes per hemisphere: " + problem);
+  }
+}
+
+}  // namespace lamina

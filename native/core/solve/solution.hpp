@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The solved layers of a stack, one channel.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "matter/stack.hpp"
+#include "numeric/thread_pool.hpp"
+#include "operators/directions.hpp"
+#include "rough/rough_surface.hpp"
+#include "solve/homogeneous_layer.hpp"
+#include "solve/resolution.hpp"
+#include "solve/solve_checks.hpp"
+#include "solve/sublayer_stack.hpp"
+
+namespace lamina {
+
+/// The solved layers of one channel: for each azimuth order what multiple scattering adds in each medium,
+/// from which the stack's scattering function follows for any directions.
+class Solution {
+ public:
+  Solution(SublayerStack sublayers, const Resolution& resolution, ThreadPool& pool);
+
+  /// The same stack with another thickness of one medium, by its number in the stack as it was given; a graded one
+  /// is stretched. The modes, which do not depend on thickness, are shared and may grow: do not call this function
+  /// from several threads at once.
+  Solution with_thickness(std::size_t layer, double tau, ThreadPool& pool) const;
+
+  /// The same stack at another resolution.
+  Solution at(const Resolution& resolution, ThreadPool& pool) const { return {sublayers_, resolution, pool}; }
+
+  /// The resolution to try next where a check failed: more azimuth orders where those are missing, else more nodes.
+  /// Throws std::runtime_error where there is none finer.
+  Resolution finer() const;
+
+  /// The same stack over a Lambert surface of another reflectance, which no layer's own function depends on.
+  Solution with_reflectance(double reflectance) const;
+
+  /// As it is solved: sublayers stand for graded layers.
+  const Stack& stack() const { return sublayers_.stack; }
+  const Resolution& resolution() const { return resolution_; }
+  const SolveChecks& checks() const { return checks_; }
+  void add_checks(const SolveChecks& more) { checks_.worsen(more); }
+  /// Throws std::runtime_error, with the numbers, when a check misses the tolerance.
+  void require_sound() const;
+  int orders() const { return static_cast<int>(multiple_.size()); }
+
+  /// A medium among the stack's layers.
+  struct Scatterer {
+    std::size_t layer;  ///< which of the stack's layers it is
+    double ior;         ///< refractive index there
+    TruncatedMedium medium;
+    PhaseFunction phase;
+  };
+  const std::vector<Scatterer>& scatterers() const { return scatterers_; }
+
+  /// A rough boundary: number of its layer (that of the base is one past the layers), and its operators.
+  struct Boundary {
+    std::size_t layer;
+    std::shared_ptr<const RoughSurface> surface;
+  };
+  const std::vector<Boundary>& boundaries() const { return boundaries_; }
+
+  /// The directions of all media between the layers, top first (one more than layers), for targets in air.
+  std::vector<Directions> directions(const Eigen::VectorXd& targets) const;
+
+  const MultipleScattering& multiple(int order, std::size_t scatterer) const {
+    return multiple_[static_cast<std::size_t>(order)][scatterer];
+  }
+
+ private:
+  using Modes = std::vector<std::unique_ptr<HomogeneousModes>>;  // by order
+
+  void solve(ThreadPool& pool);
+  void solve_medium(int order, std::size_t scatterer, SolveChecks& checks);
+  void limit_modes();
+  double share_of_order(int order) const;
+  int fewest_orders() const;
+  void add_boundaries(ThreadPool& pool);
+
+  SublayerStack sublayers_;
+  Resolution resolution_;
+  std::shared_ptr<const DirectionSet> set_;
+  std::vector<Scatterer> scatterers_;
+  std::vector<Directions> native_directions_;              // by scatterer, without targets
+  std::vector<std::shared_ptr<Modes>> modes_;              // by scatterer
+  std::vector<std::vector<MultipleScattering>> multiple_;  // by order, scatterer
+  std::vector<Boundary> boundaries_;
+  int boundary_orders_ = 0;
+  SolveChecks checks_;
+};
+
+}  // namespace lamina

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/sound_solution.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "solve/returned_check.hpp"
+#include "solve/sublayer_choice.hpp"
+
+namespace lamina {
+namespace {
+
+/// Boundaries need a check of the returned values: azimuth orders of lobes converge by no rule of the media.
+Solution checked(Solution solution, ThreadPool& pool) {
+  if (!has_only_media(solution.stack()) && std::isfinite(solution.resolution().tolerance)) {
+    solution.add_checks(check_returned(solution, pool));
+  }
+  return solution;
+}
+
+Solution refined_until_sound(Solution solution, ThreadPool& pool) {
+  while (!solution.checks().problem(solution.resolution().tolerance).empty()) {
+    solution = checked(solution.at(solution.finer(), pool), pool);
+  }
+  return solution;
+}
+
+}  // namespace
+
+Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
+  const Resolution resolution = choose_resolution(stack, tolerance);
+  const SublayerStack sublayers = resolved_sublayers(stack, tolerance, pool);
+  return refined_until_sound(checked(Solution(sublayers, resolution, pool), pool), pool);
+}
+
+Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPool& pool) {
+  Resolution resolution = choose_resolution(stack, tolerance);
+  resolution.nodes = nodes;
+  resolution.tolerance = std::numeric_limits<double>::infinity();
+  Solution solution(resolved_sublayers(stack, tolerance, pool), resolution, pool);
+  solution.require_sound();
+  return solution;
+}
+
+Solution solve_at(const Stack& stack, const Resolution& resolution, ThreadPool& pool) {
+  return checked(Solution(resolved_sublayers(stack, resolution.tolerance, pool), resolution, pool), pool);
+}
+
+Solution with_thickness(const Solution& solution, std::size_t layer, double tau, ThreadPool& pool) {
+  return refined_until_sound(checked(solution.with_thickness(layer, tau, pool), pool), pool);
+}
+
+}  // namespace lamina

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "walks/facet_normals.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "numeric/invert.hpp"
+
+namespace lamina {
+namespace {
+
+using std::numbers::inv_sqrtpi;
+using std::numbers::pi;
+
+/// Slope towards a ray of this cosine and sine among facets of width 1: density (cosine - x sine)+ exp(-x^2),
+/// normalised.
+double beckmann_slope(double cosine, double sine, double u) {
+  constexpr double kSteepest = 6.0;  // beyond, exp(-x^2) is below rounding
+  const double steepest = std::min(kSteepest, cosine / std::max(sine, 1e-9));
+  const auto share = [&](double x) {
+    return 0.5 * cosine * (1.0 + std::erf(x)) + 0.5 * inv_sqrtpi * sine * std::exp(-x * x);
+  };
+  const double whole = share(steepest);
+  const auto excess = [&](double x) -> ValueAndSlope {
+    return {share(x) / whole - u, inv_sqrtpi * (cosine - x * sine) * std::exp(-x * x) / whole};
+  };
+  return invert_increasing(excess, -kSteepest, steepest, 0.0);
+}
+
+}  // namespace
+
+double facet_density(const Facets& facets, double h) {
+  const double width2 = facets.alpha * facets.alpha;
+  const double h2 = h * h;
+  if (facets.distribution == Facets::Distribution::kGgx) {
+    const double d = h2 * (width2 - 1.0) + 1.0;
+    return width2 / (pi * d * d);
+  }
+  return std::exp((h2 - 1.0) / (h2 * width2)) / (pi * width2 * h2 * h2);
+}
+
+Ray visible_normal(const Facets& facets, const Ray& view, double u, double v) {
+  const double alpha = facets.alpha;
+  const Ray stretched = normalised({alpha * view.x, alpha * view.y, view.z});
+  const double angle = 2.0 * pi * u;
+  if (facets.distribution == Facets::Distribution::kGgx) {
+    const double z = (1.0 - v) * (1.0 + stretched.z) - stretched.z;
+    const double sine = sine_of(z);
+    return normalised({alpha * (sine * std::cos(angle) + stretched.x), alpha * (sine * std::sin(angle) + stretched.y),
+                       z + stretched.z});
+  }
+  const double sine = std::hypot(stretched.x, stretched.y);
+  const double x = sine > 0.0 ? stretched.x / sine : 1.0;
+  const double y = sine > 0.0 ? stretched.y / sine : 0.0;
+  // u serves twice: its first bits choose the slope along the ray, the rest that across it.
+  constexpr double kSplit = 0x1.0p26;
+  const double whole = std::floor(u * kSplit);
+  const double along = beckmann_slope(stretched.z, sine, (whole + 0.5) / kSplit);
+  const double across = std::sqrt(-std::log(v)) * std::cos(2.0 * pi * (u * kSplit - whole));
+  return normalised({-alpha * (x * along - y * across), -alpha * (y * along + x * across), 1.0});
+}
+
+}  // namespace lamina

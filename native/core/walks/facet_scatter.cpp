@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "walks/facet_scatter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "operators/interface.hpp"
+#include "walks/facet_normals.hpp"
+
+namespace lamina {
+namespace {
+
+using std::numbers::pi;
+
+double dielectric_fresnel(double cosine, double ratio) {
+  const double refracted2 = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
+  return refracted2 > 0.0 ? fresnel(cosine, std::sqrt(refracted2), 1.0, ratio) : 1.0;
+}
+
+/// Additive recurrence of the plastic number (Roberts 2018): points of the unit square without clumps.
+struct EvenPoint {
+  double u;
+  double v;
+
+  explicit EvenPoint(int number)
+      : u(std::fmod(0.5 + 0.7548776662466927 * number, 1.0)), v(std::fmod(0.5 + 0.5698402909980532 * number, 1.0)) {}
+};
+
+}  // namespace
+
+FacetScatter::FacetScatter(const Facets& facets, double ior_above, double ior_below, bool compensate)
+    : facets_(facets), ior_above_(ior_above), ior_below_(ior_below), compensate_(compensate) {
+  compensate_all();
+}
+
+FacetScatter::FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal, bool compensate)
+    : facets_(facets),
+      ior_above_(ior_above),
+      ior_below_(ior_above),
+      metal_(metal / ior_above),
+      compensate_(compensate) {
+  compensate_all();
+}
+
+void FacetScatter::compensate_all() {
+  if (!compensate_) {
+    return;
+  }
+  mirrors_ = metal_.has_value();
+  losses_[0] = loss_on(false);
+  whole_loss_ = ior_above_ * ior_above_ * losses_[0].mean;
+  if (metal_) {
+    mirrors_ = false;
+    const double mean = mean_conductor_fresnel(*metal_);
+    given_back_ = mean * mean * (1.0 - losses_[0].mean) / (1.0 - mean * losses_[0].mean);
+  } else {
+    losses_[1] = loss_on(true);
+    whole_loss_ += ior_below_ * ior_below_ * losses_[1].mean;
+  }
+  compensate_ = whole_loss_ > 0.0;
+}
+
+double FacetScatter::Loss::operator()(double mu) const {
+  const double x = std::sqrt(mu) * kKnots;
+  const auto knot = std::min(static_cast<std::size_t>(x), static_cast<std::size_t>(kKnots - 1));
+  const double share = x - static_cast<double>(knot);
+  return (1.0 - share) * at[knot] + share * at[knot + 1];
+}
+
+FacetScatter::Loss FacetScatter::loss_on(bool below) const {
+  constexpr int kPoints = 2048;
+  constexpr double kGrazing = 1e-4;
+  Loss loss;
+  for (int knot = 0; knot <= Loss::kKnots; ++knot) {
+    const double root = static_cast<double>(knot) / Loss::kKnots;
+    const double mu = std::max(kGrazing, root * root);
+    const Ray view{sine_of(mu), 0.0, mu};
+    double kept = 0.0;
+    for (int point = 0; point < kPoints; ++point) {
+      const EvenPoint at(point);
+      const Ray normal = visible_normal(facets_, view, at.u, at.v);
+      // Both ways of a facet, each in proportion: no third number.
+      const Outcome reflected = by_facet(view, normal, below, 0.0);
+      const Outcome passed = by_facet(view, normal, below, 1.0);
+      const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
+      kept += share * reflected.weight + (1.0 - share) * passed.weight;
+    }
+    loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept / kPoints);
+  }
+  // int 2 mu e dmu = int 4 t^3 e dt, t the root of mu: exact for e linear in t between knots.
+  for (int knot = 0; knot < Loss::kKnots; ++knot) {
+    const double t0 = static_cast<double>(knot) / Loss::kKnots;
+    const double t1 = static_cast<double>(knot + 1) / Loss::kKnots;
+    const double slope =
+        (loss.at[static_cast<std::size_t>(knot) + 1] - loss.at[static_cast<std::size_t>(knot)]) * Loss::kKnots;
+    const double start = loss.at[static_cast<std::size_t>(knot)] - slope * t0;
+    loss.mean += start * (std::pow(t1, 4) - std::pow(t0, 4)) + 0.8 * slope * (std::pow(t1, 5) - std::pow(t0, 5));
+  }
+  return loss;
+}
+
+double FacetScatter::fresnel_at(double cosine, double ratio) const {
+  if (metal_) {
+    return mirrors_ ? 1.0 : conductor_fresnel(cosine, *metal_);
+  }
+  return dielectric_fresnel(cosine, ratio);
+}
+
+double FacetScatter::masked(double mu) const { return 1.0 / (1.0 + facets_.lambda(mu)); }
+
+double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_below) const {
+  const double here = ior_of(from_below);
+  const double there = ior_of(!from_below);
+  if (out.z > 0.0) {
+    const Ray half = normalised({view.x + out.x, view.y + out.y, view.z + out.z});
+    const double fresnel = fresnel_at(std::min(1.0, view.dot(half)), there / here);
+    return facet_density(facets_, std::min(1.0, half.z)) * fresnel * facets_.masking(view.z, out.z) /
+           (4.0 * view.z * out.z * here * here);
+  }
+  if (metal_) {
+    return 0.0;
+  }
+  Ray half{-here * view.x - there * out.x, -here * view.y - there * out.y, -here * view.z - there * out.z};
+  const double length = std::sqrt(half.dot(half));
+  const double turn = (half.z > 0.0 ? 1.0 : -1.0) / length;
+  half = {half.x * turn, half.y * turn, half.z * turn};
+  const double seen = view.dot(half);
+  const double left = out.dot(half);
+  if (!(seen > 0.0 && left < 0.0)) {
+    return 0.0;
+  }
+  return facet_density(facets_, std::min(1.0, half.z)) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
+         facets_.masking(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
+}
+
+FacetScatter::Outcome FacetScatter::by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const {
+  const double seen = view.dot(normal);
+  if (seen <= 0.0) {
+    return {view, 0.0};
+  }
+  const double ratio = ior_of(!from_below) / ior_of(from_below);
+  const double reflected = fresnel_at(std::min(1.0, seen), ratio);
+  // Metals reflect always and keep the share as a weight.
+  if (metal_ || choice < reflected) {
+    const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
+    const double share = metal_ ? reflected : 1.0;
+    return {out, out.z > 0.0 ? share * facets_.masking(view.z, out.z) / masked(view.z) : 0.0};
+  }
+  const double refracted2 = 1.0 - (1.0 - seen * seen) / (ratio * ratio);
+  if (refracted2 <= 0.0) {
+    return {view, 0.0};
+  }
+  const double along = seen / ratio - std::sqrt(refracted2);
+  const Ray out{along * normal.x - view.x / ratio, along * normal.y - view.y / ratio,
+                along * normal.z - view.z / ratio};
+  return {out, out.z < 0.0 ? facets_.masking(view.z, -out.z) / masked(view.z) : 0.0};
+}
+
+double FacetScatter::value(const Ray& in, const Ray& out) const {
+  const bool from_below = in.z > 0.0;
+  const bool to_below = out.z < 0.0;
+  const Ray view = from_below ? -in.mirrored() : -in;
+  double value = facet_value(view, from_below ? out.mirrored() : out, from_below);
+  if (compensate_ && !(metal_ && to_below)) {
+    value += given_back_ * losses_[from_below ? 1 : 0](view.z) * losses_[to_below ? 1 : 0](std::abs(out.z)) /
+             (pi * whole_loss_);
+  }
+  return value;
+}
+
+FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
+  const bool from_below = in.z > 0.0;
+  const Ray view = from_below ? -in.mirrored() : -in;
+  const double lost = compensate_ ? losses_[from_below ? 1 : 0](view.z) : 0.0;
+  const double choice = rng.uniform();
+  if (choice < lost) {
+    const double above = ior_above_ * ior_above_ * losses_[0].mean / whole_loss_;
+    const std::size_t side = rng.uniform() < above ? 0 : 1;
+    Ray out = lambert_ray(rng);
+    const double weight = given_back_ * losses_[side](out.z) / losses_[side].mean;
+    return {side == 0 ? out : out.mirrored(), weight};
+  }
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  const Ray normal = visible_normal(facets_, view, u, v);
+  Outcome outcome = by_facet(view, normal, from_below, (choice - lost) / (1.0 - lost));
+  outcome.weight /= 1.0 - lost;
+  if (from_below) {
+    outcome.ray = outcome.ray.mirrored();
+  }
+  return outcome;
+}
+
+}  // namespace lamina

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scattering of single rays by a rough boundary.
+#pragma once
+#include <array>
+#include <complex>
+#include <optional>
+
+#include "matter/microfacet.hpp"
+#include "walks/sphere.hpp"
+
+namespace lamina {
+
+/// A rough boundary as a place where walks scatter: the same facets as RoughSurface, compensated as there, for
+/// single rays. Rays are directions of travel, z up.
+class FacetScatter {
+ public:
+  FacetScatter(const Facets& facets, double ior_above, double ior_below, bool compensate);
+  /// A conductor of absolute index `metal`.
+  FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal, bool compensate);
+
+  /// Radiance that leaves along `out`, divided by the square of the index there, for unit irradiance along `in`.
+  double value(const Ray& in, const Ray& out) const;
+
+  /// A ray that leaves, and what it carries of the power that came along `in`; zero when it is lost.
+  struct Outcome {
+    Ray ray;
+    double weight;
+  };
+  Outcome sample(const Ray& in, Rng& rng) const;
+
+ private:
+  /// What facets that scatter once lose of the light that falls on one side, by the root of its cosine.
+  struct Loss {
+    static constexpr int kKnots = 40;
+    std::array<double, kKnots + 1> at = {};
+    double mean = 0.0;  ///< of uniform diffuse light
+
+    double operator()(double mu) const;
+  };
+
+  /// With the side of `in` turned up.
+  double facet_value(const Ray& view, const Ray& out, bool from_below) const;
+  /// Reflected by this facet where the choice, in [0, 1], is below its reflectance, else refracted.
+  Outcome by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
+  double fresnel_at(double cosine, double ratio) const;
+  double masked(double mu) const;
+  Loss loss_on(bool below) const;
+  void compensate_all();
+  double ior_of(bool below) const { return below ? ior_below_ : ior_above_; }
+
+  Facets facets_;
+  double ior_above_;
+  double ior_below_;
+  std::optional<std::complex<double>> metal_;  ///< relative to the index above
+  bool mirrors_ = false;                       ///< while the losses of a metal are measured
+  bool compensate_;
+  std::array<Loss, 2> losses_;  ///< above, below
+  double given_back_ = 1.0;     ///< share of what is lost
+  double whole_loss_ = 0.0;     ///< sum over sides of n^2 times the mean loss
+};
+
+}  // namespace lamina

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "walks/stack_walk.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "operators/interface.hpp"
+#include "walks/survival.hpp"
+
+namespace lamina {
+
+using Kind = WalkElements::Element::Kind;
+using std::numbers::pi;
+
+StackWalk::StackWalk(WalkElements stack, const WalkTarget& target) : stack_(std::move(stack)), target_(target) {
+  if (target.flux) {
+    return;
+  }
+  // By reciprocity: the beam that comes in where the light shall go out, run backwards.
+  const WalkBeam back(stack_, target.mu_o, target.dphi + pi, target.path == Path::kTransmit);
+  exits_ = exits_from(back);
+  const std::size_t last = target.path == Path::kReflect ? 0 : stack_.elements.size() - 1;
+  if (stack_.elements.size() > 1 && stack_.elements[last].kind == Kind::kRough) {
+    rough_exit_ = last;
+  }
+}
+
+std::vector<StackWalk::Exit> StackWalk::exits_from(const WalkBeam& back) const {
+  std::vector<Exit> exits;
+  for (const WalkBeam::Arrival& arrival : back.at) {
+    exits.push_back({-arrival.down, -arrival.up, arrival.at_top, arrival.at_bottom});
+  }
+  return exits;
+}
+
+double StackWalk::sample_exits(std::vector<Exit>& exits, Rng& rng) const {
+  const bool top = target_.path == Path::kReflect;
+  const Exit& out = exits_[*rough_exit_];
+  const FacetScatter::Outcome within = stack_.elements[*rough_exit_].facets->sample(-(top ? out.up : out.down), rng);
+  if (within.weight == 0.0 || (within.ray.z < 0.0) != top) {
+    return 0.0;
+  }
+  exits = exits_from(WalkBeam(stack_, *rough_exit_, within.ray));
+  return within.weight;
+}
+
+void StackWalk::begin() {
+  const WalkBeam beam(stack_, target_.mu_i, 0.0, false);
+  if (target_.flux) {
+    known_ = target_.path == Path::kReflect ? beam.reflected : beam.transmitted;
+  }
+  for (std::size_t k = 0; k < beam.at.size(); ++k) {
+    add_start(k, beam.at[k].down, beam.at[k].at_top);
+    add_start(k, beam.at[k].up, beam.at[k].at_bottom);
+  }
+}
+
+void StackWalk::add_start(std::size_t element, const Ray& in, double power) {
+  const Kind kind = stack_.elements[element].kind;
+  if (power == 0.0 || kind == Kind::kSmooth || kind == Kind::kMetal) {
+    return;
+  }
+  const bool medium = kind == Kind::kMedium;
+  if (!target_.flux) {
+    known_ += power * first_leaving(element, exits_[element], in);
+  }
+  const double scattered = power * (medium ? scattered_share(element, in) : 1.0);
+  if (scattered > 0.0) {
+    power_ += scattered;
+    starts_.push_back({element, in, power, power_});
+  }
+}
+
+double StackWalk::sample(Rng& rng, std::uint64_t& events) const {
+  if (starts_.empty()) {
+    return known_;
+  }
+  std::size_t start = 0;
+  if (starts_.size() > 1) {
+    const double choice = rng.uniform() * power_;
+    while (start + 1 < starts_.size() && starts_[start].until < choice) {
+      ++start;
+    }
+  }
+  std::vector<Exit> sampled;
+  double before = 0.0;  // scattered where the beam arrives, into the lobe within
+  double lobe = 1.0;
+  if (rough_exit_) {
+    lobe = sample_exits(sampled, rng);
+    if (lobe == 0.0) {
+      return known_;
+    }
+    for (const Start& one : starts_) {
+      before += one.arriving * first_leaving(one.element, sampled[one.element], one.in);
+    }
+  }
+  const std::vector<Exit>& exits = rough_exit_ ? sampled : exits_;
+  static constexpr Exit kNone = {};
+  double score = 0.0;
+  Light light{starts_[start].in, 1.0};
+  std::size_t element = starts_[start].element;
+  bool first = true;
+  while (meet(element, exits.empty() ? kNone : exits[element], light, first, score, rng, events)) {
+    first = false;
+    const bool down = light.ray.z < 0.0;
+    if (down ? element + 1 == stack_.elements.size() : element == 0) {
+      if (target_.flux && down == (target_.path == Path::kTransmit)) {
+        score += light.weight;
+      }
+      break;
+    }
+    element += down ? 1 : std::size_t(-1);
+  }
+  return known_ + lobe * (before + power_ * score);
+}
+
+bool StackWalk::meet(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
+                     std::uint64_t& events) const {
+  const Element& here = stack_.elements[element];
+  if (here.kind == Kind::kMedium) {
+    return cross(element, out, light, first, score, rng, events);
+  }
+  if (here.kind == Kind::kSmooth) {
+    return meet_smooth(element, light, rng);
+  }
+  if (here.kind == Kind::kMetal) {
+    light.weight *= conductor_fresnel(-light.ray.z, here.metal);
+    light.ray = light.ray.mirrored();
+    return survives(light.weight, rng);
+  }
+  ++events;
+  if (!first && !target_.flux) {
+    score += light.weight * surface_leaving(element, out, light.ray);
+  }
+  if (here.kind == Kind::kLambert) {
+    light.weight *= here.reflectance;
+    light.ray = lambert_ray(rng);
+  } else {
+    const FacetScatter::Outcome outcome = here.facets->sample(light.ray, rng);
+    light.weight *= outcome.weight;
+    light.ray = outcome.ray;
+  }
+  return light.weight != 0.0 && survives(light.weight, rng);
+}
+
+bool StackWalk::meet_smooth(std::size_t element, Light& light, Rng& rng) const {
+  const bool down = light.ray.z < 0.0;
+  const double from = stack_.ior[down ? element : element + 1];
+  const double to = stack_.ior[down ? element + 1 : element];
+  if (from == to) {
+    return true;
+  }
+  const double ratio = from / to;
+  const double mu = std::abs(light.ray.z);
+  const double sine2 = (1.0 - mu * mu) * ratio * ratio;
+  if (sine2 < 1.0) {
+    const double refracted = std::sqrt(1.0 - sine2);
+    if (rng.uniform() >= fresnel(mu, refracted, from, to)) {
+      light.ray = {light.ray.x * ratio, light.ray.y * ratio, std::copysign(refracted, light.ray.z)};
+      return true;
+    }
+  }
+  light.ray = light.ray.mirrored();
+  return true;
+}
+
+double StackWalk::first_leaving(std::size_t element, const Exit& out, const Ray& in) const {
+  return stack_.elements[element].kind == Kind::kMedium ? leaving(element, out, in) : surface_leaving(element, out, in);
+}
+
+double StackWalk::surface_leaving(std::size_t element, const Exit& out, const Ray& in) const {
+  const Element& here = stack_.elements[element];
+  if (here.kind == Kind::kLambert) {
+    return here.reflectance / (pi * stack_.ior[element] * stack_.ior[element]) * out.up_share;
+  }
+  double sum = 0.0;
+  if (out.up_share > 0.0) {
+    sum += out.up_share * here.facets->value(in, out.up);
+  }
+  if (out.down_share > 0.0) {
+    sum += out.down_share * here.facets->value(in, out.down);
+  }
+  return sum;
+}
+
+}  // namespace lamina

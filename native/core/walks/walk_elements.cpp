@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "walks/walk_elements.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "operators/delta_field.hpp"
+#include "operators/interface.hpp"
+
+namespace lamina {
+namespace {
+
+using Element = WalkElements::Element;
+using Kind = Element::Kind;
+
+/// So many transport lengths deep, the angular distribution has forgotten the surface to beyond rounding.
+constexpr double kForgotten = 30.0;
+
+Element element_of(const Layer& layer, double ior_above, double ior_below) {
+  Element element;
+  if (const auto* medium = std::get_if<Medium>(&layer)) {
+    element.medium = *medium;
+    return element;
+  }
+  if (const auto* graded = std::get_if<GradedMedium>(&layer)) {
+    element.medium = {graded->largest_albedo(), graded->tau(), graded->sharpest_phase()};
+    element.graded = std::make_shared<const GradedMedium>(*graded);
+    return element;
+  }
+  const auto& boundary = std::get<Interface>(layer);
+  element.kind = Kind::kSmooth;
+  if (boundary.is_rough(boundary.ior == ior_above ? ior_below : ior_above)) {
+    element.kind = Kind::kRough;
+    element.facets = std::make_shared<FacetScatter>(boundary.facets, ior_above, ior_below, boundary.compensate);
+  }
+  return element;
+}
+
+Element element_of(const Base& base, double ior_above) {
+  Element element;
+  element.kind = Kind::kLambert;
+  element.reflectance = base.reflectance;
+  if (base.kind == Base::Kind::kConductor) {
+    element.kind = Kind::kMetal;
+    element.metal = base.ior / ior_above;
+    if (base.facets.alpha > 0.0) {
+      element.kind = Kind::kRough;
+      element.facets = std::make_shared<FacetScatter>(base.facets, ior_above, base.ior, base.compensate);
+    }
+  }
+  return element;
+}
+
+}  // namespace
+
+WalkElements::WalkElements(const Stack& stack, Side side, bool ended) : ior(refractive_indices(stack)) {
+  if (side == Side::kBottom && stack.base.kind != Base::Kind::kNone) {
+    throw std::invalid_argument("side = 'bottom': a stack on a base has none");
+  }
+  std::vector<Layer> layers = stack.layers;
+  if (side == Side::kBottom) {
+    std::reverse(layers.begin(), layers.end());
+    std::reverse(ior.begin(), ior.end());
+    for (Layer& layer : layers) {
+      if (auto* graded = std::get_if<GradedMedium>(&layer)) {
+        *graded = graded->turned();
+      }
+    }
+  }
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    elements.push_back(element_of(layers[k], ior[k], ior[k + 1]));
+    Medium& medium = elements.back().medium;
+    if (elements.back().kind == Kind::kMedium && std::isinf(medium.tau)) {
+      // Nothing comes back from what lies below.
+      ior.resize(k + 2);
+      Element end;
+      end.kind = Kind::kLambert;
+      if (ended && medium.albedo == 1.0) {
+        medium.tau = kForgotten / (1.0 - medium.phase.moment(1));
+        end.reflectance = 1.0;
+      }
+      elements.push_back(std::move(end));
+      ior.push_back(ior.back());
+      return;
+    }
+  }
+  if (stack.base.kind != Base::Kind::kNone) {
+    elements.push_back(element_of(stack.base, ior.back()));
+    ior.push_back(ior.back());
+  }
+}
+
+WalkBeam::WalkBeam(const WalkElements& stack, double mu, double phi, bool from_below) {
+  pass(stack, 0, stack.elements.size(), sine_of(mu), {std::cos(phi), std::sin(phi), mu}, from_below);
+}
+
+WalkBeam::WalkBeam(const WalkElements& stack, std::size_t from, const Ray& within) {
+  const bool down = within.z < 0.0;
+  const double across = std::hypot(within.x, within.y);
+  const Ray heading = across > 0.0 ? Ray{within.x / across, within.y / across, 0.0} : Ray{1.0, 0.0, 0.0};
+  pass(stack, down ? from + 1 : 0, down ? stack.elements.size() : from, across * stack.ior[down ? from + 1 : from],
+       heading, !down);
+  // What comes back to the element where it began.
+  const Ray back{within.x, within.y, -within.z};
+  at[from] = down ? Arrival{{}, back, 0.0, reflected} : Arrival{back, {}, reflected, 0.0};
+}
+
+void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t last, double sine, const Ray& heading,
+                    bool from_below) {
+  // Snell's law keeps n sin(theta).
+  const auto cosine = [&](std::size_t gap) { return sine_of(sine / stack.ior[gap]); };
+  // An empty element at either end shows what leaves there.
+  ScatteringFunction empty = ScatteringFunction::bare(1, 0);
+  empty.transmit.delta[0] = 1.0;
+  std::vector<ScatteringFunction> deltas{empty};
+  for (std::size_t k = first; k < last; ++k) {
+    const Element& element = stack.elements[k];
+    ScatteringFunction s = ScatteringFunction::bare(1, 0);
+    if (element.kind == Kind::kMedium) {
+      s.transmit.delta[0] = std::exp(-element.medium.tau / cosine(k));
+    } else if (element.kind == Kind::kSmooth) {
+      // A cosine of 0: no ray there.
+      const double above = cosine(k);
+      const double below = cosine(k + 1);
+      const double back = above > 0.0 && below > 0.0 ? fresnel(above, below, stack.ior[k], stack.ior[k + 1]) : 1.0;
+      s.reflect_above.delta[0] = s.reflect_below.delta[0] = back;
+      s.transmit.delta[0] = 1.0 - back;
+    } else if (element.kind == Kind::kMetal) {
+      s.reflect_above.delta[0] = conductor_fresnel(cosine(k), element.metal);
+    }
+    deltas.push_back(std::move(s));
+  }
+  deltas.push_back(empty);
+  const DeltaField field(deltas);
+  const auto& arrivals = from_below ? field.from_below : field.from_above;
+  const auto ray = [&](std::size_t gap, double turn) -> Ray {
+    const double across = sine / stack.ior[gap];
+    return {across * heading.x, across * heading.y, turn * cosine(gap)};
+  };
+  at.resize(stack.elements.size());
+  for (std::size_t k = first; k < last; ++k) {
+    const auto& arrival = arrivals[k - first + 1];
+    at[k] = {ray(k, -1.0), ray(k + 1, 1.0), arrival.down[0], arrival.up[0]};
+  }
+  const double to_top = arrivals.front().up[0];
+  const double to_bottom = arrivals.back().down[0];
+  reflected = from_below ? to_bottom : to_top;
+  transmitted = from_below ? to_top : to_bottom;
+}
+
+}  // namespace lamina

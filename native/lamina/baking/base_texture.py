@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Lambert base whose reflectance is a texture: exact for any value, from one bake.
+
+All that a base of reflectance rho adds to a stack is rho A / (1 - rho r): A(o, i) = T(o) T(i) / pi, light that
+comes through to the base and out again, and r, the share of diffuse light from the base that the layers throw
+back to it (the geometric series of van de Hulst 1963). The table holds closures for the stack over black, others
+for A, and r; a node computes rho / (1 - rho r)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..closures.closure_table import LightGrid
+from ..common.progress import Progress, portion
+from .lut_header import PREFIX, THROWN_BACK
+from .mixture import Mixture, norms
+from .slices import Slices, SolvedRows, slices
+
+
+@dataclass(frozen=True)
+class TexturedBase:
+    """`slices` of A; `thrown_back`, r, [side, row, channel, column], the same in all columns."""
+
+    slices: Slices
+    thrown_back: np.ndarray
+    grid: LightGrid
+
+    def gain(self, reflectance: list[float]) -> np.ndarray:
+        """What multiplies the weights of A for a reflectance, one a channel: [side, row, channel, column]."""
+        rho = np.array(reflectance)[:, None]
+        return rho / (1.0 - rho * self.thrown_back)
+
+    def parts(self, reflectance: list[float], black: Slices, dark: Mixture, fitted: Mixture) -> dict[str, Mixture]:
+        """Parts of the table, of the fits over black and of A. Their errors are for the reflectance that the stack
+        states, one a channel: at most what both fits add up to."""
+        gain = self.gain(reflectance)
+        whole = norms(black.values + gain[..., None] * self.slices.values, self.grid)
+        errors = np.nan_to_num(dark.errors) * norms(black.values, self.grid)
+        errors = errors + np.nan_to_num(fitted.errors) * gain * norms(self.slices.values, self.grid)
+        errors = np.where(whole > 0.0, errors / np.where(whole > 0.0, whole, 1.0), np.nan)
+        return {
+            "reflection": Mixture(dark.closures, dark.weights, errors, dark.albedo_errors),
+            "base": Mixture([PREFIX + name for name in fitted.closures], fitted.weights),
+            "thrown back": Mixture([THROWN_BACK], self.thrown_back[:, None]),
+        }
+
+
+def over_texture(solved: SolvedRows, grid: LightGrid, pool,
+                 step: Progress) -> tuple[dict[str, Slices], TexturedBase]:
+    """(slices over black, the textured base) of a stack on a Lambert base."""
+
+    def over(reflectance, step):
+        functions = [function.with_base_reflectance(reflectance) for function in solved.functions]
+        return slices(replace(solved, functions=functions), grid, pool, step)["reflection"]
+
+    black, white = over(0.0, portion(step, 0.0, 0.5)), over(1.0, portion(step, 0.5, 1.0))
+    thrown_back = _thrown_back(solved, black, white)[None, :, :, None] * np.ones_like(black.albedo)
+    share = 1.0 - thrown_back
+    base = Slices(np.maximum(white.values - black.values, 0.0) * share[..., None],
+                  np.maximum(white.albedo - black.albedo, 0.0) * share, None, np.zeros_like(black.albedo))
+    return {"reflection": black}, TexturedBase(base, thrown_back, grid)
+
+
+def _thrown_back(solved: SolvedRows, black: Slices, white: Slices) -> np.ndarray:
+    """r, [row, channel]: with g = 1 / (1 - r) over white and 1/2 / (1 - r/2) over grey, their ratio is
+    q = (2 - r) / (1 - r). Where no light reaches the base, 0. Seen at the first column, from straight above."""
+    dark, bright = black.albedo[0, :, :, 0], white.albedo[0, :, :, 0]
+    grey = np.array([function.with_base_reflectance(0.5).reflectance(1.0) for function in solved.functions])
+    grey = grey - black.direct[0, :, :, 0]  # what boundaries mirror is the same over any base
+    seen = grey - dark > 1e-12
+    ratio = np.where(seen, (bright - dark) / np.where(seen, grey - dark, 1.0), 2.0)
+    return np.clip((ratio - 2.0) / (ratio - 1.0), 0.0, 1.0)

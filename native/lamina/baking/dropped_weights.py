@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closures that weigh too little for Cycles.
+
+Cycles leaves a closure out where the mean of its weight over R, G and B is below 1e-5.  Such weights are folded into
+the other closures of the same view, so that the directional albedo of what is shown stays exact."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..closures.closure_table import LightGrid, only
+from .mixture import Mixture, reweighted
+from .slices import Slices
+
+# Cycles' CLOSURE_WEIGHT_CUTOFF is 1e-5. Between two texels, of which one has no weight, a weight passes through all
+# smaller values: the larger the least weight, the sooner it has passed those that are dropped.
+LEAST_WEIGHT = 2e-5
+
+
+def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool,
+           factor: np.ndarray | float = 1.0) -> Mixture:
+    """The mixture without weights that Cycles would drop, its errors measured again. `factor` [side, row, channel,
+    column] multiplies the weights before Cycles sees them."""
+    shown = mixture.weights * (factor if np.isscalar(factor) else factor[:, None])
+    if not np.any(_too_small(shown)):
+        return mixture
+    albedo = only(grid, mixed, tuple(mixture.closures)).albedo.T[None, :, None, None, :]
+    weights, shown = mixture.weights.copy(), shown.copy()
+    for _ in mixture.closures:
+        small = _too_small(shown)
+        least = np.where(small, shown.mean(axis=3), np.inf).argmin(axis=1)[:, None]
+        goes = small & (np.arange(len(mixture.closures))[None, :, None, None] == least)
+        _fold(weights, goes, albedo)
+        shown = weights * (factor if np.isscalar(factor) else factor[:, None])
+        if not np.any(_too_small(shown)):
+            break
+    return reweighted(mixture, weights, wanted, grid, mixed)
+
+
+def _too_small(weights: np.ndarray) -> np.ndarray:
+    """[side, closure, row, column]: where Cycles would drop a closure, and another one is there to take its light."""
+    mean = weights.mean(axis=3)
+    return (mean > 0.0) & (mean < LEAST_WEIGHT) & ((mean > 0.0).sum(axis=1, keepdims=True) > 1)
+
+
+def _fold(weights: np.ndarray, goes: np.ndarray, albedo: np.ndarray) -> None:
+    """Takes out the closures `goes` [side, closure, row, column], in place. The others grow in proportion; in a channel
+    where they are black, the one that shows most light takes all."""
+    before = (weights * albedo).sum(axis=1, keepdims=True)
+    weights[np.broadcast_to(goes[:, :, :, None], weights.shape)] = 0.0
+    light = weights * albedo
+    after = light.sum(axis=1, keepdims=True)
+    seen = after > 1e-3 * before
+    weights *= np.where(seen, before / np.where(seen, after, 1.0), 1.0)
+    strongest = light.mean(axis=3, keepdims=True).argmax(axis=1)[:, None]
+    takes = np.arange(weights.shape[1])[None, :, None, None, None] == strongest
+    weights += takes * np.where(seen, 0.0, before - after) / np.where(albedo > 0.0, albedo, np.inf)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake says of its own accuracy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..closures.closure_table import view_cosines
+from .mixture import Mixture
+from .slices import Slices, SolvedRows
+from .strayed_light import strayed_report
+
+# Errors are stated for view cosines from here on; nearer to grazing, closures are extrapolated.
+STATED_COSINE = 0.05
+
+
+def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: SolvedRows) -> dict:
+    """The report of a table, see lamina.bake; `parts` by kind, "reflection" first; `seen`: the slices they fit."""
+    stated = view_cosines() >= STATED_COSINE
+    reflection, through = parts["reflection"], parts.get("transmission")
+    fitted = [part for part in parts.values() if part.errors is not None]
+    functions = solved.functions
+    through_errors = None if through is None else all_rows(np.nan_to_num(through.errors), solved, 1).round(6).tolist()
+    return {
+        "fit_error": _mean(reflection.errors[..., stated]),
+        "worst_slice": _worst(reflection.errors, stated, solved),
+        "slice_errors": all_rows(np.nan_to_num(reflection.errors), solved, 1).round(6).tolist(),
+        "fit_error_transmission": None if through is None else _mean(through.errors[..., stated]),
+        "worst_slice_transmission": None if through is None else _worst(through.errors, stated, solved),
+        "slice_errors_transmission": through_errors,
+        **_by_row(reflection.errors[..., stated], solved),
+        "albedo_error": max(float(part.albedo_errors[..., stated].max()) for part in fitted),
+        "strayed_light": strayed_report(parts, seen, stated) if solved.is_sheet else None,
+        "energy_error": max(f.checks["energy"] for f in functions),
+        "closures": sum(len(part.closures) for part in parts.values()),
+        "solver": {
+            "nodes": max(f.nodes for f in functions),
+            "orders": max(f.orders for f in functions),
+            "resolution_error": max(f.checks["resolution"] for f in functions),
+        },
+        "tau_rows": max(1, len(solved.axis)),
+        "tau_rows_solved": len(solved.rows),
+    }
+
+
+def all_rows(values: np.ndarray, solved: SolvedRows, axis: int) -> np.ndarray:
+    """Values of the solved rows as values of all rows, linear in between."""
+    wanted = np.arange(len(solved.axis))
+    if len(solved.rows) >= len(wanted):
+        return values
+    after = np.clip(np.searchsorted(solved.rows, wanted), 1, None)
+    rows = np.array(solved.rows)
+    shape = [-1 if k == axis else 1 for k in range(values.ndim)]
+    share = ((wanted - rows[after - 1]) / (rows[after] - rows[after - 1])).reshape(shape)
+    return (1.0 - share) * values.take(after - 1, axis) + share * values.take(after, axis)
+
+
+def _mean(errors: np.ndarray) -> float:
+    """Mean over the slices that are not black; 0 when all are."""
+    seen = errors[np.isfinite(errors)]
+    return float(seen.mean()) if seen.size else 0.0
+
+
+def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
+    """Fit error by thickness, of all rows; nothing where no layer varies."""
+    if not solved.axis:
+        return {}
+    errors = np.moveaxis(all_rows(np.nan_to_num(errors), solved, 1), 1, 0).reshape(len(solved.axis), -1)
+    return {"row_errors": {"tau": solved.axis, "mean": errors.mean(axis=1).round(6).tolist(),
+                           "worst": errors.max(axis=1).round(6).tolist()}}
+
+
+def _worst(errors: np.ndarray, stated: np.ndarray, solved: SolvedRows) -> dict:
+    candidates = np.where(stated, np.nan_to_num(errors), 0.0)
+    side, row, channel, column = np.unravel_index(int(candidates.argmax()), candidates.shape)
+    return {
+        "error": float(candidates[side, row, channel, column]),
+        "mu_o": float(view_cosines()[column]),
+        "channel": int(channel),
+        "side": solved.sides[side],
+        "tau": solved.tau[row],
+    }

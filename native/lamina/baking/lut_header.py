@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the header of a lookup table must hold, so that all who read the table can rely on its header."""
+
+from __future__ import annotations
+
+import numbers
+
+import numpy as np
+
+from ..closures import lobes
+from ..closures.axes import COLUMNS
+from ..common.errors import shown
+
+SCHEMA = 1
+# Strips of the table that are weighted by a textured base: closures after this prefix, and the share of diffuse light
+# from the base that the layers throw back to the base.
+PREFIX = "base/"
+THROWN_BACK = "base/thrown back"
+
+_MISSING = object()
+_TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
+_NUMBERS = "a list of numbers from 0"
+# What every table tells, and what some do, by the place in the header.
+_ALWAYS = {
+    "stack.layers": "a list", "stack_hash": _TEXT, "quality": _TEXT, "seed": _COUNT, "sides": "a list",
+    "closures": "a list", "axes.view.count": _COUNT, "axes.tau.count": _COUNT, "axes.tau.values": _NUMBERS,
+    "report.fit_error": _NUMBER, "report.albedo_error": _NUMBER, "report.energy_error": _NUMBER,
+    "report.closures": _COUNT, "report.tau_rows": _COUNT, "report.solver.nodes": _COUNT,
+    "report.solver.orders": _COUNT, "report.worst_slice.error": _NUMBER, "report.worst_slice.mu_o": "a cosine",
+    "report.worst_slice.channel": _COUNT, "report.worst_slice.side": _TEXT,
+}  # fmt: skip
+_OR_NONE = {"report.fit_error_transmission": _NUMBER, "report.worst_slice.tau": _NUMBER}
+_IF_ANY = {
+    "basis": {"basis": _TEXT},
+    "report.row_errors": {f"report.row_errors.{name}": _NUMBERS for name in ("tau", "mean", "worst")},
+    "report.tau_error": {
+        **{f"report.tau_error.{name}": _NUMBER for name in ("mean", "worst", "mirror", "worst_at.tau")},
+        "report.tau_error.worst_at.mu_o": "a cosine",
+    },
+}
+
+
+def problem(header, weights: np.ndarray) -> str:
+    """What is wrong with a table, in words, or ''."""
+    schema = header.get("schema") if isinstance(header, dict) else None
+    if not _is_whole(schema):
+        return "not a Lamina lookup table"
+    if schema > SCHEMA:
+        return f"schema {shown(schema)} needs a newer Lamina, which reads up to {SCHEMA}"
+    if schema < 1:
+        return f"schema = {shown(schema)}: must be {SCHEMA}"
+    return _problem_of_fields(header) or _problem_of_closures(header) or _problem_of_weights(header, weights)
+
+
+def _problem_of_fields(header: dict) -> str:
+    wanted = dict(_ALWAYS)
+    for place, more in _IF_ANY.items():
+        if _at(header, place) is not _MISSING:
+            wanted |= more
+    for place, kind in _OR_NONE.items():
+        if _at(header, place) is not None:
+            wanted[place] = kind
+    for place, kind in wanted.items():
+        value = _at(header, place)
+        if value is _MISSING:
+            return f"the header of the lookup table is incomplete: {place} is missing"
+        if not _FITS[kind](value):
+            return f"{place} = {shown(value)}: must be {kind}"
+    return ""
+
+
+def _problem_of_closures(header: dict) -> str:
+    for name in header["closures"]:
+        try:
+            if name != THROWN_BACK:
+                lobes.recipe(name.removeprefix(PREFIX))
+        except (AttributeError, KeyError):
+            return f"closure {shown(name)}: this version of Lamina does not know it"
+    if THROWN_BACK in header["closures"]:
+        colour = _at(header, "stack.base.reflectance")
+        if not _is_numbers(colour) or len(colour) not in (1, 3):
+            return "stack.base.reflectance: must be 1 or 3 numbers, for the base has a texture"
+    return ""
+
+
+def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
+    sides, tau = header["sides"], header["axes"]["tau"]
+    if sides not in (["top"], ["top", "bottom"]):
+        return f"sides = {shown(sides)}: must be ['top'] or ['top', 'bottom']"
+    if header["axes"]["view"]["count"] != COLUMNS:
+        return f"axes.view.count = {header['axes']['view']['count']}: must be {COLUMNS}"
+    if tau["count"] > 1 and len(tau["values"]) != tau["count"]:
+        return f"axes.tau.values has {len(tau['values'])} entries: axes.tau.count says {shown(tau['count'])}"
+    if any(below < above for above, below in zip(tau["values"], tau["values"][1:], strict=False)):
+        return f"axes.tau.values = {shown(tau['values'])}: must rise"
+    for place in _IF_ANY["report.row_errors"]:
+        errors = _at(header, place)
+        if errors is not _MISSING and len(errors) != len(tau["values"]):
+            return f"{place} has {len(errors)} entries: must have one for each of axes.tau.values"
+    shape = (len(sides), len(header["closures"]), tau["count"], COLUMNS, 3)
+    if weights.dtype != np.float32 or weights.shape != shape or not weights.size:
+        return f"weights are {weights.dtype} {shown(weights.shape)}: the header says float32 {shown(shape)}"
+    if not np.all(np.isfinite(weights)) or weights.min(initial=0.0) < 0.0:
+        return "weights are negative or not finite"
+    return ""
+
+
+def _at(header: dict, place: str):
+    """What the header holds at a place such as "axes.tau.count", or _MISSING."""
+    value = header
+    for key in place.split("."):
+        value = value.get(key, _MISSING) if isinstance(value, dict) else _MISSING
+    return value
+
+
+def _is_whole(value) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _is_number(value) -> bool:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        return False
+    return 0.0 <= value <= 1e300
+
+
+def _is_numbers(value) -> bool:
+    return isinstance(value, list) and all(map(_is_number, value))
+
+
+_FITS = {
+    _TEXT: lambda value: isinstance(value, str),
+    "a list": lambda value: isinstance(value, list),
+    _NUMBER: _is_number,
+    _NUMBERS: _is_numbers,
+    _COUNT: lambda value: _is_whole(value) and 0 <= value < 1 << 64,
+    "a cosine": lambda value: _is_number(value) and value <= 1.0,
+}

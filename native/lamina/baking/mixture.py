@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mixtures of closures: choosing a few for a whole material, and fitting their weights to its slices.
+
+Where rough boundaries show lobes, these come first: closures made to measure, chosen and fitted to the lobes
+alone, so that their height does not decide how well the rest is fitted. What they leave over, the smooth rest
+and their own small misfit, is fitted by closures of all kinds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import _core
+from ..closures import lobes
+from ..closures.closure_table import Closures, LightGrid, only, with_more
+from ..common.progress import Progress
+from .slices import Slices
+
+# The objective's factor for a closure made of a Principled BSDF: slow, and noisier than the rest.
+PRINCIPLED_PENALTY = 1.1
+# No more closures are added once slices are fitted so well on average.
+ACCURATE = 5e-3
+# Closures that every view has.
+EVERYWHERE = {"reflection": "diffuse", "transmission": "translucent"}
+# A rest below this share of what there is, everywhere, is left to the lobes' closures.
+NEGLIGIBLE = 2e-3
+# Room that fixed closures leave at least, beside those for lobes and beside others; what lobes leave for the rest.
+LOBES_BESIDE_FIXED, BESIDE_FIXED, LEAST_REST = 1, 3, 2
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much a fit spends: closures for lobes at most, for the rest, and for both; how many more before some are
+    dropped, rounds of exchange, and at which columns and rows the choice looks (the fit that follows uses all)."""
+
+    lobes: int
+    rest: int
+    all: int
+    overshoot: int
+    exchanges: int
+    column_stride: int
+    row_stride: int
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """`weights` [side, closure, row, channel, column]; `errors`, relative to each slice's norm and nan where
+    it is black, and `albedo_errors`, relative, [side, row, channel, column]; None where nothing was fitted."""
+
+    closures: list[str]
+    weights: np.ndarray
+    errors: np.ndarray | None = None
+    albedo_errors: np.ndarray | None = None
+
+
+def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *, made: Sequence[str] = (),
+        given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = ()) -> Mixture:
+    """Chooses closures of a kind, among the dictionary's and those `made` to measure for lobes, and fits them to all
+    slices. `given` ones are taken as they are, unless one is for other lobes or a view has none. `mixed`: reflection
+    and transmission share the material. `fixed` ones are part of every choice, and leave room for some more."""
+    given = list(given) if all(":" not in name or name in made for name in given) else []
+    values, albedo = wanted.values, wanted.albedo
+    parts, errors, share = [], None, 1.0
+
+    def choose(count, allowed, for_lobes=False):
+        step(0.1 if parts else 0.0, "Choosing closures")
+        basis = with_more(kind, grid, mixed, effort.column_stride, tuple(made))
+        candidates = [k for k, name in enumerate(basis.ids) if allowed(name)]
+        kept = [k for k in candidates if basis.ids[k] in fixed and (basis.ids[k] in made or not for_lobes)]
+        if kept:
+            beside = LOBES_BESIDE_FIXED if for_lobes else min(BESIDE_FIXED, count)
+            count = min(max(count, len(kept) + beside), _core.MAX_CLOSURES)
+        return _choose(basis, values, albedo, count, effort, candidates, kept, pool, ACCURATE / share)
+
+    if made and wanted.lobes is not None and np.any(wanted.lobes):
+        values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, albedo)
+        own = [name for name in given if name in made][:effort.lobes]
+        # Greedy choices among more are not always better ones: of both, that which fits the lobes better.
+        chosen = [own] if own else [choose(effort.lobes, lambda name: name in made, True),
+                                    choose(effort.lobes, lambda _: True, True)]
+        found, _ = min((_fit(names, values, albedo, grid, mixed, pool) for names in chosen),
+                       key=lambda fitted: float(fitted[1].mean()))
+        given = [name for name in given if name not in own]
+        values, albedo = wanted.values - found.values(), np.maximum(wanted.albedo - found.albedo(), 0.0)
+        parts.append(found)
+        whole = norms(wanted.values, grid)
+        left = norms(values, grid) / np.where(whole > 0.0, whole, np.inf)
+        share = max(float(left.mean()), ACCURATE)
+    taken = [name for part in parts for name in part.closures]
+    if not parts or np.any(albedo > NEGLIGIBLE * wanted.albedo):
+        count = max(min(effort.rest, effort.all - len(taken)), LEAST_REST)
+        names = given if _serves_all_views(given, grid, mixed) else choose(count, lambda name: name not in taken)
+        if not _serves_all_views(names, grid, mixed):
+            names = [*names, EVERYWHERE[kind]]
+        step(0.5, "Fitting closures")
+        found, errors = _fit(names, values, albedo, grid, mixed, pool)
+        parts.append(found)
+    if taken:
+        errors = left if errors is None else errors * left
+    reached = sum(part.albedo() for part in parts)
+    exact = wanted.albedo > 0.0
+    return Mixture(
+        [name for part in parts for name in part.closures],
+        np.concatenate([part.weights for part in parts], axis=1),
+        np.where(exact, errors, np.nan),
+        np.abs(reached - wanted.albedo) / np.maximum(wanted.albedo, 1e-12) * exact,
+    )
+
+
+def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid, mixed: bool) -> Mixture:
+    """The mixture with other weights, and the errors of these. Its albedo errors stay: they are those of the fit."""
+    fitted = _Fitted(only(grid, mixed, tuple(mixture.closures)), weights)
+    whole = norms(wanted.values, grid)
+    errors = norms(wanted.values - fitted.values(), grid) / np.where(whole > 0.0, whole, 1.0)
+    return replace(mixture, weights=weights, errors=np.where(wanted.albedo > 0.0, errors, np.nan))
+
+
+class _Fitted:
+    """Weights [side, closure, row, channel, column] of closures, and what they add up to."""
+
+    def __init__(self, basis: Closures, weights: np.ndarray):
+        self.closures = basis.ids
+        self.weights = weights
+        self._basis = basis
+
+    def values(self) -> np.ndarray:
+        """[side, row, channel, column, light]."""
+        return np.einsum("skrxc,ckl->srxcl", self.weights, self._basis.values, optimize=True)
+
+    def albedo(self) -> np.ndarray:
+        """[side, row, channel, column], of weights as the table stores them."""
+        return np.einsum("skrxc,ck->srxc", self.weights.astype(np.float32), self._basis.albedo)
+
+
+def _fit(names: Sequence[str], values, albedo, grid: LightGrid, mixed: bool, pool):
+    """(what was fitted, errors relative to the norm of `values` [side, row, channel, column])."""
+    basis = only(grid, mixed, tuple(names))
+    weights, errors = basis.table.fit(_targets(basis, values, albedo, pool), list(range(len(names))), pool)
+    black = albedo <= 0.0
+    weights = np.where(black[..., None], 0.0, weights.reshape(*albedo.shape, len(names)))
+    return _Fitted(basis, np.moveaxis(weights, -1, 1)), np.where(black, 1.0, errors.reshape(albedo.shape))
+
+
+def _serves_all_views(names: Sequence[str], grid: LightGrid, mixed: bool) -> bool:
+    """Whether there are closures, and one for each view: in sheets not all are available everywhere."""
+    return bool(names) and bool(np.all(only(grid, mixed, tuple(names)).albedo.max(axis=1) > 1e-3))
+
+
+def _targets(basis: Closures, values: np.ndarray, albedo: np.ndarray, pool):
+    """The core's targets of all slices, flat but for columns."""
+    columns = albedo.shape[3]
+    flat = np.ascontiguousarray(values).reshape(-1, columns, values.shape[-1])
+    return basis.table.targets(flat, np.ascontiguousarray(albedo).reshape(-1, columns), pool)
+
+
+def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candidates, fixed, pool,
+            accurate) -> list[str]:
+    """The closures that together serve all slices best, `fixed` among them: the same for the whole material."""
+    rows = albedo.shape[1]
+    kept = sorted({*range(0, rows, effort.row_stride), rows - 1})
+    stride = effort.column_stride
+    targets = _targets(basis, values[:, kept, :, ::stride], albedo[:, kept, :, ::stride], pool)
+    targets = [target for target in targets if target.norm2 > 0.0]
+    if not targets:
+        return [basis.ids[candidates[0]]]
+    options = _core.SelectionOptions()
+    options.closures = min(count, len(candidates))
+    options.overshoot, options.swap_passes = effort.overshoot, effort.exchanges
+    options.target_error = accurate
+    principled = [lobes.by_id(name).node.type == "ShaderNodeBsdfPrincipled" for name in basis.ids]
+    options.penalty = [PRINCIPLED_PENALTY if slow else 1.0 for slow in principled]
+    return [basis.ids[k] for k in basis.table.select(targets, options, candidates, fixed, pool).closures]
+
+
+def norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:
+    """L2 norms over solid angle, without the axis of lights."""
+    return np.sqrt(np.maximum((values**2) @ grid.solid_angle, 0.0))
+

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The slices of a scattering function that a lookup table holds: for each side, row of thickness, channel
+and view cosine, what light from each direction contributes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _core
+from ..closures.axes import tau_at, tau_rows
+from ..closures.closure_table import LightGrid, view_cosines
+from ..material.layers import Medium
+from ..material.stack import Stack
+from ..solver.solve import ScatteringFunction, solve
+
+SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
+PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
+# Between two looks at whether to stop; enough to keep all threads busy.
+ROWS_AT_ONCE = 4
+
+
+@dataclass(frozen=True)
+class Slices:
+    """`values`: f * cos(theta_i) in 1/sr, [side, row, channel, column, light]; `albedo`: their exact
+    integrals, [side, row, channel, column]; `lobes`: the part of the values that facets of rough boundaries
+    scatter once, or None where all are smooth; `direct`: what mirrors reflect or what passes unscattered, as
+    albedo."""
+
+    values: np.ndarray
+    albedo: np.ndarray
+    lobes: np.ndarray | None
+    direct: np.ndarray
+
+
+@dataclass(frozen=True)
+class SolvedRows:
+    """A stack solved for thicknesses of its varying layer; one row when none varies.
+
+    `axis`: the table's thicknesses, all rows; `rows`: which of them were solved; `tau`: their thicknesses."""
+
+    axis: list[float]
+    rows: list[int]
+    tau: list[float | None]
+    functions: list[ScatteringFunction]
+    sides: list[str]
+    is_sheet: bool
+
+
+def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, str], None],
+               stride: int = 1, nodes: int | None = None) -> SolvedRows:
+    """Solves every `stride`-th row and the last; `step(fraction, text)` is called before each and may raise
+    to stop."""
+    step(0.0, "Solving the stack")
+    full = solve(stack, quality, threads, nodes)
+    # Seen from below, the sheet is the reversed stack; where that is the same stack, one side serves both.
+    turned = [layer.turned() if isinstance(layer, Medium) else layer for layer in reversed(stack.layers)]
+    symmetric = Stack(turned, stack.base).canonical() == stack.canonical()
+    is_sheet = stack.base is None
+    sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
+    if stack.varying is None:
+        return SolvedRows([], [0], [None], [full], sides, is_sheet)
+    taus = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
+    largest = max(taus)
+    axis = [float(tau) for tau in tau_rows(largest)]
+    rows = sorted({*range(0, len(axis), stride), len(axis) - 1})
+    functions = []
+    for count, row in enumerate(rows):
+        step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
+        share = axis[row] / largest if largest > 0.0 else 0.0
+        # The clean stack shows the lobes of its boundaries most sharply: its resolution serves all other rows.
+        known = functions[0] if functions else full
+        functions.append(known.with_thickness(stack.varying, [share * t for t in taus]))
+    return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)
+
+
+def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> dict[str, Slices]:
+    """Of each kind, "reflection" and for sheets "transmission", all rows as a viewer on each side sees them;
+    `step` is called before each few."""
+    kinds, sights = _sights(solved)
+    made = []
+    for first in range(0, len(solved.functions), ROWS_AT_ONCE):
+        last = min(first + ROWS_AT_ONCE, len(solved.functions))
+        step(first / len(solved.functions), f"Evaluating thickness {first + 1} of {len(solved.functions)}")
+        made.append(_evaluate(solved.functions[first:last], sights, view_cosines(), grid, pool))
+    values, lobes, albedo, direct = (
+        None if parts[0] is None else np.concatenate(parts, axis=1) for parts in zip(*made, strict=True))
+    by_kind = {}
+    for number, kind in enumerate(kinds):
+        mine = slice(number * len(solved.sides), (number + 1) * len(solved.sides))
+        by_kind[kind] = Slices(values[mine], np.maximum(albedo[mine], 0.0), None if lobes is None else lobes[mine],
+                               direct[mine])
+    return by_kind
+
+
+def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.ndarray, grid: LightGrid,
+              pool) -> Slices:
+    """Slices of the stack `solved` with other thicknesses, `functions`, at view cosines `mu_o`; for a sheet, those of
+    reflection and then those of transmission along the first axis."""
+    values, lobes, albedo, direct = _evaluate(functions, _sights(solved)[1], mu_o, grid, pool)
+    return Slices(values, np.maximum(albedo, 0.0), lobes, direct)
+
+
+def shares_of_thickness(largest: float, rows: np.ndarray) -> np.ndarray:
+    """Thickness at `rows`, whole or not, as shares of the largest."""
+    return tau_at(largest, rows) / largest if largest > 0.0 else np.zeros(len(rows))
+
+
+def _sights(solved: SolvedRows):
+    """(kinds, [(side, path) of each kind and side])."""
+    kinds = ["reflection", "transmission"] if solved.is_sheet else ["reflection"]
+    return kinds, [(SIDES[side], PATHS[kind]) for kind in kinds for side in solved.sides]
+
+
+def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, grid: LightGrid, pool):
+    """values [sight, row, channel, view, light], their lobes or None, albedo and direct [sight, row, channel,
+    view]."""
+    solutions = [solution for function in functions for solution in function.solutions]
+    distinct = list({id(solution): solution for solution in solutions}.values())
+    parts = _core.slices(distinct, sights, mu_o, grid.mu, grid.dphi, pool)
+    place = {id(solution): k for k, solution in enumerate(distinct)}
+    every = [place[id(solution)] for solution in solutions]  # channels may be the same problem
+    shape = (len(sights), len(functions), len(functions[0].solutions))
+
+    def by_channel(part):
+        part = part if len(distinct) == len(solutions) else part[:, every]
+        return part.reshape(*shape, *part.shape[2:])
+
+    return [None if part is None else by_channel(part) for part in parts]

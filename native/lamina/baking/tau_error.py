@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a table loses between its rows of thickness: slices half-way between two rows, solved for themselves, against
+the mean of both rows, which is what a linear texture lookup shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..closures.closure_table import LightGrid, view_cosines
+from .mixture import norms
+from .slices import SolvedRows, evaluated, shares_of_thickness
+
+# Rows after which a half row is looked at, as shares of all: thin layers change fastest.
+LOOKED_AT = (0, 1, 2, 3, 5, 8, 12, 16, 20, 24, 28, 31)
+# Columns at which it is done, up to the last for which errors are stated.
+COLUMNS = slice(4, 61, 8)
+
+
+def tau_error(solved: SolvedRows, largest: list[float], layer: int, grid: LightGrid, pool,
+              step: Callable[[float, str], None]) -> dict | None:
+    """Interpolation error over the thickness of layer number `layer`, of optical thickness `largest` in each channel
+    at the last row; None when not every row was solved.
+
+    `mean` and `worst`: relative L2 error of slices over solid angle, over rows, views and channels; `mirror`: largest
+    error of what is mirrored or passes unscattered, relative to all light that goes there; `rows`: [thickness, mean,
+    worst] half-way in the parameter between two rows; `worst_at`: thickness and view cosine."""
+    axis = solved.axis
+    if len(solved.rows) < len(axis) or axis[-1] <= 0.0:
+        return None
+    after = sorted({min(k * (len(axis) - 1) // 32, len(axis) - 2) for k in LOOKED_AT})
+    middle = shares_of_thickness(axis[-1], np.array(after) + 0.5)
+    full = solved.functions[-1]
+    rows = sorted({*after, *(k + 1 for k in after)})
+    halves = [full.with_thickness(layer, [share * tau for tau in largest]) for share in middle]
+    step(0.0, "Measuring between rows of thickness")
+    mu = view_cosines()[COLUMNS]
+    known = evaluated([solved.functions[k] for k in rows], solved, mu, grid, pool)
+    wanted = evaluated(halves, solved, mu, grid, pool)
+    lower = np.searchsorted(rows, after)
+
+    def between(values):
+        return 0.5 * (values[:, lower] + values[:, lower + 1])
+
+    norm = norms(wanted.values, grid)
+    errors = norms(between(known.values) - wanted.values, grid) / np.where(norm > 0.0, norm, np.inf)
+    light = wanted.albedo + wanted.direct
+    mirror = np.abs(between(known.direct) - wanted.direct) / np.where(light > 0.0, light, np.inf)
+    by_row = np.moveaxis(errors, 1, 0).reshape(len(after), -1)
+    # Half rows are looked at more densely where layers are thin: the mean is over all of them alike.
+    mean = np.interp(np.arange(len(axis) - 1), after, by_row.mean(axis=1)).mean()
+    _, row, _, column = np.unravel_index(int(errors.argmax()), errors.shape)
+    taus = [float(share * axis[-1]) for share in middle]
+    return {
+        "mean": float(mean),
+        "worst": float(errors.max()),
+        "worst_at": {"tau": taus[row], "mu_o": float(mu[column])},
+        "mirror": float(mirror.max()),
+        "rows": [[tau, float(one.mean()), float(one.max())] for tau, one in zip(taus, by_row, strict=True)],
+    }

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The axes of a lookup table: view angles across, thicknesses of a varying layer up."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+COLUMNS = 64
+TAU_ROWS = 33
+TAU_BEND = 0.5
+
+
+def column_angles() -> np.ndarray:
+    """View angles theta_o of the columns in radians, shape (64,): from the normal to grazing."""
+    return np.linspace(0.0, 0.5 * math.pi, COLUMNS)
+
+
+def tau_rows(largest: float) -> np.ndarray:
+    """Thicknesses of a varying layer's rows, shape (33,): uniform in t = tau / (tau + 0.5), the last row
+    at `largest`. Thin layers change fastest and so have the most rows."""
+    rows = tau_at(largest, np.arange(TAU_ROWS))
+    rows[-1] = largest
+    return rows
+
+
+def tau_at(largest: float, rows: np.ndarray) -> np.ndarray:
+    """Thickness at `rows` of that axis, whole ones or between two."""
+    t = largest / (largest + TAU_BEND) * np.asarray(rows, float) / (TAU_ROWS - 1)
+    return TAU_BEND * t / (1.0 - t)

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closures on the bake's grid of view and light directions, made once per process."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _core
+from . import lobes
+from .axes import column_angles
+from .lobe import Geometry, Lobe
+from .narrow_lobes import BROAD_ALPHA
+
+# Nodes of the light grid (cosines, azimuths): the smallest whose fit error is within 2 % of its true value.
+SMOOTH_NODES = {"preview": (16, 12), "final": (24, 16)}
+# For lobes of alpha .03 and more, of which the azimuths need to be dense near the mirror direction.
+SHARP_NODES = {"preview": (40, 32), "final": (64, 48)}
+DENSITY = 5.0
+# Grazing columns are sampled a little above the horizon, where slices are still defined.
+LOWEST_COSINE = 6e-3
+# Share of a leaning lobe that may lie beyond the horizon in a sheet: little where Cycles loses it, more where it
+# goes on as light on the other side.
+MOST_LOST, MOST_STRAYED = 0.04, 0.1
+
+
+def view_cosines() -> np.ndarray:
+    """Cosines of the LUT's columns, shape (64,)."""
+    return np.maximum(np.cos(column_angles()), LOWEST_COSINE)
+
+
+@dataclass(frozen=True, eq=False)
+class LightGrid:
+    """A product grid over the light's hemisphere; the azimuth's other half is its mirror image.
+
+    `solid_angle` is flat, cosines major, and integrates over the whole hemisphere."""
+
+    mu: np.ndarray
+    dphi: np.ndarray
+    solid_angle: np.ndarray
+
+
+def light_grid(cosines: int, azimuths: int, density: float = 0.0) -> LightGrid:
+    """Gauss-Legendre in the cosine and in the azimuth dphi = pi sinh(density x) / sinh(density), x in (0, 1)."""
+    x, wx = np.polynomial.legendre.leggauss(cosines)
+    y, wy = np.polynomial.legendre.leggauss(azimuths)
+    mu, y = 0.5 * (x + 1.0), 0.5 * (y + 1.0)
+    dphi, slope = math.pi * y, np.full(azimuths, math.pi)
+    if density > 0.0:
+        dphi = math.pi * np.sinh(density * y) / math.sinh(density)
+        slope = math.pi * density * np.cosh(density * y) / math.sinh(density)
+    return LightGrid(mu, dphi, np.outer(0.5 * wx, wy * slope).ravel())
+
+
+@functools.lru_cache(maxsize=4)
+def grid_for(quality: str, narrowest: float | None) -> LightGrid:
+    """The light grid for slices whose narrowest lobe has that alpha, if any."""
+    if narrowest is None or narrowest >= BROAD_ALPHA:
+        return light_grid(*SMOOTH_NODES[quality])
+    return light_grid(*SHARP_NODES[quality], density=DENSITY)
+
+
+@dataclass(frozen=True, eq=False)
+class Closures:
+    """Closures of one kind on a grid, at every so many view columns: the core's table of them, their values
+    [column, closure, light] and directional albedos [column, closure]."""
+
+    ids: list[str]
+    grid: LightGrid
+    values: np.ndarray
+    albedo: np.ndarray
+    table: _core.ClosureTable
+
+
+@functools.lru_cache(maxsize=6)
+def dictionary(kind: str, grid: LightGrid, mixed: bool, stride: int) -> Closures:
+    """All closures of the dictionary of that kind, "reflection" or "transmission", to choose from. `mixed`: for a
+    sheet, where both kinds meet, see `_available`."""
+    return _tabulated([lobe.id for lobe in lobes.DICTIONARY if lobe.side == kind], grid, mixed, stride)
+
+
+@functools.lru_cache(maxsize=4)
+def with_more(kind: str, grid: LightGrid, mixed: bool, stride: int, more: tuple[str, ...]) -> Closures:
+    """The dictionary's closures and more, made to measure."""
+    whole = dictionary(kind, grid, mixed, stride)
+    return _tabulated(more, grid, mixed, stride, whole) if more else whole
+
+
+@functools.lru_cache(maxsize=16)
+def only(grid: LightGrid, mixed: bool, ids: tuple[str, ...]) -> Closures:
+    """Just these, in that order, at all columns, to be fitted."""
+    return _tabulated(ids, grid, mixed, 1)
+
+
+def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
+               first: Closures | None = None) -> Closures:
+    mu_o = view_cosines()[::stride]
+    values, albedo = _sample(ids, grid, mu_o), _albedos(tuple(ids), stride)
+    if mixed:
+        available = _available(ids, albedo)
+        # What strays beyond the horizon is light all the same: the sum of both sides stays exact.
+        strays = np.array([lobes.by_id(name).strays for name in ids])
+        values, albedo = values * available[..., None], np.where(strays, 1.0, albedo) * available
+    if first is not None:
+        ids = [*first.ids, *ids]
+        values, albedo = (np.concatenate(pair, axis=1) for pair in ((first.values, values), (first.albedo, albedo)))
+    albedo = np.ascontiguousarray(albedo)
+    return Closures(list(ids), grid, values, albedo, _core.ClosureTable(values, grid.solid_angle, albedo))
+
+
+@functools.lru_cache(maxsize=16)
+def _albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
+    """Directional albedos [column, closure] of what lies on the closure's own side of the horizon, on grids of
+    their own: closures with edges need a finer one, narrow lobes a denser one. Cones that keep clear of the horizon
+    are integrated in closed form: narrow ones have edges too fine for any grid."""
+    dense, mu_o = light_grid(96, 64, DENSITY), view_cosines()[::stride]
+    narrow = [name for name in ids if lobes.by_id(name).narrow]
+    values = _sample(narrow, dense, mu_o) @ dense.solid_angle if narrow else None
+    return np.stack([values[:, narrow.index(name)] if name in narrow else _albedo(lobes.by_id(name), mu_o)
+                     for name in ids], axis=1)
+
+
+def _albedo(lobe: Lobe, mu_o: np.ndarray) -> np.ndarray:
+    """Directional albedos, exact at the views where the lobe is a cone wholly above the horizon."""
+    found = np.empty(len(mu_o))
+    crosses = np.ones(len(mu_o), dtype=bool)
+    if lobe.cone is not None:
+        _, height = Geometry(mu_o, mu_o, 0.0).normal(lobe.node.normal)
+        crosses = np.arcsin(np.minimum(height, 1.0)) < lobe.cone.reach
+        found[~crosses] = lobe.cone.whole
+    if crosses.any():
+        found[crosses] = lobes.directional_albedo(lobe, mu_o[crosses])
+    return found
+
+
+def _available(ids: Sequence[str], albedo: np.ndarray) -> np.ndarray:
+    """1 where a closure may be mixed in a sheet, [column, closure]. Lobes whose direction is not the normal cross
+    the horizon as the view tilts, so they are left out where more than a little would. Tilted Diffuse, Toon and
+    Translucent closures are evaluated there in Cycles 4.5, but not sampled; Hair closures the other way round. Below
+    the horizon, Hair closures are evaluated behind the viewer too, but not sampled: as little of that."""
+    most = np.array([(MOST_STRAYED if lobes.by_id(name).strays else MOST_LOST) if lobes.by_id(name).leans else 1.0
+                     for name in ids])
+    return np.where((albedo < 1.0 - most) | (albedo > 1.0 + most), 0.0, 1.0)
+
+
+def _sample(ids: Sequence[str], grid: LightGrid, mu_o: np.ndarray) -> np.ndarray:
+    """Values [column, closure, light]."""
+    shape = (len(mu_o), len(grid.solid_angle))
+    args = (mu_o[:, None, None], grid.mu[None, :, None], grid.dphi[None, None, :])
+    return np.stack([lobes.by_id(name).evaluate(*args).reshape(shape) for name in ids], axis=1)

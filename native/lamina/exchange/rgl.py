@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solved stacks as .bsdf files of RGL, which Mitsuba 3 (plugin `measured`) and powitacq read.
+
+Format: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering".
+A file holds f cos(theta_o) of reflection on half vectors, and a density that renderers sample by. It has no
+place for mirror reflection nor for transmission: save_bsdf tells how much of the light it leaves out."""
+
+from __future__ import annotations
+
+import math
+import os
+import struct
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ..common.arguments import check_callable, check_kind, check_whole, finite_list
+from ..common.atomic import write_atomically
+from ..common.errors import ArgumentError, shown
+from ..solver.solve import ScatteringFunction
+
+# A ray that the tables still hold; the plane itself has no cosine.
+GRAZING = math.radians(89.9)
+# Nodes of the product grid in theta_o and dphi that the half vectors are looked up in.
+TABLE = (256, 181)
+# Type numbers of the tensor file.
+_TYPES = {"uint8": 1, "float32": 10}
+
+
+def incident_angles(count: int) -> np.ndarray:
+    """theta_i of a file's slices in radians: from the normal to GRAZING, closer together near it, where
+    values change fastest."""
+    s = np.linspace(0.0, 1.0, count)
+    return GRAZING * s * (2.0 - s)
+
+
+def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 64, angles: int = 32,
+              wavelengths: Sequence[float] | None = None,
+              progress: Callable[[float, str], object] | None = None) -> float:
+    """Writes the reflection from the top as a .bsdf file, whole or not at all.
+
+    `size`: nodes of the half vector in elevation and in azimuth, [8, 1024]; `angles`: slices in theta_i,
+    [4, 512]. Readers interpolate linearly between them: errors fall with the squares of both.
+
+    Channels: three are red, green and blue (linear sRGB), in a file for RGB renderers; one is grey, written
+    thrice. With `wavelengths` (nm, one a channel, in any order) the file is for spectral renderers instead.
+
+    Returns the largest share of a beam that is mirrored and so left out, over theta_i and channels. Raises
+    ValueError and OSError."""
+    for name, value, low, high in (("size", size, 8, 1024), ("angles", angles, 4, 512)):
+        check_whole(value, name, low, high, f"in [{low}, {high}]")
+    check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returns")
+    check_callable(progress, "progress")
+    spectral = check_wavelengths(wavelengths, solved.stack.channels)
+    theta_i = incident_angles(angles)
+    values, importance = _tabulate(solved, theta_i, size, progress or (lambda fraction, text: None))
+    if spectral is None and values.shape[1] == 1:
+        values = np.repeat(values, 3, axis=1)
+    mirrored = float(solved.reflectance(np.cos(theta_i), parts=True)[1].max())
+    fields = {
+        "description": np.frombuffer(_describe(solved, mirrored, spectral).encode(), np.uint8),
+        # The values are f cos(theta_o) themselves, not yet to be multiplied by ndf / (4 sigma) ...
+        "jacobian": np.zeros(1, np.uint8),
+        "ndf": np.ones((2, 2)), "sigma": np.ones((2, 2)),
+        # ... on the plain grid of half vectors: a constant density warps nothing.
+        "vndf": np.ones((1, angles, 2, 2)),
+        "phi_i": np.zeros(1), "theta_i": theta_i,
+        "luminance": importance[None],
+    }
+    if spectral is None:
+        fields["rgb"] = values[None]
+    else:
+        ascending = np.argsort(spectral)
+        fields["wavelengths"], fields["spectra"] = spectral[ascending], values[None, :, ascending]
+    write_atomically(path, lambda file: _write_tensors(file, fields))
+    return mirrored
+
+
+def check_wavelengths(wavelengths: Sequence[float] | None, channels: int) -> np.ndarray | None:
+    """The wavelengths as an array, or None for a file in RGB or grey. Raises ValueError when a .bsdf file
+    cannot hold that many channels so."""
+    if wavelengths is None:
+        if channels not in (1, 3):
+            raise ArgumentError(f"the stack has {channels} channels: a .bsdf file without wavelengths holds 1 or 3")
+        return None
+    nm = finite_list(wavelengths, "wavelengths")
+    if nm.shape != (channels,):
+        raise ArgumentError(f"wavelengths = {shown(nm.tolist())}: must be one for each of {channels} channel(s)")
+    if nm.min() <= 0.0 or len(np.unique(nm)) < len(nm):
+        raise ArgumentError(f"wavelengths = {shown(nm.tolist())}: must be positive nanometres, all different")
+    return nm
+
+
+def _tabulate(solved: ScatteringFunction, theta_i: np.ndarray, size: int, progress):
+    """(values [theta_i, channel, v, u], importance [theta_i, v, u]) on the half vectors of a file:
+    theta_m = u^2 pi / 2, phi_m - phi_i = (2 v - 1) pi, both u and v uniform from 0 to 1."""
+    half = math.pi / 2.0
+    u, v = np.meshgrid(np.linspace(0.0, 1.0, size), np.linspace(0.0, 1.0, size))
+    theta_m, phi_m = half * u * u, (2.0 * v - 1.0) * math.pi
+    m = np.stack([np.sin(theta_m) * np.cos(phi_m), np.sin(theta_m) * np.sin(phi_m), np.cos(theta_m)], axis=-1)
+    theta_o = np.linspace(0.0, GRAZING, TABLE[0])
+    azimuths = np.linspace(0.0, math.pi, TABLE[1])
+    values = np.empty((len(theta_i), solved.stack.channels, size, size))
+    importance = np.empty((len(theta_i), size, size))
+    valid = np.empty((len(theta_i), size, size), bool)
+    progress(0.0, "reflection")
+    table = solved.grid("reflect", np.cos(theta_o), np.cos(theta_i), azimuths)
+    for index, theta in enumerate(theta_i):
+        wi = np.array([math.sin(theta), 0.0, math.cos(theta)])
+        cosine = m @ wi
+        wo = 2.0 * cosine[..., None] * m - wi
+        valid[index] = (wo[..., 2] > 0.0) & (cosine > 0.0)
+        # Seen from above light that keeps its azimuth leaves opposite to where it came from.
+        dphi = np.abs(np.arctan2(wo[..., 1], -wo[..., 0]))
+        elevation = np.arccos(np.minimum(np.abs(wo[..., 2]), 1.0))
+        f = _bicubic(table[:, index], elevation / theta_o[1], dphi / azimuths[1])
+        # Below the horizon an odd continuation, so that what readers interpolate is 0 just there.
+        values[index] = np.moveaxis(f * wo[..., 2:], -1, 0)
+        density = 2.0 * math.pi**2 * u * np.sin(theta_m) * 4.0 * np.abs(cosine)
+        importance[index] = f.mean(axis=-1) * np.abs(wo[..., 2]) * density
+        progress((index + 1) / len(theta_i), "half vectors")
+    # Nodes that no cell with a true direction touches need no samples.
+    importance *= _dilated(valid)
+    # A stack that reflects nothing still must have a density.
+    importance += np.where(importance.sum(axis=(1, 2)) > 0.0, 0.0, 1.0)[:, None, None]
+    return values, importance
+
+
+def _bicubic(table: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """`table` [x, y, channel] at fractional places; mirrored at the ends in y, which is dphi; its x ends are
+    the normal, where all azimuths meet, and grazing."""
+    rows, columns = table.shape[:2]
+    i, j = (np.clip(np.floor(t).astype(int), 0, n - 2) for t, n in ((x, rows), (y, columns)))
+    total = 0.0
+    for a, wa in enumerate(_cubic_weights(np.clip(x, 0.0, rows - 1) - i)):
+        row = i + a - 1
+        for b, wb in enumerate(_cubic_weights(np.clip(y, 0.0, columns - 1) - j)):
+            column = np.abs(j + b - 1)
+            column = np.where(column >= columns, 2 * (columns - 1) - column, column)
+            # Beyond the normal lies the same plane's other side.
+            across = np.where(row < 0, columns - 1 - column, column)
+            total = total + (wa * wb)[..., None] * table[np.minimum(np.abs(row), rows - 1), across]
+    return np.maximum(total, 0.0)
+
+
+def _cubic_weights(t: np.ndarray):
+    """Catmull and Rom's weights of four neighbours."""
+    return (0.5 * t * (t * (2.0 - t) - 1.0), 0.5 * (t * t * (3.0 * t - 5.0) + 2.0),
+            0.5 * t * (t * (4.0 - 3.0 * t) + 1.0), 0.5 * t * t * (t - 1.0))
+
+
+def _dilated(mask: np.ndarray) -> np.ndarray:
+    """The mask and all its neighbours; the last but one axis, the azimuth, is a circle whose ends coincide."""
+    grown = mask
+    for axis, closed in ((0, False), (1, True), (2, False)):
+        padded = np.moveaxis(grown, axis, 0)
+        first, last = (padded[-2:-1], padded[1:2]) if closed else (padded[:1], padded[-1:])
+        padded = np.concatenate([first, padded, last])
+        grown = np.moveaxis(padded[:-2] | padded[1:-1] | padded[2:], 0, axis)
+    return grown
+
+
+def _describe(solved: ScatteringFunction, mirrored: float, spectral: np.ndarray | None) -> str:
+    parts = [f"Lamina stack {solved.stack.hash[:16]}, reflection from the top"]
+    if spectral is None:
+        parts.append("RGB" if solved.stack.channels == 3 else "grey")
+    if mirrored > 0.0:
+        parts.append(f"without mirror reflection of up to {mirrored:.3g}")
+    if solved.stack.base is None:
+        parts.append("without transmission")
+    return ", ".join(parts)
+
+
+def _write_tensors(file, fields: dict[str, np.ndarray]) -> None:
+    """The tensor file of RGL, version 1.0: a table of named arrays, then the arrays, little-endian."""
+    arrays = {name: np.ascontiguousarray(value, None if value.dtype == np.uint8 else "<f4")
+              for name, value in fields.items()}
+    entries = {name: (name.encode(), array) for name, array in arrays.items()}
+    position = 18 + sum(2 + len(label) + 2 + 1 + 8 + 8 * array.ndim for label, array in entries.values())
+    places = []
+    file.write(b"tensor_file\0" + struct.pack("<BBI", 1, 0, len(entries)))
+    for label, array in entries.values():
+        position += -position % 8
+        places.append(position)
+        file.write(struct.pack("<H", len(label)) + label)
+        file.write(struct.pack(f"<HBQ{array.ndim}Q", array.ndim, _TYPES[array.dtype.name], position, *array.shape))
+        position += array.nbytes
+    for place, (_, array) in zip(places, entries.values(), strict=True):
+        file.write(bytes(place - file.tell()))
+        file.write(array.tobytes())

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Colours that artists mean: the albedo with which a medium shows a colour, and the colour that an albedo shows.
+
+A medium's colour is its hemispherical reflectance under a white sky (uniform diffuse light from above),
+without interfaces: as a layer without end, or, *over* a Lambert surface, as a layer of its own thickness.
+It rises steadily with the albedo, so that one albedo shows it, found here by the solver that bakes."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+from .. import _core
+from ..common.arguments import check_kind
+from ..common.errors import StackError
+from .fields import Channels, Field, channel, channel_count
+from .layers import Medium
+from .phase import Isotropic, Phase
+
+EXACT = 6e-6  # largest relative error of a shown colour, estimated by doubling the nodes
+FEW_NODES, MOST_NODES = 8, 256
+ALBEDOS = (0.05, 0.6, 0.95)  # where it is estimated
+
+
+def shown(medium: Medium, over: Channels | None = None) -> list[float]:
+    """The colour, one a channel, that `medium` shows as a layer without end, or, with `over` (the reflectance
+    of a Lambert surface, [0, 1]), as a layer of its own thickness on that. Raises StackError and ArgumentError."""
+    medium = check_kind(medium, "medium", Medium, "a lamina.Medium").checked("medium")
+    over = None if over is None else _field("over").check(over, "over")
+    count = _channels(medium, "medium", ("over", over))
+    albedos = albedos_of(medium, count, "medium") if medium.color is not None else None
+    colour = []
+    for index in range(count):
+        albedo, tau = medium.optics(index)
+        albedo = albedos[index] if albedos else albedo
+        surface = None if over is None else channel(over, index)
+        colour.append(_shown_by(albedo, *_situation(medium.phase, index, tau, surface)))
+    return colour
+
+
+def albedo_of(color: Channels, phase: Phase | None = None, tau: Channels = math.inf,
+              over: Channels | None = None) -> list[float]:
+    """The albedo, one a channel, with which a medium of that phase function (isotropic if none is named) shows
+    `color`: as a layer without end, or, with `over`, as one of optical thickness `tau` on a Lambert surface of
+    that reflectance. Colours 0 and 1 of a layer without end are albedo 0 and 1. Raises StackError, with the
+    range that can be shown, for a colour outside."""
+    phase = Isotropic() if phase is None else phase
+    medium = Medium(color=color, tau=tau, over=over, phase=phase).checked("medium")
+    return list(albedos_of(medium, _channels(medium, "medium"), "medium"))
+
+
+def albedos_of(medium: Medium, channels: int, path: str) -> tuple[float, ...]:
+    """The same for a checked Medium that is given by its colour. Raises StackError, naming `path`."""
+    albedos = []
+    for index in range(channels):
+        wanted = channel(medium.color, index)
+        _, tau = medium.optics(index)
+        over = None if medium.over is None else channel(medium.over, index)
+        situation = _situation(medium.phase, index, tau, over)
+        low, high = _range(*situation)
+        if not low - 1e-9 <= wanted <= high + 1e-9:
+            where = f"{path}.color" + (f"[{index}]" if isinstance(medium.color, tuple) else "")
+            # Rounded inwards, so that what the sentence names can be asked for.
+            least, most = math.ceil(low * 1e4) / 1e4, math.floor(high * 1e4) / 1e4
+            between = f"between {least:g} and {most:g}" if least < most else f"{round(low, 6):g}"
+            raise StackError(f"{where} = {wanted:g}: a layer of tau {tau:g} over {over:g} shows {between}")
+        albedos.append(_albedo(wanted, *situation))
+    return tuple(albedos)
+
+
+def _situation(phase: Phase, index: int, tau: float, over: float | None) -> tuple:
+    """(phase, tau, over) of one channel, for the core; without a surface below the layer has no end."""
+    known = phase.in_channel(index)
+    return (known, math.inf, 0.0) if over is None or tau == math.inf else (known, tau, over)
+
+
+def _field(name: str) -> Field:
+    return next(quantity for form in Medium.forms for quantity in form if quantity.name == name)
+
+
+def _channels(medium: Medium, path: str, *more) -> int:
+    named = [(f"{path}.{q.name}", getattr(medium, q.name)) for form in Medium.forms for q in form]
+    return channel_count([*named, *medium.phase.quantities(f"{path}.phase"), *more])
+
+
+@lru_cache(maxsize=1)
+def _pool() -> _core.ThreadPool:
+    return _core.ThreadPool(1)
+
+
+def _reflectance(albedo: float, phase: tuple, tau: float, over: float, nodes: int) -> float:
+    """Under a white sky, on that many nodes. Fluxes need but the azimuthal mean, hence the wide tolerance of
+    azimuth orders."""
+    stack = _core.Stack([_core.Medium(albedo, tau, *phase)], _core.Base.lambert(over))
+    solution = _core.solve_at(stack, nodes, 1.0, _pool(), min(tau, 1.0) or 1.0)
+    fluxes = solution.diffuse_fluxes(_core.Side.top, _pool())
+    return float(fluxes.reflected[0])
+
+
+@lru_cache(maxsize=1024)
+def _nodes(phase: tuple, tau: float) -> int:
+    """How many nodes a colour needs: twice as many change it by less than EXACT."""
+    nodes = 2 * FEW_NODES
+    while nodes < MOST_NODES:
+        pairs = [[_reflectance(albedo, phase, tau, 0.0, n) for n in (nodes, 2 * nodes)] for albedo in ALBEDOS]
+        if all(abs(rough - fine) <= EXACT * fine for rough, fine in pairs):
+            break
+        nodes *= 2
+    return nodes
+
+
+@lru_cache(maxsize=1024)
+def _shown_by(albedo: float, phase: tuple, tau: float, over: float) -> float:
+    if tau == math.inf and albedo in (0.0, 1.0):
+        return albedo
+    if tau == 0.0:
+        return over
+    return _reflectance(albedo, phase, tau, over, _nodes(phase, tau))
+
+
+def _range(phase: tuple, tau: float, over: float) -> tuple[float, float]:
+    """The colours that albedo 0 and 1 show."""
+    return _shown_by(0.0, phase, tau, over), _shown_by(1.0, phase, tau, over)
+
+
+@lru_cache(maxsize=4096)
+def _albedo(wanted: float, phase: tuple, tau: float, over: float) -> float:
+    """The albedo that shows `wanted`, to 12 digits.
+
+    Few nodes find the place, and the slope there; what is still missing on all the
+    nodes that the colour needs is made good along that slope."""
+    low, high = _range(phase, tau, over)
+    if wanted <= low:
+        return 0.0
+    if wanted >= high:
+        return 1.0
+    variable = _Variable(phase, tau)
+    where, slope = _find_roughly(wanted, phase, tau, over, variable)
+    nodes = _nodes(phase, tau)
+    before = None
+    for _ in range(8):
+        miss = _reflectance(variable.albedo(where), phase, tau, over, nodes) - wanted
+        if before is not None and where != before[0]:
+            slope = (miss - before[1]) / (where - before[0])
+        before = (where, miss)
+        where = min(variable.black, max(variable.white, where - miss / slope))
+        # The slope is right to a fifth or better.
+        if abs(miss) <= 1e-5 * wanted:
+            break
+    return float(f"{variable.albedo(where):.12g}")
+
+
+class _Variable:
+    """In this variable colours are nearly straight lines: the similarity parameter s = sqrt((1 - albedo) /
+    (1 - g albedo)) of a thick layer (van de Hulst 1980), turning into its square in a thin one."""
+
+    def __init__(self, phase: tuple, tau: float):
+        self._g = float(_core.PhaseFunction(*phase).moment(1))
+        self.white = 1.0 / (1.0 + tau * (1.0 - self._g))  # where the albedo is 1
+        self.black = math.hypot(1.0, self.white)  # where it is 0
+
+    def albedo(self, where: float) -> float:
+        square = max(0.0, (where - self.white) * (where + self.white))
+        return min(1.0, max(0.0, (1.0 - square) / (1.0 - self._g * square)))
+
+
+def _find_roughly(wanted: float, phase: tuple, tau: float, over: float, variable: _Variable) -> tuple[float, float]:
+    """(place, slope) of a colour on few nodes: false position with the rule of Anderson and Bjorck (1973)."""
+    low, high = _range(phase, tau, over)
+    a, at_a, b, at_b = variable.white, high - wanted, variable.black, low - wanted
+    where = _endless(wanted) if tau == math.inf else b - at_b * (b - a) / (at_b - at_a)
+    last, at_last = (a, at_a) if at_a < -at_b else (b, at_b)
+    slope, kept = at_b - at_a, 0
+    for _ in range(60):
+        miss = _reflectance(variable.albedo(where), phase, tau, over, FEW_NODES) - wanted
+        if where != last:
+            slope = (miss - at_last) / (where - last)
+        if abs(miss) <= 5e-6 * wanted or b - a <= 1e-15:
+            break
+        last, at_last = where, miss
+        if miss > 0.0:
+            at_b *= _shrink(miss, at_a) if kept > 0 else 1.0
+            a, at_a, kept = where, miss, 1
+        else:
+            at_a *= _shrink(miss, at_b) if kept < 0 else 1.0
+            b, at_b, kept = where, miss, -1
+        where = b - at_b * (b - a) / (at_b - at_a)
+        if not a < where < b:
+            where = 0.5 * (a + b)
+    return where, slope
+
+
+def _shrink(new: float, old: float) -> float:
+    """The factor for the value at the end of the bracket that stays a second time."""
+    share = 1.0 - new / old
+    return share if share > 0.0 else 0.5
+
+
+def _endless(wanted: float) -> float:
+    """About s of a layer without end: inverts R = (1 - s)(1 - .139 s) / (1 + 1.17 s) (van de Hulst 1980)."""
+    b = 1.139 + 1.17 * wanted
+    return (b - math.sqrt(b * b - 4.0 * 0.139 * (1.0 - wanted))) / (2.0 * 0.139)

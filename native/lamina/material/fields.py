@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checked numbers: every physical quantity of a stack is one number or one a channel, within a range."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ..common.errors import StackError, clipped, shown
+
+Channels = float | Sequence[float]
+
+
+@dataclass(frozen=True)
+class Field:
+    """A quantity's name, range and the words that say so. `infinite`: infinity is allowed as well.
+    `optional`: a form is whole without it."""
+
+    name: str
+    low: float
+    high: float
+    rule: str
+    open_ended: bool = False
+    infinite: bool = False
+    optional: bool = False
+
+    def check(self, value, path: str) -> float | tuple[float, ...]:
+        """`value` as a float or a tuple of floats, one a channel.
+
+        Raises StackError, naming `path`, for anything else or out of range."""
+        if isinstance(value, str) and value == "inf":
+            value = math.inf
+        if isinstance(value, numbers.Real) and not isinstance(value, bool):
+            return self._check_number(_to_float(value, path), path)
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+            if not isinstance(value, list):
+                return self.check(value, path)
+        if isinstance(value, list | tuple):
+            if not value:
+                raise StackError(f"{path} = []: must hold one number a channel")
+            items = [math.inf if isinstance(item, str) and item == "inf" else item for item in value]
+            for index, item in enumerate(items):
+                if isinstance(item, bool) or not isinstance(item, numbers.Real):
+                    raise StackError(f"{path}[{index}] = {shown(item)}: must be a number")
+            return tuple(self._check_number(_to_float(x, path), f"{path}[{i}]") for i, x in enumerate(items))
+        raise StackError(f"{path} = {shown(value)}: must be a number or one number a channel")
+
+    def _check_number(self, number: float, path: str) -> float:
+        if self.infinite and number == math.inf:
+            return number
+        inside = self.low < number < self.high if self.open_ended else self.low <= number <= self.high
+        if not math.isfinite(number) or not inside:
+            raise StackError(f"{path} = {repr(number).removesuffix('.0')}: {self.rule}")
+        return number + 0.0  # -0.0 and 0.0 are one value
+
+
+def _to_float(number: numbers.Real, path: str) -> float:
+    try:
+        return float(number)
+    except OverflowError:
+        raise StackError(f"{path}: must be a number that fits into 64 bits") from None
+
+
+def channel_count(values: Sequence[tuple[str, float | tuple[float, ...]]]) -> int:
+    """The number of channels that (path, value) pairs agree on; single numbers fit any.
+
+    Raises StackError when two lists differ in length."""
+    count, first = 1, ""
+    for path, value in values:
+        if isinstance(value, tuple):
+            if first and len(value) != count:
+                raise StackError(f"{path} has {len(value)} channels: must have {count} like {first}")
+            count, first = len(value), path
+    return count
+
+
+def channel(value: float | tuple[float, ...], index: int) -> float:
+    """One channel's value."""
+    return value[index] if isinstance(value, tuple) else value
+
+
+def all_fields(thing) -> list[Field]:
+    """Every quantity that a layer or base can have, each once: those of its forms, then its others."""
+    named = {quantity.name: quantity for form in getattr(thing, "forms", ()) for quantity in form}
+    return [*named.values(), *thing.fields]
+
+
+def check_forms(thing, path: str) -> dict[str, float | tuple[float, ...]]:
+    """The checked values of the one form (a set of quantities that together say what `thing` is) in which it
+    is given.
+
+    Raises StackError for no form, two, or an incomplete one."""
+    names = [{quantity.name for quantity in form} for form in thing.forms]
+    present = {quantity.name for quantity in all_fields(thing) if getattr(thing, quantity.name) is not None}
+    present &= set().union(*names)
+    words = " or ".join(", ".join(q.name for q in form if not q.optional) for form in thing.forms)
+    if not present:
+        raise StackError(f"{path} has no coefficients: must have either {words}")
+    fitting = [form for form, known in zip(thing.forms, names, strict=True) if present <= known]
+    if not fitting:
+        raise StackError(f"{path} has two forms: must have either {words}")
+    values = {}
+    for quantity in fitting[0]:
+        value = getattr(thing, quantity.name)
+        if value is not None:
+            values[quantity.name] = quantity.check(value, f"{path}.{quantity.name}")
+        elif not quantity.optional:
+            raise StackError(f"{path}.{quantity.name} is missing: must have either {words}")
+    return values
+
+
+def to_plain(value: float | tuple[float, ...]):
+    """JSON form: infinity is the string 'inf'."""
+    if isinstance(value, tuple):
+        return [to_plain(item) for item in value]
+    return "inf" if value == math.inf else value
+
+
+def check_table(value, path: str, low: float, high: float, rule: str, most: int):
+    """A list of 1 to `most` numbers in [low, high] as a tuple of floats, or a list of such lists, one a channel,
+    as a tuple of tuples.
+
+    Raises StackError, naming `path`, for anything else."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if not isinstance(value, list | tuple) or not 1 <= len(value) <= most:
+        count = f" has {len(value)} entries" if isinstance(value, list | tuple) else f" = {shown(value)}"
+        raise StackError(f"{path}{count}: must be a list of 1 to {most} numbers, or one list a channel")
+    rows = [row.tolist() if hasattr(row, "tolist") else row for row in value]
+    if isinstance(rows[0], list | tuple):
+        for index, row in enumerate(rows):
+            if not isinstance(row, list | tuple) or (row and isinstance(row[0], list | tuple)):
+                raise StackError(f"{path}[{index}]: must be a list of numbers")
+        return tuple(check_table(row, f"{path}[{i}]", low, high, rule, most) for i, row in enumerate(rows))
+    number = Field(path, low, high, rule)
+    for index, item in enumerate(rows):
+        if isinstance(item, bool) or not isinstance(item, numbers.Real):
+            raise StackError(f"{path}[{index}] = {shown(item)}: must be a number")
+    return tuple(number.check(item, f"{path}[{index}]") for index, item in enumerate(rows))
+
+
+def check_keys(entry, allowed: set[str], path: str, required: set[str] = frozenset()) -> None:
+    """Raises StackError unless `entry` is a JSON object with all required and no other than allowed keys."""
+    if not isinstance(entry, Mapping):
+        raise StackError(f"{path} = {shown(entry)}: must be a JSON object")
+    for key in entry:
+        if key not in allowed:
+            raise StackError(f"{path}.{clipped(str(key))}: unknown key; known are {', '.join(sorted(allowed))}")
+    for key in sorted(required):
+        if key not in entry:
+            raise StackError(f"{path}.{key} is missing: must be given")
+
+
+def read_kind(entry, path: str) -> str:
+    """The entry's "kind". Raises StackError when there is none."""
+    if not isinstance(entry, Mapping):
+        raise StackError(f"{path} = {shown(entry)}: must be a JSON object")
+    if "kind" not in entry:
+        raise StackError(f"{path}.kind is missing: must be given")
+    return entry["kind"]

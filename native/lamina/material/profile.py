@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a medium varies with depth: the knots of its profile, and what they are to the core."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+from ..common.errors import StackError, shown
+from .fields import Channels, Field, all_fields, channel, check_forms, check_keys, to_plain
+from .phase import Phase, check_phase, read_phase
+
+UNIT = "must lie in [0, 1]"
+COEFFICIENT = "must lie in [0, 1e12] 1/mm"
+# What a medium is given by, everywhere or at a knot.
+ALBEDO, COLOR = Field("albedo", 0.0, 1.0, UNIT), Field("color", 0.0, 1.0, UNIT)
+SIGMA_S, SIGMA_A = Field("sigma_s", 0.0, 1e12, COEFFICIENT), Field("sigma_a", 0.0, 1e12, COEFFICIENT)
+OVER = Field("over", 0.0, 1.0, UNIT, optional=True)
+DEPTH = Field("depth", 0.0, 1.0, UNIT)
+THICKNESS = {
+    "tau": Field("tau", 0.0, 1e9, "must lie in [0, 1e9] for a medium with a profile"),
+    "thickness": Field("thickness", 0.0, 1e12, "must lie in [0, 1e12] mm for a medium with a profile"),
+}
+# Of the lines in optical depth that stand for coefficients linear in millimetres, and of the two ends' shares in them.
+ALBEDO_ERROR, SHARE_ERROR = 1e-4, 1e-3
+
+
+@dataclass(frozen=True)
+class Knot:
+    """What a medium is at one depth, 0 (top) to 1 (bottom). Quantities are numbers or one a channel.
+
+    Either `albedo`, [0, 1], or `color`, [0, 1], the one that a homogeneous layer as thick would show, in a medium with
+    `tau`: the depth is a share of the optical thickness, and albedo times phase function is linear in it between
+    knots. Or `sigma_s` and `sigma_a`, 1/mm, in a medium with `thickness`: the depth is a share of that, and the
+    coefficients, with the phase function in proportion to what it scatters, are linear in it. `phase` is the
+    medium's where none is given. Two knots of one depth are a jump."""
+
+    depth: float
+    albedo: Channels | None = None
+    phase: Phase | None = None
+    sigma_s: Channels | None = None
+    sigma_a: Channels | None = None
+    color: Channels | None = None
+
+    forms = ((ALBEDO,), (SIGMA_S, SIGMA_A), (COLOR,))
+    fields = ()
+
+    @property
+    def has_coefficients(self) -> bool:
+        return self.sigma_s is not None
+
+    def checked(self, path: str) -> Knot:
+        """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
+        values = check_forms(self, path)
+        depth = DEPTH.check(self.depth, f"{path}.depth")
+        if isinstance(depth, tuple):
+            raise StackError(f"{path}.depth = {shown(self.depth)}: must be one number")
+        phase = None if self.phase is None else check_phase(self.phase, f"{path}.phase")
+        return replace(self, depth=depth, phase=phase, **values)
+
+    def quantities(self, path: str):
+        """(path, value) of everything that may have channels."""
+        for quantity in all_fields(self):
+            yield f"{path}.{quantity.name}", getattr(self, quantity.name)
+        if self.phase is not None:
+            yield from self.phase.quantities(f"{path}.phase")
+
+    def to_json(self) -> dict:
+        """A plain object; `read_profile` reads it back."""
+        values = {quantity.name: getattr(self, quantity.name) for quantity in all_fields(self)}
+        entry = {"depth": self.depth}
+        entry.update({name: to_plain(value) for name, value in values.items() if value is not None})
+        if self.phase is not None:
+            entry["phase"] = self.phase.to_json()
+        return entry
+
+
+def read_profile(entries, path: str) -> list[Knot]:
+    """The knots from their plain objects. Raises StackError for missing and unknown keys; values are checked later."""
+    if not isinstance(entries, list):
+        raise StackError(f"{path} = {shown(entries)}: must be a list of knots, top first")
+    names = {quantity.name for form in Knot.forms for quantity in form}
+    knots = []
+    for index, entry in enumerate(entries):
+        here = f"{path}[{index}]"
+        check_keys(entry, {"depth", "phase", *names}, here, required={"depth"})
+        values = dict(entry)
+        if "phase" in values:
+            values["phase"] = read_phase(values["phase"], f"{here}.phase")
+        knots.append(Knot(**values))
+    return knots
+
+
+def check_profile(medium, path: str) -> dict:
+    """The checked quantities of a Medium with a profile: the profile itself and tau or thickness, and `over`.
+
+    Raises StackError, naming `path`."""
+    for name in ("albedo", "color", "sigma_s", "sigma_a"):
+        if getattr(medium, name) is not None:
+            raise StackError(f"{path}.{name}: must be left out of a medium with a profile, whose knots have it")
+    if not isinstance(medium.profile, list | tuple) or len(medium.profile) < 2:
+        is_list = isinstance(medium.profile, list | tuple)
+        count = f" has {len(medium.profile)}" if is_list else f" = {shown(medium.profile)}"
+        raise StackError(f"{path}.profile{count}: must be a list of two knots or more, top first")
+    knots = []
+    for index, knot in enumerate(medium.profile):
+        if not isinstance(knot, Knot):
+            raise StackError(f"{path}.profile[{index}] = {shown(knot)}: must be a Knot")
+        knots.append(knot.checked(f"{path}.profile[{index}]"))
+    _check_depths(knots, f"{path}.profile")
+    values: dict = {"profile": tuple(knots)}
+    wanted, other = ("thickness", "tau") if knots[0].has_coefficients else ("tau", "thickness")
+    for index, knot in enumerate(knots):
+        if knot.has_coefficients != knots[0].has_coefficients:
+            form = "sigma_s, sigma_a" if knots[0].has_coefficients else "albedo or color"
+            raise StackError(f"{path}.profile[{index}]: must have {form} like the first knot")
+    if getattr(medium, other) is not None:
+        raise StackError(f"{path}.{other}: must be left out, the profile's knots go with {wanted}")
+    if getattr(medium, wanted) is None:
+        raise StackError(f"{path}.{wanted} is missing: must be given with a profile of such knots")
+    values[wanted] = THICKNESS[wanted].check(getattr(medium, wanted), f"{path}.{wanted}")
+    if medium.over is not None:
+        if all(knot.color is None for knot in knots):
+            raise StackError(f"{path}.over: must be left out where no knot has a color")
+        values["over"] = OVER.check(medium.over, f"{path}.over")
+    return values
+
+
+def _check_depths(knots: list[Knot], path: str) -> None:
+    for index, end in ((0, 0.0), (len(knots) - 1, 1.0)):
+        if knots[index].depth != end:
+            raise StackError(f"{path}[{index}].depth = {knots[index].depth:g}: must be {end:g}")
+    depths = [knot.depth for knot in knots]
+    for index in range(1, len(depths)):
+        if depths[index] < depths[index - 1]:
+            raise StackError(f"{path}[{index}].depth = {depths[index]:g}: must be at least {depths[index - 1]:g}, "
+                             "that of the knot above")
+        # A jump is two knots, and lies inside.
+        if depths[index] == depths[index - 1] and (
+                depths[index] in (0.0, 1.0) or (index > 1 and depths[index] == depths[index - 2])):
+            raise StackError(f"{path}[{index}].depth = {depths[index]:g}: must be larger than that of the knot above")
+
+
+def turned(knots: tuple[Knot, ...]) -> tuple[Knot, ...]:
+    """The profile upside down."""
+    return tuple(replace(knot, depth=1.0 - knot.depth) for knot in reversed(knots))
+
+
+def optical_thickness(medium, index: int) -> float:
+    """Tau of a Medium with a profile, in one channel."""
+    if medium.tau is not None:
+        return channel(medium.tau, index)
+    return math.fsum(tau for _, _, tau in _pieces(medium, index))
+
+
+def optical_knots(medium, albedos, index: int) -> list[tuple[float, float, tuple]]:
+    """Knots (optical depth, albedo, phase) of one channel, as the core's GradedMedium takes them; `albedos`: by knot
+    and channel, those of knots that have none themselves.
+
+    Of coefficients that are linear in millimetres, knots between which the albedo is right to ALBEDO_ERROR, and what
+    scatters by either end's phase function to SHARE_ERROR: with e = sigma_t both are A + B / e, and knots at equal
+    steps of e^-1/2 spread the chords' error evenly."""
+    knots = medium.profile
+    if not knots[0].has_coefficients:
+        tau = channel(medium.tau, index)
+        found = []
+        for number, knot in enumerate(knots):
+            albedo = channel(knot.albedo, index) if knot.albedo is not None else albedos[number][index]
+            found.append((knot.depth * tau, albedo, _phase(knot, medium).in_channel(index)))
+        return found
+    found = []
+    depth = 0.0
+    for above, below, tau in _pieces(medium, index):
+        if tau > 0.0:
+            for knot in _chords(above, below, tau, depth):
+                if not found or found[-1] != knot:
+                    found.append(knot)
+            depth += tau
+    return found
+
+
+def _phase(knot: Knot, medium) -> Phase:
+    return medium.phase if knot.phase is None else knot.phase
+
+
+def _pieces(medium, index: int):
+    """((sigma_s, sigma_t, phase) above, below, tau) between neighbouring knots."""
+    thickness = channel(medium.thickness, index)
+    ends = []
+    for knot in medium.profile:
+        sigma_s = channel(knot.sigma_s, index)
+        ends.append((sigma_s, sigma_s + channel(knot.sigma_a, index), _phase(knot, medium).in_channel(index)))
+    for (upper, lower), (above, below) in zip(
+            itertools.pairwise(medium.profile), itertools.pairwise(ends), strict=True):
+        yield above, below, 0.5 * (above[1] + below[1]) * (lower.depth - upper.depth) * thickness
+
+
+def _chords(above: tuple, below: tuple, tau: float, depth: float):
+    """Knots of one piece, its ends included."""
+    (s0, e0, p0), (s1, e1, p1) = above, below
+    if e0 == 0.0 or e1 == 0.0:
+        # Where one end is empty, all is in proportion to the other.
+        s, e, p = (s1, e1, p1) if e0 == 0.0 else (s0, e0, p0)
+        return [(depth, s / e, p), (depth + tau, s / e, p)]
+    u0, u1 = e0**-0.5, e1**-0.5
+    errors = abs(s0 / e0 - s1 / e1) / ALBEDO_ERROR
+    if p0 != p1:
+        errors = max(errors, max(s0 / e0, s1 / e1) / SHARE_ERROR)
+    count = max(1, math.ceil(math.sqrt(1.5 * errors * abs(u0 - u1) / (u0 + u1))))
+    knots = []
+    for k in range(count + 1):
+        e = {0: e0, count: e1}.get(k, (u0 + (u1 - u0) * k / count) ** -2)
+        way = k / count if e0 == e1 else (e - e0) / (e1 - e0)
+        part0, part1 = (1.0 - way) * s0, way * s1
+        t = tau if k == count else tau * way * (e0 + e) / (e0 + e1)
+        knots.append((depth + t, min(1.0, (part0 + part1) / e), _mixed(p0, part0, p1, part1)))
+    return knots
+
+
+def _mixed(p0: tuple, part0: float, p1: tuple, part1: float) -> tuple:
+    """Two phase functions, as the core takes them, in these proportions; mixtures do not nest."""
+    if p0 == p1 or part1 == 0.0:
+        return p0
+    if part0 == 0.0:
+        return p1
+    parts = []
+    for phase, part in ((p0, part0), (p1, part1)):
+        share = part / (part0 + part1)
+        inner = phase[1:] if phase[0] == "mixture" else ((1.0, phase),)
+        parts += [(share * own, kind) for own, kind in inner]
+    return ("mixture", *parts)

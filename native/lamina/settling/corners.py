@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hard edges: which corners of a vertex share a normal, and so a point for dust to settle on."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from . import embree
+from .mesh import Corners, Mesh, Points, unit_normals
+
+SAME = math.radians(0.1)  # normals that are closer are one
+# An angle limit that a regular body meets exactly (a cylinder of twelve sides, at 30 degrees) leaves its edges smooth,
+# whatever the rounding of its faces' normals.
+SLACK = 1e-5
+BLOCK = 1 << 20
+
+
+def corners_of(mesh: Mesh) -> Corners:
+    """The points of a checked mesh. Raises DustUnavailable."""
+    count = len(mesh.vertices)
+    by_corner = mesh.normals is not None and mesh.normals.ndim == 3
+    if not by_corner and (mesh.normals is not None or mesh.sharp_angle >= math.pi):
+        first = np.full(count, -1, np.int64)
+        flat = mesh.triangles.ravel()
+        first[flat[::-1]] = np.arange(flat.size, dtype=np.int64)[::-1]
+        return Corners(mesh.triangles, np.arange(count, dtype=np.uint32), first)
+    if by_corner:
+        normals, cosine = unit_normals(mesh.normals.reshape(-1, 3)), math.cos(SAME)
+    else:
+        normals, cosine = _face_normals(mesh), math.cos(mesh.sharp_angle) - SLACK
+    return Corners(*embree.layer().corner_points(mesh.triangles, normals, cosine, count))
+
+
+def moved_off_edges(mesh: Mesh, points: Points, corners: Corners, distance: float) -> Points:
+    """`points`, those of `corners`, with the points of split vertices moved by `distance` (in metres; less where the
+    face is small) into one of their faces.
+
+    Where walls meet in a groove, their common vertex lies in the plane of either, and a ray that starts off one wall
+    along its normal may start behind the other. Of a point's faces the one with the widest corner is taken, and the
+    middle of this corner."""
+    several = np.bincount(corners.vertex, minlength=len(mesh.vertices)) > 1
+    triangle, corner = np.nonzero(several[mesh.triangles])
+    if not len(triangle):
+        return points
+    place = mesh.vertices[mesh.triangles[triangle, corner]]
+    sides = [mesh.vertices[mesh.triangles[triangle, (corner + k) % 3]] - place for k in (1, 2)]
+    lengths = [np.linalg.norm(side, axis=1) for side in sides]
+    wide = np.minimum(*lengths) > 0.0
+    a, b = (np.divide(side, length[:, None], out=np.zeros_like(side), where=wide[:, None])
+            for side, length in zip(sides, lengths, strict=True))
+    middle = a + b
+    spread = np.linalg.norm(middle, axis=1)  # 2 cos(angle / 2)
+    sine = 0.5 * np.linalg.norm(a - b, axis=1)  # sin(angle / 2)
+    usable = wide & (spread > 1e-6) & (sine > 1e-6)
+    # The share of each side that a step of length 1 along the middle takes is 1 / (spread * length).
+    across = np.divide(1.0, lengths[0], out=np.zeros_like(spread), where=usable) + np.divide(
+        1.0, lengths[1], out=np.zeros_like(spread), where=usable)
+    most = np.divide(0.25 * spread, across, out=np.zeros_like(spread), where=usable)
+    step = np.minimum(np.divide(distance, sine, out=np.zeros_like(sine), where=usable), most)
+    target = corners.point[triangle, corner]
+    order = np.lexsort((-np.arange(len(triangle)), np.where(usable, sine, -1.0), target))
+    chosen = order[np.append(target[order][1:] != target[order][:-1], True)]
+    chosen = chosen[usable[chosen]]
+    positions = points.positions.copy()
+    positions[target[chosen]] += middle[chosen] * (step[chosen] / spread[chosen])[:, None]
+    return Points(positions, points.normals, points.areas)
+
+
+def _face_normals(mesh: Mesh) -> np.ndarray:
+    """(m, 3) float32, of length 1, or 0 for triangles without area."""
+    normals = np.empty(mesh.triangles.shape, np.float32)
+    for first in range(0, len(normals), BLOCK):
+        part = slice(first, first + BLOCK)
+        a, b, c = (mesh.vertices[mesh.triangles[part, k]] for k in range(3))
+        normals[part] = unit_normals(np.cross(b - a, c - a))
+    return normals

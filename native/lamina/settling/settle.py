@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dust that settles: the optical thickness of what falls from above and stays, at each point of a surface.
+
+Grains fall with directions spread over a cone, and wind is added to their velocity. What passes through an open
+horizontal plane is the amount; a surface with normal n gets, of grains that come from direction d = up + t (t across
+gravity), the share n.d where nothing is in their way. They slide off beyond the angle of repose, and hold in
+concavities. The factors are those of Hsu and Wong, "Simulating Dust Accumulation" (1995): exposure to the source,
+inclination, stickiness; here with the flux of the grains in place of tuned functions, so that mass is conserved."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..common.arguments import check_seed, check_threads
+from ..common.progress import Progress, portion, stepper
+from . import embree
+from .corners import corners_of, moved_off_edges
+from .mesh import Mesh, Points, check_points, checked_mesh, vertex_points
+from .settings import Settling
+from .sky import OFFSET, Laid, Sky
+from .statistics import Statistics, Sums
+from .substances import extinction_of
+from .texels import TexelMap, spread
+
+BLOCK = 1 << 18  # points at a time: memory for a block only
+INSET = 16.0 * OFFSET  # of points at sharp edges into their face, relative to the surface's size
+
+
+@dataclass(frozen=True, eq=False)
+class Dust:
+    """tau: (n,) float32, optical thickness along the normal of what stays at each point, or (height, width) of an
+    image; arrived: of what fell there, likewise. `settings`, `seed`: what it was made with.
+
+    back: the part of tau that lies on the side that the normal points away from, likewise; None unless two-sided.
+    vertices: (n,), the vertex of the surface that each value is at: first one for each vertex, in their sequence, then
+        those for the further normals of vertices at sharp edges. None for given points and images.
+    corners: (m, 3), the value that each corner of each triangle has: `tau[corners]`. None likewise."""
+
+    tau: np.ndarray
+    arrived: np.ndarray
+    statistics: Statistics
+    settings: Settling = field(default_factory=Settling)
+    seed: int = 0
+    back: np.ndarray | None = None
+    vertices: np.ndarray | None = None
+    corners: np.ndarray | None = None
+
+    @property
+    def grams(self) -> np.ndarray:
+        """float32, in the shape of tau: areal mass in g/m^2."""
+        return (self.tau / extinction_of(self.settings.extinction)).astype(np.float32)
+
+
+def available() -> str:
+    """Empty when dust can settle; otherwise one sentence that says why not (no working Embree layer)."""
+    return embree.why_not()
+
+
+def settle(surface: Mesh, points: Points | tuple | None = None, occluders: Iterable[Mesh] = (),
+           settings: Settling | None = None, seed: int = 0, progress: Progress | None = None,
+           cancel: Callable[[], bool] | None = None, threads: int = 0) -> Dust:
+    """Dust on a surface among occluders, all in world space and metres.
+
+    `points`: where; None: the surface's vertices, in their sequence, and after them further values for the vertices
+    that have several normals (see Mesh.sharp_angle, Dust.corners). Otherwise Points, or (positions, normals), each
+    (n, 3), such as `texel_points` makes. Vertices of no face get none. The same seed gives the same bytes, whatever
+    `threads` (0: all). `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled
+    raised when it says yes. Raises DustError, ValueError, and DustUnavailable without a working Embree layer."""
+    run = _Run(surface, occluders, settings, seed, progress, cancel, threads)
+    corners = None
+    if points is None:
+        corners = corners_of(run.surface)
+        points = vertex_points(run.surface, portion(run.step, 0.2, 0.25), corners)
+        points = moved_off_edges(run.surface, points, corners, INSET * run.sky.frame.scale)
+    else:
+        points = check_points(points)
+    count = len(points.positions)
+    tau, arrived = np.empty(count, np.float32), np.empty(count, np.float32)
+    back = np.empty(count, np.float32) if run.settings.two_sided else None
+    for part, laid in run.laid(_blocks(points), max(count, 1)):
+        tau[part], arrived[part] = laid.tau, laid.arrived
+        if back is not None:
+            back[part] = laid.tau * laid.back_share
+    return Dust(tau, arrived, run.statistics(), run.settings, seed, back,
+                None if corners is None else corners.vertex, None if corners is None else corners.point)
+
+
+def settle_image(surface: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int], occluders: Iterable[Mesh] = (),
+                 settings: Settling | None = None, seed: int = 0, progress: Progress | None = None,
+                 cancel: Callable[[], bool] | None = None, threads: int = 0, margin: int = 4) -> Dust:
+    """Dust on a surface as an image over a UV map: `texel_points`, `settle` and `dilate` in one, a band of rows at a
+    time, so that a large image needs little memory beyond its own. tau, arrived and back are (height, width), rows
+    from the bottom; around the islands the dust is spread over `margin` texels, arrived is not.
+
+    Raises as those do, and DustError when no texel lies on the surface. Notes of the statistics tell when the UV map
+    leaves some of the surface out."""
+    run = _Run(surface, occluders, settings, seed, progress, cancel, threads)
+    texels = TexelMap(run.surface, uvs_per_corner, size)
+    images = [np.zeros((texels.height, texels.width), np.float32) for _ in range(3 if run.settings.two_sided else 2)]
+    mask = np.zeros((texels.height, texels.width), bool)
+
+    def bands():
+        number = 0
+        for rows, points, inside in texels.bands():
+            mask[rows] = inside
+            if len(points.positions):
+                yield number, rows, points
+            number += len(points.positions)
+
+    for rows, laid in run.laid(bands(), texels.height, lambda rows: rows.stop):
+        values = laid.tau, laid.arrived, None if laid.back_share is None else laid.tau * laid.back_share
+        for image, value in zip(images, values, strict=False):
+            image[rows][mask[rows]] = value
+    texels.require_texels(bool(mask.any()))
+    tau, arrived = spread(images[0], mask, margin), images[1]
+    back = spread(images[2], mask, margin) if run.settings.two_sided else None
+    return Dust(tau, arrived, run.statistics(texels.notes()), run.settings, seed, back)
+
+
+class _Run:
+    """One settling, from its meshes to its statistics."""
+
+    def __init__(self, surface, occluders, settings, seed, progress, cancel, threads):
+        self._started = clock.perf_counter()
+        self.settings = Settling() if settings is None else settings
+        check_seed(seed)
+        check_threads(threads)
+        embree.layer()
+        self.step = stepper("the settling of dust", progress, cancel)
+        self.step(0.0, "reading the meshes")
+        self.surface = checked_mesh(surface, "surface")
+        others = [checked_mesh(mesh, f"occluders[{index}]") for index, mesh in enumerate(occluders)]
+        others = [mesh for mesh in others if len(mesh.triangles)]
+        self.sky = Sky(self.surface, others, self.settings, seed, threads, portion(self.step, 0.05, 0.2))
+        self._sums = Sums(self.settings)
+
+    def laid(self, blocks: Iterator, total: int, done=lambda place: place.stop) -> Iterator[tuple[slice, Laid]]:
+        """(place, what is laid there) of blocks (first number, place, points); `done(place)` of `total` follows."""
+        before = 0
+        for number, place, points in blocks:
+            part = portion(self.step, 0.25 + 0.7 * before / total, 0.25 + 0.7 * min(done(place), total) / total)
+            laid = self.sky.lay(points, number, part)
+            self._sums.add(laid.arrived, laid.stays, laid.left, points.areas)
+            before = done(place)
+            yield place, laid
+
+    def statistics(self, notes: tuple[str, ...] = ()) -> Statistics:
+        forward = self.sky.grains()
+        self.step(1.0, f"{self.sky.rays:,} rays")
+        seconds = clock.perf_counter() - self._started
+        return self._sums.statistics(forward, self.sky.names, self.sky.rays, seconds, notes)
+
+
+def _blocks(points: Points):
+    for first in range(0, len(points.positions), BLOCK):
+        part = slice(first, min(first + BLOCK, len(points.positions)))
+        areas = None if points.areas is None else points.areas[part]
+        yield first, part, Points(points.positions[part], points.normals[part], areas)

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a UV map to points for dust to settle on, and back to an image with a margin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..common.errors import DustError
+from . import embree
+from .corners import corners_of
+from .mesh import Mesh, Points, checked_mesh, vertex_points
+
+LARGEST = 16384
+BAND = 1 << 19  # texels at a time
+LOST = 0.02  # share of the surface without texels that is worth a note
+
+
+def texel_points(mesh: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int]) -> tuple[Points, np.ndarray]:
+    """(points, mask): the surface's points below the texels of an image, where a triangle covers the texel's centre.
+
+    `uvs_per_corner`: (m, 3, 2), u to the right and v up, over [0, 1]; what lies outside is left out. `size`: of a
+    square image, or (width, height), each 1 to 16384. mask: (height, width) bool, rows from the bottom, as Blender
+    keeps images; points: one for each texel in the mask, row by row, with the normals of the triangle's corners
+    interpolated (at sharp edges each triangle has its own) and the area that the texel stands for. Where triangles
+    overlap, the lowest number has the texel. A texel takes some 150 bytes: `settle_image` needs less for large
+    images. Raises DustError, DustUnavailable."""
+    embree.layer()
+    texels = TexelMap(checked_mesh(mesh, "mesh"), uvs_per_corner, size)
+    bands = [(points, mask) for _, points, mask in texels.bands()]
+    joined = (np.concatenate([getattr(points, name) for points, _ in bands]) for name in
+              ("positions", "normals", "areas"))
+    return Points(*joined), np.concatenate([mask for _, mask in bands])
+
+
+class TexelMap:
+    """A checked mesh and its UV map over an image of `width` x `height` texels. Raises DustError, DustUnavailable."""
+
+    def __init__(self, mesh: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int]):
+        uvs = np.ascontiguousarray(uvs_per_corner, dtype=np.float64)
+        if uvs.shape != (len(mesh.triangles), 3, 2):
+            raise DustError(f"uvs_per_corner has shape {uvs.shape}: must be ({len(mesh.triangles)}, 3, 2)")
+        if not np.isfinite(uvs).all():
+            raise DustError(f"uvs_per_corner[{np.argwhere(~np.isfinite(uvs))[0][0]}]: must be finite")
+        width, height = (size, size) if not isinstance(size, tuple | list) else size
+        for value in (width, height):
+            if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= LARGEST:
+                raise DustError(f"size = {size!r}: must be whole numbers from 1 to {LARGEST}")
+        self.width, self.height = width, height
+        self._mesh, self._uvs = mesh, uvs
+        self._corners = corners_of(mesh)
+        normals = vertex_points(mesh, corners=self._corners).normals
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+        self._normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0.0)
+        self._areas, self._texel_areas = _areas(mesh, uvs, width * height)
+        self._painted = 0.0
+
+    def bands(self) -> Iterator[tuple[slice, Points, np.ndarray]]:
+        """(rows, points, mask of those rows), from the bottom."""
+        layer = embree.layer()
+        rows = max(1, BAND // self.width)
+        self._painted = 0.0
+        for first in range(0, self.height, rows):
+            count = min(rows, self.height - first)
+            triangle, weights = layer.texels(self._uvs, self.width, self.height, first, count)
+            mask = triangle >= 0
+            points = self._points(triangle[mask], weights[mask].astype(np.float64))
+            self._painted += float(points.areas.sum())
+            yield slice(first, first + count), points, mask
+
+    def _points(self, triangle: np.ndarray, weights: np.ndarray) -> Points:
+        shares = np.column_stack([1.0 - weights.sum(axis=1), weights])
+        positions = np.einsum("tk,tkc->tc", shares, self._mesh.vertices[self._mesh.triangles[triangle]])
+        normals = np.einsum("tk,tkc->tc", shares, self._normals[self._corners.point[triangle]])
+        return Points(positions, normals, self._texel_areas[triangle])
+
+    def require_texels(self, found: bool) -> None:
+        """Raises DustError, with what is wrong with the UV map, unless a texel was found."""
+        if found:
+            return
+        name = self._mesh.name
+        if not (self._texel_areas > 0.0).any():
+            raise DustError(f"{name}: the UV map has no area, as all of its islands are points or lines: unwrap again")
+        low, high = self._uvs.min(axis=(0, 1)), self._uvs.max(axis=(0, 1))
+        if (high <= 0.0).any() or (low >= 1.0).any():
+            raise DustError(f"{name}: the UV map lies outside the image, with u from {low[0]:.3g} to {high[0]:.3g} and "
+                            f"v from {low[1]:.3g} to {high[1]:.3g}: u and v must lie in [0, 1]")
+        raise DustError(f"{name}: no texel's centre of {self.width} x {self.height} lies on the UV map: must be a "
+                        "larger image, or larger islands")
+
+    def notes(self) -> tuple[str, ...]:
+        """What the UV map leaves out, after the bands."""
+        whole = float(self._areas.sum())
+        low, high = self._uvs.min(axis=(0, 1)), self._uvs.max(axis=(0, 1))
+        outside = ((self._uvs < -1e-6) | (self._uvs > 1.0 + 1e-6)).any(axis=(1, 2))
+        beyond = float(self._areas[outside].sum())
+        flat = float(self._areas[self._texel_areas == 0.0].sum())
+        told = []
+        if beyond > LOST * whole:
+            told.append(f"{100.0 * beyond / whole:.0f} % of the surface is unwrapped beyond the image (u from "
+                        f"{low[0]:.3g} to {high[0]:.3g}, v from {low[1]:.3g} to {high[1]:.3g}): only u and v in "
+                        "[0, 1] get dust")
+        if flat > LOST * whole:
+            told.append(f"{100.0 * flat / whole:.0f} % of the surface has no area in the UV map and gets no dust")
+        if not told and self._painted < (1.0 - 5.0 * LOST) * whole:
+            told.append(f"texels stand for {100.0 * self._painted / whole:.0f} % of the surface only: islands of the "
+                        "UV map overlap, or are narrower than texels")
+        return tuple(told)
+
+
+def dilate(values: np.ndarray, mask: np.ndarray, margin: int = 4) -> np.ndarray:
+    """(height, width) float32: `values`, one a texel of the mask, spread over `margin` texels around it, each the
+    mean of its filled neighbours, so that filtered look-ups at seams find dust and not nothing; 0 beyond. Raises
+    DustError."""
+    mask = np.asarray(mask, bool)
+    values = np.asarray(values, np.float32)
+    if mask.ndim != 2 or values.shape != (int(mask.sum()),):
+        raise DustError(f"values has shape {values.shape}: must hold one number for each texel of the mask")
+    image = np.zeros(mask.shape, np.float32)
+    image[mask] = values
+    return spread(image, mask, margin)
+
+
+def spread(image: np.ndarray, mask: np.ndarray, margin: int) -> np.ndarray:
+    """`image`, 0 outside `mask`, as `dilate` does it: a band at a time, whose result depends on `margin` rows more."""
+    result = np.empty_like(image)
+    rows = max(1, BAND // image.shape[1])
+    for first in range(0, len(image), rows):
+        low = max(0, first - margin)
+        grown = _grown(image[low:first + rows + margin], mask[low:first + rows + margin], margin)
+        result[first:first + rows] = grown[first - low:first - low + rows]
+    return result
+
+
+def _grown(values: np.ndarray, mask: np.ndarray, margin: int) -> np.ndarray:
+    height, width = mask.shape
+    image, filled = np.pad(values, 1), np.pad(mask, 1)
+    for _ in range(margin):
+        total = np.zeros((height, width), np.float32)
+        count = np.zeros((height, width), np.float32)
+        for down in range(3):
+            for right in range(3):
+                part = np.s_[down:down + height, right:right + width]
+                total += image[part]
+                count += filled[part]
+        new = (count > 0) & ~filled[1:-1, 1:-1]
+        if not new.any():
+            break
+        image[1:-1, 1:-1][new] = total[new] / count[new]
+        filled[1:-1, 1:-1] |= new
+    return image[1:-1, 1:-1]
+
+
+def _areas(mesh: Mesh, uvs: np.ndarray, texels: int) -> tuple[np.ndarray, np.ndarray]:
+    """For each triangle, its area in m^2, and that which one texel of it stands for; 0 where it has no texels."""
+    corners = mesh.vertices[mesh.triangles]
+    world = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    u, v = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
+    flat = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) * texels
+    return 0.5 * world, np.divide(world, flat, out=np.zeros_like(world), where=flat > 0.0)

@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The deterministic road: a stack's scattering function by adding solved layers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .. import _core
+from ..common.arguments import (
+    broadcast,
+    check_choice,
+    check_kind,
+    check_number,
+    check_threads,
+    check_whole,
+    cosines,
+    finite_array,
+    finite_list,
+)
+from ..common.errors import ArgumentError, SolveError, shown
+from ..material.fields import channel
+from ..material.layers import TAU, Conductor, HalfSpace, Interface, Lambert, Medium
+from ..material.profile import THICKNESS
+from ..material.stack import Stack
+
+TOLERANCE = {"preview": 1e-2, "final": 1e-3}
+_SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
+_PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
+
+
+def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | None = None) -> ScatteringFunction:
+    """The scattering function of a stack, to a relative pointwise tolerance (cosines >= .05) of .1 %
+    ("final") or 1 % ("preview"). `threads` 0 uses every hardware thread; results do not depend on it.
+    Where there are boundaries, values below 1e-3 per steradian, or below 1e-3 of their mean over azimuths, are only
+    promised to that share of these. At most 200 azimuth orders are tried.
+    `nodes` takes that many nodes per hemisphere as they are, without a promise: for a quick look.
+
+    Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
+    ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
+    Method: discrete ordinates per azimuth order, solved by modes (Nakajima and Tanaka 1986), layers joined
+    by the adding equations (van de Hulst 1963), truncation of the forward peak with exact single
+    scattering (Nakajima and Tanaka 1988)."""
+    check_stack(stack)
+    tolerance = tolerance_of(quality)
+    nodes = check_nodes(nodes)
+    pool = thread_pool(threads)
+    solved: dict = {}
+    channels = []
+    for index in range(stack.channels):
+        key, layers, base = core_stack(stack, index)
+        if key not in solved:
+            solved[key] = _solve_channel(_core.Stack(layers, base), tolerance, pool, nodes)
+        channels.append(solved[key])
+    return ScatteringFunction(stack, channels, pool)
+
+
+def check_stack(stack: Stack) -> Stack:
+    """Raises ArgumentError unless it is a Stack."""
+    return check_kind(stack, "stack", Stack, "a lamina.Stack, which Stack.from_json makes of a JSON object")
+
+
+def check_nodes(nodes: int | None) -> int | None:
+    """A number of nodes per hemisphere, or None for the solver's choice. Raises ArgumentError."""
+    return None if nodes is None else check_whole(nodes, "nodes", 8, 160)
+
+
+def thread_pool(threads: int) -> _core.ThreadPool:
+    """The core's pool of that many threads, 0 for all hardware threads. Raises ArgumentError."""
+    return _core.ThreadPool(check_threads(threads))
+
+
+def tolerance_of(quality: str) -> float:
+    """The relative pointwise error that a quality's name promises. Raises ArgumentError."""
+    return TOLERANCE[check_choice(quality, "quality", TOLERANCE)]
+
+
+def core_stack(stack: Stack, index: int):
+    """(key, layers, base) of one channel, as the core takes them; channels with the same key are the same
+    problem."""
+    entries = []
+    for number, layer in enumerate(stack.layers):
+        if isinstance(layer, Interface):
+            entries.append((_core.Interface, (channel(layer.ior, index), *_facets(layer, index))))
+        elif layer.profile is not None and layer.optics(index)[1] > 0.0:
+            entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
+        else:
+            entries.append((_core.Medium, (*stack.optics(number, index), *layer.phase.in_channel(index))))
+    if isinstance(stack.base, HalfSpace):
+        endless = (channel(stack.base.albedo, index), math.inf, *stack.base.phase.in_channel(index))
+        entries.append((_core.Medium, endless))
+    base = (_core.Base.none, ())
+    if isinstance(stack.base, Conductor):
+        metal = (*stack.indices(index), *_facets(stack.base, index))
+        base = (_core.Base.conductor, metal)
+    elif stack.base is not None:
+        # Black is a Lambert surface that reflects nothing; an endless medium lets nothing reach its end.
+        reflectance = stack.base.reflectance if isinstance(stack.base, Lambert) else 0.0
+        base = (_core.Base.lambert, (channel(reflectance, index),))
+    make, arguments = base
+    return (tuple(entries), base), [kind(*values) for kind, values in entries], make(*arguments)
+
+
+def _facets(surface: Interface | Conductor, index: int) -> tuple:
+    """Microfacet parameters in one channel, as the core takes them."""
+    alpha = channel(surface.alpha, index)
+    return alpha, surface.distribution, surface.correlated, surface.compensate
+
+
+def _solve_channel(core: _core.Stack, tolerance: float, pool, nodes: int | None) -> _core.Solution:
+    if nodes is not None:
+        return _or_solve_error(lambda: _core.solve_roughly(core, tolerance, nodes, pool))
+    return _or_solve_error(lambda: _core.solve(core, tolerance, pool))
+
+
+def _or_solve_error(call):
+    """What `call` returns. Raises SolveError for what the core refuses."""
+    try:
+        return call()
+    except RuntimeError as error:
+        raise SolveError(str(error)) from None
+
+
+class ScatteringFunction:
+    """A solved stack. Cosines are positive, in (0, 1], and those of directions in air, above and below the stack;
+    results end with an axis of channels. Cosines below 1e-9 count as 1e-9, where BRDFs have reached their limit at
+    grazing.
+
+    A sheet may end in another medium than air (its last Interface has another ior than 1). Then `brdf`, `reflectance`
+    and `transmittance` answer for light from the top, whose directions are in air; the flux into the medium below is
+    the transmittance. What needs a direction in that medium raises StackError: `btdf`, and all with side "bottom", for
+    light beyond the critical angle has no direction in air. End such a sheet with an Interface of ior 1.
+
+    `nodes` and `orders` tell what the solver chose, `checks` what its always-on checks found (the worst of
+    all channels, a dict of errors)."""
+
+    def __init__(self, stack: Stack, channels: list, pool):
+        self.stack = stack
+        self._channels = channels
+        self._pool = pool
+
+    @property
+    def nodes(self) -> int:
+        return max(solution.nodes for solution in self._channels)
+
+    @property
+    def orders(self) -> int:
+        return max(solution.orders for solution in self._channels)
+
+    @property
+    def checks(self) -> dict[str, float]:
+        names = ("quadrature", "phase", "energy", "reciprocity", "negativity", "azimuth", "resolution")
+        return {name: max(getattr(s.checks, name) for s in self._channels) for name in names}
+
+    @property
+    def solutions(self) -> list:
+        """The core's solutions, one a channel."""
+        return list(self._channels)
+
+    def with_thickness(self, layer: int, taus) -> ScatteringFunction:
+        """The same stack with layer number `layer` of optical thickness `taus`, a number or one a channel, in
+        [0, infinity], or in [0, 1e9] where the layer has a profile; much faster than a new solve. Raises
+        StackError, ArgumentError and SolveError."""
+        layer = check_whole(layer, "layer", 0, len(self.stack.layers) - 1)
+        medium = self.stack.layers[layer]
+        if not isinstance(medium, Medium):
+            raise ArgumentError(f"layer = {layer}: must be a medium, this one is of kind {medium.kind}")
+        quantity = TAU if medium.profile is None else THICKNESS["tau"]
+        taus = quantity.check(taus, "taus")
+        if isinstance(taus, tuple) and len(taus) != len(self._channels):
+            raise ArgumentError(f"taus has {len(taus)} channels: must have {len(self._channels)} like the stack")
+        made: dict = {}
+        channels = []
+        for index, solution in enumerate(self._channels):
+            tau = channel(taus, index)
+            key = (id(solution), tau)
+            if key not in made:
+                made[key] = _or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
+            channels.append(made[key])
+        return ScatteringFunction(self.stack, channels, self._pool)
+
+    def with_base_reflectance(self, reflectance: float) -> ScatteringFunction:
+        """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; costs next
+        to nothing. Raises ArgumentError, also for another kind of base."""
+        if not isinstance(self.stack.base, Lambert):
+            raise ArgumentError("reflectance: the base of the stack must be a Lambert surface")
+        reflectance = check_number(reflectance, "reflectance", "must lie in [0, 1]", lambda r: 0.0 <= r <= 1.0)
+        made = {id(solution): solution.with_reflectance(reflectance) for solution in self._channels}
+        return ScatteringFunction(self.stack, [made[id(solution)] for solution in self._channels], self._pool)
+
+    def brdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
+        """BRDF in 1/sr, without mirror parts. `mu_o`, `mu_i` in (0, 1], `dphi` in radians with 0 forward
+        (light keeps its azimuth); arrays broadcast. Shape: broadcast + (channels,). Raises ValueError."""
+        return self._evaluate(_core.Path.reflect, mu_o, mu_i, dphi, side)
+
+    def btdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
+        """BTDF in 1/sr, without unscattered light; arguments as for brdf, `side` is where light enters."""
+        return self._evaluate(_core.Path.transmit, mu_o, mu_i, dphi, side)
+
+    def grid(self, path: str, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
+        """BRDF (`path` "reflect") or BTDF ("transmit") on a product grid, shape (o, i, dphi, channels)."""
+        lists = [cosines(finite_list(mu_o, "mu_o"), "mu_o"), cosines(finite_list(mu_i, "mu_i"), "mu_i")]
+        azimuths = finite_list(dphi, "dphi")
+        where = path_of(path)
+        self._check_below(where, side)
+        return self._by_channel(
+            lambda s: s.grid(side_of(side), where, *lists, azimuths, self._pool))
+
+    def reflectance(self, mu0, side: str = "top", parts: bool = False):
+        """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light.
+        Shape: that of mu0 + (channels,). With `parts` the pair (without the mirror image, mirror image)."""
+        scattered, mirrored, _, _ = self._fluxes(mu0, side)
+        return (scattered, mirrored) if parts else scattered + mirrored
+
+    def transmittance(self, mu0, side: str = "top", parts: bool = False):
+        """Total transmittance, the unscattered beam included; with `parts` the pair (diffuse, direct)."""
+        _, _, diffuse, direct = self._fluxes(mu0, side)
+        return (diffuse, direct) if parts else diffuse + direct
+
+    def absorption(self, mu0, side: str = "top") -> np.ndarray:
+        """The share of the incident flux that stays: 1 - reflectance - transmittance."""
+        return 1.0 - sum(self._fluxes(mu0, side))
+
+    def _by_channel(self, call) -> np.ndarray:
+        done = {}
+        for solution in self._channels:
+            if id(solution) not in done:
+                done[id(solution)] = call(solution)
+        return np.stack([done[id(solution)] for solution in self._channels], axis=-1)
+
+    def _evaluate(self, path, mu_o, mu_i, dphi, side: str) -> np.ndarray:
+        self._check_below(path, side)
+        arrays = broadcast([_cosines(mu_o, "mu_o"), _cosines(mu_i, "mu_i"), finite_array(dphi, "dphi")],
+                           ("mu_o", "mu_i", "dphi"))
+        flat = [np.ascontiguousarray(a, dtype=float).ravel() for a in arrays]
+        values = self._by_channel(lambda s: s.points(side_of(side), path, *flat, self._pool))
+        return values.reshape(*arrays[0].shape, len(self._channels))
+
+    def _check_below(self, path, side: str) -> None:
+        """Raises StackError where directions below a sheet are meant that does not end in air."""
+        if side_of(side) == _core.Side.bottom or path == _core.Path.transmit:
+            self.stack.require_air_below()
+
+    def _fluxes(self, mu0, side: str):
+        where = side_of(side)
+        self._check_below(_core.Path.reflect, side)
+        if isinstance(mu0, str):
+            if mu0 != "diffuse":
+                raise ArgumentError(f"mu0 = {shown(mu0)}: must be a cosine in (0, 1] or 'diffuse'")
+            def call(s):
+                f = s.diffuse_fluxes(where, self._pool)
+                return np.array([f.reflected[0], f.mirrored[0], f.transmitted[0], f.direct[0]])
+        else:
+            cosines = _cosines(mu0, "mu0")
+            def call(s):
+                f = s.fluxes(where, np.ascontiguousarray(cosines, dtype=float).ravel(), self._pool)
+                return np.array([f.reflected, f.mirrored, f.transmitted, f.direct]).reshape(4, *cosines.shape)
+        return tuple(self._by_channel(call))
+
+
+def path_of(path: str) -> _core.Path:
+    """The core's name of a path. Raises ArgumentError."""
+    return _PATHS[check_choice(path, "path", _PATHS, "'reflect' or 'transmit'")]
+
+
+def side_of(side: str) -> _core.Side:
+    """The core's name of a side. Raises ArgumentError."""
+    return _SIDES[check_choice(side, "side", _SIDES, "'top' or 'bottom'")]
+
+
+def _cosines(values, name: str) -> np.ndarray:
+    return cosines(finite_array(values, name), name)

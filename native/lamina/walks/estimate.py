@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Monte Carlo estimates of single values of a stack's scattering function, by walks of three equations."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _core
+from ..common.arguments import LEAST_COSINE, check_choice, check_number, check_seed, check_whole
+from ..common.errors import SolveError, StackError
+from ..common.progress import Progress, portion, stepper
+from ..material.stack import Stack
+from ..solver.solve import check_stack, core_stack, path_of, side_of, thread_pool
+
+SAMPLES = 1 << 20
+MOST_SAMPLES = 1 << 40
+BLOCK = _core.WALK_BLOCK
+CHUNK = 16  # blocks that are summed apart: what shards are made of, whoever runs them
+
+
+@dataclass(frozen=True)
+class Query:
+    """What is estimated: BRDF or BTDF for cosines in air and an azimuth, or with `mu_o` None the hemispherical
+    reflectance or transmittance of a beam. Cosines lie in (0, 1], and below 1e-9 count as 1e-9; `dphi` is in
+    radians. `side` "bottom", and a BTDF, need a sheet that ends in air, see ScatteringFunction. Raises
+    ArgumentError, a ValueError."""
+
+    mu_o: float | None
+    mu_i: float
+    dphi: float = 0.0
+    side: str = "top"
+    path: str = "reflect"
+
+    def __post_init__(self):
+        side_of(self.side)
+        path_of(self.path)
+        for name, value in (("mu_o", self.mu_o), ("mu_i", self.mu_i)):
+            if name == "mu_o" and value is None:
+                continue
+            cosine = check_number(value, name, "must be one number in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
+            object.__setattr__(self, name, max(cosine, LEAST_COSINE))
+        object.__setattr__(self, "dphi", check_number(self.dphi, "dphi", "must be one finite number", math.isfinite))
+
+    def check(self, stack: Stack) -> None:
+        """Raises StackError where a direction is asked for below a sheet that does not end in air."""
+        if self.side == "bottom" or (self.path == "transmit" and self.mu_o is not None):
+            stack.require_air_below()
+
+    def arguments(self) -> tuple:
+        """As the core's factories of walks take it: mu_o, mu_i, dphi, side, path, flux."""
+        mu_o = self.mu_i if self.mu_o is None else self.mu_o
+        return float(mu_o), float(self.mu_i), float(self.dphi), side_of(self.side), path_of(self.path), \
+            self.mu_o is None
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimates, one a channel, with their standard errors; the seconds all took, and for each channel how many
+    samples and scattering events there were. `table_error`: by how much the tables that the walk takes its
+    layers from may be off, relative; 0 for a walk without tables."""
+
+    value: np.ndarray
+    stderr: np.ndarray
+    seconds: float
+    samples: np.ndarray
+    events: np.ndarray
+    table_error: float = 0.0
+
+    @property
+    def looked_up(self) -> np.ndarray:
+        """Whether each channel's value was known before any walk. The method "adding" reads the value of a single
+        layer from the solver's table of that layer: `stderr` is 0, and `table_error` is the whole error."""
+        return self.events == 0
+
+
+def _transfer(core, query: Query, pool):
+    return _core.transfer_walk(core, *query.arguments()), 0.0
+
+
+def _adding(core, query: Query, pool):
+    return _core.adding_walk(core, *query.arguments(), pool)
+
+
+def _scattering(core, query: Query, pool):
+    return _core.scattering_walk(core, *query.arguments()), 0.0
+
+
+METHODS = {"scattering": _scattering, "transfer": _transfer, "adding": _adding}
+
+
+def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, method: str = "transfer",
+             samples: int | None = None, target_error: float | None = None, seed: int = 0,
+             progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0,
+             side: str = "top", path: str = "reflect") -> Estimate:
+    """BRDF (`path` "reflect") or BTDF ("transmit") in 1/sr of a stack for one pair of directions, as
+    ScatteringFunction.brdf and btdf give it, or with `mu_o` None the directional albedo or the transmittance,
+    mirror and unscattered light included; light enters on `side`.
+
+    `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the
+    adding series as a walk between solved layers (it is off by its tables' error, which is reported; the BRDF or BTDF
+    of a single layer takes no walk, but is read from its table: see Estimate.looked_up); "scattering",
+    the integral scattering equation guided by coarse tables, for the BRDF from above of media, with profiles or
+    without, over nothing, black or a Lambert surface; where a pilot, whose samples are discarded, finds a transfer
+    walk to do better, plain or guided by such tables, that one takes its place.
+    `samples` are rounded up to blocks of 4096; 2^20 without a target.
+    With `target_error`, a standard error relative to the value, a channel's samples are doubled until it is
+    reached or `samples`, then the most that are drawn, are; to stop at a favourable error biases the value by
+    a small part of that error. The same seed gives the same numbers, whatever `threads` (0: all).
+    `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled raised when it says
+    yes. Raises ValueError, StackError, SolveError."""
+    started = time.perf_counter()
+    check_stack(stack)
+    query = Query(mu_o, mu_i, dphi, side, path)
+    blocks = blocks_of(samples, target_error)
+    check_seed(seed)
+    pool = thread_pool(threads)
+    step = stepper("the estimate", progress, cancel)
+    channels, error = run_channels(stack, query, method, pool, step, lambda walk, within: _run(
+        walk, seed, blocks, target_error, pool, within))
+    return summary(channels, time.perf_counter() - started, error)
+
+
+def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, run) -> tuple[list, float]:
+    """(what `run(walk, step)` gives for each channel, the largest error of the walks' tables); channels that are the
+    same problem share one run. Raises as estimate does."""
+    query.check(stack)
+    done: dict = {}
+    channels, error = [], 0.0
+    for index in range(stack.channels):
+        key, layers, base = core_stack(stack, index)
+        if key not in done:
+            walk, off = make_walk(_core.Stack(layers, base), query, method, pool)
+            error = max(error, off)
+            done[key] = run(walk, portion(step, index / stack.channels, (index + 1) / stack.channels))
+        channels.append(done[key])
+    return channels, error
+
+
+def make_walk(core, query: Query, method: str, pool):
+    """(walk, error of its tables) of one channel. Raises as estimate does."""
+    walk = METHODS[check_choice(method, "method", METHODS)]
+    try:
+        return walk(core, query, pool)
+    except RuntimeError as error:
+        raise SolveError(str(error)) from None
+    except ValueError as error:
+        raise StackError(str(error)) from None
+
+
+def blocks_of(samples: int | None, target_error: float | None = None) -> int:
+    """How many blocks hold that many samples. Raises ValueError."""
+    if target_error is not None:
+        check_number(target_error, "target_error", "must lie in (0, 1)", lambda error: 0.0 < error < 1.0)
+    if samples is None:
+        samples = SAMPLES if target_error is None else MOST_SAMPLES
+    return -(-check_whole(samples, "samples", 1, MOST_SAMPLES, "from 1 to 2^40") // BLOCK)
+
+
+def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step):
+    """Tallies (sum, squares, largest, count, events) of chunks [first, last) of a run of so many blocks."""
+    tallies = []
+    for chunk in range(first, last):
+        step((chunk - first) / (last - first), f"{(chunk - first) * CHUNK * BLOCK:,} samples")
+        until = min((chunk + 1) * CHUNK, blocks)
+        tallies.append(_core.run_walk(walk, seed, chunk * CHUNK, until, pool))
+    return tallies
+
+
+def chunks_in(blocks: int) -> int:
+    return -(-blocks // CHUNK)
+
+
+def summary(channels: list, seconds: float, table_error: float) -> Estimate:
+    """From the tallies of each channel's chunks, in any sequence: the sums are exact before they are rounded."""
+    columns = zip(*(_total(tallies) for tallies in channels), strict=True)
+    value, stderr, samples, events = (np.array(column) for column in columns)
+    return Estimate(value, stderr, seconds, samples, events, table_error)
+
+
+def _total(tallies: list) -> tuple[float, float, int, int]:
+    """(value, standard error, samples, events)."""
+    count = sum(tally[3] for tally in tallies)
+    events = sum(tally[4] for tally in tallies)
+    mean = math.fsum(tally[0] for tally in tallies) / count
+    squares = math.fsum(tally[1] for tally in tallies) / count
+    # Without events all samples are the same, and what rounding leaves is no error.
+    variance = max(0.0, squares - mean * mean) if events > 0 else 0.0
+    return mean, math.sqrt(variance / (count - 1)), count, events
+
+
+def _run(walk, seed: int, blocks: int, target_error: float | None, pool, step) -> list:
+    """Tallies of all chunks; with a target error in rounds of twice as many."""
+    last = chunks_in(blocks)
+    if target_error is None:
+        return run_chunks(walk, seed, 0, last, blocks, pool, step)
+    tallies: list = []
+    until, reached = 1, 0.0
+    while True:
+        def within(_, text, reached=reached):
+            step(reached, text)
+
+        tallies += run_chunks(walk, seed, len(tallies), min(until, last), blocks, pool, within)
+        value, error, _, _ = _total(tallies)
+        if len(tallies) == last or error <= target_error * abs(value):
+            return tallies
+        until *= 2
+        reached = (target_error * abs(value) / error) ** 2
