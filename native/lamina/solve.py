@@ -88,7 +88,7 @@ def core_stack(stack: Stack, index: int):
         else:
             entries.append((_core.Medium, (*stack.optics(number, index), *layer.phase.in_channel(index))))
     if isinstance(stack.base, HalfSpace):
-        endless = (channel(stack.base.albedo, index), math.inf, *stack.base.phase.in_channel(index))
+        endless = (stack.base.albedo_in(index), math.inf, *stack.base.phase.in_channel(index))
         entries.append((_core.Medium, endless))
     base = (_core.Base.none, ())
     if isinstance(stack.base, Conductor):
