@@ -29,8 +29,8 @@ def require_millimetres(stack: Stack) -> None:
         if isinstance(layer, Medium):
             _check_medium(layer, f"layers[{index}]", stack.channels)
     if isinstance(stack.base, HalfSpace) and stack.base.sigma_s is None:
-        raise StackError("base: sigma_s and sigma_a are missing: light that travels sideways needs lengths in mm, which "
-                         "an albedo does not tell")
+        raise StackError("base: sigma_s and sigma_a are missing: light that travels sideways needs lengths in mm, "
+                         "which an albedo does not tell")
 
 
 def depth_knots(stack: Stack, index: int) -> list[tuple[DepthKnot, ...]]:
