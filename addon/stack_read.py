@@ -43,8 +43,8 @@ def base(base):
         values["textured"] = bool(base.get("textured", False))
     elif base["kind"] == "half-space":
         if "albedo" not in base:
-            raise RefusedError("base.sigma_s: the panel knows a deep medium by its albedo; coefficients belong "
-                               "into a last layer of infinite thickness")
+            raise RefusedError("base.sigma_s: the panel knows a deep medium by its albedo; coefficients "
+                               "belong into a last layer of infinite thickness")
         values["albedo"] = _triple(base["albedo"], "base.albedo")
         values |= phases.values(base.get("phase"), "base.phase")
     elif base["kind"] == "conductor":

@@ -6,6 +6,7 @@
 
 #include "rng.hpp"
 #include "thread_pool.hpp"
+#include "walk_blocks.hpp"
 
 namespace lamina {
 
@@ -40,9 +41,6 @@ struct Tally {
   }
   void add(const Tally& other);
 };
-
-/// Samples are drawn and summed in blocks of this many, blocks summed in order.
-inline constexpr std::uint64_t kWalkBlock = 4096;
 
 /// Blocks [first, last) of a walk with this seed: the same bytes for any number of threads.
 Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,

@@ -16,6 +16,7 @@ from .errors import (
     UnknownName,
 )
 from .estimate import Estimate, Query, estimate
+from .estimate_searchlight import SearchlightEstimate, SearchlightQuery, estimate_searchlight
 from .layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
 from .lut import Lut
 from .phase import (
@@ -57,6 +58,8 @@ __all__ = [
     "Query",
     "Rayleigh",
     "ScatteringFunction",
+    "SearchlightEstimate",
+    "SearchlightQuery",
     "ShardError",
     "SolveError",
     "Stack",
@@ -67,6 +70,7 @@ __all__ = [
     "colours",
     "dust",
     "estimate",
+    "estimate_searchlight",
     "export",
     "metals",
     "presets",

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: python -m lamina bake | report | export | estimate | merge | presets | dust."""
+"""The command line: python -m lamina bake | report | export | estimate | estimate-searchlight | merge | presets |
+dust."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-from . import cli_dust, presets
+from . import cli_dust, cli_searchlight, presets
 from .arguments import check_threads
 from .bake import BASES, bake
 from .errors import (
@@ -27,6 +28,7 @@ from .errors import (
     clipped,
 )
 from .estimate import METHODS, SAMPLES, Estimate, Query, estimate
+from .estimate_searchlight import SearchlightEstimate
 from .export import save_npz
 from .lut import Lut
 from .report import describe
@@ -114,56 +116,77 @@ def _add_estimate(commands) -> None:
     command.add_argument("--side", choices=("top", "bottom"), default="top", help="where light enters")
     command.add_argument("--path", choices=("reflect", "transmit"), default="reflect")
     command.add_argument("--method", choices=tuple(METHODS), default="transfer")
-    command.add_argument("--samples", type=int, metavar="N", help=f"default {SAMPLES}")
     command.add_argument("--target-error", type=float, metavar="E", help="stop at this relative standard error")
-    command.add_argument("--seed", type=int, default=0, metavar="N")
-    command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
-    command.add_argument("--shard", type=_shard, metavar="I/N", help="run part I of N only, and write it")
-    command.add_argument("-o", "--output", metavar="PART.json", help="where --shard writes")
-    command.add_argument("--json", action="store_true", help="the estimate as JSON")
-    command.add_argument("--quiet", action="store_true", help="no progress")
     command.set_defaults(run=_estimate)
+    _add_run(command)
+    _add_run(cli_searchlight.add(commands, _estimate_searchlight, _numbers))
     command = commands.add_parser("merge", help="add up the parts of an estimate")
     command.add_argument("parts", nargs="+", metavar="PART.json")
     command.add_argument("--json", action="store_true", help="the estimate as JSON")
     command.set_defaults(run=_merge)
 
 
+def _add_run(command: argparse.ArgumentParser) -> None:
+    """What every command that draws samples has."""
+    command.add_argument("--samples", type=int, metavar="N", help=f"default {SAMPLES}")
+    command.add_argument("--seed", type=int, default=0, metavar="N")
+    command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
+    command.add_argument("--shard", type=_shard, metavar="I/N", help="run part I of N only, and write it")
+    command.add_argument("-o", "--output", metavar="PART.json", help="where --shard writes")
+    command.add_argument("--json", action="store_true", help="the estimate as JSON")
+    command.add_argument("--quiet", action="store_true", help="no progress")
+
+
 def _estimate(arguments: argparse.Namespace) -> int:
+    if arguments.shard is not None and arguments.target_error is not None:
+        return _fail("--target-error: parts have a fixed number of samples", BAD_INPUT)
+    where = (arguments.mu_o, arguments.mu_i, arguments.dphi)
+
+    def run(progress):
+        stack = Stack.load(arguments.stack)
+        if arguments.shard is None:
+            return estimate(stack, *where, arguments.method, arguments.samples, arguments.target_error,
+                            arguments.seed, progress, threads=arguments.threads, side=arguments.side,
+                            path=arguments.path)
+        samples = SAMPLES if arguments.samples is None else arguments.samples
+        return run_shard(stack, Query(*where, arguments.side, arguments.path), arguments.method, samples,
+                         arguments.seed, arguments.shard, progress, threads=arguments.threads)
+
+    return _draw(arguments, run)
+
+
+def _estimate_searchlight(arguments: argparse.Namespace) -> int:
+    return _draw(arguments, lambda progress: cli_searchlight.run(arguments, progress))
+
+
+def _draw(arguments: argparse.Namespace, run) -> int:
+    """Shows the estimate that `run(progress)` gives, or writes the part."""
     if (arguments.shard is None) != (arguments.output is None):
         return _fail("--shard and -o go together", BAD_INPUT)
-    stack = Stack.load(arguments.stack)
-    where = (arguments.mu_o, arguments.mu_i, arguments.dphi)
+    problem = _unwritable(Path(arguments.output)) if arguments.output is not None else ""
+    if problem:
+        return _fail(problem, BAD_INPUT)
     progress = None if arguments.quiet else _Progress()
+    found = run(progress)
     if arguments.shard is not None:
-        output = Path(arguments.output)
-        problem = _unwritable(output)
-        if not problem and arguments.target_error is not None:
-            problem = "--target-error: parts have a fixed number of samples"
-        if problem:
-            return _fail(problem, BAD_INPUT)
-        query = Query(*where, arguments.side, arguments.path)
-        samples = SAMPLES if arguments.samples is None else arguments.samples
-        part = run_shard(stack, query, arguments.method, samples, arguments.seed, arguments.shard, progress,
-                         threads=arguments.threads)
-        save_part(part, output)
-    else:
-        found = estimate(stack, *where, arguments.method, arguments.samples, arguments.target_error, arguments.seed,
-                         progress, threads=arguments.threads, side=arguments.side, path=arguments.path)
+        save_part(found, arguments.output)
     if progress is not None:
         progress.end()
     if arguments.shard is None:
-        _print_estimate(found, arguments.json)
+        _show(found, arguments.json)
     return 0
 
 
 def _merge(arguments: argparse.Namespace) -> int:
-    _print_estimate(merge([load_part(path) for path in arguments.parts], arguments.parts), arguments.json)
+    _show(merge([load_part(path) for path in arguments.parts], arguments.parts), arguments.json)
     return 0
 
 
-def _print_estimate(found: Estimate, as_json: bool) -> None:
+def _show(found: Estimate | SearchlightEstimate, as_json: bool) -> None:
     """Without times: the same samples are the same bytes."""
+    if isinstance(found, SearchlightEstimate):
+        cli_searchlight.show(found, as_json)
+        return
     if as_json:
         print(json.dumps({"value": found.value.tolist(), "stderr": found.stderr.tolist(),
                           "samples": found.samples.tolist(), "events": found.events.tolist(),

@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The walks that carry positions against exact values, against the solver's fluxes, and against each other: Z-scores
+with fixed seeds, each family at a level of 1 %."""
+
+import math
+from statistics import NormalDist
+
+import half_space_exact as exact
+import numpy as np
+import pytest
+from searchlight_stacks import BOTH, CASES, GRADED, SLAB, VARNISHED, medium
+
+import lamina
+from lamina import HalfSpace, Interface, Knot, Lambert, Medium, Stack
+
+SAMPLES = 1 << 18
+# Of searchlight.json's exact isotropic half-spaces, sigma_t = 1/mm.
+R = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+INSIDE = {0.9: (0.086297, 0.147022, 0.230893, 0.323234, 0.390305, 0.412922),
+          0.5: (0.041488, 0.064705, 0.089531, 0.107559, 0.114378, 0.115212)}
+MEAN_DISTANCE = {0.9: (1.326779, 3.924449), 0.5: (0.678796, 1.082707)}
+Q = (0.5, 1.0, 2.0, 5.0)
+AT = (0.3438668, 0.255902611, 0.162689557, 0.077557703)
+
+
+def limit(count):
+    """Two-sided normal quantile for 1 % over a family of so many scores, Bonferroni."""
+    return NormalDist().inv_cdf(1.0 - 0.005 / count)
+
+
+def scores(measured, truth, known_to=0.0):
+    """Z-scores, flat; `known_to` is the truth's own relative error."""
+    truth = np.broadcast_to(np.asarray(truth, dtype=float), np.shape(measured.value))
+    return np.ravel((measured.value - truth) / np.hypot(measured.stderr, known_to * truth + 1e-12)).tolist()
+
+
+def between(one, other):
+    """Z-scores of two independent estimates."""
+    return np.ravel((one.value - other.value) / np.hypot(np.hypot(one.stderr, other.stderr), 1e-12)).tolist()
+
+
+def check(found):
+    assert all(abs(z) < limit(len(found)) for z in found), found
+
+
+def half_space(albedo, scale=1.0):
+    return Stack(base=HalfSpace(sigma_s=albedo / scale, sigma_a=(1.0 - albedo) / scale))
+
+
+@pytest.mark.parametrize("walk", BOTH)
+@pytest.mark.parametrize("albedo", [0.9, 0.5])
+def test_exact_half_spaces(walk, albedo):
+    found = lamina.estimate_searchlight(half_space(albedo), samples=SAMPLES, seed=1, walk=walk, r=R, q=Q)
+    family = scores(found.reflectance, exact.reflected_at(albedo, 0.0)[0]) + scores(found.reflected_inside,
+                                                                                      INSIDE[albedo], 1e-5)
+    family += scores(found.reflected_at, exact.reflected_at(albedo, Q))
+    family += scores(found.mean_distance, MEAN_DISTANCE[albedo][0], 1e-6)
+    family += scores(found.mean_square_distance, MEAN_DISTANCE[albedo][1], 1e-6)
+    check(family)
+    assert found.transmittance.value == found.mirrored.value == found.unscattered.value == 0.0
+
+
+def test_the_formula_of_the_exact_values():
+    assert exact.reflected_at(0.9, Q) == pytest.approx(AT, rel=1e-6)
+    assert exact.mean_distance(0.5) == pytest.approx(MEAN_DISTANCE[0.5][0], rel=2e-6)
+    assert exact.mean_square_distance(0.9) == pytest.approx(MEAN_DISTANCE[0.9][1], rel=1e-5)
+
+
+@pytest.mark.parametrize("walk", BOTH)
+def test_further_albedos(walk):
+    """At another scale of lengths: frequencies fall as lengths grow."""
+    family = []
+    for seed, albedo in enumerate((0.2, 0.7, 0.8, 0.97)):
+        found = lamina.estimate_searchlight(half_space(albedo, 5.0), samples=SAMPLES, seed=seed, walk=walk,
+                                            q=[0.06, 0.2, 0.6])
+        family += scores(found.reflected_at, exact.reflected_at(albedo, [0.3, 1.0, 3.0]))
+        family += scores(found.mean_square_distance, 25.0 * exact.mean_square_distance(albedo), 1e-5)
+    check(family)
+
+
+def test_a_conservative_half_space_returns_light_from_any_depth():
+    """Low frequencies see light from deeper than the walk goes; the mean distance is infinite."""
+    q = [0.005, 0.02, 0.1, 0.5]
+    found = lamina.estimate_searchlight(half_space(1.0), samples=1 << 17, seed=2, q=q)
+    check(scores(found.reflected_at, exact.reflected_at(1.0, q)) + scores(found.reflectance, 1.0))
+    assert found.mean_distance.value == found.mean_square_distance.value == math.inf
+
+
+def test_the_reference_slab():
+    """Discrete ordinates with coupled azimuth orders, good to about 1e-6."""
+    found = lamina.estimate_searchlight(SLAB, samples=1 << 19, seed=3, q=[0.25, 0.5, 1.0, 2.0])
+    family = scores(found.reflectance, 0.0973947, 1e-5) + scores(found.transmittance, 0.6609577, 1e-5)
+    family += scores(found.reflected_at, [0.086341, 0.0665639, 0.0402927, 0.02138], 2e-5)
+    family += scores(found.transmitted_at, [0.6441573, 0.6084862, 0.5337252, 0.41728], 2e-5)
+    family += scores(found.mean_square_distance, 8.5184, 2e-5)
+    check(family)
+    assert found.unscattered.value == pytest.approx(math.exp(-2.0), rel=1e-12)
+
+
+ALL_CASES = [(case.name, case.stack, walk) for case in CASES for walk in case.walks]
+
+
+@pytest.mark.parametrize("mu_i", [1.0, 0.4])
+def test_fluxes_are_the_solvers(mu_i):
+    family = []
+    for seed, (_, stack, walk) in enumerate(ALL_CASES):
+        solved = lamina.solve(stack, threads=1)
+        found = lamina.estimate_searchlight(stack, mu_i, 1 << 16, seed, walk=walk)
+        whole, mirrored = solved.reflectance(mu_i), solved.reflectance(mu_i, parts=True)[1]
+        family += scores(found.reflectance, whole if stack.channels > 1 else whole[0], 2e-5)
+        assert np.atleast_1d(found.mirrored.value) == pytest.approx(mirrored, abs=1e-9)
+        if stack.base is None:
+            through, direct = solved.transmittance(mu_i), solved.transmittance(mu_i, parts=True)[1]
+            family += scores(found.transmittance, through[0], 2e-5)
+            assert np.atleast_1d(found.unscattered.value) == pytest.approx(direct, abs=1e-9)
+        else:
+            assert np.all(found.transmittance.value == 0.0)
+    check(family)
+
+
+@pytest.mark.parametrize("mu_i", [1.0, 0.5])
+def test_both_walks_agree(mu_i):
+    family = []
+    for seed, case in enumerate(case for case in CASES if case.walks == BOTH):
+        transfer, scattering = (
+            lamina.estimate_searchlight(case.stack, mu_i, SAMPLES, seed, walk=walk, r=[0.3, 1.0, 4.0], q=case.q)
+            for walk in BOTH)
+        for name in ("reflectance", "transmittance", "reflected_inside", "transmitted_inside", "reflected_at",
+                     "transmitted_at", "mean_distance"):
+            family += between(getattr(transfer, name), getattr(scattering, name))
+    check(family)
+
+
+@pytest.mark.parametrize("mu_i", [1.0, 0.6])
+def test_a_clear_gap_over_a_lambert_surface(mu_i):
+    """The beam is displaced on its way down; a Lambert surface sends light up with the transform
+    int 2 mu J0(q d tan) dmu = q d K1(q d)."""
+    thickness, q = 0.7, np.array([0.5, 2.0, 4.0])
+    stack = Stack([Medium(sigma_s=0.0, sigma_a=0.0, thickness=thickness)], Lambert(0.8))
+    t = (np.arange(20000) + 0.5) / 20000
+    bessel = np.array([float(np.mean(_j0(x * np.sqrt(1.0 / t**2 - 1.0)) * 2.0 * t)) for x in q * thickness])
+    shift = thickness * math.sqrt(1.0 / mu_i**2 - 1.0)
+    found = lamina.estimate_searchlight(stack, mu_i, SAMPLES, 5, q=q)
+    check(scores(found.reflected_at, 0.8 * bessel * _j0(q * shift), 1e-5) + scores(found.reflectance, 0.8))
+
+
+def _j0(x):
+    """The integral (1/pi) int cos(x sin t) dt by the trapezoidal rule, exact to rounding for moderate x."""
+    t = (np.arange(400) + 0.5) * math.pi / 400
+    return np.cos(np.multiply.outer(x, np.sin(t))).mean(axis=-1)
+
+
+def test_unscattered_light_of_an_oblique_beam_keeps_its_place():
+    """A clear plate of glass, and a layer that only absorbs: all paths of light in closed form."""
+    mu_i, thickness, n, q = 0.5, 2.0, 1.5, np.array([0.3, 1.0, 3.0])
+    plate = Stack([Interface(n), Medium(sigma_s=0.0, sigma_a=0.1, thickness=thickness), Interface(1.0)])
+    inner = math.sqrt(1.0 - (1.0 - mu_i**2) / n**2)
+    back = 0.5 * (((mu_i - n * inner) / (mu_i + n * inner)) ** 2 + ((n * mu_i - inner) / (n * mu_i + inner)) ** 2)
+    shift, kept = thickness * math.sqrt(1.0 / inner**2 - 1.0), math.exp(-0.1 * thickness / inner)
+    mirrored = back + sum((1 - back) ** 2 * back ** (2 * k - 1) * kept ** (2 * k) * _j0(2 * k * q * shift)
+                          for k in range(1, 30))
+    through = sum((1 - back) ** 2 * back ** (2 * k) * kept ** (2 * k + 1) * _j0((2 * k + 1) * q * shift)
+                  for k in range(30))
+    found = lamina.estimate_searchlight(plate, mu_i, SAMPLES, 6, q=q)
+    check(scores(found.reflected_at, mirrored) + scores(found.transmitted_at, through))
+    assert found.reflectance.stderr == found.transmittance.stderr == 0.0
+    for walk in BOTH:
+        dark = lamina.estimate_searchlight(Stack([Medium(sigma_s=0.0, sigma_a=0.5, thickness=1.0)]), mu_i, 1, walk=walk,
+                                           q=q, r=[1.7, 1.8])
+        assert dark.transmitted_at.value == pytest.approx(math.exp(-1.0) * _j0(q * math.sqrt(3.0)), rel=1e-9)
+        assert np.all(dark.transmitted_at.stderr == 0.0)
+        assert dark.transmitted_inside.value == pytest.approx([0.0, math.exp(-1.0)], rel=1e-12)
+
+
+@pytest.mark.parametrize("walk", BOTH)
+def test_a_jump_in_a_profile_is_two_layers(walk):
+    knots = [Knot(0.0, sigma_s=1.0, sigma_a=0.1), Knot(0.4, sigma_s=1.0, sigma_a=0.1),
+             Knot(0.4, sigma_s=3.0, sigma_a=0.0), Knot(1.0, sigma_s=3.0, sigma_a=0.0)]
+    profile = Stack([Medium(thickness=1.0, profile=knots)])
+    layers = Stack([medium(1.0, 0.1, 0.4), medium(3.0, 0.0, 0.6)])
+    one, other = (lamina.estimate_searchlight(stack, 0.7, SAMPLES, seed, walk=walk, r=[0.2, 0.5], q=[1.0, 4.0])
+                  for seed, stack in enumerate((profile, layers)))
+    check([z for name in ("reflected_inside", "transmitted_inside", "reflected_at", "transmitted_at", "mean_distance")
+           for z in between(getattr(one, name), getattr(other, name))])
+
+
+@pytest.mark.parametrize("walk", BOTH)
+def test_a_ramp_of_coefficients_is_many_thin_layers(walk):
+    """From nothing to dense, where lengths depend most on the depth."""
+    count = 60
+    ramp = Stack([Medium(thickness=2.0, profile=[Knot(0.0, sigma_s=0.0, sigma_a=0.0),
+                                                 Knot(1.0, sigma_s=3.0, sigma_a=0.1)])])
+    steps = Stack([medium(3.0 * (k + 0.5) / count, 0.1 * (k + 0.5) / count, 2.0 / count) for k in range(count)])
+    one, other = (lamina.estimate_searchlight(stack, 1.0, 1 << 17, seed, walk=walk, r=[0.5, 1.5], q=[0.5, 2.0])
+                  for seed, stack in enumerate((ramp, steps)))
+    check([z for name in ("reflected_inside", "transmitted_inside", "reflected_at", "transmitted_at", "mean_distance")
+           for z in between(getattr(one, name), getattr(other, name))])
+
+
+def test_standard_errors_and_covariances_are_honest():
+    """Of 60 seeds, the spread is what each estimate says of itself."""
+    found = [lamina.estimate_searchlight(VARNISHED, samples=4096, seed=seed, threads=1, r=[0.3, 1.0], q=[1.0, 3.0])
+             for seed in range(60)]
+    for name in ("reflectance", "reflected_inside", "reflected_at", "mean_distance", "mean_square_distance"):
+        values = np.array([np.atleast_1d(getattr(f, name).value) for f in found])
+        errors = np.array([np.atleast_1d(getattr(f, name).stderr) for f in found])
+        # The standard deviation of a sample of 60 is off by 9 %.
+        assert np.all(np.abs(values.std(axis=0, ddof=1) / errors.mean(axis=0) - 1.0) < 0.4), name
+    vectors = np.array([np.append(f.reflectance.value, f.reflected_at.value) for f in found])
+    said = np.mean([f.reflected_covariance for f in found], axis=0)
+    assert said.shape == (3, 3)
+    seen = np.corrcoef(vectors.T)
+    # Correlations of 60 pairs are known to .13.
+    assert np.all(np.abs(said / np.sqrt(np.outer(np.diag(said), np.diag(said))) - seen) < 0.4)
+    assert said[1, 2] > 0.0 and np.allclose(np.sqrt(np.diag(said))[1:], np.mean([f.reflected_at.stderr for f in found],
+                                                                              axis=0), rtol=0.01)
+
+
+def same(one, other):
+    for name in ("reflectance", "transmittance", "reflected_inside", "transmitted_inside", "reflected_at",
+                 "transmitted_at", "mean_distance", "mean_square_distance"):
+        for part in ("value", "stderr"):
+            assert getattr(getattr(one, name), part).tobytes() == getattr(getattr(other, name), part).tobytes()
+    for name in ("reflected_covariance", "transmitted_covariance", "samples", "events"):
+        assert getattr(one, name).tobytes() == getattr(other, name).tobytes()
+
+
+@pytest.mark.parametrize("walk", BOTH)
+def test_same_bytes_for_any_threads(walk):
+    one, two = (lamina.estimate_searchlight(GRADED, 0.6, 40000, 7, threads, walk, r=[0.5, 2.0], q=[1.0])
+                for threads in (1, 2))
+    same(one, two)
+    assert one.samples.tolist() == [40960]
+
+
+def test_shapes_and_sequence():
+    """Channels come last; radii and frequencies stay in the sequence in which they are given."""
+    stack = Stack([medium((1.0, 2.0, 2.0), (0.1, 0.1, 0.1), 1.0)])
+    found = lamina.estimate_searchlight(stack, samples=8192, threads=1, r=[2.0, 0.5, 2.0], q=3.0)
+    assert found.reflected_inside.value.shape == (3, 3) and found.transmitted_at.stderr.shape == (1, 3)
+    assert found.reflectance.value.shape == (3,) and found.transmitted_covariance.shape == (2, 2, 3)
+    assert np.array_equal(found.reflected_inside.value[0], found.reflected_inside.value[2])
+    assert np.all(found.reflected_inside.value[1] < found.reflected_inside.value[0])
+    assert np.array_equal(found.reflected_at.value[:, 1], found.reflected_at.value[:, 2])  # one problem, one run
+    none = lamina.estimate_searchlight(SLAB, samples=1, threads=1)
+    assert none.reflected_inside.value.shape == none.reflected_at.value.shape == (0,)
+
+
+def test_progress_and_cancel():
+    told = []
+    lamina.estimate_searchlight(SLAB, samples=200000, threads=1, progress=lambda fraction, text: told.append(fraction))
+    assert told == sorted(told) and told[0] == 0.0 and len(told) == 4
+    with pytest.raises(lamina.Cancelled):
+        lamina.estimate_searchlight(SLAB, samples=1 << 30, threads=1, cancel=lambda: True)
+
+
+BAD = [
+    ({"stack": Stack([Medium(albedo=0.9, tau=1.0)])}, "layers[0]: sigma_s and sigma_a and a thickness are missing"),
+    ({"stack": Stack(base=HalfSpace(0.9))}, "base: sigma_s and sigma_a are missing"),
+    ({"stack": {}}, "stack = {}: must be a lamina.Stack"),
+    ({"mu_i": 0.0}, "mu_i = 0.0: must be one number in (0, 1]"),
+    ({"walk": "guess"}, "walk = 'guess': must be one of transfer, scattering"),
+    ({"samples": 0}, "samples = 0: must be a whole number"),
+    ({"seed": -1}, "seed = -1"),
+    ({"threads": -1}, "threads = -1"),
+    ({"r": [1.0, -2.0]}, "r = -2: must be at least 0 mm"),
+    ({"r": [math.nan]}, "r holds a value that is not finite"),
+    ({"r": "wide"}, "r = 'wide': must be a number or an array of numbers"),
+    ({"q": -1.0}, "q = -1: must be at least 0 1/mm"),
+    ({"q": np.ones(65)}, "q has 65 values: must be at most 64"),
+    ({"stack": VARNISHED, "walk": "scattering"}, "walk = 'scattering': "),
+    ({"stack": half_space(1.0), "walk": "scattering"}, "walk = 'scattering': "),
+    ({"progress": 3}, "progress = 3: must be a function or None"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "sentence"), BAD)
+def test_bad_input_gets_one_sentence(arguments, sentence):
+    with pytest.raises(ValueError) as refused:
+        lamina.estimate_searchlight(**{"stack": SLAB, "samples": 1, **arguments})
+    assert str(refused.value).startswith(sentence) and "\n" not in str(refused.value)
