@@ -9,6 +9,7 @@
 
 #include "graded_medium.hpp"
 #include "joined_media.hpp"
+#include "lateral_walks/term_guide.hpp"
 #include "slab_ray.hpp"
 #include "survival.hpp"
 
@@ -51,7 +52,8 @@ class PlaneScatteringWalk final : public LateralWalk {
         scale_(std::move(scale)),
         has_base_(has_base),
         in_(SlabRay::of(mu_i, 0.0)),
-        peak_(std::clamp(medium_.sharpest_phase().moment(1), 0.0, 0.99)) {
+        guide_(medium_),
+        uniform_(1.0 - std::abs(medium_.sharpest_phase().moment(1))) {
     const double optical = medium_.tau() / mu_i;
     unscattered = has_base ? 0.0 : std::exp(-optical);
     if (unscattered > 0.0) {
@@ -102,9 +104,7 @@ class PlaneScatteringWalk final : public LateralWalk {
       place = next;
       ++events;
       const LocalScattering scattering = medium_.at_depth(depth);
-      const double x = returned(depth, ray.mu, scattering.albedo());
-      constexpr double kLeast = 0.02;
-      const double chance = std::max(kLeast, (1.0 - peak_ * scattering.albedo()) * x / (1.0 + x));
+      const double chance = guide_.before(ray.mu, depth, scattering.albedo());
       const bool from_below = rng.uniform() < chance;
       if (from_below) {
         // Light goes into what lies below and comes back to be scattered here.
@@ -136,9 +136,10 @@ class PlaneScatteringWalk final : public LateralWalk {
       const double s = branch.slowness();
       const double left = medium_.tau() - branch.depth;
       if (medium_.ground() > 0.0) {
-        const double odds = std::exp(-left) / (2.0 - std::exp(-left));
+        const double from_ground = 4.0 * (branch.a.mu + branch.b.mu) * medium_.ground() * std::exp(-s * left);
+        const double odds = guide_.ground(branch.a.mu, branch.b.mu, branch.depth, from_ground);
         if (rng.uniform() < odds) {
-          value *= s * 4.0 * branch.a.mu * branch.b.mu * medium_.ground() * std::exp(-s * left) / odds;
+          value *= from_ground / odds;
           move(branch, scale_.bottom(), left, moved);
           if (!take(waiting, branch)) {
             break;
@@ -153,7 +154,8 @@ class PlaneScatteringWalk final : public LateralWalk {
       const Place place = scale_.at(depth);
       move(branch, place, fall, moved);
       const LocalScattering scattering = medium_.at_depth(depth);
-      const Shares shares = shares_of(branch, depth, scattering.albedo());
+      const double once = scattering.evaluate(turned_back(branch.a, branch.b));
+      const TermGuide::Shares shares = guide_.terms(branch.a.mu, branch.b.mu, depth, once, scattering.albedo());
       const double choice = rng.uniform();
       const bool on_a = choice < shares.on_a + shares.on_both;
       const bool on_b = choice >= shares.on_a && choice < shares.on_a + shares.on_both + shares.on_b;
@@ -178,7 +180,7 @@ class PlaneScatteringWalk final : public LateralWalk {
         branch = on_a ? Branch{depth, place, next, branch.b} : Branch{depth, place, branch.a, next};
         value /= next.mu * branch.slowness();
       } else {
-        value *= scattering.evaluate(turned_back(branch.a, branch.b));
+        value *= once;
         if (!take(waiting, branch)) {
           break;
         }
@@ -208,64 +210,28 @@ class PlaneScatteringWalk final : public LateralWalk {
   }
 
   /// A direction that scatters to `from` or out of it, on the same side of the layer or `back` on the other; beyond the
-  /// horizon its cosine is negative. The value is multiplied by the albedo.
+  /// horizon its cosine is negative. Drawn from the phase function or uniformly; the value is multiplied by k / (4 pi)
+  /// over the density of both.
   SlabRay turned(const SlabRay& from, bool back, const LocalScattering& scattering, double& value, Rng& rng) const {
-    if (medium_.is_isotropic()) {
-      value *= 0.5 * scattering.albedo();
-      return any_direction(rng);
+    const bool uniform = rng.uniform() < uniform_;
+    SlabRay ray;
+    if (uniform) {
+      ray = any_direction(rng);
+    } else {
+      ray = SlabFrame(from).turned(scattering.sample(rng.uniform()), 2.0 * pi * rng.uniform());
+      ray.mu = back ? -ray.mu : ray.mu;
     }
-    value *= scattering.albedo();
-    SlabRay ray = SlabFrame(from).turned(scattering.sample(rng.uniform()), 2.0 * pi * rng.uniform());
-    if (back) {
-      ray.mu = -ray.mu;
-    }
+    const double k = scattering.evaluate(back ? turned_back(from, ray) : passed_on(from, ray));
+    value *= k > 0.0 ? k / ((1.0 - uniform_) * k / scattering.albedo() + 2.0 * uniform_) : 0.0;
     return ray;
-  }
-
-  /// How often each term is taken: Sk S where light goes on below on both sides, kS for the side of a, Sk for that of
-  /// b.
-  struct Shares {
-    double on_a;
-    double on_b;
-    double on_both;
-
-    double none() const { return 1.0 - on_a - on_b - on_both; }
-  };
-
-  /// The terms' shares where the phase function is a forward peak, a share g of the scattering, beside an isotropic
-  /// one, in a layer without end. The peak leaves S as it is, and stands for the share w = albedo g of S, on the side
-  /// of a or b in proportion to the other's cosine. The rest is isotropic scattering, where the terms are as 1 : x_b :
-  /// x_a : x_a x_b.
-  Shares shares_of(const Branch& branch, double depth, double albedo) const {
-    const double left = medium_.tau() - depth;
-    const double w = albedo * peak_ * -std::expm1(-branch.slowness() * left);
-    const double after_b = returned(depth, branch.b.mu, albedo);
-    const double after_a = returned(depth, branch.a.mu, albedo);
-    const double rest = (1.0 - w) / ((1.0 + after_a) * (1.0 + after_b));
-    const double to_a = branch.b.mu / (branch.a.mu + branch.b.mu);
-    // No term shall be missed where this is off.
-    constexpr double kAny = 0.05;
-    const auto mixed = [](double share) { return 0.25 * kAny + (1.0 - kAny) * share; };
-    return {mixed(w * to_a + rest * after_b), mixed(w * (1.0 - to_a) + rest * after_a),
-            mixed(rest * after_a * after_b)};
-  }
-
-  /// x: light of this cosine that what lies below a depth returns to be scattered again, over that which is scattered
-  /// at once. For isotropic scattering without end H(mu) - 1, Chandrasekhar's H in the form of Hapke (1981), by
-  /// similarity where the phase function has a peak. At most 1: trees shall not grow for ever.
-  double returned(double depth, double mu, double albedo) const {
-    const double peak = albedo * peak_;
-    const double gamma = std::sqrt((1.0 - albedo) / (1.0 - peak));
-    const double left = medium_.tau() - depth;
-    const double x = 2.0 * mu * (1.0 - gamma) / (1.0 + 2.0 * mu * gamma) * -std::expm1(-left * (1.0 - peak) / mu);
-    return std::min(1.0, x + medium_.ground() * std::exp(-left));
   }
 
   GradedMedium medium_;
   DepthScale scale_;
   bool has_base_;
   SlabRay in_;
-  double peak_;            ///< share of the scattering taken for forward, to choose terms by
+  TermGuide guide_;
+  double uniform_;         ///< share of directions drawn uniformly
   double straight_ = 0.0;  ///< mm by which unscattered light is displaced
 };
 

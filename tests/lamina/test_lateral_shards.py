@@ -6,7 +6,7 @@ import json
 
 import pytest
 from searchlight_stacks import SLAB, VARNISHED
-from test_searchlight_walks import same
+from test_lateral_walks import same
 from walk_cases import SLAB as SLAB_WITHOUT_LENGTHS
 
 import lamina
