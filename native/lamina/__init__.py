@@ -29,6 +29,7 @@ from .phase import (
     Tabulated,
 )
 from .profile import Knot
+from .searchlight import Searchlight, searchlight
 from .solve import ScatteringFunction, solve
 from .stack import Stack
 
@@ -57,6 +58,7 @@ __all__ = [
     "Query",
     "Rayleigh",
     "ScatteringFunction",
+    "Searchlight",
     "ShardError",
     "SolveError",
     "Stack",
@@ -71,5 +73,6 @@ __all__ = [
     "metals",
     "presets",
     "rgl",
+    "searchlight",
     "solve",
 ]

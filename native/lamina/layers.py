@@ -155,14 +155,26 @@ class Black:
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """A medium without end."""
+    """A medium without end, given by its `albedo`, or by `sigma_s` and `sigma_a` (1/mm), which say how far light gets
+    in it as well. Numbers, or one a channel."""
 
-    albedo: Channels
+    albedo: Channels | None = None
     phase: Phase = field(default_factory=Isotropic)
+    sigma_s: Channels | None = None
+    sigma_a: Channels | None = None
 
     kind = "half-space"
-    fields = (Field("albedo", 0.0, 1.0, UNIT),)
+    forms = ((ALBEDO,), (SIGMA_S, SIGMA_A))
+    fields = ()
     choices = {}
+
+    def albedo_of(self, index: int) -> float:
+        """The albedo of one channel."""
+        if self.albedo is not None:
+            return channel(self.albedo, index)
+        sigma_s = channel(self.sigma_s, index)
+        sigma_t = sigma_s + channel(self.sigma_a, index)
+        return sigma_s / sigma_t if sigma_t > 0.0 else 0.0
 
 
 BASES = {cls.kind: cls for cls in (Lambert, Black, HalfSpace, Conductor)}
