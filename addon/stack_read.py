@@ -43,8 +43,7 @@ def base(base):
         values["textured"] = bool(base.get("textured", False))
     elif base["kind"] == "half-space":
         if "albedo" not in base:
-            raise RefusedError("base.sigma_s: the panel knows a deep medium by its albedo; coefficients "
-                               "belong into a last layer of infinite thickness")
+            raise RefusedError("base.sigma_s: the panel's half-space must be given by its albedo")
         values["albedo"] = _triple(base["albedo"], "base.albedo")
         values |= phases.values(base.get("phase"), "base.phase")
     elif base["kind"] == "conductor":

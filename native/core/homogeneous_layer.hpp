@@ -35,6 +35,10 @@ class HomogeneousModes {
   Eigen::VectorXd rate_;  // k
 };
 
+/// Nodes that serve several media integrate the phase function's moments almost, but not quite exactly;
+/// what is missing from the normalisation, r = 1 - p w, is added as the smooth symmetric r_i + r_j - r.w.
+Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen::VectorXd& root);
+
 /// What single scattering leaves of a layer: the kernels pi f of all higher orders, divided by the angular
 /// shape of single scattering (and by the sines that make odd azimuth orders vanish at normal incidence).
 /// Smooth in both cosines however thin the layer, so that polynomials through the nodes hold it anywhere.

@@ -30,6 +30,7 @@ from .phase import (
     Tabulated,
 )
 from .profile import Knot
+from .searchlight import Searchlight, searchlight
 from .solve import ScatteringFunction, solve
 from .stack import Stack
 
@@ -58,6 +59,7 @@ __all__ = [
     "Query",
     "Rayleigh",
     "ScatteringFunction",
+    "Searchlight",
     "SearchlightEstimate",
     "SearchlightQuery",
     "ShardError",
@@ -75,5 +77,6 @@ __all__ = [
     "metals",
     "presets",
     "rgl",
+    "searchlight",
     "solve",
 ]

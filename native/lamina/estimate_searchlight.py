@@ -57,8 +57,9 @@ class SearchlightQuery:
 
 @dataclass(frozen=True)
 class SearchlightEstimate:
-    """Estimates for a pencil beam of unit flux, each with `value` and `stderr`. With several channels the last axis of
-    each array is theirs; with one there is no such axis.
+    """Estimates for a pencil beam of unit flux, each with `value` and `stderr`. Fluxes and mean distances have the
+    shape (channels,). What is asked at distances or frequencies has the shape of these, and a last axis of channels
+    when there are several. For a beam at a slant, all is the mean over azimuths about the point of entry.
 
     `reflectance` and `transmittance`: the flux that leaves above and below, light included that was never scattered;
     `mirrored` and `unscattered`: the latter alone, exact. `reflected_inside`, `transmitted_inside`: the flux that
@@ -154,7 +155,7 @@ def summary(query: SearchlightQuery, channels: list[dict], seconds: float) -> Se
             found.setdefault(name, []).append(value)
 
     def columns(values):
-        return values[0] if len(values) == 1 else np.stack(values, axis=-1)
+        return values[0] if len(values) == 1 and np.ndim(values[0]) else np.stack(values, axis=-1)
 
     measured = {}
     for name, values in found.items():

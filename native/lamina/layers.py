@@ -155,8 +155,8 @@ class Black:
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """A medium without end: its `albedo`, [0, 1], or `sigma_s` and `sigma_a` (1/mm), which tell lengths as well.
-    Numbers, or one a channel."""
+    """A medium without end, given by its `albedo`, or by `sigma_s` and `sigma_a` (1/mm), which say how far light gets
+    in it as well. Numbers, or one a channel."""
 
     albedo: Channels | None = None
     phase: Phase = field(default_factory=Isotropic)
@@ -168,8 +168,8 @@ class HalfSpace:
     fields = ()
     choices = {}
 
-    def albedo_in(self, index: int) -> float:
-        """The single-scattering albedo of one channel; 0 where the medium is empty."""
+    def albedo_of(self, index: int) -> float:
+        """The albedo of one channel."""
         if self.albedo is not None:
             return channel(self.albedo, index)
         sigma_s = channel(self.sigma_s, index)

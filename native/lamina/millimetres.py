@@ -24,13 +24,26 @@ class DepthKnot(NamedTuple):
 
 def require_millimetres(stack: Stack) -> None:
     """Raises StackError unless all media of the stack are given by sigma_s and sigma_a in 1/mm and a thickness in mm,
-    and have an end where they are empty."""
+    and have an end where they neither scatter nor absorb."""
     for index, layer in enumerate(stack.layers):
-        if isinstance(layer, Medium):
-            _check_medium(layer, f"layers[{index}]", stack.channels)
-    if isinstance(stack.base, HalfSpace) and stack.base.sigma_s is None:
-        raise StackError("base: sigma_s and sigma_a are missing: light that travels sideways needs lengths in mm, "
-                         "which an albedo does not tell")
+        if not isinstance(layer, Medium):
+            continue
+        path = f"layers[{index}]"
+        if layer.thickness is None:
+            given = "albedo" if layer.color is None else "color"
+            given = given if layer.profile is None else "a profile of albedos"
+            raise StackError(f"{path}: has no lengths, must have sigma_s and sigma_a (1/mm) and thickness (mm) instead "
+                             f"of {given} and tau where light moves sideways")
+        if layer.profile is None:
+            for c in range(stack.channels):
+                if _sigma_t(layer, c) == 0.0 and math.isinf(channel(layer.thickness, c)):
+                    raise StackError(f"{path}.thickness = inf: a medium without end must scatter or absorb")
+    if isinstance(stack.base, HalfSpace):
+        if stack.base.sigma_s is None:
+            raise StackError("base: has no lengths, must have sigma_s and sigma_a (1/mm) instead of albedo where light "
+                             "moves sideways")
+        if any(_sigma_t(stack.base, c) == 0.0 for c in range(stack.channels)):
+            raise StackError("base.sigma_s = 0: a medium without end must scatter or absorb")
 
 
 def depth_knots(stack: Stack, index: int) -> list[tuple[DepthKnot, ...]]:
@@ -60,17 +73,6 @@ def lengths_hash(stack: Stack) -> str:
     lengths = [[[[to_plain(number) for number in knot] for knot in knots] for knots in depth_knots(stack, c)]
                for c in range(stack.channels)]
     return hashlib.sha256(json.dumps([stack.hash, lengths]).encode()).hexdigest()
-
-
-def _check_medium(layer: Medium, path: str, channels: int) -> None:
-    if layer.thickness is None:
-        at_knots = "" if layer.profile is None else " at the knots"
-        raise StackError(f"{path}: sigma_s and sigma_a{at_knots} and a thickness are missing: light that travels "
-                         "sideways needs lengths in mm, which tau does not tell")
-    if layer.profile is None:
-        for c in range(channels):
-            if _sigma_t(layer, c) == 0.0 and channel(layer.thickness, c) == math.inf:
-                raise StackError(f"{path}.thickness = inf: must be finite where sigma_s and sigma_a are 0")
 
 
 def _sigma_t(medium, index: int) -> float:

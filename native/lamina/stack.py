@@ -326,7 +326,7 @@ def _canonical(thing, channels: int) -> dict:
         value = getattr(thing, quantity.name)
         entry[quantity.name] = [to_plain(channel(value, c)) for c in range(channels)]
     if isinstance(thing, HalfSpace):
-        entry["albedo"] = [thing.albedo_in(c) for c in range(channels)]
+        entry["albedo"] = [thing.albedo_of(c) for c in range(channels)]
         entry["phase"] = thing.phase.canonical(channels)
     return entry
 

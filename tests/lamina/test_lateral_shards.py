@@ -124,4 +124,4 @@ def test_bad_calls(words, sentence, tmp_path, capsys):
 def test_a_stack_without_lengths_is_refused(tmp_path, capsys):
     SLAB_WITHOUT_LENGTHS.save(tmp_path / "stack.json")
     assert main(["estimate-searchlight", str(tmp_path / "stack.json"), "--quiet"]) == 2
-    assert "layers[0]: sigma_s and sigma_a and a thickness are missing" in capsys.readouterr().err
+    assert "layers[0]: has no lengths, must have sigma_s and sigma_a (1/mm)" in capsys.readouterr().err

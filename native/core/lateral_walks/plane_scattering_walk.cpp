@@ -43,6 +43,13 @@ struct Displacement {
   double distance() const { return std::hypot(x, y); }
 };
 
+/// Share of directions drawn uniformly over a hemisphere, where `forward` is the mean cosine with its side of the
+/// layer: all where light is scattered evenly, few where most lands there anyway, half where little does.
+double uniform_share(double forward) {
+  constexpr double kHalf = 0.5;
+  return forward > 0.0 ? (1.0 - forward) * (1.0 - forward) : std::max(kHalf, 1.0 + forward);
+}
+
 SlabRay any_direction(Rng& rng) { return SlabRay::of(rng.uniform(), 2.0 * pi * rng.uniform()); }
 
 class PlaneScatteringWalk final : public LateralWalk {
@@ -53,7 +60,8 @@ class PlaneScatteringWalk final : public LateralWalk {
         has_base_(has_base),
         in_(SlabRay::of(mu_i, 0.0)),
         guide_(medium_),
-        uniform_(1.0 - std::abs(medium_.sharpest_phase().moment(1))) {
+        uniform_on_(uniform_share(medium_.sharpest_phase().moment(1))),
+        uniform_back_(uniform_share(-medium_.sharpest_phase().moment(1))) {
     const double optical = medium_.tau() / mu_i;
     unscattered = has_base ? 0.0 : std::exp(-optical);
     if (unscattered > 0.0) {
@@ -213,16 +221,16 @@ class PlaneScatteringWalk final : public LateralWalk {
   /// horizon its cosine is negative. Drawn from the phase function or uniformly; the value is multiplied by k / (4 pi)
   /// over the density of both.
   SlabRay turned(const SlabRay& from, bool back, const LocalScattering& scattering, double& value, Rng& rng) const {
-    const bool uniform = rng.uniform() < uniform_;
+    const double uniform = back ? uniform_back_ : uniform_on_;
     SlabRay ray;
-    if (uniform) {
+    if (rng.uniform() < uniform) {
       ray = any_direction(rng);
     } else {
       ray = SlabFrame(from).turned(scattering.sample(rng.uniform()), 2.0 * pi * rng.uniform());
       ray.mu = back ? -ray.mu : ray.mu;
     }
     const double k = scattering.evaluate(back ? turned_back(from, ray) : passed_on(from, ray));
-    value *= k > 0.0 ? k / ((1.0 - uniform_) * k / scattering.albedo() + 2.0 * uniform_) : 0.0;
+    value *= k > 0.0 ? k / ((1.0 - uniform) * k / scattering.albedo() + 2.0 * uniform) : 0.0;
     return ray;
   }
 
@@ -231,7 +239,8 @@ class PlaneScatteringWalk final : public LateralWalk {
   bool has_base_;
   SlabRay in_;
   TermGuide guide_;
-  double uniform_;         ///< share of directions drawn uniformly
+  double uniform_on_;      ///< share of directions drawn uniformly on the same side of the layer
+  double uniform_back_;    ///< the same on the other side
   double straight_ = 0.0;  ///< mm by which unscattered light is displaced
 };
 

@@ -19,7 +19,7 @@ namespace lamina {
 /// Each vertex displaces light by the way down along b and up along a. As a layer without structure sideways is the
 /// same everywhere, displacements of the parts of a term add up (Pharr and Hanrahan 2000, with positions).
 /// What is transmitted follows by the vertex nearest to the top: T(D) = exp(-(tau - D)/mu_b) +
-///   int_D^tau exp(-(D' - D)/mu_b) (T(D')k/mu_b + T(D')kS(D')) dD'.
+///   int_D^tau exp(-(D' - D)/mu_b) T(D')(k + kS(D')) dD'/mu_b, where k and S act on flux.
 /// `scales`: lengths in millimetres, one a layer. Throws std::invalid_argument for what the equation does not know.
 std::unique_ptr<LateralWalk> make_plane_scattering_walk(const Stack& stack, const std::vector<DepthScale>& scales,
                                                         double mu_i);
