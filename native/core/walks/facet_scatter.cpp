@@ -115,7 +115,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   if (out.z > 0.0) {
     const Ray half = normalised({view.x + out.x, view.y + out.y, view.z + out.z});
     const double fresnel = fresnel_at(std::min(1.0, view.dot(half)), there / here);
-    return facet_density(facets_, std::min(1.0, half.z)) * fresnel * facets_.masking(view.z, out.z) /
+    return facets_.density(std::min(1.0, half.z)) * fresnel * facets_.masking(view.z, out.z) /
            (4.0 * view.z * out.z * here * here);
   }
   if (metal_) {
@@ -130,7 +130,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   if (!(seen > 0.0 && left < 0.0)) {
     return 0.0;
   }
-  return facet_density(facets_, std::min(1.0, half.z)) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
+  return facets_.density(std::min(1.0, half.z)) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
          facets_.masking(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
 }
 

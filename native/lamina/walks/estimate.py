@@ -157,7 +157,7 @@ def blocks_of(samples: int | None, target_error: float | None = None) -> int:
         check_number(target_error, "target_error", "must lie in (0, 1)", lambda error: 0.0 < error < 1.0)
     if samples is None:
         samples = SAMPLES if target_error is None else MOST_SAMPLES
-    return -(-check_whole(samples, "samples", 1, MOST_SAMPLES, "from 1 to 2^40") // BLOCK)
+    return -(-check_whole(samples, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^40") // BLOCK)
 
 
 def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step):
