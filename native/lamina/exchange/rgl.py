@@ -43,7 +43,7 @@ def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 6
     [4, 512]. Readers interpolate linearly between them: errors fall with the squares of both.
 
     Channels: three are red, green and blue (linear sRGB), in a file for RGB renderers; one is grey, written
-    thrice. With `wavelengths` (nm, one a channel, in any order) the file is for spectral renderers instead.
+    thrice. With `wavelengths` (nm, one per channel, in any order) the file is for spectral renderers instead.
 
     Returns the largest share of a beam that is mirrored and so left out, over theta_i and channels. Raises
     ValueError and OSError."""
