@@ -3,7 +3,7 @@
 
 Format: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering".
 A file holds f cos(theta_o) of reflection on half vectors, and a density that renderers sample by. It has no
-place for mirror reflection nor for transmission: save_bsdf tells how much of the light it leaves out."""
+place for mirror reflection nor for transmission: save_bsdf returns how much of the light it leaves out."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, quoted
 from ..solver.solve import ScatteringFunction
 
-# A ray that the tables still hold; the plane itself has no cosine.
+# The most grazing angle of the tables; at the horizon itself the cosine is 0.
 GRAZING = math.radians(89.9)
 # Nodes of the product grid in theta_o and dphi that the half vectors are looked up in.
 TABLE = (256, 181)

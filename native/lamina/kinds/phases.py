@@ -69,7 +69,7 @@ class Isotropic(PhaseFunction):
     """Equal scattering into all directions."""
 
     kind = "isotropic"
-    item = Item(kind, "Isotropic", "Light leaves a particle in all directions alike", 0)
+    item = Item(kind, "Isotropic", "Equal scattering in all directions", 0)
 
 
 @dataclass(frozen=True)
