@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | test | fuzz | bench | study | lint | wheel | extension | clean   Each sets up what is missing, then runs.
+# Each command sets up what is missing, then runs:
+#   make demo        pictures of the scenes; SCENE=, QUALITY= and OPTIONS= choose
+#   make check       before a commit: lint, the core's tests and a sample of the others
+#   make test        lint, documentation and all tests
+#   make lint docs bench study figures stubs sanitize fuzz wheel extension clean
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -8,54 +12,87 @@ MAKEFLAGS += --no-builtin-rules
 # bpy 4.5 LTS runs on Python 3.11 only.
 PYTHON ?= $(shell for p in python3.11 python3 python; do \
 	$$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null && echo $$p && break; done; true)
-# Blender's newer releases run on other Pythons; the extension holds a wheel for each one found here.
+# Blender's newer releases run on other Pythons. The extension holds a wheel for each one found here.
 OTHER_PYTHONS := $(shell for p in python3.13 python3.14; do $$p -c 'import venv' 2>/dev/null && echo $$p; done; true)
 
 VENV := .venv
 RUN := $(VENV)/bin/python
+PIP := -m pip --quiet --disable-pip-version-check
 SCENE ?= all
 QUALITY ?= small
-# Of make_demo.py, such as --turntable 48, or of tests/fuzz/run.py, such as --count 100 --first 500.
+# Further options of make_demo.py, such as --turntable 48, or of tests/fuzz/run.py, such as --count 100 --first 500.
 OPTIONS ?=
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
-NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name '*.json' -o -name CMakeLists.txt) \
-	CMakeLists.txt pyproject.toml
+NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name '*.pyi' -o -name '*.json' \
+	-o -name CMakeLists.txt) CMakeLists.txt pyproject.toml
 ADDON_SOURCES := $(shell find addon -type f -not -name '*.pyc')
-EXTENSION := dist/lamina-$(VERSION).zip
+DOCS_SOURCES := $(shell find docs -type f) CHANGELOG.md tools/docs_math.py tools/docs_docstrings.py
+WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 
-.PHONY: demo test fuzz bench study study-hard lint wheel extension clean readme
+.PHONY: demo check test lint docs bench study study-hard figures stubs sanitize fuzz wheel extension clean
 .DEFAULT_GOAL := demo
 
-demo: build/stamps/extension
+# The slab needs no dust and so no Embree: the slab is rendered first, then Embree is built for the other scenes.
+demo:
+ifeq ($(SCENE),all)
+	@$(MAKE) --no-print-directory -j 2 build/stamps/blender build/stamps/native
+	@$(MAKE) --no-print-directory build/stamps/extension-native
+	$(RUN) demo_scenes/make_demo.py slab --quality $(QUALITY)
+	@$(MAKE) --no-print-directory build/stamps/extension
+	$(RUN) demo_scenes/make_demo.py all --except slab --quality $(QUALITY) $(OPTIONS)
+else
+	@$(MAKE) --no-print-directory -j 2 build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY) $(OPTIONS)
+endif
 
-test: lint build/stamps/extension
+test: lint docs build/stamps/extension
 	$(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest tests/addon
 	$(RUN) -m pytest tests/cycles
 
-# 3000 random stacks, each in a process of its own; --help of the script tells the options.
-fuzz: build/stamps/wheel
-	$(RUN) tests/fuzz/run.py $(OPTIONS)
-
-lint: build/stamps/wheel
+# Before a commit, within two minutes once all is built.
+check: build/stamps/wheel build/stamps/develop
 	$(RUN) -m ruff check .
 	PYTHONPATH=native $(VENV)/bin/lint-imports --no-cache
-	tools/lint_cpp.sh $(VENV)/bin
+	$(RUN) -m mypy
+	tools/lint_cpp.sh $(VENV)/bin changed
+	$(RUN) -m pytest -n 2 --durations=10 tests/core $(addprefix tests/lamina/,$(SAMPLE))
 
-bench: build/stamps/extension build/stamps/bench
+lint: build/stamps/wheel build/stamps/develop
+	$(RUN) -m ruff check .
+	PYTHONPATH=native $(VENV)/bin/lint-imports --no-cache
+	$(RUN) -m mypy
+	tools/lint_cpp.sh $(VENV)/bin all
+
+docs: build/stamps/docs
+
+bench: build/stamps/extension build/stamps/develop build/stamps/bench
 	$(RUN) bench/run.py
 
-# The walks against each other: six minutes on two quiet cores; what was measured is not measured again.
-study: build/stamps/wheel
+# The walks against each other: six minutes on two quiet cores. Measurements that exist are not repeated.
+study: build/stamps/wheel build/stamps/develop
 	$(RUN) study/run.py
 
 # 1e8 samples of each walk on three hard cases: an hour of one core.
-study-hard: build/stamps/wheel
+study-hard: build/stamps/wheel build/stamps/develop
 	$(RUN) study/run.py hard show
 
-readme: build/stamps/wheel
-	$(RUN) tools/readme_tables.py
+# The tables of docs/figures.md, from the measurements of `make bench`.
+figures: build/stamps/wheel
+	$(RUN) tools/figure_tables.py
+
+# Type stubs of the compiled modules, native/lamina/*.pyi.
+stubs: build/stamps/wheel build/stamps/develop
+	$(RUN) tools/make_stubs.py
+
+# The core's tests under AddressSanitizer with UndefinedBehaviorSanitizer, and under ThreadSanitizer.
+sanitize: build/stamps/develop build/stamps/embree
+	tools/sanitize.sh address $(RUN)
+	tools/sanitize.sh thread $(RUN)
+
+# 3000 random stacks, each in a process of its own; --help of the script lists the options.
+fuzz: build/stamps/wheel
+	$(RUN) tests/fuzz/run.py $(OPTIONS)
 
 wheel: build/stamps/wheel
 
@@ -70,36 +107,62 @@ build/stamps/system: tools/install_system_packages.sh
 	@tools/install_system_packages.sh $(PYTHON)
 	@mkdir -p $(@D) && touch $@
 
-build/stamps/venv: requirements.txt build/stamps/system
-	@echo "Installing Blender as a Python module and the tools into $(VENV) (400 MB, once)"
+build/stamps/venv: requirements/build.txt build/stamps/system
 	@test -x $(RUN) || $(PYTHON) -m venv $(VENV)
-	@$(RUN) -m pip install --quiet --disable-pip-version-check -r requirements.txt
+	@$(RUN) $(PIP) install -r $<
+	@touch $@
+
+build/stamps/blender: requirements/blender.txt build/stamps/venv
+	@echo "Installing Blender as a Python module into $(VENV) (400 MB, once)"
+	@$(RUN) $(PIP) install -r $<
+	@touch $@
+
+build/stamps/develop: requirements/develop.txt build/stamps/blender
+	@echo "Installing the tools of the tests and of the documentation into $(VENV)"
+	@$(RUN) $(PIP) install -r $<
 	@touch $@
 
 build/stamps/embree: tools/build_embree.sh build/stamps/system
 	@tools/build_embree.sh build/embree
 	@touch $@
 
-build/stamps/wheel: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
-	@echo "Building Lamina's native wheel (about a minute)"
-	@rm -f build/wheels/lamina-*-cp311-*.whl
-	@$(RUN) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation -w build/wheels .
-	@$(RUN) -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall \
-		build/wheels/lamina-$(VERSION)-cp311-*.whl
+# Incremental: CMake compiles what has changed since the last wheel.
+define build_wheel
+rm -f $(WHEEL) && $(RUN) $(PIP) wheel --no-deps --no-build-isolation -w build/wheels . \
+  && $(RUN) $(PIP) install --no-deps --force-reinstall $(WHEEL)
+endef
+
+# The wheel without dust's rays, unless Embree is there already.
+build/stamps/native: build/stamps/venv $(NATIVE_SOURCES)
+	@echo "Building Lamina's native wheel (about two minutes the first time)"
+	@$(build_wheel)
+	@touch $@
+
+build/stamps/wheel: build/stamps/embree build/stamps/native
+	@if [ build/stamps/embree -nt build/stamps/native ]; then \
+	  echo "Adding dust's rays to the wheel"; $(build_wheel); fi
 	@touch $@
 
 build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)
 	@echo "Building Lamina's native wheel for $*"
 	@test -x build/venv-$*/bin/python || $* -m venv build/venv-$*
-	@build/venv-$*/bin/python -m pip install --quiet --disable-pip-version-check \
-		scikit-build-core==1.1.2 pybind11==3.1.0 ninja==1.13.0
-	@build/venv-$*/bin/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation \
-		-w build/wheels .
+	@build/venv-$*/bin/python $(PIP) install -r requirements/build.txt
+	@build/venv-$*/bin/python $(PIP) wheel --no-deps --no-build-isolation -w build/wheels .
 	@touch $@
 
-build/stamps/extension: build/stamps/wheel $(ADDON_SOURCES) tools/build_extension.py
+EXTENSION_SOURCES := $(ADDON_SOURCES) tools/build_extension.py LICENSE THIRD_PARTY.md
+build/stamps/extension-native: build/stamps/native build/stamps/blender $(EXTENSION_SOURCES)
+	@$(RUN) tools/build_extension.py $(WHEEL) --output dist
+	@touch $@
+
+build/stamps/extension: build/stamps/wheel build/stamps/blender $(EXTENSION_SOURCES)
 	@echo "Building the Blender extension"
-	@$(RUN) tools/build_extension.py build/wheels/lamina-$(VERSION)-cp311-*.whl --output dist
+	@$(RUN) tools/build_extension.py $(WHEEL) --output dist
+	@touch $@
+
+build/stamps/docs: build/stamps/wheel build/stamps/develop $(DOCS_SOURCES)
+	@$(RUN) -m sphinx -W --keep-going --quiet -d build/docs-cache docs build/docs
+	@echo "The documentation is in build/docs/index.html"
 	@touch $@
 
 build/stamps/bench: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render the demos: `python demo_scenes/make_demo.py [SCENE|all] [--quality tiny|small|final]`.
 
-A scene is a folder here with a demo.py, whose run(out, quality, stack_path, say) renders it, writes its
-files and returns (files, verdict, whether all is well). Exit code 0: all is well; 1: it is not. What a scene takes
-beyond that, its OPTIONS name.
+A scene is a folder here with a demo.py. Its run(out, quality, stack_path, say) renders the scene, writes its files and
+returns (files, verdict, True if all is well). Its OPTIONS name further arguments that run takes. Each scene is
+announced when its files are written. Exit code 0: all scenes are well; 1: one is not.
 """
 
 import argparse
@@ -19,15 +19,15 @@ QUALITIES = ("tiny", "small", "final")
 
 
 def scenes():
-    """Names of the scenes that can be rendered."""
-    return sorted(path.parent.name for path in HERE.glob("*/demo.py"))
+    """Names of the scenes that can be rendered: the slab, which is done soonest, and the others by name."""
+    return sorted((path.parent.name for path in HERE.glob("*/demo.py")), key=lambda name: (name != "slab", name))
 
 
 def make(names, quality="small", zip_path=None, out=HERE / "out", stack_path=None, say=print, options=None):
     """Render the scenes `names` with the extension of `zip_path`, in a Blender profile of its own.
 
-    options: values by name, for those scenes that have such an option. Yields (files, verdict, whether all is well)
-    for each. Raises extension.ExtensionMissingError.
+    options: values by name, for those scenes that have such an option. Yields (files, verdict, True if all is well)
+    after each scene. Raises extension.ExtensionMissingError.
     """
     zip_path = zip_path or extension.newest_zip(HERE.parent / "dist")
     out.mkdir(parents=True, exist_ok=True)
@@ -42,6 +42,8 @@ def make(names, quality="small", zip_path=None, out=HERE / "out", stack_path=Non
 def main(argv=None):
     parser = argparse.ArgumentParser(description="Render demo scenes and check them against the truth.")
     parser.add_argument("scene", nargs="?", default="all", choices=["all", *scenes()])
+    parser.add_argument("--except", dest="left_out", default=[], action="append", metavar="SCENE", choices=scenes(),
+                        help="with all: leave this scene out")
     parser.add_argument("--quality", choices=QUALITIES, default="small")
     parser.add_argument("--stack", type=Path, help="a stack JSON in place of the scene's own")
     parser.add_argument("--mesh", type=Path, help="dragon: a PLY, OBJ or STL file in place of the dragon")
@@ -51,23 +53,23 @@ def main(argv=None):
     parser.add_argument("--out", type=Path, default=HERE / "out")
     arguments = parser.parse_args(argv)
     start = time.perf_counter()
-    lines, all_well = [], True
+    all_well = True
 
     def say(text):
         print(f"[{time.perf_counter() - start:5.0f} s] {text}", flush=True)
 
     names = scenes() if arguments.scene == "all" else [arguments.scene]
+    names = [name for name in names if name not in arguments.left_out]
     try:
         for files, verdict, well in make(
             names, arguments.quality, arguments.extension, arguments.out, arguments.stack, say,
             {"mesh": arguments.mesh, "up": arguments.up, "turntable": arguments.turntable},
         ):
-            lines.append(f"{' and '.join(_short(path) for path in files) or 'nothing'}: {verdict}")
+            print(f"{' and '.join(_short(path) for path in files) or 'nothing'}: {verdict}", flush=True)
             all_well = all_well and well
     except (extension.ExtensionMissingError, ValueError, OSError, RuntimeError) as error:
         print(f"make_demo: {error}", file=sys.stderr)
         return 1
-    print("\n".join(lines), flush=True)
     return 0 if all_well else 1
 
 

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build the Blender extension: addon/ plus wheels -> dist/lamina-<version>.zip.
+"""Build the Blender extension from addon/ and wheels: dist/lamina-<version>.zip.
 
     python tools/build_extension.py WHEEL... [--output dist]
 
-Needs the bpy wheel: Blender's own `blender_ext.py` builds and validates the archive. Wheels for
-several Pythons and platforms may go into one archive; Blender installs the one that fits.
+Needs the bpy wheel: Blender's own `blender_ext.py` builds and validates the archive. Wheels for several Pythons and
+platforms may go into one archive; Blender installs the one that fits. The version is that of pyproject.toml.
 """
 
 import argparse
 import importlib.util
+import re
 import shutil
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+LICENCES = ("LICENSE", "THIRD_PARTY.md")  # beside the folder licenses, which THIRD_PARTY.md refers to
 PLATFORMS = (
     # (start of the wheel's platform tag, its end, Blender's name)
     ("manylinux", "x86_64", "linux-x64"),
@@ -55,11 +57,19 @@ def check(wheel, version):
     if wheel.suffix != ".whl" or not wheel.is_file() or len(parts) < 5:
         raise SystemExit(f"build_extension: {wheel}: not a wheel")
     if parts[0] != "lamina" or parts[1] != version:
-        raise SystemExit(f"build_extension: {wheel.name}: must be lamina {version}, as the manifest says")
+        raise SystemExit(f"build_extension: {wheel.name}: must be lamina {version}, as pyproject.toml says")
+
+
+def version():
+    """Lamina's version, which pyproject.toml alone states."""
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 
 
 def manifest_with(text, wheels):
-    """The manifest's text with its platforms and wheels, before the first table."""
+    """The manifest's text with the version, and with platforms and wheels before the first table."""
+    text, replaced = re.subn(r'(?m)^version = .*$', f'version = "{version()}"', text)
+    if replaced != 1:
+        raise SystemExit(f"build_extension: the manifest has {replaced} lines of a version: must be 1")
     names = ", ".join(f'"{name}"' for name in sorted({platform_of(wheel) for wheel in wheels}))
     files = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in sorted(wheels))
     head, bracket, tables = text.partition("[permissions]")
@@ -70,10 +80,9 @@ def build(wheels, output):
     """Build and validate the archive; returns its path."""
     source = ROOT / "addon"
     text = (source / "blender_manifest.toml").read_text(encoding="utf-8")
-    manifest = tomllib.loads(text)
     for wheel in wheels:
-        check(wheel, manifest["version"])
-    archive = output / f"lamina-{manifest['version']}.zip"
+        check(wheel, version())
+    archive = output / f"lamina-{version()}.zip"
     output.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="lamina-extension-") as scratch:
         folder = Path(scratch, "lamina")
@@ -82,8 +91,9 @@ def build(wheels, output):
         for wheel in wheels:
             shutil.copy2(wheel, folder / "wheels")
         (folder / "blender_manifest.toml").write_text(manifest_with(text, wheels), encoding="utf-8")
-        if (ROOT / "LICENSE").is_file():
-            shutil.copy2(ROOT / "LICENSE", folder)
+        for name in LICENCES:
+            shutil.copy2(ROOT / name, folder)
+        shutil.copytree(ROOT / "licenses", folder / "licenses")
         _run("build", "--source-dir", str(folder), "--output-filepath", str(archive))
     _run("validate", str(archive))
     return archive

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The Python module lamina._core.
 #include <pybind11/pybind11.h>
 
 #include "bindings.hpp"
@@ -8,6 +9,7 @@ PYBIND11_MODULE(_core, module) {
   lamina::require_processor();
   lamina::bind_threads(module);
   lamina::bind_phase(module);
+  lamina::bind_stack(module);
   lamina::bind_solver(module);
   lamina::bind_fit(module);
   lamina::bind_walks(module);

@@ -6,6 +6,7 @@ LAMINA_WHEELS may name a folder of real wheels; then the installed extension mus
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -16,7 +17,7 @@ import conftest
 import pytest
 
 TOOL = conftest.ROOT / "tools" / "build_extension.py"
-VERSION = tomllib.loads((conftest.ROOT / "addon" / "blender_manifest.toml").read_text())["version"]
+VERSION = tomllib.loads((conftest.ROOT / "pyproject.toml").read_text())["project"]["version"]
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
 
 # What the installed extension says of itself, in a process of its own.
@@ -95,11 +96,25 @@ def test_the_archive_holds_the_addon_and_the_wheels(tmp_path):
     manifest, names = manifest_of(archive)
     assert sorted(manifest["wheels"]) == sorted(f"./wheels/{wheel.name}" for wheel in wheels)
     assert manifest["platforms"] == ["linux-x64", "windows-x64"]
+    assert manifest["version"] == VERSION
     assert manifest["id"] == "lamina" and manifest["license"] == ["SPDX:GPL-3.0-or-later"]
     assert manifest["blender_version_min"] == "4.2.0" and manifest["permissions"]["files"]
     sources = {file.name for file in (conftest.ROOT / "addon").glob("*.py")}
     assert sources <= {Path(name).name for name in names}
     assert not [name for name in names if "__pycache__" in name or name.endswith(".pyc")]
+
+
+def test_the_archive_holds_the_licences(tmp_path):
+    finished = build(tmp_path, stub_wheel(tmp_path))
+    assert finished.returncode == 0, finished.stderr
+    with zipfile.ZipFile(tmp_path / f"lamina-{VERSION}.zip") as opened:
+        licence = opened.read("LICENSE").decode()
+        third_party = opened.read("THIRD_PARTY.md").decode()
+        assert "GNU GENERAL PUBLIC LICENSE" in licence and "END OF TERMS AND CONDITIONS" in licence
+        texts = re.findall(r"\]\((licenses/[^)]+)\)", third_party)
+        assert len(texts) == 3, "of Eigen, Embree and pybind11"
+        for name in texts:
+            assert opened.read(name) == (conftest.ROOT / name).read_bytes()
 
 
 @pytest.mark.parametrize(

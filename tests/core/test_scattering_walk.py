@@ -2,11 +2,11 @@
 """The walks of the scattering equation against the solver and the differential form, by Z-score."""
 
 import math
-import statistics
 
 import numpy as np
 import pytest
 from core_stacks import stack
+from z_limit import z_limit
 
 from lamina import _core
 
@@ -56,17 +56,12 @@ def solved(medium, directions, nodes=64):
     return float(fine.points(_core.Side.top, _core.Path.reflect, mu_o, mu_i, dphi, POOL)[0])
 
 
-def sidak(cases, level=0.01):
-    """The two-sided Z-score that this many cases exceed with this chance altogether."""
-    return statistics.NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - (1.0 - level) ** (1.0 / cases)))
-
-
 @pytest.mark.parametrize("medium, directions, walk, blocks", CASES)
 def test_unbiased(medium, directions, walk, blocks):
     mean, error, _, _ = estimate(homogeneous(*medium), directions, walk, blocks)
     truth = solved(medium, directions)
     # The solver's own error joins the walk's: some walks err by 1e-5.
-    assert abs(mean - truth) < sidak(len(CASES)) * math.hypot(error, 2e-5 * truth)
+    assert abs(mean - truth) < z_limit(len(CASES)) * math.hypot(error, 2e-5 * truth)
 
 
 HARD = [
@@ -80,7 +75,7 @@ HARD = [
 def test_unbiased_where_it_is_hard(medium, directions, walk, blocks):
     mean, error, _, _ = estimate(homogeneous(*medium), directions, walk, blocks, seed=3)
     truth = solved(medium, directions, 96)
-    assert abs(mean - truth) < sidak(len(HARD)) * math.hypot(error, 2e-5 * truth)
+    assert abs(mean - truth) < z_limit(len(HARD)) * math.hypot(error, 2e-5 * truth)
     assert error < 0.02 * truth
 
 
@@ -104,7 +99,7 @@ def test_the_guided_transfer_walk_is_unbiased(medium, directions):
     mean = total / count
     error = math.sqrt((squares / count - mean * mean) / (count - 1))
     truth = solved(medium, directions)
-    assert abs(mean - truth) < sidak(len(GUIDED_TRANSFER)) * math.hypot(error, 2e-5 * truth)
+    assert abs(mean - truth) < z_limit(len(GUIDED_TRANSFER)) * math.hypot(error, 2e-5 * truth)
     assert error < 0.02 * truth
 
 
@@ -124,7 +119,7 @@ def test_no_tail_hides(medium, directions):
     """What a million samples say, and that none of them is a large share of their variance."""
     mean, error, largest, _ = estimate(homogeneous(*medium), directions, "residual-8", 256, seed=21)
     truth = solved(medium, directions)
-    assert abs(mean - truth) < sidak(len(LONG)) * math.hypot(error, 2e-5 * truth)
+    assert abs(mean - truth) < z_limit(len(LONG)) * math.hypot(error, 2e-5 * truth)
     count = 256 * BLOCK
     assert (largest / count) ** 2 < 0.1 * error**2
 
@@ -133,7 +128,7 @@ def test_the_value_of_the_equation():
     """Isotropic, albedo .9, tau 1, mu 1, mu0 .5: S = .596302."""
     mean, error, _, _ = estimate(homogeneous(0.9, 1.0, "isotropic", 0.0), (1.0, 0.5, 0.0), "isotropic", 40)
     scale = 4.0 * math.pi * 0.5
-    assert abs(scale * mean - 0.596302) < 4.0 * math.hypot(scale * error, 3e-7)
+    assert abs(scale * mean - 0.596302) < z_limit(1) * math.hypot(scale * error, 3e-7)
     assert scale * error < 2e-5
 
 
@@ -150,7 +145,7 @@ def test_media_that_vary_with_depth(knots, walk, blocks):
     mu_o, mu_i, dphi = 0.6, 0.35, 1.2
     mean, error, _, _ = estimate(medium, (mu_o, mu_i, dphi), walk, blocks)
     truth = _core.scattering_ode(medium, [mu_o, mu_i], [dphi], POOL)["brdf"][0, 1, 0]
-    assert abs(mean - truth) < sidak(6) * math.hypot(error, 2e-5 * truth)
+    assert abs(mean - truth) < z_limit(6) * math.hypot(error, 2e-5 * truth)
 
 
 @pytest.mark.parametrize("tau", [1e-9, 1e-4])
@@ -161,7 +156,7 @@ def test_thin_slabs(tau, kind, g, walk):
     medium, directions = (0.9, tau, kind, g), (0.7, 0.4, 1.0)
     mean, error, _, _ = estimate(homogeneous(*medium), directions, walk, 2)
     truth = solved(medium, directions)
-    assert abs(mean - truth) < sidak(6) * math.hypot(error, 1e-6 * truth)
+    assert abs(mean - truth) < z_limit(6) * math.hypot(error, 1e-6 * truth)
 
 
 def test_guided_walks_beat_the_plain_transfer_walk():
@@ -172,7 +167,7 @@ def test_guided_walks_beat_the_plain_transfer_walk():
                                ((0.9, 0.5, "hg", 0.8), "guided-16", 10.0),
                                ((0.9, 0.5, "hg", 0.8), "residual-16", 10.0)]:
         guided = estimate(homogeneous(*medium), directions, walk, 4)
-        plain = _core.transfer_walk(stack([medium]), *directions, _core.Side.top, _core.Path.reflect,
+        plain = _core.transfer_walk(stack([medium]), _core.WalkTarget(*directions),
                                     next_event=_core.NextEvent.at_collision)
         total, squares, _, count, _ = _core.run_walk(plain, 11, 0, 20, POOL)
         variance = (squares / count - (total / count) ** 2) / (count - 1)
@@ -190,7 +185,7 @@ def test_the_pilot_falls_back_to_transfer_walks():
 
 def test_the_fallback_is_the_transfer_walk_itself():
     one = (0.9, 2.0, "hg", 0.8)
-    plain = _core.transfer_walk(stack([one]), 0.5, 0.4, 1.0, _core.Side.top, _core.Path.reflect)
+    plain = _core.transfer_walk(stack([one]), _core.WalkTarget(0.5, 0.4, 1.0))
     same = _core.ScatteringWalk(homogeneous(*one), 0.5, 0.4, 1.0, "transfer", 0).walk
     assert _core.run_walk(plain, 5, 0, 2, POOL) == _core.run_walk(same, 5, 0, 2, POOL)
 

@@ -11,7 +11,7 @@ import baked_samples
 import bpy
 import numpy as np
 import pytest
-from scipy import stats
+from z_limit import z_limit
 
 import lamina
 
@@ -59,9 +59,7 @@ def test_modelled_glass_is_the_exact_scattering_function(name, sky):
     expected = _exact(stack, sky)
     assert np.all(sigma < 0.01 * expected), "too noisy to say anything"
     beyond = np.maximum(np.abs(seen - expected) - LOST[name] * expected, 0.0)
-    # Sidak: beyond.size values are looked at.
-    risk = 1.0 - (1.0 - FAMILY_RISK) ** (1.0 / beyond.size)
-    assert (beyond / sigma).max() < stats.t.ppf(1.0 - risk / 2.0, SEEDS - 1), seen / expected - 1.0
+    assert (beyond / sigma).max() < z_limit(beyond.size, FAMILY_RISK, SEEDS - 1), seen / expected - 1.0
 
 
 @pytest.mark.parametrize("name", list(scene.STACKS))

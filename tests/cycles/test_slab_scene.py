@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from scipy import stats
+from z_limit import z_limit
 
 import lamina
 
@@ -67,9 +67,7 @@ def test_the_volume_is_the_exact_scattering_function(stack, precision):
     sigma = rendered.std(axis=0, ddof=1) / np.sqrt(seeds)
     assert np.all(sigma < precision * expected), "too noisy to say anything"
     z = (rendered.mean(axis=0) - expected) / sigma
-    # Sidak: z.size values are looked at.
-    risk = 1.0 - (1.0 - FAMILY_RISK) ** (1.0 / z.size)
-    assert np.abs(z).max() < stats.t.ppf(1.0 - risk / 2.0, seeds - 1)
+    assert np.abs(z).max() < z_limit(z.size, FAMILY_RISK, seeds - 1)
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
-from statistics import NormalDist
 
 import numpy as np
+from z_limit import z_limit
 
 import lamina
 from lamina import Conductor, Interface, Medium, Stack
@@ -103,7 +103,7 @@ def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> li
     """Photon walks agree at some points, by Z-score at a family-wise level of 1 % over that many comparisons."""
     if not ends_in_air(solved.stack):
         return []
-    limit = NormalDist().inv_cdf(1.0 - 0.5 * (1.0 - 0.99 ** (1.0 / comparisons)))
+    limit = z_limit(comparisons)
     wrong = []
     for _ in range(WALK_POINTS):
         path, side = chance.choice(list(found))

@@ -20,6 +20,7 @@ import traceback
 from collections import Counter
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # z_limit
 import invariants
 from random_stacks import random_stack
 

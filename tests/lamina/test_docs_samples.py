@@ -1,18 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The samples of the Python guide run, one after the other, in an empty folder; they hold assertions of their own."""
+"""The documents keep their word: samples run, and links lead to files."""
 
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-GUIDE = Path(__file__).parents[2] / "docs/python.md"
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
 
-def test_every_sample_of_the_guide_runs(tmp_path):
-    samples = re.findall(r"```python\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)
-    assert len(samples) >= 6
+@pytest.mark.parametrize(("page", "least"), [("docs/python.md", 10), ("README.md", 1)])
+def test_every_sample_runs(page, least, tmp_path):
+    """One after the other, in an empty folder; the samples hold assertions of their own."""
+    samples = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+    assert len(samples) >= least
     script = tmp_path / "samples.py"
     script.write_text("\n".join(samples), encoding="utf-8")
     ran = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=600)
     assert ran.returncode == 0, ran.stderr
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_to_files(page):
+    links = re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text(encoding="utf-8"))
+    missing = [link for link in links if "://" not in link and not (page.parent / link).exists()]
+    assert not missing

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from z_limit import z_limit
 
 from lamina import _core
 
@@ -55,9 +56,9 @@ def test_every_cell_has_every_method(rows):
 
 
 def test_scores(out, rows):
-    """Walks with a variance to rely on, by Z-score; 1 % for the family of about 20."""
+    """Walks with a variance to rely on, by Z-score; 1 % for the family."""
     scores = [row["z"] for row in (*rows, *tables.read("layers", out / "study")) if row["status"] == "ok"]
-    assert len(scores) >= 16 and all(abs(z) < 3.6 for z in scores)
+    assert len(scores) >= 16 and all(abs(z) < z_limit(len(scores)) for z in scores)
 
 
 def test_guided_walks_gain(rows):

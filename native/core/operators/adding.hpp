@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The adding equations: two scattering functions, one on top of the other.
+// The adding equations for two scattering functions.
 #pragma once
 #include "operators/scattering_function.hpp"
 
 namespace lamina {
 
-/// Joins two scattering functions, `above` on top of `below`, with all orders of light between them:
+/// Joins two scattering functions, `above` on top of `below`, with all orders of reflection between them:
 ///   R  = R1 + T1' R2 (1 - R1' R2)^-1 T1,
 ///   T  = T2 (1 - R1' R2)^-1 T1,
 ///   R' = R2' + T2 R1' (1 - R2 R1')^-1 T2'.
@@ -19,7 +19,7 @@ inline ScatteringFunction join(const ScatteringFunction& above, const Scattering
           below.transmit * downward, below.reflect_below + below.transmit * (upward * below.transmit.transposed())};
 }
 
-/// The same over something opaque, of which only its reflection `below` matters: just R.
+/// R alone, for `above` on top of an opaque surface with the reflection `below`.
 inline DirectionOperator join_opaque(const ScatteringFunction& above, const DirectionOperator& below) {
   const DirectionOperator between = resolvent(above.reflect_below * below);
   return above.reflect_above + above.transmit.transposed() * (below * (between * above.transmit));

@@ -6,13 +6,12 @@
 
 namespace lamina {
 
-/// A linear map of radiance between directions: a smooth kernel plus a diagonal delta part (light that
-/// keeps its direction, or its mirror direction). Integrals run over the first `nodes` directions only;
-/// the rows and columns behind them are targets (see Directions) and merely carried along.
+/// A linear map of radiance between directions: a smooth kernel plus a diagonal delta part (light that keeps its
+/// direction, or its mirror direction). Integrals run over the first `nodes` directions only. The rows and columns
+/// after them are targets (see Directions).
 ///
-/// Where the targets are of two kinds, `views` of them to look from and the rest lights, only the blocks
-/// between the two kinds are wanted: nothing else of a target's row depends on another target. The blocks
-/// left out are never written or read.
+/// Targets may be of two kinds, the first `views` of them views and the others lights. Then of the blocks between
+/// targets only those between the two kinds are computed; the others are never written or read.
 struct DirectionOperator {
   Eigen::MatrixXd kernel;
   Eigen::VectorXd delta;
@@ -25,7 +24,7 @@ struct DirectionOperator {
     return {Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), nodes, views};
   }
 
-  /// Calls body(row, column, rows, columns) for each block that is wanted, that of the nodes' rows first.
+  /// Calls body(row, column, rows, columns) for each block that is computed, the block of the nodes' rows first.
   template <typename Body>
   void each_block(const Body& body) const {
     each_block(delta.size(), nodes, views, body);
@@ -62,7 +61,7 @@ inline DirectionOperator operator+(DirectionOperator a, const DirectionOperator&
   return a;
 }
 
-/// First b, then a.
+/// Applies b, then a.
 inline DirectionOperator operator*(const DirectionOperator& a, const DirectionOperator& b) {
   DirectionOperator product{Eigen::MatrixXd(a.kernel.rows(), a.kernel.cols()), a.delta.cwiseProduct(b.delta), a.nodes,
                             a.views};
@@ -81,10 +80,10 @@ inline DirectionOperator operator*(const DirectionOperator& a, const DirectionOp
   return product;
 }
 
-/// (1 - a)^-1 = 1 + a + a a + ...: all orders of repetition at once.
+/// (1 - a)^-1 = 1 + a + a a + ...: the sum of all orders of reflection.
 inline DirectionOperator resolvent(const DirectionOperator& a) {
   const Eigen::Index nodes = a.nodes;
-  // Light that a mirror pair keeps for ever (total reflection on both sides, nothing between) never entered.
+  // Light that is trapped between two totally reflecting mirrors can never have entered.
   DirectionOperator result{Eigen::MatrixXd(a.kernel.rows(), a.kernel.cols()),
                            (a.delta.array() < 1.0).select((1.0 - a.delta.array()).inverse(), 1.0), nodes, a.views};
   Eigen::MatrixXd system = -a.kernel.topLeftCorner(nodes, nodes);

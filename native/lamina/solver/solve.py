@@ -85,7 +85,7 @@ def core_stack(stack: Stack, index: int):
     entries = []
     for number, layer in enumerate(stack.layers):
         if isinstance(layer, Interface):
-            entries.append((_core.Interface, (channel(layer.ior, index), *_facets(layer, index))))
+            entries.append((_core.Interface, (channel(layer.ior, index), _facets(layer, index), layer.compensate)))
         elif layer.profile is not None and layer.optics(index)[1] > 0.0:
             entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
         else:
@@ -95,17 +95,16 @@ def core_stack(stack: Stack, index: int):
         entries.append((_core.Medium, endless))
     base: tuple = ("none",)
     if isinstance(stack.base, Conductor):
-        base = (stack.base.kind, *stack.indices(index), *_facets(stack.base, index))
+        base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index), stack.base.compensate)
     elif stack.base is not None:
         base = stack.base.in_channel(index)
     name, *parameters = base
     return (tuple(entries), base), [kind(*values) for kind, values in entries], getattr(_core.Base, name)(*parameters)
 
 
-def _facets(surface: Interface | Conductor, index: int) -> tuple:
-    """Microfacet parameters in one channel, as the core takes them."""
-    alpha = channel(surface.alpha, index)
-    return alpha, surface.distribution, surface.correlated, surface.compensate
+def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
+    """The surface's facets in one channel."""
+    return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated)
 
 
 def _solve_channel(core: _core.Stack, tolerance: float, pool, nodes: int | None) -> _core.Solution:

@@ -58,10 +58,8 @@ def test_a_changed_layer_is_shown_in_the_same_nodes(addon, lamina, live, materia
 
 def test_a_callback_only_takes_note(live, material):
     before = snapshot(material)
-    start = time.perf_counter()
     for step in range(100):
         material.lamina.layers[0].tau = 1.0 + 0.01 * step
-    assert time.perf_counter() - start < 1.0
     assert live.running() is None and snapshot(material) == before
     look_until_rest(live)
     assert snapshot(material) != before

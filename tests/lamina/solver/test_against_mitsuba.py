@@ -9,11 +9,11 @@ import functools
 import json
 import math
 from pathlib import Path
-from statistics import NormalDist
 
 import pytest
 from mitsuba_scenes import estimate
 from scipy.stats import chi2
+from z_limit import z_limit
 
 import lamina
 from lamina import Stack
@@ -48,7 +48,7 @@ def scores(name: str) -> tuple[tuple[str, float], ...]:
 
 @pytest.mark.parametrize("name", CASES)
 def test_stack(name):
-    limit = NormalDist().inv_cdf(1.0 - LEVEL / COUNT / 2.0)
+    limit = z_limit(COUNT, LEVEL)
     bad = [f"{what}, Z = {z:.2f}" for what, z in scores(name) if not abs(z) < limit]
     assert not bad, "; ".join(bad)
 
@@ -64,4 +64,4 @@ def test_way_of_sampling_facets_does_not_matter():
     stack = stack_of("rough coat on lambert")
     (one, error), (other, its_error) = (estimate(stack, 0.9, "reflectance", 100_000, 5, visible=visible)
                                         for visible in (True, False))
-    assert abs(one - other) < 3.0 * math.hypot(error, its_error)
+    assert abs(one - other) < z_limit(1) * math.hypot(error, its_error)

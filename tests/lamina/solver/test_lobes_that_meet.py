@@ -3,18 +3,18 @@
 knows no azimuth orders and no nodes: Z-scores at a family-wise level of 1 % (Sidak)."""
 
 import math
-from statistics import NormalDist
 
 import lobe_stacks
 import numpy as np
 import pytest
+from z_limit import z_limit
 
 import lamina
 from lamina import Conductor, Interface, Stack
 from lamina.walks.estimate import Query
 
 COUNT = 30
-LIMIT = NormalDist().inv_cdf(0.5 + 0.5 * 0.99 ** (1.0 / COUNT))
+LIMIT = z_limit(COUNT)
 TOLERANCE = 1e-3  # of solve at quality "final"
 LEAST = 1e-3  # 1/sr; smaller values are promised to the tolerance of this one
 LACQUERED = Stack([Interface(1.5)], Conductor(0.2, 3.0, 0.05))
@@ -43,7 +43,7 @@ def test_random_stacks(number):
     (FROSTED_ABOVE, 0.5, 0.5, 0.7),
 ])
 def test_the_flanks_of_narrow_lobes(stack, mu_o, mu_i, dphi):
-    assert abs(z_score(stack, Query(mu_o, mu_i, dphi), 1 << 16)) < 3.5
+    assert abs(z_score(stack, Query(mu_o, mu_i, dphi), 1 << 16)) < z_limit(4)
 
 
 @pytest.mark.parametrize("stack", [LACQUERED, FROSTED_ABOVE])

@@ -4,9 +4,9 @@ what is said where even that is too much."""
 
 import math
 import random
-from statistics import NormalDist
 
 import pytest
+from z_limit import z_limit
 
 import lamina
 from lamina import HenyeyGreenstein, Medium, Stack, Tabulated
@@ -25,7 +25,7 @@ def noisy(count, noise, seed, g=0.3):
 
 
 TABLES = [noisy(181, 0.1, 1), noisy(37, 0.3, 2), noisy(91, 0.2, 3, g=-0.2)]
-LIMIT = NormalDist().inv_cdf(1.0 - 0.005 / (len(TABLES) * len(POINTS) * len(QUALITIES)))
+LIMIT = z_limit(len(TABLES) * len(POINTS) * len(QUALITIES))
 
 
 @pytest.mark.parametrize("quality", QUALITIES)

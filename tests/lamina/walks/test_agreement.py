@@ -5,10 +5,10 @@ differential form, and the solver. Walks by Z-score at a family-wise level of 1 
 import math
 import random
 from functools import cache
-from statistics import NormalDist
 
 import numpy as np
 import pytest
+from z_limit import z_limit
 
 import lamina
 from lamina import Black, Knot, Lambert, Medium, Stack, _core
@@ -17,8 +17,7 @@ from lamina.walks.estimate import Query
 
 COUNT = 40
 METHODS = {"transfer": 1 << 14, "scattering": 1 << 13, "adding": 1 << 13, "by the pilot": 1 << 13}
-LEVEL = 1.0 - 0.99 ** (1.0 / (COUNT * len(METHODS)))
-LIMIT = NormalDist().inv_cdf(1.0 - 0.5 * LEVEL)
+LIMIT = z_limit(COUNT * len(METHODS))
 ODE_ERROR = 2e-5
 POOL = _core.ThreadPool(1)
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write the README's tables from what make bench measured: python tools/readme_tables.py
+"""Write the tables of docs/figures.md from the measurements of `make bench`: python tools/figure_tables.py
 
-Reads build/bench/*.json; a table whose file is missing stays as it is, and is named. The accuracy table
-is computed here, from tests/data/reference_cases.json."""
+Reads build/bench/*.json. Where a file is missing, its table stays as it is and a message names the file. The accuracy
+table is computed here, from tests/data/reference_cases.json.
+"""
 
 import json
 import re
@@ -11,7 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BENCH = ROOT / "build/bench"
-README = ROOT / "README.md"
+PAGE = ROOT / "docs/figures.md"
 
 
 def markdown(head, rows):
@@ -110,21 +111,21 @@ TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "bake": bake, 
 
 
 def main():
-    text = README.read_text(encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
     tables = {"accuracy": accuracy()}
     for name, make in TABLES.items():
         path = BENCH / f"{name}.json"
         if path.exists():
             tables[name] = make(json.loads(path.read_text(encoding="utf-8")))
         else:
-            print(f"readme: {path} is missing: run make bench; its table stays as it is", file=sys.stderr)
+            print(f"figures: {path} is missing: its table stays as it is; `make bench` measures it", file=sys.stderr)
     for name, table in tables.items():
         pattern = rf"(<!-- table:{name} -->\n).*?(<!-- end -->)"
         text, count = re.subn(pattern, lambda m, t=table: m[1] + t + "\n" + m[2], text, flags=re.DOTALL)
         if count != 1:
-            print(f"readme: no place for the table {name}", file=sys.stderr)
+            print(f"figures: {PAGE.name} has no place for the table {name}", file=sys.stderr)
             return 1
-    README.write_text(text, encoding="utf-8")
+    PAGE.write_text(text, encoding="utf-8")
     return 0
 
 

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Write the type stubs of the compiled modules: python tools/make_stubs.py [FOLDER]
+
+FOLDER: where _core.pyi and _mesh.pyi go; default native/lamina. The modules of the installed package are described.
+"""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+MODULES = ("_core", "_mesh")
+HEAD = "# SPDX-License-Identifier: GPL-3.0-or-later\n# Written by `make stubs` from the compiled module.\n"
+
+
+def stub(module, folder):
+    """The text of the stub of lamina.`module`; `folder` is for the tool's files."""
+    command = [sys.executable, "-m", "pybind11_stubgen", f"lamina.{module}", "-o", folder,
+               "--enum-class-locations", "Side:lamina._core", "--enum-class-locations", "Path:lamina._core"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    written = Path(folder, "lamina", f"{module}.pyi")
+    if done.returncode != 0 or not written.is_file():
+        raise SystemExit(f"make_stubs: lamina.{module}: {done.stderr.strip().splitlines()[-1:]}")
+    lines = [line.rstrip() for line in written.read_text(encoding="utf-8").splitlines()]
+    return HEAD + "\n".join(lines).strip() + "\n"
+
+
+def main():
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "native/lamina"
+    target.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for module in MODULES:
+            (target / f"{module}.pyi").write_text(stub(module, folder), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

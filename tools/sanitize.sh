@@ -1,0 +1,39 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Runs the core's tests on a build with GCC's sanitizers: tools/sanitize.sh address|thread PYTHON [PYTEST OPTION ...]
+# address: AddressSanitizer and UndefinedBehaviorSanitizer; thread: ThreadSanitizer.
+# Python itself is not instrumented, so the sanitizer's runtime is preloaded, and leaks are not looked for.
+set -eu
+kind="$1"
+python="$(cd "$(dirname "$2")" && pwd)/$(basename "$2")"
+shift 2
+case "$kind" in
+address) flags="-fsanitize=address,undefined -fno-sanitize-recover=all" runtimes="libasan.so libubsan.so" ;;
+thread) flags="-fsanitize=thread" runtimes="libtsan.so" ;;
+*)
+    echo "lamina: sanitize $kind: must be address or thread" >&2
+    exit 2
+    ;;
+esac
+build="build/sanitize-$kind"
+
+echo "Building the core with $flags"
+cmake -S . -B "$build" -G Ninja -DCMAKE_MAKE_PROGRAM="$("$python" -c 'import ninja; print(ninja.BIN_DIR)')/ninja" \
+    -DCMAKE_BUILD_TYPE=Sanitize -DCMAKE_CXX_FLAGS_SANITIZE="-O1 -g1 -fno-omit-frame-pointer $flags" -DSKBUILD=ON \
+    -DPython_EXECUTABLE="$python" -Dpybind11_DIR="$("$python" -m pybind11 --cmakedir)" >"$build.log" 2>&1 &&
+    cmake --build "$build" >>"$build.log" 2>&1 || {
+    tail -20 "$build.log" >&2
+    exit 1
+}
+rm -rf "$build/package"
+cmake --install "$build" --prefix "$build/package" >/dev/null
+cp -r native/lamina/. "$build/package/lamina"
+
+preload=""
+for runtime in $runtimes; do
+    preload="$preload $(c++ -print-file-name="$runtime")"
+done
+# ThreadSanitizer needs the memory layout that address-space randomisation disturbs.
+export ASAN_OPTIONS=detect_leaks=0 TSAN_OPTIONS="halt_on_error=1 suppressions=$PWD/tools/thread_sanitizer.txt"
+PYTHONPATH="$build/package" LD_PRELOAD="$preload" PYTHONMALLOC=malloc setarch "$(uname -m)" -R \
+    "$python" -m pytest tests/core -p no:cacheprovider "$@"
