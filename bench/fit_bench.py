@@ -10,7 +10,7 @@ import statistics
 from pathlib import Path
 
 import lamina
-from lamina.baking.bake import BASES
+from lamina.baking.bake import CLOSURE_BASES
 
 STACKS = Path(__file__).resolve().parent.parent / "tests/data/fit_stacks.json"
 GROUPS = {"used to choose": (False,), "blind": (True,), "all": (False, True)}
@@ -22,7 +22,7 @@ def load():
     return [(entry.pop("id"), entry.pop("blind"), lamina.Stack.from_json(entry)) for entry in entries]
 
 
-def measure(qualities=("preview", "final"), bases=tuple(BASES)):
+def measure(qualities=("preview", "final"), bases=tuple(CLOSURE_BASES)):
     """A row for each stack, and those that sum up each group of them, per basis and quality."""
     stacks, rows = load(), []
     for basis in bases:

@@ -48,8 +48,7 @@ def mitsuba(repeats: int) -> list[dict]:
 def _rates(stack, method: str, repeats: int) -> dict:
     """Relative variance, samples and events per second with two threads, and how much the second one brings."""
     _, layers, base = core_stack(stack, 0)
-    ends = (*DIRECTIONS, _core.Side.top, _core.Path.reflect, False)
-    walk = getattr(_core, f"{method}_walk")(_core.Stack(layers, base), *ends)
+    walk = getattr(_core, f"{method}_walk")(_core.Stack(layers, base), _core.WalkTarget(*DIRECTIONS))
     rates: dict = {1: [], THREADS: []}
     pools = {count: _core.ThreadPool(count) for count in rates}
     for turn in range(repeats + 1):

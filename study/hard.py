@@ -39,7 +39,7 @@ def walks(slab, directions, pool):
         if method != "scattering" or made.name != forced(slab):
             yield method, made.name, made.walk, 0.0
     # One layer alone would be a look-up: two halves make it a walk.
-    walk, error = _core.adding_walk(slab.stack(2), *directions, _core.Side.top, _core.Path.reflect, False, pool)
+    walk, error = _core.adding_walk(slab.stack(2), _core.WalkTarget(*directions), pool)
     yield "adding", "two halves", walk, error
 
 

@@ -37,13 +37,13 @@ TOLERANCE = 2e-4
 
 def walks(stack, directions, pool):
     """(method, walk, set-up in seconds, error of its tables)."""
-    ends = (_core.Side.top, _core.Path.reflect, False)
+    target = _core.WalkTarget(*directions)
     for method, way in ((BASELINE, _core.NextEvent.at_collision), ("transfer", _core.NextEvent.fitting)):
         started = time.process_time()
-        walk = _core.transfer_walk(stack, *directions, *ends, way)
+        walk = _core.transfer_walk(stack, target, way)
         yield method, walk, time.process_time() - started, 0.0
     started = time.process_time()
-    walk, error = _core.adding_walk(stack, *directions, *ends, pool)
+    walk, error = _core.adding_walk(stack, target, pool)
     yield "adding", walk, time.process_time() - started, error
 
 

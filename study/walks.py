@@ -56,7 +56,7 @@ def make(method: str, slab: Slab, directions: tuple[float, float, float], seed: 
     started = time.process_time()
     if method in (BASELINE, "transfer"):
         way = _core.NextEvent.at_collision if method == BASELINE else _core.NextEvent.fitting
-        walk = _core.transfer_walk(slab.stack(), *directions, _core.Side.top, _core.Path.reflect, False, way)
+        walk = _core.transfer_walk(slab.stack(), _core.WalkTarget(*directions), way)
         return Made(walk, method, time.process_time() - started)
     if method == "transfer, guided":
         if not hasattr(_core, "guided_transfer_walk"):

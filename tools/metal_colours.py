@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computes the colours of the metals that lamina knows by name, and writes native/lamina/material/metals.json.
+"""Computes the colours of the metals that lamina knows by name, and writes native/lamina/kinds/metals.json.
 
     python tools/metal_colours.py
 
@@ -18,7 +18,7 @@ from lamina.metals import GRAZING, reflectance
 
 TOOLS = Path(__file__).resolve().parent
 SPECTRA = TOOLS / "metal_spectra"
-OUTPUT = TOOLS.parent / "native/lamina/material/metals.json"
+OUTPUT = TOOLS.parent / "native/lamina/kinds/metals.json"
 PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G and B: Rec. ITU-R BT.709
 DIGITS = 4
 SOURCE = "# Source: "

@@ -28,17 +28,15 @@ _failures = {}
 
 
 class Job(Worker):
-    """One bake in a worker thread, of a stack or of what a function of no arguments makes there; `more` goes
-    to lamina.bake."""
+    """One bake in a worker thread. `stack`: a stack, or a function that the thread calls for one.
+    `more`: further arguments of lamina.bake."""
 
-    def __init__(self, stack, quality, threads, seed=0, **more):
+    def __init__(self, stack, quality, threads, **more):
         bake = native.require().bake
 
         def work(progress, cancel):
             known = stack() if callable(stack) else stack
-            return bake(
-                known, quality=quality, seed=seed, progress=progress, cancel=cancel, threads=threads, **more
-            )
+            return bake(known, quality=quality, progress=progress, cancel=cancel, threads=threads, **more)
 
         super().__init__(work, "lamina bake")
 

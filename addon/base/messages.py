@@ -3,25 +3,20 @@
 
 import re
 
+from ..kinds import bases, boundaries, media, phases
 from . import native
 
+_FIELDS = (
+    *(field for form in media.FORMS for field in form),
+    *boundaries.Interface.fields,
+    *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
+)
+# Names of fields in the sentences of `lamina`, and what the panel calls them.
 WORDS = {
-    "tau": "optical thickness",
-    "phase.g": "anisotropy",
-    "phase.g1": "first anisotropy",
-    "phase.g2": "second anisotropy",
-    "phase.kind": "phase function",
     "phase": "phase function",
-    "sigma_s": "scattering",
-    "sigma_a": "absorption",
-    "color": "colour",
-    "over": "colour of the base that it is over",
-    "ior": "IOR",
-    "alpha": "microfacet width (roughness squared)",
-    "eta": "index n",
-    "k": "extinction k",
-    "facing": "facing colour",
-    "grazing": "grazing colour",
+    "phase.kind": "phase function",
+    **{field.name: field.panel.words for field in _FIELDS},
+    **{f"phase.{field.name}": field.panel.words for cls in phases.IN_PANEL for field in cls.fields},
 }
 
 _FIELD = r"(?:\.((?:[\w.]|\[\d+\](?=\.))+))?(\[(\d)\])?(.*)$"

@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..kinds.limits import MOST_THREADS
 from . import native, package
 
 QUALITIES = (
@@ -10,7 +11,7 @@ QUALITIES = (
     ("final", "Final", "Accurate: for the render"),
 )
 
-BASES = (
+CLOSURE_BASES = (
     ("standard", "Standard", "Few closures: about as quick to render as a Principled BSDF"),
     ("accurate", "Accurate", "Some twenty closures: nearer to the exact function, slower to render"),
 )
@@ -24,7 +25,7 @@ class LaminaPreferences(bpy.types.AddonPreferences):
         description="Threads that a bake may use; 0 uses all of the machine",
         default=0,
         min=0,
-        max=1024,
+        max=MOST_THREADS,
     )
     default_quality: bpy.props.EnumProperty(
         name="Quality of New Materials",
@@ -35,7 +36,7 @@ class LaminaPreferences(bpy.types.AddonPreferences):
     default_basis: bpy.props.EnumProperty(
         name="Basis of New Materials",
         description="How many closures a material starts with",
-        items=BASES,
+        items=CLOSURE_BASES,
         default="standard",
     )
 

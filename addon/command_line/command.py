@@ -20,6 +20,7 @@ from ..baking import bake_job
 from ..base import messages, native, preferences
 from ..base.messages import percent
 from ..editing import stack_io
+from ..kinds.limits import MOST_THREADS
 from ..properties import migration
 from . import blend_saving
 
@@ -74,7 +75,7 @@ def _parser():
         "--quality", choices=[key for key, *_ in preferences.QUALITIES], help="default: each material's own"
     )
     bake.add_argument(
-        "--basis", choices=[key for key, *_ in preferences.BASES], help="default: each material's own"
+        "--basis", choices=[key for key, *_ in preferences.CLOSURE_BASES], help="default: each material's own"
     )
     bake.add_argument("--threads", type=_threads, metavar="N", help="0 is all; default: the preferences'")
     where = bake.add_mutually_exclusive_group()
@@ -88,8 +89,8 @@ def _threads(text):
         number = int(text)
     except ValueError:
         number = -1
-    if not 0 <= number <= 1024:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from 0 to 1024")
+    if not 0 <= number <= MOST_THREADS:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from 0 to {MOST_THREADS}")
     return number
 
 

@@ -12,10 +12,9 @@ import math
 import numpy as np
 
 from ..base.messages import RefusedError
+from ..kinds.table import PREFIX, TAU_BEND, THROWN_BACK
 from . import lut_image, side_graph
 from .graph import Graph
-
-TAU_HALF = 0.5  # t = tau / (tau + TAU_HALF), scaled to 1 at the largest tau
 
 SCALE_LABEL = "rows"
 
@@ -24,10 +23,6 @@ NORMAL_COLOUR = (0.20, 0.20, 0.36)
 ROW_COLOUR = (0.18, 0.30, 0.24)
 BASE_COLOUR = (0.34, 0.20, 0.16)
 CLOSURE_COLOUR = (0.30, 0.24, 0.16)
-
-# Strips that a textured base weighs, and the share of its light that the layers throw back to it: see
-# lamina.base_texture.
-BASE_PREFIX, THROWN_BACK = "base/", "base/thrown back"
 
 # Where N = I, the plane of incidence is undefined and directions in it would be zero vectors. The cross
 # product of I with this vector is added to them: far above the rounding of single precision, far below what
@@ -79,7 +74,7 @@ def _draw(graph, lut, image, recipe_of):
     columns = lut.header["axes"]["view"]["count"]
     height = lut_image.height_of(lut)
     used = used_closures(lut)
-    recipes = [recipe_of(closures[index].removeprefix(BASE_PREFIX)) for index in used]
+    recipes = [recipe_of(closures[index].removeprefix(PREFIX)) for index in used]
 
     inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
     geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
@@ -123,9 +118,9 @@ def _draw(graph, lut, image, recipe_of):
     for line, (index, recipe) in enumerate(zip(used, recipes, strict=True)):
         name = closures[index]
         weight = strip(index, 7, line, f"weight {name}")
-        if name.startswith(BASE_PREFIX):
+        if name.startswith(PREFIX):
             weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gain)
-        shader = _closure(graph, line, name, recipe, weight, directions, backfacing)
+        shader = _closure(graph, line, name, recipe, weight, directions)
         total = shader if total is None else _add(graph, line, total, shader)
     graph.end_frame()
 
@@ -176,7 +171,7 @@ def _row(graph, lut, inputs, backfacing, rows, height):
         first = graph.math("MULTIPLY", 4.4, 8.2, "bottom side's strips", side, strips * rows / height)
     if rows == 1:
         return graph.math("ADD", 5.4, 8.2, "v", first, 0.0)
-    shifted = graph.math("ADD", 3.4, 8.2, "tau + 1/2", tau, TAU_HALF)
+    shifted = graph.math("ADD", 3.4, 8.2, "tau + 1/2", tau, TAU_BEND)
     share = graph.math("DIVIDE", 3.4, 7, "tau / (tau + 1/2)", tau, shifted)
     row = graph.math("MULTIPLY", 4.4, 7, SCALE_LABEL, share, scale)
     return graph.math("ADD", 5.4, 7, "v", row, first)
@@ -185,7 +180,7 @@ def _row(graph, lut, inputs, backfacing, rows, height):
 def _thickness_scale(lut, rows, height):
     """(largest thickness that the table holds, factor from tau / (tau + 1/2) to v)."""
     largest = largest_tau(lut)
-    last = 1.0 if math.isinf(largest) else largest / (largest + TAU_HALF)
+    last = 1.0 if math.isinf(largest) else largest / (largest + TAU_BEND)
     return min(largest, 1.0e30), (rows - 1) / height / last if last else 0.0
 
 
@@ -233,11 +228,6 @@ class _Directions:
         self.line += 1
         if wanted == "N+I":
             total = graph.vector("ADD", 2.4, self.line, "N + I", normal, incoming)
-        elif wanted == "N+R":
-            # N + R = (1 + 2 N.I) N - I
-            twice = graph.math("MULTIPLY_ADD", 0.4, self.line, "1 + 2 N.I", self.cosine, 2.0, 1.0)
-            along = graph.scale(1.4, self.line, "along N", normal, twice)
-            total = graph.vector("SUBTRACT", 2.4, self.line, "N + R", along, incoming)
         elif isinstance(wanted, tuple) and wanted[0] == "lean":
             # R + share N = (share + 2 N.I) N - I
             twice = graph.math("MULTIPLY_ADD", 0.4, self.line, "share + 2 N.I", self.cosine, 2.0, wanted[1])
@@ -277,7 +267,7 @@ class _Directions:
         return self.aside
 
 
-def _closure(graph, line, name, recipe, weight, directions, backfacing):
+def _closure(graph, line, name, recipe, weight, directions):
     try:
         node = graph.node(recipe.type, 10.6, line, name)
         for key, value in recipe.enums.items():
@@ -292,19 +282,11 @@ def _closure(graph, line, name, recipe, weight, directions, backfacing):
             graph.link(directions.of(wanted), node.inputs[key])
         for key, multiple in recipe.view_angles.items():
             graph.link(directions.view_angle(multiple), node.inputs[key])
-        if recipe.invert_ior_on_backface:
-            _invert_on_backface(graph, line, node.inputs["IOR"], float(recipe.inputs["IOR"]), backfacing)
         for socket in node.inputs:
             socket.hide = not socket.is_linked  # a folded node grows with every socket that it shows
     except (KeyError, TypeError, RuntimeError) as error:
         raise UnknownClosureError(f"closure {name}: this Blender cannot build it ({error})") from error
     return node.outputs[0]
-
-
-def _invert_on_backface(graph, line, target, ior, backfacing):
-    """Cycles takes 1/IOR on back faces; feed it 1/IOR there, so that the lobe is the same on both sides."""
-    inverse = graph.math("MULTIPLY_ADD", 9.5, line, "IOR of this side", backfacing, 1.0 / ior - ior, ior)
-    graph.link(inverse, target)
 
 
 def _add(graph, line, first, second):

@@ -16,7 +16,7 @@ from bpy.props import (
 )
 
 from ..base import changes
-from ..base.preferences import BASES, QUALITIES
+from ..base.preferences import CLOSURE_BASES, QUALITIES
 from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
 
 SCHEMA = 2  # 1: media of three phase functions on four bases
@@ -68,7 +68,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     basis: EnumProperty(
         name="Basis",
         description="How many closures the material is made of. Live editing shows Standard",
-        items=BASES,
+        items=CLOSURE_BASES,
         default="standard",
         options=set(),
     )

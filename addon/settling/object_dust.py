@@ -14,6 +14,7 @@ from mathutils import Vector
 
 from ..base import float_image, native
 from ..base.messages import RefusedError
+from ..kinds import dust as kinds
 from ..nodes import thickness
 from ..properties.dust_properties import ATTRIBUTE
 from . import dust_attribute, geometry
@@ -152,22 +153,26 @@ def _settling(settings, scene):
     gravity = scene.gravity if scene.use_gravity and scene.gravity.length > 0.0 else Vector((0.0, 0.0, -1.0))
     towards = settings.wind_from + math.pi
     wind = settings.wind * np.array([math.cos(towards), math.sin(towards), 0.0])
-    by_mass = settings.form == "mass"
-    return {
-        "amount": None if by_mass else settings.amount,
-        "grams": settings.grams if by_mass else None,
+    more = {
         "extinction": settings.substance,
-        "time": settings.time,
         "gravity": tuple(gravity),
-        "spread": settings.spread,
         "wind": tuple(wind),
-        "repose": min(settings.repose, math.pi),  # single precision rounds 180 degrees up
-        "concavity": settings.concavity,
-        "coverage": settings.coverage,
-        "patch": settings.patch * scene.unit_settings.scale_length or None,
-        "two_sided": settings.two_sided,
-        "rays": settings.rays,
+        "grams" if settings.form == "tau" else "amount": None,
     }
+    numbers = {one.name: _value(one, settings, scene) for one in kinds.OPTIONS if one.panel}
+    return numbers | more
+
+
+def _value(option, settings, scene):
+    """A property as lamina's Settling takes it."""
+    value = getattr(settings, option.name)
+    if option.switch:
+        return value
+    if option.unit == "m":
+        value *= scene.unit_settings.scale_length
+    if option.optional and option.low > 0.0 and value == 0.0:
+        return None
+    return min(value, option.high)  # single precision rounds 180 degrees up
 
 
 def _switches(statistics):

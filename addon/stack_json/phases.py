@@ -8,20 +8,10 @@ import json
 
 from ..base.decimals import shortest
 from ..base.messages import RefusedError, unusual_channels
+from ..kinds import phases as kinds
 from . import kept_json
 
-# kind -> {name in the JSON: property}
-FIELDS = {
-    "isotropic": {},
-    "hg": {"g": "g"},
-    "rayleigh": {},
-    "double-hg": {"g1": "g1", "g2": "g2", "weight": "weight"},
-    "draine": {"g": "g", "alpha": "draine_alpha"},
-    "cornette-shanks": {"g": "g"},
-}
-WORDS = {"hg": "Henyey-Greenstein", "double-hg": "double Henyey-Greenstein", "draine": "Draine",
-         "cornette-shanks": "Cornette-Shanks"}  # fmt: skip
-LARGEST = 0.99  # anisotropy that the panel's sliders reach
+KINDS = {cls.kind: cls for cls in kinds.IN_PANEL}
 TABLES = ("moments", "values", "cosines")
 
 
@@ -29,18 +19,18 @@ def to_json(owner):
     """The phase function of a layer or base. A damaged text gives a kind that `lamina` refuses."""
     if owner.phase_text:
         return kept_json.parsed(owner.phase_text, dict)
-    numbers = {name: shortest(getattr(owner, prop)) for name, prop in FIELDS[owner.phase].items()}
-    return {"kind": owner.phase, **numbers}
+    fields = KINDS[owner.phase].fields
+    return {"kind": owner.phase, **{field.name: shortest(getattr(owner, field.prop)) for field in fields}}
 
 
 def values(phase, where):
     """Property values that hold the JSON of a valid phase function. Raises RefusedError."""
     phase = phase or {"kind": "isotropic"}
-    fields = FIELDS.get(phase["kind"])
-    if fields is not None:
-        numbers = {name: _single(phase[name]) for name in fields}
-        if all(_has_slider(name, number) for name, number in numbers.items()):
-            return {"phase": phase["kind"], "phase_text": "", **{fields[n]: v for n, v in numbers.items()}}
+    if phase["kind"] in KINDS:
+        fields = KINDS[phase["kind"]].fields
+        numbers = {field.prop: _single(phase[field.name]) for field in fields}
+        if all(_has_property(field, numbers[field.prop]) for field in fields):
+            return {"phase": phase["kind"], "phase_text": "", **numbers}
     _check_channels(phase, where)
     return {"phase_text": json.dumps(phase)}
 
@@ -67,7 +57,8 @@ def _words(data):
         name, unit = ("moments", "moments") if "moments" in data else ("values", "samples")
         rows = data[name]
         return f"table of {len(rows[0] if isinstance(rows[0], list) else rows)} {unit}"
-    name = WORDS.get(data["kind"], data["kind"])
+    item = KINDS[data["kind"]].item if data["kind"] in KINDS else None
+    name = data["kind"] if item is None else item.words or item.label
     return f"{name} per channel" if any(isinstance(value, list) for value in data.values()) else name
 
 
@@ -78,8 +69,13 @@ def _single(value):
     return value[0] if all(other == value[0] for other in value) else None
 
 
-def _has_slider(name, number):
-    return number is not None and (name not in ("g", "g1", "g2") or abs(number) <= LARGEST)
+def _has_property(field, number):
+    """True if the panel's property can hold the number, None where channels differ."""
+    if number is None:
+        return False
+    low = field.low if field.panel.low is None else field.panel.low
+    high = field.high if field.panel.high is None else field.panel.high
+    return low <= number <= high
 
 
 def _check_channels(phase, where):

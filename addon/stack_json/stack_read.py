@@ -8,11 +8,12 @@ import json
 import math
 
 from ..base.messages import RefusedError, unusual_channels
+from ..kinds import boundaries, media
+from ..kinds.bases import BASES
 from . import phases
 
 NEWER = "this version of the add-on does not know it"
 FIRST_NAMES = {"medium": "Layer", "interface": "Interface"}
-FACETS = {"alpha": 0.0, "distribution": "ggx", "compensate": True, "correlated": True}
 
 
 def about(data):
@@ -37,35 +38,41 @@ def base(base):
     """Values of the LaminaBase. Raises RefusedError."""
     if base is None:
         return {"kind": "none"}
-    values = {"kind": base["kind"]}
-    if base["kind"] == "lambert":
-        values["reflectance"] = _triple(base["reflectance"], "base.reflectance")
-        values["textured"] = bool(base.get("textured", False))
-    elif base["kind"] == "half-space":
-        values["albedo"] = _triple(base["albedo"], "base.albedo")
-        values |= phases.values(base.get("phase"), "base.phase")
-    elif base["kind"] == "conductor":
-        by_colours = "facing" in base
-        values["metal_form"] = "colours" if by_colours else "indices"
-        for name in ("facing", "grazing") if by_colours else ("eta", "k"):
-            values[name] = _triple(base[name], f"base.{name}")
-        values |= _facets(base, "base")
-    elif base["kind"] != "black":
+    cls = BASES.get(base["kind"])
+    if cls is None:
         raise RefusedError(f"base.kind = {base['kind']}: {NEWER}")
+    values, fields = {"kind": base["kind"]}, cls.fields
+    if cls.forms:
+        form = next(form for form in cls.forms if form.fields[0].name in base)
+        values[cls.form_prop] = form.item.id
+        fields = (*form, *fields)
+    for field in fields:
+        values[field.prop] = _number(field, base, "base")
+    values |= _options(cls, base, "base")
+    if cls.has_phase:
+        values |= phases.values(base.get("phase"), "base.phase")
     return values
 
 
 def _interface(layer, where):
     ior = _triple(layer["ior"], f"{where}.ior")
     values = {"ior": ior[0], "ior_per_channel": len(set(ior)) > 1, "ior_rgb": ior}
-    return values | _facets(layer, where)
+    values["alpha"] = _number(boundaries.ALPHA, layer, where)
+    return values | _options(boundaries.Interface, layer, where)
 
 
-def _facets(entry, where):
-    values = {name: entry.get(name, usual) for name, usual in FACETS.items()}
-    values["alpha"] = _single(values["alpha"], f"{where}.alpha")
-    if values["distribution"] not in ("ggx", "beckmann"):
-        raise RefusedError(f"{where}.distribution = {values['distribution']}: {NEWER}")
+def _number(field, entry, where):
+    """The value of a field's property; what the entry leaves out has its default."""
+    value = entry.get(field.name, field.panel.default)
+    return (_triple if field.panel.rgb else _single)(value, f"{where}.{field.name}")
+
+
+def _options(cls, entry, where):
+    """Values of the choices of a kind; what the entry leaves out has its usual value."""
+    values = {option.name: entry.get(option.name, option.values[0]) for option in cls.options}
+    for option in cls.options:
+        if values[option.name] not in option.values:
+            raise RefusedError(f"{where}.{option.name} = {values[option.name]}: {NEWER}")
     return values
 
 
@@ -89,18 +96,14 @@ def _profile(layer, where):
 
 
 def _mode(entry):
-    return "coefficients" if "sigma_s" in entry else "colour" if "color" in entry else "optical"
+    """The form in which a medium, or a knot, is given."""
+    return next(form.item.id for form in media.FORMS if form.local[0].name in entry)
 
 
 def _medium_at(entry, layer, where):
     """What scatters in a medium, or at a knot of its profile."""
-    if "sigma_s" in entry:
-        values = {"sigma_s": _triple(entry["sigma_s"], f"{where}.sigma_s")}
-        values["sigma_a"] = _triple(entry.get("sigma_a", 0.0), f"{where}.sigma_a")
-    elif "color" in entry:
-        values = {"colour": _triple(entry["color"], f"{where}.color")}
-    else:
-        values = {"albedo": _triple(entry["albedo"], f"{where}.albedo")}
+    form = next(form for form in media.FORMS if form.item.id == _mode(entry))
+    values = {field.prop: _triple(entry[field.name], f"{where}.{field.name}") for field in form.local}
     return values | phases.values(entry.get("phase", layer.get("phase")), f"{where}.phase")
 
 

@@ -8,6 +8,8 @@ file and .9 in Python make one and the same hash. What has its usual value is le
 import json
 
 from ..base.decimals import shortest
+from ..kinds import boundaries, media
+from ..kinds.bases import BASES
 from . import phases, profiles
 
 JSON_SCHEMA = 1
@@ -35,7 +37,7 @@ def layer(layer):
     entry = {"kind": layer.kind, "name": layer.name}
     if layer.kind == "interface":
         entry["ior"] = _channels(layer.ior_rgb) if layer.ior_per_channel else shortest(layer.ior)
-        return entry | _facets(layer)
+        return entry | {"alpha": shortest(layer.alpha)} | _options(boundaries.Interface, layer)
     if layer.profile_text:
         entry |= {"profile": profiles.knots(layer), **_amount(layer)}
     elif layer.graded:
@@ -54,31 +56,21 @@ def homogeneous(layer, end):
 
 def medium_at(layer, end):
     """What scatters at the top, the layer itself, or at its bottom."""
-    if layer.mode == "coefficients":
-        numbers = {"sigma_s": _channels(end.sigma_s), "sigma_a": _channels(end.sigma_a)}
-    elif layer.mode == "colour":
-        numbers = {"color": _channels(end.colour)}
-    else:
-        numbers = {"albedo": _channels(end.albedo)}
+    form = next(form for form in media.FORMS if form.item.id == layer.mode)
+    numbers = {field.name: _channels(getattr(end, field.prop)) for field in form.local}
     return {**numbers, "phase": phases.to_json(end)}
 
 
 def base(base):
     if base.kind == "none":
         return None
-    entry = {"kind": base.kind}
-    if base.kind == "lambert":
-        entry["reflectance"] = _channels(base.reflectance)
-        if base.textured:
-            entry["textured"] = True
-    elif base.kind == "half-space":
-        entry["albedo"] = _channels(base.albedo)
+    cls, entry = BASES[base.kind], {"kind": base.kind}
+    forms = {form.item.id: form for form in cls.forms}
+    fields = (*forms[getattr(base, cls.form_prop)], *cls.fields) if forms else cls.fields
+    entry |= {field.name: _number(field, base) for field in fields}
+    if cls.has_phase:
         entry["phase"] = phases.to_json(base)
-    elif base.kind == "conductor":
-        names = ("facing", "grazing") if base.metal_form == "colours" else ("eta", "k")
-        entry |= {name: _channels(getattr(base, name)) for name in names}
-        entry |= _facets(base)
-    return entry
+    return entry | _options(cls, base)
 
 
 def _amount(layer):
@@ -92,11 +84,15 @@ def _amount(layer):
     return over | {"tau": _channels(layer.tau_rgb) if layer.tau_per_channel else shortest(layer.tau)}
 
 
-def _facets(owner):
-    entry = {"alpha": shortest(owner.alpha)}
-    if owner.distribution != "ggx":
-        entry["distribution"] = owner.distribution
-    return entry | {name: False for name in ("compensate", "correlated") if not getattr(owner, name)}
+def _number(field, owner):
+    value = getattr(owner, field.prop)
+    return _channels(value) if field.panel.rgb else shortest(value)
+
+
+def _options(cls, owner):
+    """The choices that are not the usual ones."""
+    chosen = {option.name: getattr(owner, option.name) for option in cls.options}
+    return {one.name: chosen[one.name] for one in cls.options if chosen[one.name] != one.values[0]}
 
 
 def _channels(values):

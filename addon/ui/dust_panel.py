@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..kinds.dust import OPTIONS
 from ..nodes import thickness
 from ..settling import dust_job, object_dust
 from .fields import split
@@ -66,13 +67,12 @@ def mismatch(material, settings):
 def _draw_fall(layout, settings):
     layout.row().prop(settings, "form", expand=True)
     column = split(layout.column())
-    if settings.form == "mass":
-        column.prop(settings, "grams", text="Grams per m²")
-        column.prop(settings, "substance")
-    else:
-        column.prop(settings, "amount", text="Amount τ")
-    column.prop(settings, "time")
-    column.prop(settings, "spread")
+    unused = "amount" if settings.form == "mass" else "grams"
+    for option in _options("fall"):
+        if option.name != unused:
+            _draw_option(column, settings, option)
+        if option.name == "grams" != unused:
+            column.prop(settings, "substance")
     column.prop(settings, "wind")
     row = column.row()
     row.active = settings.wind > 0.0
@@ -81,13 +81,10 @@ def _draw_fall(layout, settings):
 
 def _draw_stay(layout, settings):
     column = split(layout.column())
-    column.prop(settings, "repose")
-    column.prop(settings, "concavity")
-    column.prop(settings, "coverage")
-    row = column.row()
-    row.active = settings.coverage < 1.0
-    row.prop(settings, "patch")
-    column.prop(settings, "two_sided")
+    for option in _options("stay"):
+        row = column.row()
+        row.active = option.name != "patch" or settings.coverage < 1.0
+        _draw_option(row, settings, option)
     column.prop(settings, "others")
     column.prop(settings, "stops")
 
@@ -99,8 +96,17 @@ def _draw_target(layout, obj):
     if settings.target == "image":
         column.prop(settings, "size")
         column.prop_search(settings, "uv_map", obj.data, "uv_layers", text="UV Map")
-    column.prop(settings, "rays")
+    for option in _options("target"):
+        _draw_option(column, settings, option)
     column.prop(settings, "seed")
+
+
+def _options(group):
+    return [option for option in OPTIONS if option.group == group]
+
+
+def _draw_option(layout, settings, option):
+    layout.prop(settings, option.name, text=option.panel.text or option.panel.label)
 
 
 register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_dust,))

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the numbers of one layer, and of the base.
 
-Labels are short, for the editor is narrow; tooltips say the rest.
+Labels are short because the editor is narrow; tooltips say the rest.
 """
 
 from ..base import native
 from ..base.decimals import shortest
 from ..editing import metals
+from ..kinds import boundaries, media
+from ..kinds.bases import BASES, Conductor
 from ..stack_json import phases, profiles, solved_colours
 
 
@@ -16,7 +18,7 @@ def draw_layer(layout, layer):
     column.prop(layer, "kind")
     if layer.kind == "interface":
         _draw_interface(column, layer)
-        _draw_advanced(layout, layer)
+        _draw_advanced(layout, layer, boundaries.Interface)
     else:
         _draw_medium(layout, layer)
 
@@ -25,16 +27,21 @@ def draw_base(layout, base):
     """`layout` is the panel's own."""
     column = split(layout.column())
     column.prop(base, "kind", text="Below")
-    if base.kind == "lambert":
-        column.prop(base, "reflectance")
-        column.prop(base, "textured")
-    elif base.kind == "half-space":
-        column.prop(base, "albedo")
+    cls = BASES.get(base.kind)
+    if cls is None:
+        return
+    if cls is Conductor:
+        row = _labelled(column, "Metal", None)
+        row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
+    forms = {form.item.id: form for form in cls.forms}
+    if forms:
+        column.row().prop(base, cls.form_prop, expand=True)
+    for field in (*(forms[getattr(base, cls.form_prop)] if forms else ()), *cls.fields):
+        _draw_number(column, base, field)
+    _draw_options(column, base, cls)
+    if cls.has_phase:
         _draw_phase(column, base, is_base=True)
-    elif base.kind == "conductor":
-        _draw_metal(column, base)
-        _draw_facets(column, base)
-        _draw_advanced(layout, base)
+    _draw_advanced(layout, base, cls)
 
 
 def facts(layer):
@@ -62,21 +69,35 @@ def _draw_interface(column, layer):
         _rgb_column(column, layer, "ior_rgb", "IOR")
     else:
         column.prop(layer, "ior")
-    _draw_facets(column, layer)
+    _draw_number(column, layer, boundaries.ALPHA)
+    _draw_options(column, layer, boundaries.Interface)
 
 
-def _draw_facets(column, owner):
-    column.prop(owner, "roughness", slider=True)
-    column.prop(owner, "distribution")
+def _draw_number(column, owner, field):
+    if field is boundaries.ALPHA:  # the panel shows Blender's Roughness instead
+        column.prop(owner, "roughness", slider=True)
+    elif field.panel.rgb and field.panel.subtype != "COLOR":
+        _rgb_column(column, owner, field.prop, field.panel.label)
+    else:
+        column.prop(owner, field.prop, slider=field.panel.slider)
 
 
-def _draw_advanced(layout, owner):
+def _draw_options(column, owner, cls):
+    for option in cls.options:
+        if not option.advanced:
+            column.prop(owner, option.name)
+
+
+def _draw_advanced(layout, owner, cls):
+    names = [option.name for option in cls.options if option.advanced]
+    if not names:
+        return
     header, body = layout.panel("lamina_advanced", default_closed=True)
     header.label(text="Advanced")
     if body is not None:
         column = split(body.column())
-        column.prop(owner, "compensate")
-        column.prop(owner, "correlated")
+        for name in names:
+            column.prop(owner, name)
         if hasattr(owner, "ior_per_channel"):
             column.prop(owner, "ior_per_channel")
 
@@ -115,14 +136,12 @@ def _draw_medium_at(column, layer, end):
     if layer.mode == "colour":
         column.prop(end, "colour")
         albedo = solved_colours.albedo(end)
-        waiting = "…" if albedo is None else "None shows this"
+        waiting = "…" if albedo is None else "No albedo gives this colour"
         _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else waiting)
         return
-    if layer.mode == "coefficients":
-        _rgb_column(column, end, "sigma_s", "Scattering")
-        _rgb_column(column, end, "sigma_a", "Absorption")
-    else:
-        column.prop(end, "albedo")
+    form = next(form for form in media.FORMS if form.item.id == layer.mode)
+    for field in form.local:
+        _draw_number(column, end, field)
     column.prop(end, "shown_colour", text="As Thick Layer")
 
 
@@ -152,20 +171,8 @@ def _draw_phase(column, owner, is_base=False, is_bottom=False):
         operator.base, operator.bottom = is_base, is_bottom
         return
     column.prop(owner, "phase", text="Phase")
-    for prop in phases.FIELDS[owner.phase].values():
-        column.prop(owner, prop, slider=prop != "draine_alpha")
-
-
-def _draw_metal(column, base):
-    row = _labelled(column, "Metal", None)
-    row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
-    column.row().prop(base, "metal_form", expand=True)
-    if base.metal_form == "colours":
-        column.prop(base, "facing")
-        column.prop(base, "grazing")
-        return
-    _rgb_column(column, base, "eta", "Index n")
-    _rgb_column(column, base, "k", "Extinction k")
+    for field in phases.KINDS[owner.phase].fields:
+        column.prop(owner, field.prop, slider=field.panel.slider)
 
 
 def _metal_name(base):

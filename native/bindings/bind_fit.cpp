@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Binds the fit of closures to slices.
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -34,7 +35,7 @@ class ClosureTable {
     for (py::ssize_t column = 0; column < values.shape(0); ++column) {
       values_.emplace_back(Eigen::Map<const RowMajor>(values.data(column, 0, 0), closures, lights));
       grams_.push_back(column_gram(values_.back(), solid_angle_));
-      // The grid is made for smooth slices; the albedo of a closure with edges comes from a finer one.
+      // The light grid suits smooth slices. The albedo of a closure with edges was integrated on a finer grid.
       ColumnGram& gram = grams_.back();
       const Eigen::Map<const Eigen::VectorXd> exact(albedo.data(column, 0), closures);
       gram.albedo = (gram.scale.array() > 0.0).select(exact.cwiseQuotient(gram.scale), 0.0);

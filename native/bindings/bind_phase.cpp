@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Binds phase functions, made from a kind and parameters.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -33,13 +34,13 @@ Phase from_numbers(const py::tuple& parameters, std::index_sequence<Index...> /*
   return Phase{number(parameters, Index)...};
 }
 
-/// Sets `made` if Phase is of that kind; returns whether it is.
+/// Sets `made` and returns true if Phase is of that kind.
 template <typename Phase>
 bool make_kind(const std::string& kind, const py::tuple& parameters, std::optional<SinglePhase>& made) {
   if (kind != Phase::kKind) {
     return false;
   }
-  // Kinds without parameters ignore any that are given, so that one call can serve every kind with a g.
+  // Kinds without parameters ignore any that are given, so that callers can pass a g to every kind.
   if (Phase::kParameters > 0) {
     expect_count(kind, parameters, Phase::kParameters);
   }
@@ -47,7 +48,7 @@ bool make_kind(const std::string& kind, const py::tuple& parameters, std::option
   return true;
 }
 
-/// The one phase function that is given by lists, in two ways.
+/// The tabulated phase function, given by moments or by samples.
 template <>
 bool make_kind<Tabulated>(const std::string& kind, const py::tuple& parameters, std::optional<SinglePhase>& made) {
   if (kind == "moments") {

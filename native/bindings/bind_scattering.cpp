@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Binds the walks of the scattering equation and its differential form.
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -12,6 +13,7 @@
 #include "matter/joined_media.hpp"
 #include "solve/evaluation.hpp"
 #include "solve/scattering_ode.hpp"
+#include "walks/walk_elements.hpp"
 
 namespace py = pybind11;
 
@@ -43,17 +45,18 @@ py::array_t<double> values(const OdeSolution& solution, bool reflect, Eigen::Ind
   return result;
 }
 
-/// The walk of a stack that it knows: media over nothing or a Lambert surface, light and viewer above.
-std::unique_ptr<Walk> scattering_walk(const Stack& stack, double mu_o, double mu_i, double dphi, Side side, Path path,
-                                      bool flux) {
-  if (side != Side::kTop || path != Path::kReflect || flux) {
-    throw std::invalid_argument("method = 'scattering': knows the BRDF from above; 'transfer' knows all quantities");
+/// A walk of the scattering equation for a stack: only of media over nothing or a Lambert surface, and only for the
+/// BRDF from above.
+std::unique_ptr<Walk> scattering_walk(const Stack& stack, const WalkTarget& target) {
+  if (target.side != Side::kTop || target.path != Path::kReflect || target.flux) {
+    throw std::invalid_argument(
+        "method = 'scattering': estimates only the BRDF from above; use 'transfer' for other quantities");
   }
   try {
-    return make_scattering_walk(joined_media(stack), mu_o, mu_i, dphi, "auto", 0).walk;
+    return make_scattering_walk(joined_media(stack), target.mu_o, target.mu_i, target.dphi, "auto", 0).walk;
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(std::string("method = 'scattering': ") + error.what() +
-                                "; 'transfer' knows all stacks");
+                                "; use 'transfer' for other stacks");
   }
 }
 
@@ -68,9 +71,10 @@ void lamina::bind_scattering(py::module_& module) {
             return GradedMedium::homogeneous(albedo, tau, make_phase(kind, parameters));
           },
           py::arg("albedo"), py::arg("tau"), py::arg("phase"))
-      .def("over", &GradedMedium::over, py::arg("reflectance"), "The same on a Lambert surface.")
+      .def("over", &GradedMedium::over, py::arg("reflectance"), "The same slab on a Lambert surface.")
       .def_property_readonly("tau", &GradedMedium::tau);
-  module.def("joined_media", &joined_media, py::arg("stack"), "The media of a stack, and its Lambert base, as one.");
+  module.def("joined_media", &joined_media, py::arg("stack"),
+             "The media of a stack and its Lambert base as one graded medium.");
 
   const auto unlocked = py::call_guard<py::gil_scoped_release>();
   py::class_<ScatteringWalk>(module, "ScatteringWalk")
@@ -89,9 +93,8 @@ void lamina::bind_scattering(py::module_& module) {
         return make_guided_transfer_walk(medium, mu_o, mu_i, dphi);
       },
       py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), unlocked,
-      "A photon walk in a homogeneous slab guided by the adjoint internal field of a coarse solution.");
-  module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
-             py::arg("side"), py::arg("path"), py::arg("flux") = false, unlocked);
+      "A photon walk in a homogeneous slab, guided by the adjoint internal field of a coarse solution.");
+  module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("target"), unlocked);
   module.def(
       "scattering_ode",
       [](const GradedMedium& medium, const Eigen::VectorXd& mu, const std::vector<double>& dphi, ThreadPool& pool,

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Binds the solver, its solutions and their checks.
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 #include <algorithm>
 
 #include "bindings.hpp"
-#include "matter/graded_sublayers.hpp"
 #include "solve/evaluation.hpp"
 #include "solve/sound_solution.hpp"
-#include "solve/sublayer_choice.hpp"
 #include "table/slice_evaluation.hpp"
 
 namespace py = pybind11;
@@ -23,19 +22,8 @@ py::array_t<double> shaped(std::vector<double> values, std::vector<py::ssize_t> 
   return py::array_t<double>(std::move(shape), storage->data(), owner);
 }
 
-Medium make_medium(double albedo, double tau, const std::string& phase, const py::args& parameters) {
-  return {albedo, tau, make_phase(phase, parameters)};
-}
-
-Facets make_facets(double alpha, const std::string& distribution, bool correlated) {
-  if (distribution != "ggx" && distribution != "beckmann") {
-    throw py::value_error("distribution = '" + distribution + "': must be 'ggx' or 'beckmann'");
-  }
-  return {alpha, distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann, correlated};
-}
-
-/// (values [sight, solution, view, light], their lobes or None where no boundary is rough, albedo [sight, solution,
-/// view], direct, alike): see evaluate_slices.
+/// (values [sight, solution, view, light], lobes likewise, albedo [sight, solution, view], direct likewise), see
+/// evaluate_slices. The lobes are None where no boundary is rough.
 py::tuple slices(const std::vector<const Solution*>& solutions, const std::vector<std::pair<Side, Path>>& sights,
                  SliceGrid grid, ThreadPool& pool) {
   std::vector<Sight> wanted;
@@ -60,47 +48,29 @@ py::tuple slices(const std::vector<const Solution*>& solutions, const std::vecto
   return py::make_tuple(values, rough ? py::object(lobes) : py::none(), albedo, direct);
 }
 
-}  // namespace
+/// `evaluate`, called without the interpreter's lock, as an array of `shape`.
+template <typename Evaluate>
+py::array_t<double> evaluated(std::vector<py::ssize_t> shape, const Evaluate& evaluate) {
+  std::vector<double> values;
+  {
+    const py::gil_scoped_release release;
+    values = evaluate();
+  }
+  return shaped(std::move(values), std::move(shape));
+}
 
-void lamina::bind_solver(py::module_& module) {
-  py::class_<Medium>(module, "Medium").def(py::init(&make_medium), py::arg("albedo"), py::arg("tau"), py::arg("phase"));
+py::array_t<double> grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
+                         const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
+  return evaluated({mu_o.size(), mu_i.size(), dphi.size()},
+                   [&] { return evaluate_grid(solution, side, path, mu_o, mu_i, dphi, pool); });
+}
 
-  py::class_<Interface>(module, "Interface")
-      .def(py::init([](double ior, double alpha, const std::string& distribution, bool correlated, bool compensate) {
-             return Interface{ior, make_facets(alpha, distribution, correlated), compensate};
-           }),
-           py::arg("ior"), py::arg("alpha") = 0.0, py::arg("distribution") = "ggx", py::arg("correlated") = true,
-           py::arg("compensate") = true);
+py::array_t<double> points(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
+                           const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
+  return evaluated({mu_o.size()}, [&] { return evaluate_points(solution, side, path, mu_o, mu_i, dphi, pool); });
+}
 
-  py::class_<Base>(module, "Base")
-      .def_static("none", [] { return Base{}; })
-      .def_static("lambert",
-                  [](double reflectance) { return Base{.kind = Base::Kind::kLambert, .reflectance = reflectance}; })
-      .def_static(
-          "conductor",
-          [](double eta, double k, double alpha, const std::string& distribution, bool correlated, bool compensate) {
-            return Base{.kind = Base::Kind::kConductor,
-                        .ior = {eta, k},
-                        .facets = make_facets(alpha, distribution, correlated),
-                        .compensate = compensate};
-          },
-          py::arg("eta"), py::arg("k"), py::arg("alpha") = 0.0, py::arg("distribution") = "ggx",
-          py::arg("correlated") = true, py::arg("compensate") = true);
-
-  py::class_<Stack>(module, "Stack")
-      .def(py::init([](std::vector<Layer> layers, const Base& base) { return Stack{std::move(layers), base}; }),
-           py::arg("layers"), py::arg("base") = Base{});
-
-  module.def(
-      "sublayers_of", [](const GradedMedium& medium, double coarseness) { return sublayers_of(medium, coarseness); },
-      py::arg("medium"), py::arg("coarseness"), "Homogeneous sublayers that stand for a graded medium.");
-  module.def(
-      "count_sublayers",
-      [](const Stack& stack, double tolerance, ThreadPool& pool) {
-        return resolved_sublayers(stack, tolerance, pool).stack.layers.size();
-      },
-      py::arg("stack"), py::arg("tolerance"), py::arg("pool"), "Layers of the stack as it is solved.");
-
+void bind_results(py::module_& module) {
   py::class_<SolveChecks>(module, "SolveChecks")
       .def_readonly("quadrature", &SolveChecks::quadrature)
       .def_readonly("phase", &SolveChecks::phase)
@@ -109,16 +79,14 @@ void lamina::bind_solver(py::module_& module) {
       .def_readonly("negativity", &SolveChecks::negativity)
       .def_readonly("azimuth", &SolveChecks::azimuth)
       .def_readonly("resolution", &SolveChecks::resolution);
-
-  py::enum_<Side>(module, "Side").value("top", Side::kTop).value("bottom", Side::kBottom);
-  py::enum_<Path>(module, "Path").value("reflect", Path::kReflect).value("transmit", Path::kTransmit);
-
   py::class_<Fluxes>(module, "Fluxes")
       .def_readonly("reflected", &Fluxes::reflected)
       .def_readonly("mirrored", &Fluxes::mirrored)
       .def_readonly("transmitted", &Fluxes::transmitted)
       .def_readonly("direct", &Fluxes::direct);
+}
 
+void bind_solution(py::module_& module) {
   const auto unlocked = py::call_guard<py::gil_scoped_release>();
   py::class_<Solution>(module, "Solution")
       .def_property_readonly("nodes", [](const Solution& s) { return s.resolution().nodes; })
@@ -132,40 +100,22 @@ void lamina::bind_solver(py::module_& module) {
       .def_property_readonly("checks", &Solution::checks)
       .def("with_reflectance", &Solution::with_reflectance, py::arg("reflectance"))
       .def("with_thickness", &lamina::with_thickness, py::arg("layer"), py::arg("tau"), py::arg("pool"), unlocked)
-      .def(
-          "grid",
-          [](const Solution& s, Side side, Path path, const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
-             const Eigen::VectorXd& dphi, ThreadPool& pool) {
-            std::vector<double> values;
-            {
-              const py::gil_scoped_release release;
-              values = evaluate_grid(s, side, path, mu_o, mu_i, dphi, pool);
-            }
-            return shaped(std::move(values), {mu_o.size(), mu_i.size(), dphi.size()});
-          },
-          py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"))
-      .def(
-          "points",
-          [](const Solution& s, Side side, Path path, const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
-             const Eigen::VectorXd& dphi, ThreadPool& pool) {
-            std::vector<double> values;
-            {
-              const py::gil_scoped_release release;
-              values = evaluate_points(s, side, path, mu_o, mu_i, dphi, pool);
-            }
-            return shaped(std::move(values), {mu_o.size()});
-          },
-          py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"))
+      .def("grid", &grid, py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
+           py::arg("pool"))
+      .def("points", &points, py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
+           py::arg("pool"))
       .def("fluxes", &lamina::fluxes, py::arg("side"), py::arg("mu"), py::arg("pool"), unlocked)
       .def("diffuse_fluxes", &diffuse_fluxes, py::arg("side"), py::arg("pool"), unlocked);
-
   module.def(
       "slices",
       [](const std::vector<const Solution*>& solutions, const std::vector<std::pair<Side, Path>>& sights,
          const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi,
          ThreadPool& pool) { return slices(solutions, sights, SliceGrid{mu_o, mu_i, dphi}, pool); },
       py::arg("solutions"), py::arg("sights"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"));
+}
 
+void bind_solves(py::module_& module) {
+  const auto unlocked = py::call_guard<py::gil_scoped_release>();
   module.def("solve", &lamina::solve, py::arg("stack"), py::arg("tolerance"), py::arg("pool"), unlocked);
   module.def("solve_roughly", &lamina::solve_roughly, py::arg("stack"), py::arg("tolerance"), py::arg("nodes"),
              py::arg("pool"), unlocked);
@@ -179,5 +129,15 @@ void lamina::bind_solver(py::module_& module) {
         return lamina::solve_at(stack, resolution, pool);
       },
       py::arg("stack"), py::arg("nodes"), py::arg("azimuth_tolerance"), py::arg("pool"), py::arg("thinnest") = 1.0,
-      unlocked, "Solves at a stated resolution, without refinement; the checks tell what it is worth.");
+      unlocked, "Solves at a given resolution, without refinement; the checks tell how accurate it is.");
+}
+
+}  // namespace
+
+void lamina::bind_solver(py::module_& module) {
+  py::enum_<Side>(module, "Side").value("top", Side::kTop).value("bottom", Side::kBottom);
+  py::enum_<Path>(module, "Path").value("reflect", Path::kReflect).value("transmit", Path::kTransmit);
+  bind_results(module);
+  bind_solution(module);
+  bind_solves(module);
 }

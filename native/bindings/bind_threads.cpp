@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Binds the thread pool.
 #include "bindings.hpp"
 #include "numeric/thread_pool.hpp"
 
 namespace py = pybind11;
 
 void lamina::bind_threads(py::module_& module) {
-  py::class_<ThreadPool>(module, "ThreadPool", "Threads for the core's calls; 0: one a hardware thread.")
+  py::class_<ThreadPool>(module, "ThreadPool", "Threads for the core's calls; 0: one per hardware thread.")
       .def(py::init<unsigned>(), py::arg("threads") = 0)
       .def_property_readonly("threads", &ThreadPool::threads);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Each function binds one part of the core to the Python module.
 #pragma once
 #include <pybind11/pybind11.h>
 
@@ -10,13 +11,14 @@ namespace lamina {
 
 void bind_threads(pybind11::module_& module);
 void bind_phase(pybind11::module_& module);
+void bind_stack(pybind11::module_& module);
 void bind_solver(pybind11::module_& module);
 void bind_fit(pybind11::module_& module);
 void bind_walks(pybind11::module_& module);
 void bind_scattering(pybind11::module_& module);
 
-/// A phase function from its kind and that kind's parameters. Throws ValueError for an unknown kind and
-/// TypeError for other parameters than it has.
+/// A phase function from its kind and that kind's parameters. Throws ValueError for an unknown kind and TypeError for
+/// a wrong number of parameters.
 PhaseFunction make_phase(const std::string& kind, const pybind11::tuple& parameters);
 
 }  // namespace lamina

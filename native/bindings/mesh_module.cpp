@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The module of what needs rays, apart from _core: a build without Embree, or one that does not work here, leaves
-// all else as it is.
+// The Python module lamina._mesh: dust and texels on meshes. It is apart from _core, so that everything else works
+// without Embree.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -48,7 +48,7 @@ struct BoundFall : Fall {
   explicit BoundFall(const Fall& fall) : Fall(fall), open(fall) {}
 };
 
-/// A scene and the threads that trace it.
+/// A scene and the thread pool that traces it.
 class Scene {
  public:
   Scene(const std::vector<std::pair<Floats, Indices>>& meshes, unsigned threads, const py::function& go_on)
@@ -100,7 +100,7 @@ class Scene {
   std::size_t bytes() const { return scene_->bytes(); }
 
  private:
-  /// On a thread of its own, so that Python can be asked here whether to go on.
+  /// Builds on another thread, so that this one can ask Python whether to continue.
   void build(std::vector<TrianglePart> parts, const py::function& go_on) {
     std::atomic<double> fraction = 0.0;
     std::atomic<bool> stop = false;
@@ -139,7 +139,7 @@ class Scene {
     require_triples(positions, "positions");
     require_triples(normals, "normals");
     if (positions.shape(0) != normals.shape(0)) {
-      throw py::value_error("positions and normals must have as many rows");
+      throw py::value_error("positions and normals must have the same number of rows");
     }
     if (options.rays < 1) {
       throw py::value_error("rays must be at least 1");
@@ -157,7 +157,7 @@ py::tuple texels(const Doubles& uvs, int width, int height, int first_row, std::
   }
   const TexelRows image{width, height, first_row, rows.value_or(height)};
   if (first_row < 0 || image.rows < 0 || image.rows > height - first_row) {
-    throw py::value_error("the rows must be of the image");
+    throw py::value_error("first_row and rows must lie within the image");
   }
   py::array_t<std::int32_t> triangle({image.rows, width});
   Floats weights({image.rows, width, 2});
@@ -202,7 +202,8 @@ PYBIND11_MODULE(_mesh, module) {
   if (!wrong.empty()) {
     throw py::import_error(wrong);
   }
-  py::class_<BoundFall>(module, "Fall", "How grains fall: directions orthonormal, wind over the speed of the fall.")
+  py::class_<BoundFall>(module, "Fall",
+                        "How grains fall: orthonormal directions, and the wind relative to the speed of the fall.")
       .def(py::init([](const Vec3f& up, const Vec3f& across1, const Vec3f& across2, float wind1, float wind2,
                        float sin_spread) {
              if (!(sin_spread >= 0.0F && sin_spread < 1.0F)) {
@@ -218,22 +219,22 @@ PYBIND11_MODULE(_mesh, module) {
   py::class_<ArrivalOptions>(module, "Options")
       .def(py::init<int, std::uint64_t, bool, float>(), py::arg("rays"), py::arg("seed"), py::arg("two_sided"),
            py::arg("offset"));
-  py::class_<Scene>(module, "Scene", "Meshes (vertices, triangles); the first is the one that dust settles on.")
+  py::class_<Scene>(module, "Scene", "Meshes (vertices, triangles); dust settles on the first.")
       .def(py::init<const std::vector<std::pair<Floats, Indices>>&, unsigned, const py::function&>(), py::arg("meshes"),
            py::arg("threads"), py::arg("go_on"))
       .def("arrivals", &Scene::arrivals, py::arg("fall"), py::arg("positions").noconvert(),
            py::arg("normals").noconvert(), py::arg("first_number"), py::arg("options"),
-           "(shares, rays traced); shares: one a point, or front and back")
+           "(shares, rays traced); one share per point, or front and back")
       .def("exposures", &Scene::exposures, py::arg("positions").noconvert(), py::arg("normals").noconvert(),
            py::arg("first_number"), py::arg("options"), py::arg("reach"), "(exposures, rays traced)")
       .def("grains", &Scene::grains, py::arg("fall"), py::arg("corner"), py::arg("edge1"), py::arg("edge2"),
-           py::arg("count"), py::arg("seed"), "(front, back, stopped by each mesh, missed)")
+           py::arg("count"), py::arg("seed"), "Counts of grains: (front, back, stopped by each mesh, missed)")
       .def_property_readonly("bytes", &Scene::bytes);
   module.def("texels", &texels, py::arg("uvs"), py::arg("width"), py::arg("height"), py::arg("first_row") = 0,
-             py::arg("rows") = py::none(), "(triangle, weights of corners 2 and 3) of each texel of some rows.");
+             py::arg("rows") = py::none(), "(triangle, weights of corners 2 and 3) of each texel in the rows.");
   module.def(
       "corner_points", &corner_points, py::arg("triangles"), py::arg("normals"), py::arg("cosine"), py::arg("vertices"),
-      "(point of each corner, vertex of each point, first corner of each point): corners of a vertex are grouped "
-      "across edges where the triangles' normals have at least that cosine, or, with three normals a triangle, "
-      "where their own have it.");
+      "(point of each corner, vertex of each point, first corner of each point). The corners at a vertex share a "
+      "point across edges where the cosine between the triangles' normals, or with three normals per triangle "
+      "between the corners' own normals, is at least `cosine`.");
 }

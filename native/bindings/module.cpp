@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The Python module lamina._core.
 #include <pybind11/pybind11.h>
 
 #include "bindings.hpp"
@@ -9,6 +10,7 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = LAMINA_VERSION;
   lamina::bind_threads(module);
   lamina::bind_phase(module);
+  lamina::bind_stack(module);
   lamina::bind_solver(module);
   lamina::bind_fit(module);
   lamina::bind_walks(module);

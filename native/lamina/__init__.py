@@ -16,17 +16,13 @@ from .common.errors import (
     StackError,
     UnknownName,
 )
-from .material.layers import Black, Conductor, HalfSpace, Interface, Lambert, Medium
-from .material.phase import (
-    CornetteShanks,
-    DoubleHenyeyGreenstein,
-    Draine,
-    HenyeyGreenstein,
-    Isotropic,
-    Mixture,
-    Rayleigh,
-    Tabulated,
-)
+from .kinds import bases as _bases
+from .kinds import phases as _phases
+from .kinds.bases import *  # noqa: F403 - each base
+from .kinds.boundaries import Interface
+from .kinds.phases import *  # noqa: F403 - each phase function
+from .material.layers import Medium
+from .material.phase import Mixture, Tabulated
 from .material.profile import Knot
 from .material.stack import Stack
 from .solver.solve import ScatteringFunction, solve
@@ -35,29 +31,21 @@ from .walks.estimate import Estimate, Query, estimate
 __version__ = _core.__version__  # of pyproject.toml
 
 __all__ = [
+    *_bases.__all__,
+    *_phases.__all__,
     "ArgumentError",
-    "Black",
     "Cancelled",
-    "Conductor",
-    "CornetteShanks",
-    "DoubleHenyeyGreenstein",
-    "Draine",
     "DustError",
     "DustUnavailable",
     "Estimate",
     "ExportError",
-    "HalfSpace",
-    "HenyeyGreenstein",
     "Interface",
-    "Isotropic",
     "Knot",
-    "Lambert",
     "Lut",
     "LutError",
     "Medium",
     "Mixture",
     "Query",
-    "Rayleigh",
     "ScatteringFunction",
     "ShardError",
     "SolveError",

@@ -2,8 +2,8 @@
 """Dust that settles on meshes: see lamina.settling."""
 
 from .common.errors import DustError
+from .kinds.dust import Settling
 from .settling.mesh import Mesh, Points
-from .settling.settings import Settling
 from .settling.settle import Dust, available, settle, settle_image
 from .settling.statistics import Statistics
 from .settling.texels import dilate, texel_points

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Metals by name."""
 
-from .material.metals import GRAZING, colours_of, conductor, indices_of, names, reflectance, source
+from .kinds.metals import GRAZING, reflectance
+from .material.metals import colours_of, conductor, indices_of, names, source
 
 __all__ = ["GRAZING", "colours_of", "conductor", "indices_of", "names", "reflectance", "source"]

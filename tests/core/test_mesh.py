@@ -131,7 +131,7 @@ def test_wrong_arguments_are_refused():
     with pytest.raises(ValueError, match="indices below"):
         scene((np.eye(3), [[0, 1, 3]]))
     made = scene((np.eye(3), [[0, 1, 2]]))
-    with pytest.raises(ValueError, match="as many rows"):
+    with pytest.raises(ValueError, match="the same number of rows"):
         made.arrivals(fall(), np.zeros((2, 3), np.float32), np.zeros((1, 3), np.float32), 0, options(1))
     with pytest.raises(ValueError, match="sin_spread"):
         embree.layer().Fall(*UP, 0.0, 0.0, 1.0)

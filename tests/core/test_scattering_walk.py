@@ -167,7 +167,7 @@ def test_guided_walks_beat_the_plain_transfer_walk():
                                ((0.9, 0.5, "hg", 0.8), "guided-16", 10.0),
                                ((0.9, 0.5, "hg", 0.8), "residual-16", 10.0)]:
         guided = estimate(homogeneous(*medium), directions, walk, 4)
-        plain = _core.transfer_walk(stack([medium]), *directions, _core.Side.top, _core.Path.reflect,
+        plain = _core.transfer_walk(stack([medium]), _core.WalkTarget(*directions),
                                     next_event=_core.NextEvent.at_collision)
         total, squares, _, count, _ = _core.run_walk(plain, 11, 0, 20, POOL)
         variance = (squares / count - (total / count) ** 2) / (count - 1)
@@ -185,7 +185,7 @@ def test_the_pilot_falls_back_to_transfer_walks():
 
 def test_the_fallback_is_the_transfer_walk_itself():
     one = (0.9, 2.0, "hg", 0.8)
-    plain = _core.transfer_walk(stack([one]), 0.5, 0.4, 1.0, _core.Side.top, _core.Path.reflect)
+    plain = _core.transfer_walk(stack([one]), _core.WalkTarget(0.5, 0.4, 1.0))
     same = _core.ScatteringWalk(homogeneous(*one), 0.5, 0.4, 1.0, "transfer", 0).walk
     assert _core.run_walk(plain, 5, 0, 2, POOL) == _core.run_walk(same, 5, 0, 2, POOL)
 

@@ -16,7 +16,7 @@ import pytest
 
 import lamina
 from lamina import lobes
-from lamina.baking.lut_header import PREFIX, THROWN_BACK
+from lamina.kinds.table import PREFIX, THROWN_BACK
 
 OTHER = {"top": "bottom", "bottom": "top"}
 BLACK = 1e-6  # of a slice's largest value: what is darker is not told apart

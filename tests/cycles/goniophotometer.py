@@ -76,8 +76,6 @@ def material_from_recipe(lobe, weight=(1.0, 1.0, 1.0)):
             tree.links.new(socket, closure.inputs[name])
     for name, multiple in recipe.view_angles.items():
         tree.links.new(_view_angle(tree, multiple), closure.inputs[name])
-    if recipe.invert_ior_on_backface:
-        tree.links.new(_ior_of_either_side(tree, recipe.inputs["IOR"]), closure.inputs["IOR"])
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(closure.outputs[0], output.inputs["Surface"])
     return material
@@ -108,10 +106,6 @@ def direction_socket(tree, direction):
         mirrored = _vector(tree, "SUBTRACT", _vector(tree, "ADD", along, along), incoming)
         lean = _vector(tree, "SCALE", normal, scale=float(direction[1]))
         return _vector(tree, "NORMALIZE", _vector(tree, "ADD", mirrored, lean))
-    if direction == "N+R":
-        # N + R = N + 2 (N.I) N - I
-        mirrored = _vector(tree, "SUBTRACT", _vector(tree, "ADD", along, along), incoming)
-        return _vector(tree, "NORMALIZE", _vector(tree, "ADD", normal, mirrored))
     angle = math.radians(direction[1])
     sideways = _vector(tree, "NORMALIZE", _vector(tree, "SUBTRACT", incoming, along))
     turned = _vector(
@@ -145,17 +139,6 @@ def _vector(tree, operation, a, b=None, scale=None):
     elif scale is not None:
         tree.links.new(scale, node.inputs["Scale"])
     return node.outputs["Value" if operation == "DOT_PRODUCT" else "Vector"]
-
-
-def _ior_of_either_side(tree, ior):
-    """IOR on front faces and 1/IOR on back faces, where Cycles inverts it once more."""
-    geometry = tree.nodes.new("ShaderNodeNewGeometry")
-    scaled = tree.nodes.new("ShaderNodeMath")
-    scaled.operation = "MULTIPLY_ADD"
-    tree.links.new(geometry.outputs["Backfacing"], scaled.inputs[0])
-    scaled.inputs[1].default_value = 1.0 / ior - ior
-    scaled.inputs[2].default_value = ior
-    return scaled.outputs[0]
 
 
 # --- The instrument -----------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import mitsuba as mi
 import numpy as np
 
 import lamina
-from lamina.material.fields import channel
+from lamina.kinds.fields import channel
 
 
 def measured(path, variant: str = "scalar_rgb"):

@@ -13,7 +13,7 @@ import pytest
 import lamina
 from lamina import ArgumentError, Lambert, Lut, LutError, Medium, Query, ShardError, Stack, StackError
 from lamina.cli import main
-from lamina.common.errors import shown
+from lamina.common.errors import quoted
 from lamina.walks.shards import load_part, merge, run_shard
 
 SLAB = Stack([Medium(albedo=0.9, tau=1.0)], Lambert(0.5))
@@ -59,12 +59,25 @@ def test_what_is_no_stack_is_refused_by_all_that_take_one(value):
 
 
 @pytest.mark.parametrize(("name", "value"), [
-    ("seed", "x"), ("seed", -1), ("seed", 1 << 64), ("row_stride", 0), ("row_stride", 1.5), ("row_stride", 34),
+    ("row_stride", 0), ("row_stride", 1.5), ("row_stride", 34),
     ("basis", []), ("closures", 5), ("closures", [5]), ("closures", "diffuse"), ("closures", ["ggx:nan"]),
     ("progress", 5), ("cancel", "x"), ("quality", []), ("quality", None)])
 def test_any_argument_of_a_bake_is_checked(name, value):
     with pytest.raises(ArgumentError, match=f"^{name}"):
         lamina.bake(SLAB, **{"quality": "preview", name: value})
+
+
+@pytest.mark.parametrize("seed", ["x", -1, 1 << 64, 0.5])
+def test_seeds_that_cannot_be(seed):
+    for call in (lambda: lamina.estimate(SLAB, 0.5, 0.5, samples=4096, seed=seed),
+                 lambda: run_shard(SLAB, Query(0.5, 0.5), "transfer", 4096, seed, (1, 1))):
+        with pytest.raises(ArgumentError, match=r"^seed = .*: must be a whole number from 0 to 2\^64 - 1$"):
+            call()
+
+
+def test_a_bake_has_no_seed():
+    with pytest.raises(TypeError, match="seed"):
+        lamina.bake(SLAB, "preview", seed=1)
 
 
 @pytest.mark.parametrize(("layer", "taus", "words"), [
@@ -267,7 +280,7 @@ def test_a_key_that_is_given_twice_is_refused(tmp_path, capsys):
 @pytest.mark.parametrize("value", ["x" * 10**6, "x\n" * 10**5, list(range(10**6)), {"a" * 10**6: 1}, 10**4000, 10**5000,
                                    [[["x" * 999] * 99] * 99]], ids=lambda value: type(value).__name__)
 def test_long_values_are_cut_short(value):
-    assert len(shown(value)) <= 150 and "\n" not in shown(value)
+    assert len(quoted(value)) <= 150 and "\n" not in quoted(value)
     for call in (lambda: Medium(albedo=value, tau=1.0), lambda: Medium(albedo=0.5, tau=1.0, phase=value),
                  lambda: Medium(albedo=0.5, tau=1.0, varying=value)):
         with pytest.raises(StackError) as caught:

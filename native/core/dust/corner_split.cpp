@@ -10,8 +10,8 @@ namespace lamina {
 
 namespace {
 
-// Bounds the time at an edge with very many faces, and at a vertex with very many normals; beyond it, a group may
-// be split into several of the same normal, which gives each of them the same dust.
+// Limits the time at an edge with very many faces, and at a vertex with very many normals. Beyond it a group may be
+// split into several groups of the same normal; they get the same dust.
 constexpr std::size_t kMostCompared = 64;
 
 float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -20,8 +20,8 @@ bool is_zero(const float* n) { return n[0] == 0.0F && n[1] == 0.0F && n[2] == 0.
 
 using Corners = std::span<const std::size_t>;
 
-/// Calls groups_of(corners of a vertex, their groups) for each vertex, and numbers the groups. A group is any number
-/// below that of the corners, or kNone.
+/// Calls groups_of(corners of a vertex, their groups) for each vertex and numbers the groups as points. A group is any
+/// number below the number of corners, or kNone.
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 CornerPoints numbered(const TriangleList& triangles, const auto& groups_of) {
@@ -57,7 +57,7 @@ CornerPoints numbered(const TriangleList& triangles, const auto& groups_of) {
         continue;
       }
       std::uint32_t& point = number[group[i]];
-      if (point == 0) {  // point numbers are kept plus one
+      if (point == 0) {  // stored numbers are one higher, 0 is none
         point = static_cast<std::uint32_t>((any ? result.vertex.size() : v) + 1);
         if (any) {
           result.vertex.push_back(static_cast<std::uint32_t>(v));
@@ -91,7 +91,7 @@ std::size_t root_of(std::vector<std::size_t>& parent, std::size_t i) {
 }  // namespace
 
 CornerPoints smooth_corners(const TriangleList& triangles, const float* normals, float cosine) {
-  std::vector<std::pair<std::uint32_t, std::size_t>> edges;  // other end, which of the vertex's corners
+  std::vector<std::pair<std::uint32_t, std::size_t>> edges;  // the other end, the position of the vertex's corner
   return numbered(triangles, [&](Corners own, std::vector<std::size_t>& group) {
     edges.clear();
     for (std::size_t i = 0; i < own.size(); ++i) {
@@ -105,7 +105,7 @@ CornerPoints smooth_corners(const TriangleList& triangles, const float* normals,
       }
     }
     std::ranges::sort(edges);
-    std::size_t run = 0;  // the first of those that share an edge
+    std::size_t run = 0;  // the first corner at the current edge
     for (std::size_t j = 0; j < edges.size(); ++j) {
       if (edges[j].first != edges[run].first) {
         run = j;

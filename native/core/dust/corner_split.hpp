@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Vertices at hard edges, where one normal a vertex does not suffice.
+// Splits vertices at hard edges, where one normal per vertex is not enough.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,21 +14,22 @@ struct TriangleList {
   std::size_t vertices;
 };
 
-/// Points of a mesh: one for each group of a vertex's corners that have the same normal. The first group of vertex v is
-/// point v, also where v has no corner; the further groups follow in the order of their vertices.
+/// Points of a mesh: one for each group of a vertex's corners that share a normal. The first group of vertex v is point
+/// v, even if v has no corner; the other groups follow in the order of their vertices.
 struct CornerPoints {
-  std::vector<std::uint32_t> point;   // of each corner, three a triangle
+  std::vector<std::uint32_t> point;   // of each corner, three per triangle
   std::vector<std::uint32_t> vertex;  // of each point
-  std::vector<std::int64_t> first;    // corner of each point, the lowest of the group; -1: the vertex has no corner
+  std::vector<std::int64_t> first;    // of each point: its lowest corner, or -1 if the vertex has none
 };
 
-/// Groups by an angle limit: two triangles that share an edge belong to one group at both its ends when the cosine
-/// between their normals is at least `cosine`. `normals`: x y z of each triangle, of length 1, or 0 where the triangle
-/// has no area: such a corner joins the first group of its vertex.
+/// Groups corners by an angle limit: two triangles that share an edge belong to one group at both ends of the edge if
+/// the cosine between their normals is at least `cosine`. `normals`: x y z of each triangle, of length 1, or 0 for a
+/// triangle without area, whose corners join the first groups of their vertices.
 CornerPoints smooth_corners(const TriangleList& triangles, const float* normals, float cosine);
 
-/// Groups by given normals: corners of one vertex whose normals have a cosine of at least `cosine` share a point.
-/// `normals`: x y z of each corner, of length 1, or 0: such a corner joins the first group of its vertex.
+/// Groups corners by their own normals: corners of a vertex share a point if the cosine between their normals is at
+/// least `cosine`. `normals`: x y z of each corner, of length 1, or 0 for a corner that joins the first group of its
+/// vertex.
 CornerPoints distinct_corners(const TriangleList& triangles, const float* normals, float cosine);
 
 }  // namespace lamina

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "numeric/rng.hpp"
+#include "numeric/tangents.hpp"
 
 namespace lamina {
 
@@ -15,18 +16,18 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Small enough that threads end a chunk of points together, large enough to share what they set up.
+// Small enough that threads finish together, large enough to amortise the set-up of a task.
 constexpr std::size_t kPointsPerTask = 32;
-constexpr std::size_t kBatch = 256;
+constexpr std::size_t kBatch = 256;  // rays whose pattern is turned at once
 constexpr std::uint64_t kGrainsPerTask = 8192;
-// Of the offset: a point may lie in the plane of a neighbouring face, at the foot of a wall for example, and must not
-// be in its own way there; a face that it was moved off is farther than this.
+// Start of each ray, relative to the offset. A point may lie in the plane of a neighbouring face, for example at the
+// foot of a wall, and that face must not occlude it. The face that the point was offset from is farther than this.
 constexpr float kNearest = 0.25F;
 
 float dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Low-discrepancy points of the disc, one turn of the azimuth and the golden ratio's multiples for the squared
-/// radius; each point of the surface turns and shifts them at random (Cranley and Patterson 1976).
+/// Low-discrepancy points of the unit disc: uniform azimuths, and multiples of the golden ratio for the squared radius.
+/// Each point of the surface rotates them by a random angle and shift (Cranley and Patterson 1976).
 struct DiscPattern {
   std::vector<float> cosine, sine, square;
 
@@ -54,7 +55,7 @@ struct DiscTurn {
   }
 };
 
-/// x, y and squared radius of points [first, first + count) of a turned pattern; x and y on the unit circle.
+/// Points [first, first + count) of a turned pattern: x and y on the unit circle, and the squared radius.
 void turned(const DiscPattern& pattern, const DiscTurn& turn, std::size_t first, std::size_t count, float* x, float* y,
             float* square) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -67,7 +68,7 @@ void turned(const DiscPattern& pattern, const DiscTurn& turn, std::size_t first,
   }
 }
 
-/// The slope of a fall, tan theta, for sin^2 theta = sin^2 spread * square.
+/// The slope tan(theta) of a fall, where sin^2(theta) = sin^2(spread) * square.
 float slope_of(float sin_spread, float square) {
   const float sine2 = sin_spread * sin_spread * square;
   return std::sqrt(sine2 / (1.0F - sine2));
@@ -94,7 +95,7 @@ class ArrivalAtPoint {
         options_(options),
         pattern_(fall.sin_spread > 0.0F ? options.rays : 1) {}
 
-  /// Of the side that the normal points to, and of the other: 0 unless dust lies on both.
+  /// The shares of the front (the side that the normal points to) and of the back, 0 unless two_sided.
   std::array<float, 2> shares(const Vec3f& position, const Vec3f& normal, std::uint64_t number,
                               std::uint64_t& rays) const {
     const float up = dot(normal, fall_.up);
@@ -139,7 +140,7 @@ class ArrivalAtPoint {
       }
     }
     if (pattern_.size() == 1) {
-      // The ratio of a single ray is its visibility alone; its weight times that has the right mean.
+      // With one ray the ratio of the sums is biased; the ray's weight times its visibility is not.
       return {static_cast<float>(sums[0].open), static_cast<float>(sums[1].open)};
     }
     return {static_cast<float>(front * sums[0].share()), static_cast<float>(back * sums[1].share())};
@@ -153,8 +154,7 @@ class ArrivalAtPoint {
   DiscPattern pattern_;
 };
 
-/// Calls work(position, normal, number, index) for all points whose normal is not zero; returns the sum of what it
-/// adds to its count of rays.
+/// Calls work(position, normal, number, index, rays) for all points. Returns the sum of `rays`.
 std::uint64_t for_points(const PointSet& points, ThreadPool& pool, const auto& work) {
   std::atomic<std::uint64_t> all_rays = 0;
   pool.run((points.count + kPointsPerTask - 1) / kPointsPerTask, [&](std::size_t task) {
@@ -172,15 +172,6 @@ std::uint64_t for_points(const PointSet& points, ThreadPool& pool, const auto& w
 
 bool is_zero(const Vec3f& v) { return v[0] == 0.0F && v[1] == 0.0F && v[2] == 0.0F; }
 
-/// Two directions at right angles to a unit normal and each other (Duff et al. 2017).
-void complete_basis(const Vec3f& n, Vec3f& a, Vec3f& b) {
-  const float sign = std::copysign(1.0F, n[2]);
-  const float c = -1.0F / (sign + n[2]);
-  const float d = n[0] * n[1] * c;
-  a = {1.0F + sign * n[0] * n[0] * c, sign * d, -sign * n[0]};
-  b = {d, sign + n[1] * n[1] * c, -n[1]};
-}
-
 }  // namespace
 
 OpenShare::OpenShare(const Fall& fall)
@@ -191,8 +182,8 @@ OpenShare::OpenShare(const Fall& fall)
   if (spread_ <= 0.0) {
     return;
   }
-  // The mean over phi of max(0, c + b tan(theta) cos(phi)) is known in closed form; over theta, whose density is
-  // 2 sin cos / sin^2 spread, it is summed by midpoints.
+  // The mean over phi of max(0, c + b tan(theta) cos(phi)) has a closed form. The mean over theta, with the density
+  // 2 sin cos / sin^2(spread), is a midpoint sum.
   constexpr int kThetas = 512;
   for (int k = 0; k <= kIntervals; ++k) {
     const double angle = spread_ * (2.0 * k / kIntervals - 1.0);
@@ -258,9 +249,7 @@ std::uint64_t dust_exposures(const MeshScene& scene, const PointSet& points, con
           return;
         }
         const DiscTurn turn(options.seed, number);
-        Vec3f a;
-        Vec3f b;
-        complete_basis(normal, a, b);
+        const auto [a, b] = tangents_of(normal[0], normal[1], normal[2]);
         const float offset = offset_at(position, options.offset);
         std::size_t open = 0;
         for (std::size_t i = 0; i < pattern.size(); ++i) {

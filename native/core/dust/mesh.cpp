@@ -11,7 +11,7 @@ namespace lamina {
 
 namespace {
 
-// Above this many triangles memory matters more than speed: compact nodes and indexed triangles.
+// Above this many triangles Embree uses compact nodes and indexed triangles: less memory, slower rays.
 constexpr std::size_t kCompactTriangles = 3000000;
 
 void keep_first_error(void* first, RTCError, const char* words) {
@@ -115,7 +115,7 @@ bool MeshScene::occluded(const MeshRay& ray) const {
   rtcInitIntersectContext(&context);
   RTCRay traced = embree_ray(ray);
   rtcOccluded1(embree_->scene, &context, &traced);
-  // Embree's mark of a hit is tfar = -infinity.
+  // Embree marks a hit by tfar = -infinity.
   return traced.tfar < 0.0F;
 }
 

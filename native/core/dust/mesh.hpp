@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Triangles that rays meet. What lies behind it is Embree, which only mesh.cpp knows.
+// Ray queries on triangles. Only mesh.cpp includes Embree.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,13 +11,13 @@
 namespace lamina {
 
 /// Triangles of one object: x y z of each vertex, and three indices of each triangle, all below the number of
-/// vertices. The last four bytes of padding that Embree reads past the end are added by MeshScene.
+/// vertices. MeshScene adds the four bytes of padding that Embree reads past the end.
 struct TrianglePart {
   std::vector<float> vertices;
   std::vector<std::uint32_t> triangles;
 };
 
-/// From `origin` along `direction`, of any length but 0, between `nearest` and `farthest` lengths of it.
+/// A ray along `direction`, of any length but 0, between `nearest` and `farthest`, in units of that length.
 struct MeshRay {
   float origin[3];
   float direction[3];
@@ -25,20 +25,19 @@ struct MeshRay {
   float farthest;
 };
 
-/// The first face that a ray meets: which part (-1: none), and whether it is met from its front, the side from
-/// which its corners run counter-clockwise.
+/// The first face that a ray hits: its part (-1: no hit), and whether the ray hits its front, the side from which its
+/// corners run counter-clockwise.
 struct MeshHit {
   int part;
   bool front;
 };
 
-/// Parts in one scene, for rays from any number of threads at once. Rays cannot slip through between triangles
-/// that share an edge, and a hit does not depend on the number of threads that built the scene.
+/// Several parts in one scene. Queries are thread-safe and watertight at shared edges, and do not depend on the number
+/// of threads that built the scene.
 class MeshScene {
  public:
-  /// Builds on `threads` threads. `go_on(fraction)` is called now and then, from the threads that build; when it
-  /// returns false the scene is not built and Stopped is thrown. Throws std::runtime_error when Embree fails, for
-  /// want of memory for example.
+  /// Builds on `threads` threads, which call `go_on(fraction)` from time to time; when it returns false, the build
+  /// stops and throws Stopped. Throws std::runtime_error when Embree fails, for example for lack of memory.
   MeshScene(std::vector<TrianglePart> parts, unsigned threads, const std::function<bool(double)>& go_on);
   ~MeshScene();
   MeshScene(const MeshScene&) = delete;
@@ -49,7 +48,7 @@ class MeshScene {
   bool occluded(const MeshRay& ray) const;
   MeshHit first_hit(const MeshRay& ray) const;
   std::size_t parts() const { return parts_.size(); }
-  /// What Embree holds for the scene.
+  /// Memory that Embree holds for the scene.
   std::size_t bytes() const;
 
  private:
@@ -58,8 +57,8 @@ class MeshScene {
   std::vector<TrianglePart> parts_;
 };
 
-/// Empty when Embree is of the version that this was compiled for and a ray meets what it must meet; otherwise
-/// what is wrong. Two copies of Embree in one process can make it silently blind.
+/// An error message, or empty if Embree has the expected version and a test ray hits its triangle. Two copies of Embree
+/// in one process can make rays miss silently.
 std::string mesh_self_test();
 
 }  // namespace lamina

@@ -8,7 +8,7 @@ namespace lamina {
 
 namespace {
 
-/// Texels of [least, most) whose centres lie in [low, high], in texels: first and one past the last.
+/// The range [first, last) of texels in [least, most) whose centres lie in [low, high].
 void centres_between(double low, double high, int least, int most, int& first, int& last) {
   first = static_cast<int>(std::clamp(std::ceil(low - 0.5), static_cast<double>(least), static_cast<double>(most)));
   last =
@@ -48,7 +48,7 @@ void raster_texels(const double* uvs, std::size_t triangles, const TexelRows& im
         const std::size_t texel =
             static_cast<std::size_t>(row - image.first_row) * static_cast<std::size_t>(image.width) +
             static_cast<std::size_t>(column);
-        // Edges belong to either neighbour, so that no texel falls between them.
+        // An edge belongs to both neighbours, so that no texel between them is missed.
         if (second < 0.0 || third < 0.0 || second + third > 1.0 || triangle[texel] >= 0) {
           continue;
         }

@@ -87,7 +87,7 @@ class Selector {
     return score(std::span<const int>(buffer.data(), count), replaced);
   }
 
-  // `changed` is the position whose warm start is void; -1: the last one, which has none.
+  // `changed` is the position whose warm start is invalid; -1: the last one.
   [[nodiscard]] Score score(std::span<const int> set, int changed) const {
     Score result;
     const double factor = penalty(set);
@@ -103,7 +103,7 @@ class Selector {
       sum2 += target.weight * error2;
       sum += target.weight * std::sqrt(error2);
       worst2 = std::max(worst2, error2);
-      // Nothing can undercut the best any more: the rest only adds.
+      // The sum already exceeds the best; the remaining terms are positive.
       if (sum2 / total_weight_ * factor > abandon_above_) return result;
     }
     result.objective = factor * (sum2 / total_weight_ + options_.worst_share * worst2);
@@ -125,7 +125,7 @@ class Selector {
     score_ = score(chosen_, static_cast<int>(chosen_.size()));
   }
 
-  // The candidate that makes the best set when added (replaced < 0) or exchanged for a position.
+  // The candidate that gives the best set when added (replaced < 0) or exchanged for a position.
   [[nodiscard]] std::pair<int, double> best_candidate(int replaced) {
     std::vector<int> open;
     for (const int closure : candidates_)

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
 // Fits slices of a scattering function by non-negative mixtures of renderer closures.
 //
-// A slice is the cosine-weighted function seen from one view column, f(mu_o; mu_i, dphi) mu_i.  All that
-// the fit needs of it are inner products over the solid angle of the light: with every closure (`rhs`),
-// with itself (`norm2`), and with one (`albedo`).  The inner products of the closures with each other
-// (`ColumnGram`) depend on the dictionary alone and are made once.
-//
-// Slices are independent of each other, and nothing here starts a thread.
+// A slice is the cosine-weighted function for one view column, f(mu_o; mu_i, dphi) mu_i. The fit needs only its inner
+// products over the solid angle of the light: with every closure (`rhs`), with itself (`norm2`), and with 1 (`albedo`).
+// The inner products of the closures with each other (`ColumnGram`) depend on the dictionary alone.
 #pragma once
 
 #include "numeric/nnls.hpp"
@@ -35,30 +31,29 @@ struct SliceTarget {
 };
 
 struct FitOptions {
-  /// Weight of the relative albedo error, squared, against the relative squared L2 error.  What is left
-  /// of the albedo error is removed by scaling the mixture.
+  /// Weight of the squared relative albedo error against the squared relative L2 error. Scaling the mixture removes
+  /// the remaining albedo error.
   double albedo_weight = 1e3;
 };
 
-/// Inner products of D closures; `values` is D x G (row = closure, unit weight), `solid_angle` has the
-/// G quadrature weights of the light grid.  The albedos are the grid's own sums; closures have kinks, so
-/// a caller who wants them exact replaces them by those of a finer grid (divided by `scale`).
+/// Inner products of D closures. `values` is D x G (row = closure, unit weight); `solid_angle` holds the G quadrature
+/// weights of the light grid. The albedos are sums on this grid; callers may replace them by those of a finer grid,
+/// divided by `scale`, since closures have kinks.
 [[nodiscard]] ColumnGram column_gram(const Eigen::Ref<const Eigen::MatrixXd>& values,
                                      const Eigen::Ref<const Eigen::VectorXd>& solid_angle);
 
-/// Target for one slice sampled on the light grid of `values`; `albedo` is the slice's exact one.
+/// Target for one slice sampled on the light grid of `values`; `albedo` is the slice's exact albedo.
 [[nodiscard]] SliceTarget slice_target(int column, const ColumnGram& gram,
                                        const Eigen::Ref<const Eigen::MatrixXd>& values,
                                        const Eigen::Ref<const Eigen::VectorXd>& solid_angle,
                                        const Eigen::Ref<const Eigen::VectorXd>& slice, double albedo);
 
-/// Fits one slice by the chosen closures.  `weights` (one for each of `chosen`, in 1 per closure of unit
-/// weight) is the result; returns the relative L2 error.  The mixture's albedo is the target's exactly,
-/// unless all chosen closures are black in this column.
+/// Fits one slice by the chosen closures. Writes one weight per chosen closure to `weights` and returns the relative L2
+/// error. The mixture has exactly the target's albedo, unless all chosen closures are black in this column.
 double fit_slice(const ColumnGram& gram, const SliceTarget& target, std::span<const int> chosen,
                  Eigen::Ref<Eigen::VectorXd> weights, const FitOptions& options = {});
 
-/// The same in unit-norm closures; `x` is warm start and result.  Returns the squared error.
+/// The same for closures of unit norm; `x` is the warm start and the result. Returns the squared error.
 double fit_unit_norm(const ColumnGram& gram, const SliceTarget& target, std::span<const int> chosen,
                      const FitOptions& options, SmallVector& x);
 

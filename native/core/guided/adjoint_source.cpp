@@ -10,36 +10,69 @@
 namespace lamina {
 namespace {
 
-/// Depths from the top at which light that leaves there begins to be spread out.
+/// Optical depth below which the table's depths are about equally spaced, and above which they are spaced by a factor.
 constexpr double kUnit = 0.05;
-
-/// Nodes that see the phase function's peak well enough for a guide.
-int nodes_for(const GradedMedium& medium) {
-  const double peak = medium.knots().front().phase.peak();
-  return peak > 0.85 ? 24 : peak > 0.4 ? 16 : 12;
-}
-
-/// One azimuth order of a layer as the nodes and the viewer see it.
-ScatteringFunction layer(const ReflectionByHeight& reflection, const HomogeneousModes& modes, const PhaseKernel& phase,
-                         const LayerShapes& shapes, int m, double tau) {
-  const Directions& directions = reflection.directions();
-  if (tau <= 0.0) {
-    return ScatteringFunction::empty(directions);
-  }
-  const TruncatedMedium seen = reflection.medium(0.0, tau);
-  // Where hardly anything is scattered twice, rounding would show instead.
-  constexpr double kFaintest = 1e-7;
-  const Eigen::Index n = directions.live;
-  const MultipleScattering multiple =
-      seen.albedo * seen.tau > kFaintest
-          ? multiple_scattering(modes.layer(seen.tau), seen, phase, m, directions)
-          : MultipleScattering{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd()};
-  return layer_on(directions, multiple, seen, shapes, single_on(directions, seen, shapes, m), m);
-}
+/// Azimuth orders are summed until one adds less than this, relative to the table's maximum.
+constexpr double kUnseen = 2e-3;
+/// Floor of each depth's section, relative to its maximum, where the orders left out make it zero or negative.
+constexpr float kFloor = 1e-3F;
 
 }  // namespace
 
+/// What all azimuth orders share while the table is filled.
+struct AdjointSource::Tabulation {
+  const ReflectionByHeight& reflection;
+  TruncatedMedium whole;
+  std::array<double, kDepths> depth;
+  std::vector<LayerShapes> above;  // of the layers above and below each depth
+  std::vector<LayerShapes> below;
+  Eigen::VectorXd mu;  // the nodes, then the table's cosines
+  std::array<double, kAzimuths> angle;
+  Eigen::VectorXd share;  // of each node in the scattered light
+
+  Tabulation(const ReflectionByHeight& coarse, double tau, double step, double mu_out);
+
+  ScatteringFunction layer(const HomogeneousModes& modes, const PhaseKernel& phase, const LayerShapes& shapes, int m,
+                           double thickness) const;
+};
+
+AdjointSource::Tabulation::Tabulation(const ReflectionByHeight& coarse, double tau, double step, double mu_out)
+    : reflection(coarse), whole(coarse.medium(0.0, tau)) {
+  const Directions& directions = reflection.directions();
+  const Eigen::Index n = directions.nodes;
+
+  // Space the depths evenly in log(1 + depth / kUnit)
+  for (std::size_t j = 0; j < kDepths; ++j) {
+    depth[j] = j + 1 == kDepths ? tau : kUnit * std::expm1(step * static_cast<double>(j));
+    above.emplace_back(directions, whole.tau * depth[j] / tau);
+    below.emplace_back(directions, whole.tau * (tau - depth[j]) / tau);
+  }
+
+  // Compute the table's cosines and azimuths
+  mu.resize(n + static_cast<Eigen::Index>(kAzimuths));
+  mu.head(n) = directions.mu.head(n);
+  for (std::size_t k = 0; k < kAzimuths; ++k) {
+    const double x = static_cast<double>(k) / static_cast<double>(kCells);
+    mu[n + static_cast<Eigen::Index>(k)] = std::max(1e-6, 1.0 - x * x);
+    angle[k] = 2.0 * std::asin(x);
+  }
+
+  // A beam of flux 4 pi; of its light, half the weight of each node.
+  share = (2.0 * mu_out * whole.albedo) * directions.weight.cwiseQuotient(directions.scale.head(n));
+}
+
+/// One azimuth order of a layer as the nodes and the viewer see it.
+ScatteringFunction AdjointSource::Tabulation::layer(const HomogeneousModes& modes, const PhaseKernel& phase,
+                                                    const LayerShapes& shapes, int m, double thickness) const {
+  if (thickness <= 0.0) {
+    return ScatteringFunction::empty(reflection.directions());
+  }
+  const auto same = [&]() -> const HomogeneousModes& { return modes; };
+  return reflection.layer(m, reflection.medium(0.0, thickness), phase, shapes, same);
+}
+
 AdjointSource::AdjointSource(const GradedMedium& medium, const Ray& out) {
+  // Set up the lookup of depths and azimuths
   const double sine = std::hypot(out.x, out.y);
   across_x_ = static_cast<float>(sine > 0.0 ? out.x / sine : 1.0);
   across_y_ = static_cast<float>(sine > 0.0 ? out.y / sine : 0.0);
@@ -49,80 +82,70 @@ AdjointSource::AdjointSource(const GradedMedium& medium, const Ray& out) {
   cells_per_log_ = static_cast<float>(1.0 / step);
   table_.assign(kDepths * kCosines * kAzimuths, 0.0F);
 
+  // Sum azimuth orders until one adds nothing that a guide would miss
   const Eigen::VectorXd viewer = Eigen::VectorXd::Constant(1, out.z);
-  const ReflectionByHeight reflection(medium, {tau}, nodes_for(medium), viewer);
-  const Directions& directions = reflection.directions();
-  const Eigen::Index n = directions.nodes;
-  const TruncatedMedium whole = reflection.medium(0.0, tau);
-  std::array<double, kDepths> depth;
-  std::vector<LayerShapes> above;
-  std::vector<LayerShapes> below;
-  for (std::size_t j = 0; j < kDepths; ++j) {
-    depth[j] = j + 1 == kDepths ? tau : kUnit * std::expm1(step * static_cast<double>(j));
-    above.emplace_back(directions, whole.tau * depth[j] / tau);
-    below.emplace_back(directions, whole.tau * (tau - depth[j]) / tau);
-  }
-  Eigen::VectorXd mu(n + static_cast<Eigen::Index>(kAzimuths));
-  mu.head(n) = directions.mu.head(n);
-  std::array<double, kAzimuths> angle;
-  for (std::size_t k = 0; k < kAzimuths; ++k) {
-    const double x = static_cast<double>(k) / static_cast<double>(kCells);
-    mu[n + static_cast<Eigen::Index>(k)] = std::max(1e-6, 1.0 - x * x);
-    angle[k] = 2.0 * std::asin(x);
-  }
-  // A beam of flux 4 pi; of its light, half the weight of each node.
-  const Eigen::VectorXd share =
-      (2.0 * out.z * whole.albedo) * directions.weight.cwiseQuotient(directions.scale.head(n));
-
+  const ReflectionByHeight reflection(medium, {tau}, guide_nodes(medium), viewer);
+  const Tabulation tabulation(reflection, tau, step, out.z);
   for (int m = 0; m < reflection.orders(); ++m) {
-    const HomogeneousModes modes(whole, m, directions);
-    const PhaseKernel phase(whole, m, directions.mu.head(directions.live));
-    const PhaseKernel towards(whole, m, mu);
-    const auto points = static_cast<Eigen::Index>(kAzimuths);
-    const Eigen::MatrixXd turned = towards.reflect.bottomLeftCorner(points, n) * share.asDiagonal();
-    const Eigen::MatrixXd passed = towards.transmit.bottomLeftCorner(points, n) * share.asDiagonal();
-    std::array<float, kAzimuths> wave;
-    for (std::size_t a = 0; a < kAzimuths; ++a) {
-      wave[a] = static_cast<float>((m == 0 ? 1.0 : 2.0) * std::cos(m * angle[a]));
-    }
-    double largest = 0.0;
-    for (std::size_t j = 0; j < kDepths; ++j) {
-      const ScatteringFunction over = layer(reflection, modes, phase, above[j], m, depth[j]);
-      const ScatteringFunction under = layer(reflection, modes, phase, below[j], m, tau - depth[j]);
-      const DirectionOperator& mirror = under.reflect_above;
-      // Diffuse light between the two, of the beam: D = T + R' R D, U = R D, all without the beam itself.
-      const Eigen::MatrixXd kernel = mirror.kernel.topLeftCorner(n, n);
-      const Eigen::MatrixXd back = over.reflect_below.kernel.topLeftCorner(n, n);
-      const Eigen::VectorXd once = mirror.kernel.col(n).head(n) * over.transmit.delta[n];
-      const Eigen::VectorXd first = over.transmit.kernel.col(n).head(n) + back * once;
-      const Eigen::VectorXd down = (Eigen::MatrixXd::Identity(n, n) - back * kernel).partialPivLu().solve(first).eval();
-      const Eigen::VectorXd up = once + kernel * down;
-      // Light that travels down towards the viewer's mirror image is the beam's turned round.
-      const Eigen::VectorXd of_down = turned * down + passed * up;
-      const Eigen::VectorXd of_up = passed * down + turned * up;
-      largest = std::max({largest, of_down.cwiseAbs().maxCoeff(), of_up.cwiseAbs().maxCoeff()});
-      float* section = &table_[j * kCosines * kAzimuths];
-      for (std::size_t i = 0; i < kCosines; ++i) {
-        const bool falls = i <= kCells;
-        const auto point = static_cast<Eigen::Index>(falls ? i : 2 * kCells - i);
-        const auto value = static_cast<float>(falls ? of_down[point] : of_up[point]);
-        for (std::size_t a = 0; a < kAzimuths; ++a) {
-          section[i * kAzimuths + a] += wave[a] * value;
-        }
-      }
-    }
-    constexpr double kUnseen = 2e-3;
+    const double largest = add_order(tabulation, m);
     const float most = *std::max_element(table_.begin(), table_.end());
     if (largest < kUnseen * static_cast<double>(most)) {
       break;
     }
   }
-  // Nowhere zero, nor below by what the orders left out.
+
+  // Raise values that are zero or negative
   constexpr std::ptrdiff_t kSection = kCosines * kAzimuths;
   for (auto section = table_.begin(); section != table_.end(); section += kSection) {
-    const float least = 1e-3F * std::max(0.0F, *std::max_element(section, section + kSection));
+    const float least = kFloor * std::max(0.0F, *std::max_element(section, section + kSection));
     std::transform(section, section + kSection, section, [&](float value) { return std::max(value, least); });
   }
+}
+
+/// Adds azimuth order m to the table. Returns the largest absolute value that it adds, at azimuth 0.
+double AdjointSource::add_order(const Tabulation& tabulation, int m) {
+  const Directions& directions = tabulation.reflection.directions();
+  const Eigen::Index n = directions.nodes;
+  const auto points = static_cast<Eigen::Index>(kAzimuths);
+  const HomogeneousModes modes(tabulation.whole, m, directions);
+  const PhaseKernel phase(tabulation.whole, m, directions.mu.head(directions.live));
+  const PhaseKernel towards(tabulation.whole, m, tabulation.mu);
+  const Eigen::MatrixXd turned = towards.reflect.bottomLeftCorner(points, n) * tabulation.share.asDiagonal();
+  const Eigen::MatrixXd passed = towards.transmit.bottomLeftCorner(points, n) * tabulation.share.asDiagonal();
+  std::array<float, kAzimuths> wave;
+  for (std::size_t a = 0; a < kAzimuths; ++a) {
+    wave[a] = static_cast<float>((m == 0 ? 1.0 : 2.0) * std::cos(m * tabulation.angle[a]));
+  }
+  double largest = 0.0;
+  for (std::size_t j = 0; j < kDepths; ++j) {
+    // Solve for the beam's diffuse light at this depth: D = T + R' R D, U = R D, without the beam itself
+    const double depth = tabulation.depth[j];
+    const ScatteringFunction over = tabulation.layer(modes, phase, tabulation.above[j], m, depth);
+    const ScatteringFunction under =
+        tabulation.layer(modes, phase, tabulation.below[j], m, tabulation.depth[kDepths - 1] - depth);
+    const DirectionOperator& mirror = under.reflect_above;
+    const Eigen::MatrixXd kernel = mirror.kernel.topLeftCorner(n, n);
+    const Eigen::MatrixXd back = over.reflect_below.kernel.topLeftCorner(n, n);
+    const Eigen::VectorXd once = mirror.kernel.col(n).head(n) * over.transmit.delta[n];
+    const Eigen::VectorXd first = over.transmit.kernel.col(n).head(n) + back * once;
+    const Eigen::VectorXd down = (Eigen::MatrixXd::Identity(n, n) - back * kernel).partialPivLu().solve(first).eval();
+    const Eigen::VectorXd up = once + kernel * down;
+
+    // Scatter it once into the table's directions; the light of the walk travels the opposite way
+    const Eigen::VectorXd of_down = turned * down + passed * up;
+    const Eigen::VectorXd of_up = passed * down + turned * up;
+    largest = std::max({largest, of_down.cwiseAbs().maxCoeff(), of_up.cwiseAbs().maxCoeff()});
+    float* section = &table_[j * kCosines * kAzimuths];
+    for (std::size_t i = 0; i < kCosines; ++i) {
+      const bool falls = i <= kCells;
+      const auto point = static_cast<Eigen::Index>(falls ? i : 2 * kCells - i);
+      const auto value = static_cast<float>(falls ? of_down[point] : of_up[point]);
+      for (std::size_t a = 0; a < kAzimuths; ++a) {
+        section[i * kAzimuths + a] += wave[a] * value;
+      }
+    }
+  }
+  return largest;
 }
 
 }  // namespace lamina

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The worth of a collision to the viewer, tabulated from the adjoint problem, for guided transfer walks.
+// The importance of a collision for the viewer, tabulated from the adjoint problem, for guided transfer walks.
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
@@ -12,19 +12,20 @@
 
 namespace lamina {
 
-/// What a collision in a homogeneous slab, at some depth and of light that travels in some direction, is nearly worth
-/// to a viewer above beyond its own next event: the source function of the adjoint problem. By reciprocity that is
-/// the one which a beam from the viewer brings about by its diffuse light, known from the coarse solutions of the
-/// layers above and below. In units in which the next event's worth is k exp(-depth / mu_o).
+/// Approximate importance, for a viewer above, of a collision in a homogeneous slab: the light that reaches the viewer
+/// after at least one more collision. A function of the collision's depth and of the direction of the light before it.
+/// It is the source function of the adjoint problem: by reciprocity, that of the diffuse light of a beam from the
+/// viewer, from coarse solutions of the layers above and below. In these units the next event is
+/// k exp(-depth / mu_o).
 ///
-/// Linear between depths that become denser towards the top, points uniform in sqrt(1 - |mu|) on both sides of the
-/// horizon, and in sin(dphi / 2).
+/// The table is linear between its points, which are uniform in log(1 + depth / unit), in sqrt(1 - |mu|) on both sides
+/// of the horizon, and in sin(dphi / 2).
 class AdjointSource {
  public:
   /// `out`: the direction to the viewer, upwards.
   AdjointSource(const GradedMedium& medium, const Ray& out);
 
-  /// For depths from 0 to tau and directions of travel, all of one size. Above 0 wherever anything comes.
+  /// For depths in [0, tau] and directions of travel, arrays of one size. Positive unless the whole section is zero.
   template <typename Values>
   Values operator()(const Values& depth, const Values& x, const Values& y, const Values& z) const {
     constexpr auto kScale = static_cast<float>(kCells);
@@ -55,7 +56,12 @@ class AdjointSource {
   }
 
  private:
-  static constexpr std::size_t kCells = 12;  // of a quarter turn of elevation, and of half a turn of azimuth
+  struct Tabulation;
+
+  double add_order(const Tabulation& tabulation, int m);
+
+  // Sizes of the table. The walk is unbiased for any of them; finer tables take longer to fill.
+  static constexpr std::size_t kCells = 12;  // in each hemisphere of mu, and in half a turn of azimuth
   static constexpr std::size_t kCosines = 2 * kCells + 1;
   static constexpr std::size_t kAzimuths = kCells + 1;
   static constexpr std::size_t kDepths = 20;

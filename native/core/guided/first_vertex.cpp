@@ -10,13 +10,16 @@
 namespace lamina {
 namespace {
 
-/// Least value of a square, relative to the mean and to the largest of its neighbours: one may hold a piece of the
-/// horizon that its points miss. Least share of a term.
+// Floors, which bound the weights where the tables are too small. The estimate is unbiased for any of them.
+
+/// Least value of a square, relative to the mean.
 constexpr double kLeastSquare = 0.02;
+/// Least value of a square, relative to its largest neighbour: it may hold a piece of the horizon that its points miss.
 constexpr float kLeastOfNeighbours = 0.2F;
+/// Least share of SkS, relative to kS + Sk.
 constexpr double kLeastTerm = 0.01;
 
-/// Walker's method in Vose's form (1991), for values that are positive on the whole.
+/// Alias table of Walker's method in Vose's form (1991); the values must not all be 0.
 void make_alias(const float* value, std::size_t count, float* keep, std::uint16_t* alias) {
   double sum = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -82,7 +85,7 @@ FirstVertex::FirstVertex(const GradedMedium& medium, const ScatteringGuide& guid
   }
 }
 
-/// Rows of equal probability, of which those widest in angle are halved there.
+/// Divides the rows: half of them of equal probability, then the widest in angle is halved until all are made.
 void FirstVertex::divide() {
   constexpr std::size_t kEqual = kRows / 2;
   const auto angle = [&](double u) { return std::acos(std::clamp(scattering_.sample(u), -1.0, 1.0)); };
@@ -114,7 +117,7 @@ void FirstVertex::divide() {
 }
 
 void FirstVertex::tabulate(Side& side, const ScatteringGuide& guide, const SlabRay& other) {
-  // Several points of each square, its value their mean.
+  // Compute the directions of several points of each square
   constexpr int kPoints = 2;
   constexpr int kEach = kPoints * kPoints;
   using Values = Eigen::Array<float, static_cast<int>(kTurns) * kEach, 1>;
@@ -144,6 +147,8 @@ void FirstVertex::tabulate(Side& side, const ScatteringGuide& guide, const SlabR
     const std::size_t cell = std::min(j, heights_.last_cell());
     const ScatteringGuide::Section section(guide, cell, j > cell ? 1.0 : 0.0, heights_[j], other, scattering_, 0.5,
                                            0.5);
+
+    // Average S~ / mu' over the points of each square
     float* value = &side.value[j * kSquares];
     for (std::size_t row = 0; row < kRows; ++row) {
       const Values all = section(x[row], y[row], mu[row]);
@@ -151,6 +156,8 @@ void FirstVertex::tabulate(Side& side, const ScatteringGuide& guide, const SlabR
         value[row * kTurns + turn] = all.template segment<kEach>(static_cast<Eigen::Index>(turn) * kEach).mean();
       }
     }
+
+    // Raise each square to a share of its largest neighbour
     const std::vector<float> alone(value, value + kSquares);
     for (std::size_t k = 0; k < kSquares; ++k) {
       const std::size_t row = k / kTurns;
@@ -162,7 +169,8 @@ void FirstVertex::tabulate(Side& side, const ScatteringGuide& guide, const SlabR
         }
       }
     }
-    // The mean over the phase function, before and after a floor.
+
+    // Raise squares to a share of the mean, and make the alias table of their masses
     std::vector<float> mass(kSquares);
     const auto measure = [&] {
       double sum = 0.0;
@@ -194,6 +202,8 @@ FirstVertex::Choice FirstVertex::draw(Rng& rng) const {
   if (!(total_ > 0.0)) {
     return choice;
   }
+
+  // Draw the height: a cell by its mass, then a height within
   double rest = rng.uniform() * total_;
   auto own = static_cast<Eigen::Index>(heights_.last_cell());
   while (own > 0 && rest >= static_cast<double>(mass_[own])) {
@@ -211,7 +221,8 @@ FirstVertex::Choice FirstVertex::draw(Rng& rng) const {
                              static_cast<double>(source_[own + 1]), rng);
   choice.t = point.t;
   choice.up = heights_.fraction(point.t, choice.cell);
-  // exp(-s (top - t)) G(t) dt over the probability of all that, which the term's share of G follows.
+
+  // Draw the term by its share of the source g
   const double height = std::exp(-slope_ * (top - high)) * point.weight * total_ / static_cast<double>(mass_[own]);
   const auto between = [&](const ScatteringGuide::Column& column) {
     const auto low = static_cast<double>(column[own]);
@@ -230,7 +241,8 @@ FirstVertex::Choice FirstVertex::draw(Rng& rng) const {
   choice.term = first ? Term::kOfA : Term::kOfB;
   u = first ? u / one_a : (u - one_a) / one_b;
   const Side& side = sides_[first ? 0 : 1];
-  // One of the tables around, then one of its squares; all squares count with what both tables have.
+
+  // Draw one of the two neighbouring tables, then a square by its alias table, and a point in the square
   const double upper = choice.up * static_cast<double>(side.mean[own + 1]) / (first ? one_a : one_b);
   const std::size_t j = choice.cell + (u < upper ? 1 : 0);
   const double place = rng.uniform() * static_cast<double>(kSquares);
@@ -245,6 +257,8 @@ FirstVertex::Choice FirstVertex::draw(Rng& rng) const {
     square = side.alias[j * kSquares + square];
     row = (part - keep) / (1.0 - keep);
   }
+
+  // Divide by the density, which interpolates both tables
   const double low = static_cast<double>(side.value[choice.cell * kSquares + square]);
   const double value = low + choice.up * (static_cast<double>(side.value[(choice.cell + 1) * kSquares + square]) - low);
   const std::size_t first_row = square / kTurns;

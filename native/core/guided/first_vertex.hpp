@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tables for the first vertex of a guided walk, whose two directions are the same for all samples.
+// Tables for the first vertex of a guided walk.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace lamina {
 
-/// The first vertex of a walk of the scattering equation in a homogeneous slab: its two directions are the same for
-/// all samples, so that tables can say, nearly without error, at which height the terms kS, Sk and SkS add how much,
-/// and for kS and Sk from which directions. These are tabulated in rectangles of the phase function's own two uniform
-/// numbers, where k is flat whatever its peak, and small in angle as well, so that they resolve S.
+/// The first vertex of a walk of the scattering equation in a homogeneous slab. Its two directions are the same for all
+/// samples, so tables give nearly exactly what the terms kS, Sk and SkS add at each height and, for kS and Sk, from
+/// each direction. Directions are tabulated in rectangles of the phase function's two uniform numbers, where k is
+/// constant however peaked it is. The rectangles are small in angle too, so that they resolve S.
 class FirstVertex {
  public:
   FirstVertex(const GradedMedium& medium, const ScatteringGuide& guide, const SlabRay& a, const SlabRay& b);
@@ -25,23 +25,23 @@ class FirstVertex {
     double t;
     std::size_t cell;
     double up;      ///< way up in the cell
-    double weight;  ///< one over the probability and density of all that was chosen
-    SlabRay ray;    ///< the direction after scattering, for kOfA and kOfB; below the horizon nothing comes
+    double weight;  ///< one over the probability and density of the choice
+    SlabRay ray;    ///< the direction after scattering, for kOfA and kOfB; no light comes from below the horizon
   };
-  /// For kOfA and kOfB the weight includes k / mu', for kBoth nothing of what follows.
+  /// For kOfA and kOfB the weight includes k / mu'; for kBoth it does not include S k S.
   Choice draw(Rng& rng) const;
 
-  /// What the tables say is R.
+  /// The tables' value of R.
   double rest() const { return total_; }
 
  private:
-  static constexpr std::size_t kRows = 48;  // of the number that gives the cosine
-  static constexpr std::size_t kTurns = 48;
+  static constexpr std::size_t kRows = 48;   // of the uniform number for the cosine
+  static constexpr std::size_t kTurns = 48;  // of that for the azimuth
   static constexpr std::size_t kSquares = kRows * kTurns;
   struct Side {
     SlabRay from;
     std::vector<float> value;          // [height, square]: S~ / mu'
-    std::vector<float> keep;           // [height, square]: of Walker's alias method
+    std::vector<float> keep;           // [height, square]: for Walker's alias method
     std::vector<std::uint16_t> alias;  // [height, square]
     ScatteringGuide::Column mean;
   };
@@ -51,7 +51,7 @@ class FirstVertex {
 
   GuideHeights heights_;
   LocalScattering scattering_;
-  std::array<double, kRows + 1> rows_;  ///< where they begin
+  std::array<double, kRows + 1> rows_;  ///< the ends of the rows
   double slope_;                        ///< 1 / mu + 1 / mu0
   std::array<Side, 2> sides_;
   ScatteringGuide::Column both_;

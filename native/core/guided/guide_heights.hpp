@@ -11,18 +11,18 @@
 
 namespace lamina {
 
-/// Heights at which a guide knows a slab: 0, then rising by a constant factor to the slab's thickness; and those where
-/// its properties jump or bend, a jump's from both sides.
+/// The heights of a guide's tables: 0, then ascending by a constant factor to the slab's thickness, and the heights of
+/// the medium's knots, at jumps from both sides.
 class GuideHeights {
  public:
-  static constexpr std::size_t kCount = 24;
+  static constexpr std::size_t kCount = 24;  ///< three registers of eight floats; walks are unbiased for any number
   using Column = Eigen::Array<float, static_cast<int>(kCount), 1>;
 
   explicit GuideHeights(const GradedMedium& medium) : GuideHeights(medium.tau(), own_heights(medium)) {}
 
-  /// `own` ascend between 0 and tau; at most kMostOwn.
+  /// `own` are the heights of knots, ascending between 0 and tau, at most kMostOwn.
   explicit GuideHeights(double tau, const std::vector<double>& own = {}) : t_(kCount) {
-    constexpr double kLowest = 0.02;
+    constexpr double kLowest = 0.02;  // layers below it scatter nearly all light once at most
     const double first = std::min(0.1 * tau, kLowest);
     const std::size_t plain = kCount - own.size();
     const double steps = static_cast<double>(plain - 2);
@@ -39,14 +39,14 @@ class GuideHeights {
     }
   }
 
-  /// All heights, and the lengths of the cells above them.
+  /// All heights, and the lengths of the cells above each.
   const Column& column() const { return column_; }
   const Column& steps() const { return steps_; }
 
   std::size_t size() const { return t_.size(); }
   double operator[](std::size_t j) const { return t_[j]; }
 
-  /// The cell that holds t, looked for from the cell `above` down.
+  /// The cell that contains t, searched downwards from the cell `above`.
   std::size_t cell(double t, std::size_t above) const {
     std::size_t j = above;
     while (j > 0 && t_[j] > t) {
@@ -60,11 +60,12 @@ class GuideHeights {
   std::vector<double> above_zero() const { return {t_.begin() + 1, t_.end()}; }
 
  private:
-  static constexpr std::size_t kMostOwn = 12;
+  static constexpr std::size_t kMostOwn = 12;  // leaves half of the heights to the plain sequence
 
-  /// The medium's knots, jumps first where there are too many; what lies between others the guide takes for linear.
+  /// The heights of the medium's knots. If there are too many, jumps come first, and the tables interpolate across the
+  /// others.
   static std::vector<double> own_heights(const GradedMedium& medium) {
-    constexpr double kApart = 1e-6;
+    constexpr double kApart = 1e-6;  // of tau, between the two sides of a jump
     const std::vector<double> inner = medium.inner_heights();
     std::vector<double> own;
     for (std::size_t k = 1; k < inner.size() && own.size() + 2 <= kMostOwn; ++k) {
@@ -89,15 +90,15 @@ class GuideHeights {
   Column steps_;
 };
 
-/// Shares of the two ends of a cell in the mean over the cell of a linear function times exp(-d (1 - x)), x from
-/// 0 to 1.
+/// Weights of the two end values in the mean over x from 0 to 1 of a linear function times exp(-d (1 - x)); `fall` is
+/// exp(-d).
 struct EndShares {
   double lower;
   double upper;
 
   EndShares(double d, double fall) {
-    // With A = (1 - exp(-d)) / d the upper end has (1 - A) / d, the lower one A less that.
-    if (d < 0.02) {
+    // With A = (1 - exp(-d)) / d, upper = (1 - A) / d and lower = A - upper.
+    if (d < 0.02) {  // series, with an error below 1e-9
       upper = 0.5 - d * (1.0 / 6.0 - d * (1.0 / 24.0 - d / 120.0));
       lower = 0.5 - d * (1.0 / 3.0 - d * (0.125 - d / 30.0));
     } else {

@@ -15,7 +15,7 @@ using std::numbers::pi;
 
 const AzimuthLattice<GuidedDirections::kMostCandidates> lattice;
 
-/// One of several in proportion to their values; their number where none has any.
+/// Draws an index in proportion to the values; the number of values if all are 0.
 template <typename Values>
 std::size_t choose(const Values& value, Rng& rng) {
   const float total = value.sum();
@@ -36,9 +36,9 @@ std::size_t choose(const Values& value, Rng& rng) {
   return static_cast<std::size_t>(last);
 }
 
-/// Several directions from where the tables say S is large, on a shifted lattice.
+/// Draws directions in proportion to the tables' S / mu, on a randomly shifted lattice.
 void draw_from(const ScatteringGuide::Section& section, SlabRay* rays, std::size_t count, Rng& rng) {
-  // Additive recurrences of the plastic number's kind (Roberts 2018).
+  // Additive recurrence of the plastic number (Roberts 2018).
   constexpr double kFirst = 0.7548776662466927;
   constexpr double kSecond = 0.5698402909980532;
   const double shift = rng.uniform();
@@ -67,6 +67,8 @@ GuidedDirections::Step GuidedDirections::among(const GuidedVertex& vertex, const
   using Values = Eigen::Array<float, kAll, 1>;
   const ScatteringGuide::Section section(*guide_, vertex.cell, vertex.up, vertex.t, other, scattering, rng.uniform(),
                                          rng.uniform());
+
+  // Draw kOwn candidates from the phase function around `from`, and kDrawn from the tables
   const SlabFrame frame(from);
   const double shift = rng.uniform();
   const double turn = 2.0 * pi * rng.uniform();
@@ -81,6 +83,8 @@ GuidedDirections::Step GuidedDirections::among(const GuidedVertex& vertex, const
     rays[k] = frame.tilted(c, along, aside);
   }
   draw_from(section, &rays[kOwn], kDrawn, rng);
+
+  // Compute k S~ / mu' over the candidates' density
   Values x;
   Values y;
   Values mu;
@@ -104,6 +108,8 @@ GuidedDirections::Step GuidedDirections::among(const GuidedVertex& vertex, const
   } else {
     value *= 1.0F / static_cast<float>(kOwn);
   }
+
+  // Resample one candidate
   const std::size_t chosen = choose(value, rng);
   if (chosen == kAll) {
     return {from, 0.0, 0.0};
@@ -118,7 +124,7 @@ GuidedDirections::Step GuidedDirections::among(const GuidedVertex& vertex, const
 
 GuidedDirections::Pair GuidedDirections::both_sides(const GuidedVertex& vertex, const LocalScattering& scattering,
                                                     const SlabRay& a, const SlabRay& b, Rng& rng) const {
-  constexpr int kSides = 8;
+  constexpr int kSides = 8;  // candidates for each side, 64 pairs
   using Values = Eigen::Array<float, kSides, 1>;
   std::array<std::array<SlabRay, kSides>, 2> rays;
   std::array<Values, 2> x;
@@ -127,6 +133,8 @@ GuidedDirections::Pair GuidedDirections::both_sides(const GuidedVertex& vertex, 
   std::array<Values, 2> density;
   std::array<Values, 2> light;
   std::array<Values, 2> share;
+
+  // Draw candidates for each side from the tables
   const SlabRay* sides[2] = {&a, &b};
   for (std::size_t side = 0; side < 2; ++side) {
     const ScatteringGuide::Section section(*guide_, vertex.cell, vertex.up, vertex.t, *sides[side], scattering,
@@ -142,6 +150,8 @@ GuidedDirections::Pair GuidedDirections::both_sides(const GuidedVertex& vertex, 
     light[side] = section(x[side], y[side], mu[side]);
     share[side] = light[side] / density[side];
   }
+
+  // Resample one of all pairs in proportion to S k S
   using Pairs = Eigen::Array<float, kSides * kSides, 1>;
   Pairs cosine;
   Pairs value;

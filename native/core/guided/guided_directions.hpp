@@ -10,44 +10,50 @@
 
 namespace lamina {
 
-/// Where light scatters in a walk that a guide leads.
+/// A vertex of a guided walk.
 struct GuidedVertex {
   double t;
   std::size_t cell;  ///< of the guide's heights
   double up;         ///< way up in the cell
+
+  /// The value of a table's column here, linear between the heights.
+  double at(const GuideHeights::Column& column) const {
+    const auto low = static_cast<double>(column[static_cast<Eigen::Index>(cell)]);
+    const auto high = static_cast<double>(column[static_cast<Eigen::Index>(cell + 1)]);
+    return low + up * (high - low);
+  }
 };
 
-/// The directions in which a walk of the scattering equation goes on from a vertex, chosen from several candidates by
-/// what the guide's tables say light brings from there: resampled importance sampling (Talbot 2005), with the
-/// candidates on a randomly shifted lattice.
+/// Samples the directions in which a walk of the scattering equation goes on from a vertex: resampled importance
+/// sampling (Talbot 2005) by the guide's tables, with the candidates on a randomly shifted lattice.
 class GuidedDirections {
  public:
   static constexpr int kMostCandidates = 32;
 
-  /// `candidates` for one side: 8, 16 or 32. Throws std::invalid_argument for other numbers. The guide must outlive
-  /// this.
+  /// `candidates` for one side: 8, 16 or 32; throws std::invalid_argument for other numbers. The guide must outlive
+  /// this object.
   GuidedDirections(const ScatteringGuide& guide, int candidates);
 
-  /// For k S.
+  /// A sample for k S.
   struct Step {
     SlabRay ray;
-    double weight;  ///< k / mu' over the density of the choice; 0: nothing comes
-    double value;   ///< S~ there
+    double weight;  ///< k / mu' over the density of the choice; 0: no light
+    double value;   ///< S~ for the direction
   };
-  /// A direction of the side of `from`, by k around it or from where the tables say S is large, among candidates of
-  /// both sorts in proportion to k S~ / mu'.
+  /// Resamples a direction for the side of `from` in proportion to k S~ / mu'. Candidates come from k around `from` and
+  /// from the tables' S / mu'.
   Step one_side(const GuidedVertex& vertex, const LocalScattering& scattering, const SlabRay& from,
                 const SlabRay& other, Rng& rng) const;
 
-  /// For S k S: p goes with a, q with b.
+  /// A sample for S k S: p goes with a, q with b.
   struct Pair {
     SlabRay p;
     SlabRay q;
-    double weight = 0.0;  ///< k / (mu' mu'') over the density of the choice; 0: nothing comes
+    double weight = 0.0;  ///< k / (mu' mu'') over the density of the choice; 0: no light
     double value_p = 0.0;
     double value_q = 0.0;
   };
-  /// Directions of both sides together, from all pairs of candidates.
+  /// Resamples directions for both sides together, from all pairs of candidates.
   Pair both_sides(const GuidedVertex& vertex, const LocalScattering& scattering, const SlabRay& a, const SlabRay& b,
                   Rng& rng) const;
 

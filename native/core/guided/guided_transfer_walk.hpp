@@ -8,14 +8,14 @@
 
 namespace lamina {
 
-/// The BRDF of a homogeneous slab by a photon walk of the equation of transfer that is guided as the residual walk of
-/// the scattering equation is: by the coarse deterministic solution, here what a collision is worth to the viewer
-/// (AdjointSource). Single scattering is exact and the first collision is drawn in proportion to its worth. A
-/// collision's worth C is taken as
+/// The BRDF of a homogeneous slab by a photon walk of the equation of transfer. As the residual walk of the scattering
+/// equation, it is guided by a coarse deterministic solution: here the worth of a collision to the viewer (its
+/// importance, AdjointSource). Single scattering is exact, and the first collision is drawn in proportion to its worth.
+/// The worth C of a collision is estimated as
 ///   C~ + (C' - C~) / q with probability q, else C~,
-/// where C~ is what the table says and C' comes from several flights with ends, by the phase function from the ray and
-/// from the exit: next event, in closed form, along all of them, and the worth of one end, resampled by the table.
-/// Unbiased whatever the table says. Throws std::invalid_argument for media that vary with depth, or over a surface.
+/// where C~ is the table's value. C' comes from several flights, sampled by the phase function from the ray and from
+/// the exit direction: the next events along all of them in closed form, plus the worth at the end of one, resampled by
+/// the table. Unbiased for any table. Throws std::invalid_argument for graded media and for media over a surface.
 std::unique_ptr<Walk> make_guided_transfer_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi);
 
 }  // namespace lamina

@@ -2,30 +2,40 @@
 #include "guided/guided_walk.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
-#include <vector>
 
 #include "guided/ground_end.hpp"
 #include "guided/height_sampling.hpp"
+#include "walks/branch_stack.hpp"
 
 namespace lamina {
 namespace {
 
 using std::numbers::pi;
 
-/// Least probability of a term.
+/// Least probability of a term. Bounds the weight of a term that the tables miss; any value is unbiased.
 constexpr double kLeast = 0.02;
-/// Least of what vertices of a graded medium are taken to add, against the most.
+/// Floor of the guide's source in a graded medium, relative to its maximum, so that no height is left out.
 constexpr float kLeastSource = 1e-3F;
 
 }  // namespace
 
-/// A slab of thickness `top`, in cell `cell` of the guide, between two directions, still to be estimated.
+/// S of a slab of thickness `top` between two directions, still to be estimated.
 struct GuidedWalk::Branch {
   double top;
-  std::size_t cell;
+  std::size_t cell;  ///< of the guide's heights, holds `top`
   SlabRay a;
   SlabRay b;
+};
+
+/// The tables' values for one branch.
+struct GuidedWalk::Guidance {
+  ScatteringGuide::Terms terms;
+  double cosine;                     ///< of single scattering
+  double single;                     ///< k, of a homogeneous medium
+  ScatteringGuide::Column repeated;  ///< kS + Sk + SkS at the guide's heights
+  ScatteringGuide::Column source;    ///< k + kS + Sk + SkS
 };
 
 GuidedWalk::GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi, int candidates,
@@ -36,69 +46,71 @@ GuidedWalk::GuidedWalk(const GradedMedium& medium, double mu_o, double mu_i, dou
       light_(SlabRay::of(mu_i, 0.0)),
       directions_(*guide_, candidates) {}
 
+GuidedWalk::Guidance GuidedWalk::guidance(const Branch& branch) const {
+  const GuideHeights& heights = guide_->heights();
+  const bool homogeneous = medium_.is_homogeneous();
+  const ScatteringGuide::Terms terms(*guide_, branch.a, branch.b);
+  const double cosine = turned_back(branch.a, branch.b);
+  const double single = homogeneous ? medium_.at(0.0).evaluate(cosine) : 0.0;
+  const ScatteringGuide::Column repeated = terms.repeated();
+  ScatteringGuide::Column source = repeated + static_cast<float>(single);
+  if (!homogeneous) {
+    for (std::size_t j = 0; j <= branch.cell + 1; ++j) {
+      source[static_cast<Eigen::Index>(j)] += static_cast<float>(medium_.at(heights[j]).evaluate(cosine));
+    }
+    // The medium may scatter between two heights although it does not at either.
+    source = source.max(kLeastSource * source.maxCoeff());
+  }
+  return {terms, cosine, single, repeated, source};
+}
+
 double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
   const GuideHeights& heights = guide_->heights();
-  std::vector<Branch> waiting;
-  double weight = 1.0 / (4.0 * pi * view_.mu * light_.mu);
+  BranchStack<Branch> waiting;
   Branch branch{medium_.tau(), heights.last_cell(), view_, light_};
-  const bool homogeneous = medium_.is_homogeneous();
+  double weight = 1.0 / (4.0 * pi * view_.mu * light_.mu);
   while (true) {
     ++events;
     const SlabRay a = branch.a;
     const SlabRay b = branch.b;
-    const double cosine = turned_back(a, b);
-    const ScatteringGuide::Terms terms(*guide_, a, b);
-    const double plain = homogeneous ? medium_.at(0.0).evaluate(cosine) : 0.0;
-    const ScatteringGuide::Column repeated_column = terms.repeated();
-    ScatteringGuide::Column source = repeated_column + static_cast<float>(plain);
-    if (!homogeneous) {
-      for (std::size_t j = 0; j <= branch.cell + 1; ++j) {
-        source[static_cast<Eigen::Index>(j)] += static_cast<float>(medium_.at(heights[j]).evaluate(cosine));
+    const Guidance guidance = this->guidance(branch);
+
+    // End the branch on the surface below, or go on in the slab
+    if (medium_.ground() > 0.0 &&
+        GroundEnd(medium_.ground(), a.mu, b.mu, heights, branch.top, guidance.source).taken(rng, weight)) {
+      if (!waiting.pop(branch)) {
+        return weight;
       }
-      // What lies between the guide's heights may scatter where they do not.
-      source = source.max(kLeastSource * source.maxCoeff());
+      continue;
     }
-    if (medium_.ground() > 0.0) {
-      const GroundEnd ground(medium_.ground(), a.mu, b.mu, heights, branch.top, source);
-      if (rng.uniform() < ground.odds) {
-        weight *= ground.value / ground.odds;
-        if (waiting.empty()) {
-          return weight;
-        }
-        branch = waiting.back();
-        waiting.pop_back();
-        continue;
-      }
-      weight /= 1.0 - ground.odds;
-    }
+
+    // Draw the height of the vertex
     const HeightSampling::Choice choice =
-        HeightSampling::draw(heights, branch.top, branch.cell, 1.0 / a.mu + 1.0 / b.mu, source, rng);
+        HeightSampling::draw(heights, branch.top, branch.cell, 1.0 / a.mu + 1.0 / b.mu, guidance.source, rng);
     weight *= choice.weight;
     const GuidedVertex vertex{choice.t, choice.cell, heights.fraction(choice.t, choice.cell)};
     const LocalScattering scattering = medium_.at(choice.t);
-
     if (scattering.albedo() == 0.0) {
       return 0.0;
     }
 
-    // One term, in proportion to the tables.
-    const double k = homogeneous ? plain : scattering.evaluate(cosine);
-    const auto low = static_cast<double>(repeated_column[static_cast<Eigen::Index>(vertex.cell)]);
-    const auto high = static_cast<double>(repeated_column[static_cast<Eigen::Index>(vertex.cell + 1)]);
-    const double repeated = low + vertex.up * (high - low);
-    const double one_a = terms.one_side(vertex.cell, vertex.up, true);
-    const double one_b = terms.one_side(vertex.cell, vertex.up, false);
+    // Compute the probabilities of k, kS, Sk and SkS in proportion to the tables
+    const double k = medium_.is_homogeneous() ? guidance.single : scattering.evaluate(guidance.cosine);
+    const double repeated = vertex.at(guidance.repeated);
+    const double one_a = guidance.terms.one_side(vertex.cell, vertex.up, true);
+    const double one_b = guidance.terms.one_side(vertex.cell, vertex.up, false);
     const double both = std::max(0.0, repeated - one_a - one_b);
     const double least = kLeast * (k + one_a + one_b + both);
-    const double weights[4] = {std::max(k, least), std::max(one_a, least), std::max(one_b, least),
-                               std::max(both, least)};
-    const double all = weights[0] + weights[1] + weights[2] + weights[3];
+    const std::array<double, 4> mass = {std::max(k, least), std::max(one_a, least), std::max(one_b, least),
+                                        std::max(both, least)};
+    const double all = mass[0] + mass[1] + mass[2] + mass[3];
+    const std::array<double, 3> odds = {mass[0] / all, mass[1] / all, mass[2] / all};
+
+    // Choose a term and follow it
     const double u = rng.uniform();
-    bool ended = false;
-    const double odds[3] = {weights[0] / all, weights[1] / all, weights[2] / all};
-    if (u < odds[0]) {
+    const bool ended = u < odds[0];
+    if (ended) {
       weight *= k / odds[0];
-      ended = true;
     } else if (u < odds[0] + odds[1] + odds[2]) {
       const bool first = u < odds[0] + odds[1];
       const GuidedDirections::Step step = directions_.one_side(vertex, scattering, first ? a : b, first ? b : a, rng);
@@ -106,19 +118,15 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
       branch = {vertex.t, vertex.cell, step.ray, first ? b : a};
     } else {
       const GuidedDirections::Pair pair = directions_.both_sides(vertex, scattering, a, b, rng);
-      weight *= all / weights[3] * pair.weight;
+      weight *= all / mass[3] * pair.weight;
       branch = {vertex.t, vertex.cell, pair.p, a};
-      waiting.push_back({vertex.t, vertex.cell, pair.q, b});
+      waiting.push({vertex.t, vertex.cell, pair.q, b});
     }
     if (weight == 0.0) {
       return 0.0;
     }
-    if (ended) {
-      if (waiting.empty()) {
-        return weight;
-      }
-      branch = waiting.back();
-      waiting.pop_back();
+    if (ended && !waiting.pop(branch)) {
+      return weight;
     }
   }
 }

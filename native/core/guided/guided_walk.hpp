@@ -12,10 +12,10 @@ namespace lamina {
 
 /// The BRDF of a slab by an unbiased walk of the integral scattering equation
 ///   S(tau) = int exp(-(1/mu + 1/mu0)(tau - t)) (k + kS(t) + S(t)k + S(t)kS(t)) dt
-/// that coarse tables of S guide: the height t is drawn in proportion to what the tables say the terms add there,
-/// then one term; k is exact and ends the branch; the others go on into S of thinner slabs, in directions chosen
-/// from several candidates by what the tables say light brings from there (resampled importance sampling, Talbot
-/// 2005, with the candidates on a randomly shifted lattice).
+/// guided by coarse tables of S. The height t is drawn in proportion to the tables' sum of the terms, then one term
+/// is drawn. k is exact and ends the branch. The other terms go on into S of thinner slabs; their directions are
+/// resampled from several candidates in proportion to the tables (resampled importance sampling, Talbot 2005; the
+/// candidates lie on a randomly shifted lattice).
 class GuidedWalk final : public Walk {
  public:
   /// `candidates` for each direction: 8, 16 or 32. The guide, of the same medium, may be shared.
@@ -26,6 +26,9 @@ class GuidedWalk final : public Walk {
 
  private:
   struct Branch;
+  struct Guidance;
+
+  Guidance guidance(const Branch& branch) const;
 
   GradedMedium medium_;
   std::shared_ptr<const ScatteringGuide> guide_;

@@ -10,8 +10,8 @@
 
 namespace lamina {
 
-/// Draws the height of a vertex of the scattering equation in proportion to exp(-s (top - t)) g(t), with g
-/// linear between the guide's heights.
+/// Draws the height t of a vertex of the scattering equation in proportion to exp(-s (top - t)) g(t), with g linear
+/// between the guide's heights.
 class HeightSampling {
  public:
   using Column = GuideHeights::Column;
@@ -23,10 +23,10 @@ class HeightSampling {
     double weight;  ///< one over the density, times exp(-s (top - t))
   };
 
-  /// `source`: g at the guide's heights, at least up to the one above `top`, which lies in `cell`.
+  /// `source`: g at the guide's heights, valid up to the one above `top`, which lies in `cell`.
   static Choice draw(const GuideHeights& heights, double top, std::size_t cell, double s, const Column& source,
                      Rng& rng) {
-    // Cells by their mass, which need not be exact: what it is taken for is what is divided by.
+    // Compute the masses of the cells. They may be approximate, since the weight divides by the same masses.
     const Column fall = (static_cast<float>(s) * (heights.column() - static_cast<float>(top)).min(0.0F)).exp();
     const auto last = static_cast<Eigen::Index>(cell);
     const double way = heights.fraction(top, cell);
@@ -34,22 +34,24 @@ class HeightSampling {
     constexpr Eigen::Index kPairs = kMostHeights - 1;
     Column mass;
     const auto d = static_cast<float>(s) * heights.steps().head<kPairs>();
-    // Share of the upper end in a cell's mean, within .3 %.
+    // Weight of the upper end in the mean of a cell (EndShares), rational approximation within .3 %.
     const auto upper = 1.0F - (1.0F + 0.1F * d) / (2.0F + d * (0.5333F + 0.1F * d));
     mass.head<kPairs>() = (fall.tail<kPairs>() - fall.head<kPairs>()) *
                           (source.head<kPairs>() + upper * (source.tail<kPairs>() - source.head<kPairs>()));
     const float to_top = static_cast<float>(s) * static_cast<float>(top - heights[cell]);
     const float own_upper = 1.0F - (1.0F + 0.1F * to_top) / (2.0F + to_top * (0.5333F + 0.1F * to_top));
     mass[last] = (1.0F - fall[last]) * (source[last] + own_upper * (static_cast<float>(g_top) - source[last]));
-    // Above the top nothing falls off: those cells are empty.
+    // Cells above the top are empty, since `fall` is constant there.
     mass[kPairs] = 0.0F;
-    constexpr double kThin = 1e-3;
+    constexpr double kThin = 1e-3;  // differences of exponentials near 1 keep four digits of a float above it
     if (s * top < kThin) {
-      // Differences of exponentials would be lost to rounding; lengths serve as well.
+      // Differences of exponentials would lose all digits; lengths replace them.
       mass.head<kPairs>() = heights.steps().head<kPairs>() * (source.head<kPairs>() + source.tail<kPairs>());
       mass[last] = static_cast<float>(top - heights[cell]) * (source[last] + static_cast<float>(g_top));
       mass.tail(kPairs - last).setZero();
     }
+
+    // Draw a cell
     const float total = mass.sum();
     auto rest = static_cast<float>(rng.uniform()) * total;
     Eigen::Index own = last;
@@ -62,7 +64,7 @@ class HeightSampling {
       mass.maxCoeff(&own);
     }
 
-    // Within the cell: from the exponential, then kept in proportion to g.
+    // Draw the height within the cell
     const auto k = static_cast<std::size_t>(own);
     const double low = heights[k];
     const double high = own == last ? top : heights[k + 1];
@@ -82,7 +84,7 @@ class HeightSampling {
     double weight;  ///< one over the density, times exp(-s (high - t))
   };
 
-  /// The same between two heights alone, g linear from `g_low` to `g_high`.
+  /// The same within one cell, g linear from `g_low` to `g_high`: by rejection from the exponential.
   static Point within(double low, double high, double s, double g_low, double g_high, Rng& rng) {
     const double thickness = high - low;
     const double depth = s * thickness;

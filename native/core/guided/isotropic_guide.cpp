@@ -9,7 +9,9 @@
 namespace lamina {
 namespace {
 
-constexpr int kNodes = 16;
+constexpr int kNodes = 16;  // coarse: the guide needs a few digits only
+/// Share of a cosine-weighted density in the tables' densities, so that every direction is possible.
+constexpr double kPlain = 0.005;
 
 }  // namespace
 
@@ -28,6 +30,8 @@ IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium) {
     root[static_cast<Eigen::Index>(k)] = x;
     mu[static_cast<Eigen::Index>(k)] = std::max(1e-8, x * x);
   }
+
+  // Solve the slab below each height
   const ReflectionByHeight reflection(medium, heights_.above_zero(), kNodes, mu);
   const std::vector<Eigen::MatrixXd> s = reflection.order(0);
   const Directions& directions = reflection.directions();
@@ -40,14 +44,14 @@ IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium) {
   }
   density_.resize(heights * kPoints * kPoints);
   cumulative_.resize(density_.size());
+
+  // Tabulate X and the density of mu' above height 0
   for (std::size_t j = 1; j < heights; ++j) {
     const Eigen::RowVectorXd scattered = share * s[j - 1].topRightCorner(nodes, kPoints);
     for (std::size_t point = 0; point < kPoints; ++point) {
       const auto column = nodes + static_cast<Eigen::Index>(point);
       escape_[point][static_cast<Eigen::Index>(j)] =
           static_cast<float>(1.0 + scattered[static_cast<Eigen::Index>(point)]);
-      // A share of a plain density keeps every direction possible.
-      constexpr double kPlain = 0.005;
       double* density = &density_[(j * kPoints + point) * kPoints];
       double* sum = &cumulative_[(j * kPoints + point) * kPoints];
       double whole = 0.0;
@@ -68,7 +72,8 @@ IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium) {
       }
     }
   }
-  // X and directions where the surface is all there is: S / mu' = 4 mu rho.
+
+  // Tabulate them at height 0, where S / mu' = 4 mu rho is that of the surface
   for (std::size_t point = 0; point < kPoints; ++point) {
     escape_[point][0] = static_cast<float>(1.0 + 2.0 * medium.ground() * mu[static_cast<Eigen::Index>(point)]);
   }
@@ -82,13 +87,14 @@ IsotropicGuide::IsotropicGuide(const GradedMedium& medium) : heights_(medium) {
     }
     return;
   }
-  // At height 0 there is nothing to divide by: the directions of the next height serve.
+
+  // Copy the densities of the next height, since S is 0 at height 0 without a surface
   std::copy_n(density_.begin() + kPoints * kPoints, kPoints * kPoints, density_.begin());
   std::copy_n(cumulative_.begin() + kPoints * kPoints, kPoints * kPoints, cumulative_.begin());
 }
 
 IsotropicGuide::Direction IsotropicGuide::draw(std::size_t j, double up, const Place& place, Rng& rng) const {
-  // One of the four corners, then a cosine from its density; the density of the mixture is theirs, mixed.
+  // Draw one of the four neighbouring tables, then a cosine from its density
   const std::size_t height = j + (rng.uniform() < up ? 1 : 0);
   const std::size_t point = place.cell + (rng.uniform() < place.fraction ? 1 : 0);
   const double* sum = cumulative(height, point);
@@ -96,12 +102,14 @@ IsotropicGuide::Direction IsotropicGuide::draw(std::size_t j, double up, const P
   const double u = rng.uniform() * sum[kCells];
   const std::size_t cell =
       std::min(static_cast<std::size_t>(std::upper_bound(sum + 1, sum + kCells, u) - sum) - 1, kCells - 1);
-  // Density linear in the cell: the root that does not cancel.
+  // Invert the quadratic integral of the linear density, by the root without cancellation
   const double a = own[cell];
   const double b = own[cell + 1];
   const double area = (u - sum[cell]) * static_cast<double>(kCells);
   const double x = std::min(1.0, 2.0 * area / (a + std::sqrt(std::max(0.0, a * a + 2.0 * (b - a) * area))));
   const double root = (static_cast<double>(cell) + x) / static_cast<double>(kCells);
+
+  // Interpolate the densities of the four tables
   const auto at = [&](std::size_t h, std::size_t p) {
     const double* d = row(h, p) + cell;
     return d[0] + x * (d[1] - d[0]);

@@ -9,17 +9,17 @@
 
 namespace lamina {
 
-/// What guides the walk of the scattering equation where scattering is isotropic. There
+/// Guiding tables for the walk of the scattering equation with isotropic scattering. There
 ///   k + kS + Sk + SkS = albedo X(t, mu) X(t, mu0),  X(t, mu) = 1 + 1/2 int S(t; mu', mu) dmu' / mu',
-/// so that the two sides of a vertex go on independently, and tables of two arguments suffice: X, and for the
-/// integral's directions the density in proportion to S(t; mu', mu) / mu'.
+/// so that the two sides of a vertex are independent. The tables hold X, and the density of mu' in proportion to
+/// S(t; mu', mu) / mu'.
 class IsotropicGuide {
  public:
   explicit IsotropicGuide(const GradedMedium& medium);
 
   const GuideHeights& heights() const { return heights_; }
 
-  /// A cosine's place in the tables, uniform in its root.
+  /// The place of a cosine in the tables, which are uniform in its square root.
   struct Place {
     std::size_t cell;
     double fraction;
@@ -38,11 +38,11 @@ class IsotropicGuide {
     double mu;
     double density;  ///< over the cosine
   };
-  /// In the cell of heights j, at `up` of its way; for a side at `place`.
+  /// Draws a direction for a side at `place`, in the cell of heights j at the fraction `up` of the cell.
   Direction draw(std::size_t j, double up, const Place& place, Rng& rng) const;
 
  private:
-  static constexpr std::size_t kCells = 24;
+  static constexpr std::size_t kCells = 24;  // of the square root of the cosine; walks are unbiased for any number
   static constexpr std::size_t kPoints = kCells + 1;
 
   const double* row(std::size_t j, std::size_t point) const { return &density_[(j * kPoints + point) * kPoints]; }
@@ -53,7 +53,7 @@ class IsotropicGuide {
   GuideHeights heights_;
   std::vector<GuideHeights::Column> escape_;  // [point]
   GuideHeights::Column albedo_;
-  std::vector<double> density_;     // [height, point, point of the drawn cosine], over the root
+  std::vector<double> density_;     // [height, point, point of the drawn cosine], over the square root
   std::vector<double> cumulative_;  // its integral
 };
 

@@ -4,23 +4,25 @@
 #include <algorithm>
 #include <numbers>
 #include <stdexcept>
-#include <vector>
 
 #include "guided/ground_end.hpp"
 #include "guided/height_sampling.hpp"
+#include "walks/branch_stack.hpp"
 
 namespace lamina {
 namespace {
 
-/// A slab of thickness `top` (in cell `cell` of the guide) between two directions, still to be estimated.
+/// S of a slab of thickness `top` between two cosines, still to be estimated.
 struct Branch {
   double top;
-  std::size_t cell;
+  std::size_t cell;  ///< of the guide's heights, holds `top`
   double a;
   double b;
 };
 
+/// Least probability of either choice at a side. Bounds the weight where the tables are wrong; any value is unbiased.
 constexpr double kLeast = 0.01;
+/// Floor of the guide's source in a graded medium, relative to its maximum, so that no height is left out.
 constexpr float kLeastSource = 1e-3F;
 
 }  // namespace
@@ -34,40 +36,40 @@ IsotropicWalk::IsotropicWalk(const GradedMedium& medium, double mu_o, double mu_
 
 double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
   const GuideHeights& heights = guide_.heights();
-  std::vector<Branch> waiting;
-  double weight = 1.0 / (4.0 * std::numbers::pi * mu_o_ * mu_i_);
+  BranchStack<Branch> waiting;
   Branch branch{medium_.tau(), heights.last_cell(), mu_o_, mu_i_};
+  double weight = 1.0 / (4.0 * std::numbers::pi * mu_o_ * mu_i_);
   while (true) {
     ++events;
+
+    // Look up albedo X(mu) X(mu0) at the guide's heights
     const IsotropicGuide::Place place_a = IsotropicGuide::place(branch.a);
     const IsotropicGuide::Place place_b = IsotropicGuide::place(branch.b);
     const double s = 1.0 / branch.a + 1.0 / branch.b;
     const GuideHeights::Column escapes[2] = {guide_.escape(place_a), guide_.escape(place_b)};
     GuideHeights::Column source = guide_.albedo() * escapes[0] * escapes[1];
     if (!medium_.is_homogeneous()) {
-      // What lies between the guide's heights may scatter where they do not.
+      // The medium may scatter between two heights although it does not at either.
       source = source.max(kLeastSource * source.maxCoeff());
     }
-    if (medium_.ground() > 0.0) {
-      const GroundEnd ground(medium_.ground(), branch.a, branch.b, heights, branch.top, source);
-      if (rng.uniform() < ground.odds) {
-        weight *= ground.value / ground.odds;
-        if (waiting.empty()) {
-          return weight;
-        }
-        branch = waiting.back();
-        waiting.pop_back();
-        continue;
+
+    // End the branch on the surface below, or go on in the slab
+    if (medium_.ground() > 0.0 &&
+        GroundEnd(medium_.ground(), branch.a, branch.b, heights, branch.top, source).taken(rng, weight)) {
+      if (!waiting.pop(branch)) {
+        return weight;
       }
-      weight /= 1.0 - ground.odds;
+      continue;
     }
+
+    // Draw the height of the vertex
     const HeightSampling::Choice vertex = HeightSampling::draw(heights, branch.top, branch.cell, s, source, rng);
     weight *= vertex.weight * medium_.at(vertex.t).albedo();
     if (weight == 0.0) {
       return 0.0;
     }
 
-    // Each side: either light comes straight, or from S of the slab below.
+    // Choose for each side: unscattered light, or S of the slab below
     const double up = heights.fraction(vertex.t, vertex.cell);
     bool found = false;
     const double sides[2] = {branch.a, branch.b};
@@ -83,18 +85,14 @@ double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
         const IsotropicGuide::Direction next = guide_.draw(vertex.cell, up, places[k], rng);
         weight *= 0.5 / (next.mu * next.density * (1.0 - straight));
         if (found) {
-          waiting.push_back(branch);
+          waiting.push(branch);
         }
         found = true;
         branch = {vertex.t, vertex.cell, next.mu, sides[k]};
       }
     }
-    if (!found) {
-      if (waiting.empty()) {
-        return weight;
-      }
-      branch = waiting.back();
-      waiting.pop_back();
+    if (!found && !waiting.pop(branch)) {
+      return weight;
     }
   }
 }

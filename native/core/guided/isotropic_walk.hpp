@@ -7,11 +7,11 @@
 
 namespace lamina {
 
-/// The BRDF of a slab that scatters isotropically, by an unbiased guided walk of the integral scattering equation
+/// The BRDF of a slab with isotropic scattering by an unbiased guided walk of the integral scattering equation
 ///   S(tau) = int exp(-(1/mu + 1/mu0)(tau - t)) albedo(t) X(t, mu) X(t, mu0) dt.
 class IsotropicWalk final : public Walk {
  public:
-  /// Throws std::invalid_argument where the medium is not isotropic.
+  /// Throws std::invalid_argument if the medium is not isotropic.
   IsotropicWalk(const GradedMedium& medium, double mu_o, double mu_i);
 
   double sample(Rng& rng, std::uint64_t& events) const override;

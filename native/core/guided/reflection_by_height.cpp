@@ -1,9 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "guided/reflection_by_height.hpp"
 
+#include <algorithm>
+
 #include "operators/adding.hpp"
 
 namespace lamina {
+
+int guide_nodes(const GradedMedium& medium) {
+  double peak = 0.0;
+  for (const GradedMedium::Knot& knot : medium.knots()) {
+    peak = std::max(peak, knot.phase.peak());
+  }
+  return peak > 0.85 ? 24 : peak > 0.4 ? 16 : 12;
+}
 
 ReflectionByHeight::ReflectionByHeight(const GradedMedium& medium, std::vector<double> heights, int nodes,
                                        const Eigen::VectorXd& targets)
@@ -28,23 +38,9 @@ TruncatedMedium ReflectionByHeight::medium(double height, double tau) const {
   return seen;
 }
 
-ScatteringFunction ReflectionByHeight::layer(int m, double height, double tau) const {
-  const TruncatedMedium seen = medium(height, tau);
-  const PhaseKernel phase(seen, m, directions_.mu.head(directions_.live));
-  const LayerShapes shapes(directions_, seen.tau);
-  // Where hardly anything is scattered twice, rounding would show instead.
-  constexpr double kFaintest = 1e-7;
-  const Eigen::Index n = directions_.live;
-  const MultipleScattering multiple =
-      seen.albedo * seen.tau > kFaintest
-          ? multiple_scattering(HomogeneousModes(seen, m, directions_).layer(seen.tau), seen, phase, m, directions_)
-          : MultipleScattering{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd()};
-  return layer_on(directions_, multiple, seen, shapes, single_on(directions_, seen, shapes, m), m);
-}
-
 std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
   std::vector<Eigen::MatrixXd> all;
-  // S = 4 mu mu0 pi f.
+  // S = 4 mu mu0 pi f, where f is the BRDF.
   const Eigen::VectorXd unscaled = 2.0 * directions_.mu.cwiseQuotient(directions_.scale);
   const auto keep = [&](const Eigen::MatrixXd& kernel) {
     all.push_back(unscaled.asDiagonal() * kernel * unscaled.asDiagonal());
@@ -66,7 +62,11 @@ std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
   double below = 0.0;
   DirectionOperator reflect = ScatteringFunction::lambert(medium_.ground(), m, directions_).reflect_above;
   for (const double t : heights_) {
-    reflect = join_opaque(layer(m, 0.5 * (below + t), t - below), reflect);
+    const TruncatedMedium seen = medium(0.5 * (below + t), t - below);
+    const PhaseKernel phase(seen, m, directions_.mu.head(directions_.live));
+    const LayerShapes shapes(directions_, seen.tau);
+    const auto modes = [&] { return HomogeneousModes(seen, m, directions_); };
+    reflect = join_opaque(layer(m, seen, phase, shapes, modes), reflect);
     keep(reflect.kernel);
     below = t;
   }

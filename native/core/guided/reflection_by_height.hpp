@@ -10,12 +10,16 @@
 
 namespace lamina {
 
-/// Coarse solutions of the part of a slab below each of several heights, by azimuth order: what guides a walk.
-/// A homogeneous slab's follow from its modes; a graded one is built up from the bottom, by adding layers.
+/// Number of quadrature nodes that resolve the phase function's peak well enough for a guide.
+int guide_nodes(const GradedMedium& medium);
+
+/// Coarse solutions of the part of a slab below each of several heights, by azimuth order, for guiding tables.
+/// Those of a homogeneous slab follow from its modes; those of a graded slab are built from the bottom by adding
+/// layers.
 class ReflectionByHeight {
  public:
-  /// Heights ascend from above 0 to the slab's thickness. Directions are `nodes` of Gauss and Legendre, followed
-  /// by the targets.
+  /// Heights ascend from above 0 to the slab's thickness. Directions are `nodes` Gauss-Legendre nodes, followed by
+  /// the targets.
   ReflectionByHeight(const GradedMedium& medium, std::vector<double> heights, int nodes,
                      const Eigen::VectorXd& targets);
 
@@ -26,12 +30,24 @@ class ReflectionByHeight {
   const Directions& directions() const { return directions_; }
   const std::vector<double>& heights() const { return heights_; }
 
-  /// The medium around a height, as the nodes see it, of thickness tau.
+  /// The delta-M truncated medium around a height, with thickness tau.
   TruncatedMedium medium(double height, double tau) const;
 
- private:
-  ScatteringFunction layer(int m, double height, double tau) const;
+  /// Order m of a homogeneous layer; `modes` returns the layer's modes, and is called only if they are needed.
+  template <typename Modes>
+  ScatteringFunction layer(int m, const TruncatedMedium& seen, const PhaseKernel& phase, const LayerShapes& shapes,
+                           const Modes& modes) const {
+    // Below this, multiple scattering is lost in rounding.
+    constexpr double kFaintest = 1e-7;
+    const Eigen::Index n = directions_.live;
+    const MultipleScattering multiple =
+        seen.albedo * seen.tau > kFaintest
+            ? multiple_scattering(modes().layer(seen.tau), seen, phase, m, directions_)
+            : MultipleScattering{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd()};
+    return layer_on(directions_, multiple, seen, shapes, single_on(directions_, seen, shapes, m), m);
+  }
 
+ private:
   GradedMedium medium_;
   std::vector<double> heights_;
   Directions directions_;

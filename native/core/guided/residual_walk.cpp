@@ -2,6 +2,7 @@
 #include "guided/residual_walk.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -14,12 +15,15 @@ namespace {
 
 using std::numbers::pi;
 
-/// Least probability of a term.
+// The estimate is unbiased for any of these numbers; they set its variance.
+
+/// Least probability of a term, relative to the sum.
 constexpr double kLeast = 0.02;
+/// Floor of the tables' kS + Sk + SkS, relative to albedo^2 t / (1 + t).
 constexpr double kFloor = 1e-3;
-/// Least share of S that R counts for where it is decided whether to go on.
+/// Least share of S that the residual R~ is taken for in the continuation probability.
 constexpr double kLeastRest = 0.05;
-/// Probability of going on with a branch that is worth all that is to be found, and with one that is worth nothing.
+/// Continuation probability of a branch with the whole residual, and least continuation probability.
 constexpr double kEager = 0.6;
 constexpr double kLeastOn = 0.05;
 
@@ -50,7 +54,7 @@ ResidualWalk::ResidualWalk(const GradedMedium& medium, double mu_o, double mu_i,
   if (!medium.is_homogeneous() || medium.ground() > 0.0) {
     throw std::invalid_argument("medium: must be homogeneous, over nothing");
   }
-  // Of the order of kS at its least: linear where thin, and not zero where the tables may be by rounding.
+  // Linear in t where thin, as kS is, and positive where rounding leaves zero in the tables.
   const ScatteringGuide::Column& t = guide_->heights().column();
   floor_ = static_cast<float>(kFloor * scattering_.albedo() * scattering_.albedo()) * t / (1.0F + t);
 }
@@ -61,12 +65,13 @@ ResidualWalk::Branch ResidualWalk::branch(const GuidedVertex& vertex, const Slab
   return {vertex.t, vertex.cell, a, b, once, std::max(0.0, value - once)};
 }
 
-/// S of the branch. `worth` times a value of S is what that adds to the sample, relative to R~ of the whole.
+/// An estimate of the branch's S. `worth` times S is the branch's part of the sample, relative to R~ of the whole.
 double ResidualWalk::estimate(Branch branch, double worth, Rng& rng, std::uint64_t& events) const {
   const GuideHeights& heights = guide_->heights();
   double sum = 0.0;
   double weight = 1.0;
   while (true) {
+    // Continue with probability q, else take the tables' residual
     const double all = branch.once + branch.rest;
     const double q = std::clamp(kEager * worth * std::max(branch.rest, kLeastRest * all), kLeastOn, 1.0);
     if (rng.uniform() >= q) {
@@ -76,6 +81,8 @@ double ResidualWalk::estimate(Branch branch, double worth, Rng& rng, std::uint64
     weight /= q;
     worth /= q;
     ++events;
+
+    // Draw the height of the vertex
     const SlabRay a = branch.a;
     const SlabRay b = branch.b;
     const ScatteringGuide::Terms terms(*guide_, a, b);
@@ -84,29 +91,29 @@ double ResidualWalk::estimate(Branch branch, double worth, Rng& rng, std::uint64
         HeightSampling::draw(heights, branch.top, branch.cell, 1.0 / a.mu + 1.0 / b.mu, source, rng);
     const GuidedVertex vertex{choice.t, choice.cell, heights.fraction(choice.t, choice.cell)};
 
-    // One term, in proportion to the tables.
-    const auto low = static_cast<double>(source[static_cast<Eigen::Index>(vertex.cell)]);
-    const auto high = static_cast<double>(source[static_cast<Eigen::Index>(vertex.cell + 1)]);
-    const double repeated = low + vertex.up * (high - low);
+    // Compute the probabilities of kS, Sk and SkS in proportion to the tables
+    const double repeated = vertex.at(source);
     const double one_a = terms.one_side(vertex.cell, vertex.up, true);
     const double one_b = terms.one_side(vertex.cell, vertex.up, false);
     const double least = kLeast * repeated;
-    const double weights[3] = {std::max(one_a, least), std::max(one_b, least),
-                               std::max(repeated - one_a - one_b, least)};
-    const double total = weights[0] + weights[1] + weights[2];
+    const std::array<double, 3> mass = {std::max(one_a, least), std::max(one_b, least),
+                                        std::max(repeated - one_a - one_b, least)};
+    const double total = mass[0] + mass[1] + mass[2];
+
+    // Choose a term and follow it
     const double u = rng.uniform() * total;
     double factor = choice.weight * total;
-    if (u < weights[0] + weights[1]) {
-      const bool first = u < weights[0];
+    if (u < mass[0] + mass[1]) {
+      const bool first = u < mass[0];
       const GuidedDirections::Step step = directions_.one_side(vertex, scattering_, first ? a : b, first ? b : a, rng);
-      factor *= step.weight / weights[first ? 0 : 1];
+      factor *= step.weight / mass[first ? 0 : 1];
       if (!(factor > 0.0)) {
         return sum;
       }
       branch = this->branch(vertex, step.ray, first ? b : a, step.value);
     } else {
       const GuidedDirections::Pair pair = directions_.both_sides(vertex, scattering_, a, b, rng);
-      factor *= pair.weight / weights[2];
+      factor *= pair.weight / mass[2];
       if (!(factor > 0.0)) {
         return sum;
       }
@@ -121,12 +128,15 @@ double ResidualWalk::estimate(Branch branch, double worth, Rng& rng, std::uint64
 }
 
 double ResidualWalk::sample(Rng& rng, std::uint64_t& events) const {
+  // Draw the first vertex and its term from the tables of the fixed directions
   ++events;
   const FirstVertex::Choice choice = root_.draw(rng);
   if (choice.weight == 0.0) {
     return once_;
   }
   const GuidedVertex vertex{choice.t, choice.cell, choice.up};
+
+  // Estimate S on the sides that the term goes on to
   const double worth = choice.weight / root_.rest();
   double rest = choice.weight;
   if (choice.term == FirstVertex::Term::kBoth) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A guided walk of the integral scattering equation that estimates only what its tables miss.
+// A guided walk of the integral scattering equation that estimates only the error of its tables.
 #pragma once
 #include <memory>
 
@@ -11,18 +11,18 @@
 
 namespace lamina {
 
-/// The BRDF of a homogeneous slab by an unbiased walk of the integral scattering equation that estimates only what
-/// tables do not know. Of each S it meets,
-///   S = S1 + R,  R = int exp(-(1/mu + 1/mu0)(tau - t)) (kS + Sk + SkS) dt,
-/// single scattering S1 is exact and R is taken as
+/// The BRDF of a homogeneous slab by an unbiased walk of the integral scattering equation that estimates only the
+/// error of its tables. Each S is split into
+///   S = S1 + R,  R = int exp(-(1/mu + 1/mu0)(tau - t)) (kS + Sk + SkS) dt.
+/// Single scattering S1 is exact. R is estimated as
 ///   R~ + (R' - R~) / q with probability q, else R~,
-/// where R~ is what the guide's tables say and R' one vertex more, whose S are again such estimates: whatever R~ is,
-/// the mean is R. q is what the walk's weight times R~ is worth against the whole, so that branches of little worth
-/// end early and heavy ones do not. The first vertex, between directions that never change, has tables of its own.
+/// where R~ is the tables' value and R' adds one vertex whose S are estimated in the same way. The mean is R whatever
+/// R~ is. q is proportional to the walk's weight times R~, so that light branches end early and heavy ones go on. The
+/// first vertex has tables of its own, since its two directions are the same for all samples.
 class ResidualWalk final : public Walk {
  public:
   /// `candidates` for each direction after the first: 8, 16 or 32. The guide, of the same medium, may be shared.
-  /// Throws std::invalid_argument for other numbers, for media that vary with depth, and for those over a surface.
+  /// Throws std::invalid_argument for other numbers, for graded media, and for media over a surface.
   ResidualWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi, int candidates,
                std::shared_ptr<const ScatteringGuide> guide);
 
@@ -43,7 +43,7 @@ class ResidualWalk final : public Walk {
   FirstVertex root_;
   double once_;                    ///< the BRDF's single scattering
   double scale_;                   ///< from S to the BRDF
-  ScatteringGuide::Column floor_;  ///< what the terms are taken for at least
+  ScatteringGuide::Column floor_;  ///< least kS + Sk + SkS
 };
 
 }  // namespace lamina

@@ -7,20 +7,28 @@
 namespace lamina {
 namespace {
 
-constexpr double kLeastCosine = 1e-6;
+constexpr double kLeastCosine = 1e-6;  // replaces 0, by which shapes would divide
 
-/// Nodes that see the phase function's peak well enough for a guide.
-int nodes_for(const GradedMedium& medium) {
-  double peak = 0.0;
-  for (const GradedMedium::Knot& knot : medium.knots()) {
-    peak = std::max(peak, knot.phase.peak());
-  }
-  return peak > 0.85 ? 24 : peak > 0.4 ? 16 : 12;
-}
+/// Azimuth orders are summed until none of an order's values exceeds this, relative to .05 + albedo.
+constexpr double kUnseen = 5e-4;
 
 double cosine_at(double y) { return std::max(kLeastCosine, 1.0 - y * y); }
 
 }  // namespace
+
+/// The directions of the tables.
+struct ScatteringGuide::Grid {
+  Eigen::VectorXd mu = Eigen::VectorXd(kPoints);
+  std::array<double, kPoints> angle;
+
+  Grid() {
+    for (std::size_t k = 0; k < kPoints; ++k) {
+      const double x = static_cast<double>(k) / static_cast<double>(kCells);
+      mu[static_cast<Eigen::Index>(k)] = cosine_at(x);
+      angle[k] = 2.0 * std::asin(x);
+    }
+  }
+};
 
 ScatteringGuide::ScatteringGuide(const GradedMedium& medium) : heights_(medium), ground_(medium.ground()) {
   tabulate(medium);
@@ -28,81 +36,88 @@ ScatteringGuide::ScatteringGuide(const GradedMedium& medium) : heights_(medium),
 }
 
 void ScatteringGuide::tabulate(const GradedMedium& medium) {
-  const std::size_t heights = heights_.size();
-  Eigen::VectorXd mu(kPoints);
-  std::array<double, kPoints> angle;
-  for (std::size_t k = 0; k < kPoints; ++k) {
-    const double x = static_cast<double>(k) / static_cast<double>(kCells);
-    mu[static_cast<Eigen::Index>(k)] = cosine_at(x);
-    angle[k] = 2.0 * std::asin(x);
-  }
-  const ReflectionByHeight reflection(medium, heights_.above_zero(), nodes_for(medium), mu);
-  const Directions& directions = reflection.directions();
-  const Eigen::Index n = directions.nodes;
-  const Eigen::Index points = kPoints;
+  const Grid grid;
+  const ReflectionByHeight reflection(medium, heights_.above_zero(), guide_nodes(medium), grid.mu);
   constexpr std::size_t kPairs = kPoints * kPoints;
-  smooth_.assign(heights * kPairs * kPoints, 0.0F);
+  smooth_.assign(heights_.size() * kPairs * kPoints, 0.0F);
   one_side_.assign(kPairs * kPoints, Column::Zero());
   repeated_ = one_side_;
-  const Eigen::VectorXd share = 0.5 * directions.weight.cwiseQuotient(directions.mu.head(n));
 
-  // Sum over azimuth orders, until one adds nothing that a guide would miss.
+  // Sum azimuth orders until one adds nothing that a guide would miss
   for (int m = 0; m < reflection.orders(); ++m) {
-    const std::vector<Eigen::MatrixXd> s = reflection.order(m);
-    std::array<float, kPoints> wave;
-    for (std::size_t z = 0; z < kPoints; ++z) {
-      wave[z] = static_cast<float>((m == 0 ? 1.0 : 2.0) * std::cos(m * angle[z]));
-    }
-    double largest = 0.0;
-    for (std::size_t j = 1; j < heights; ++j) {
-      const double t = heights_[j];
-      const TruncatedMedium seen = reflection.medium(t, 1.0);
-      const PhaseKernel phase(seen, m, directions.mu);
-      const double albedo = seen.albedo * seen.tau;
-      const Eigen::MatrixXd& all = s[j - 1];
-      const Eigen::MatrixXd shared = share.asDiagonal() * all.topRightCorner(n, points);
-      const Eigen::MatrixXd one = albedo * phase.transmit.bottomLeftCorner(points, n) * shared;
-      const Eigen::MatrixXd both = shared.transpose() * (albedo * phase.reflect.topLeftCorner(n, n)) * shared;
-      for (Eigen::Index b = 0; b < points; ++b) {
-        for (Eigen::Index a = 0; a < points; ++a) {
-          const double shape = single_reflection(mu[a], mu[b], t);
-          const double seen_ground =
-              m == 0 ? 4.0 * mu[a] * mu[b] * ground_ * std::exp(-t * (1.0 / mu[a] + 1.0 / mu[b])) : 0.0;
-          const double rest = (all(n + a, n + b) - seen_ground) / (4.0 * mu[a] * mu[b] * shape) -
-                              0.25 * albedo * phase.reflect(n + a, n + b);
-          largest = std::max(largest, std::abs(rest) / (0.05 + albedo));
-          const auto pair = static_cast<std::size_t>(a * points + b);
-          const auto repeated = static_cast<float>(one(a, b) + one(b, a) + both(a, b));
-          float* value = &smooth_[(j * kPairs + static_cast<std::size_t>(b * points + a)) * kPoints];
-          const auto row = static_cast<Eigen::Index>(j);
-          for (std::size_t z = 0; z < kPoints; ++z) {
-            value[z] += wave[z] * static_cast<float>(rest);
-            one_side_[pair * kPoints + z][row] += wave[z] * static_cast<float>(one(a, b));
-            repeated_[pair * kPoints + z][row] += wave[z] * repeated;
-          }
-        }
-      }
-    }
-    constexpr double kUnseen = 5e-4;
-    if (largest < kUnseen) {
+    if (add_order(reflection, grid, m) < kUnseen) {
       break;
     }
   }
+
+  // Clear negative values that truncation left in the terms
   for (std::vector<Column>* table : {&one_side_, &repeated_}) {
     for (Column& column : *table) {
       column = column.max(0.0F);
     }
   }
-  // At height 0 nothing is there to divide by: the next section serves.
+
+  // Copy the first section above height 0, where S / shape is 0 / 0
   std::copy_n(smooth_.begin() + kPairs * kPoints, kPairs * kPoints, smooth_.begin());
 }
 
-/// Bins of direction for light from S, uniform in sqrt(1 - mu) and in tan(dphi / 4), whose sines need no angle. Each
-/// has a number of equal slots, one at least.
+/// Adds azimuth order m to the tables. Returns the largest absolute value of its smooth part, relative to .05 + albedo.
+double ScatteringGuide::add_order(const ReflectionByHeight& reflection, const Grid& grid, int m) {
+  const Eigen::VectorXd& mu = grid.mu;
+  const Directions& directions = reflection.directions();
+  const Eigen::Index n = directions.nodes;
+  const Eigen::Index points = kPoints;
+  const Eigen::VectorXd share = 0.5 * directions.weight.cwiseQuotient(directions.mu.head(n));
+  const std::vector<Eigen::MatrixXd> s = reflection.order(m);
+  std::array<float, kPoints> wave;
+  for (std::size_t z = 0; z < kPoints; ++z) {
+    wave[z] = static_cast<float>((m == 0 ? 1.0 : 2.0) * std::cos(m * grid.angle[z]));
+  }
+  double largest = 0.0;
+  for (std::size_t j = 1; j < heights_.size(); ++j) {
+    // Integrate Sk and SkS over the nodes' directions
+    const double t = heights_[j];
+    const TruncatedMedium seen = reflection.medium(t, 1.0);
+    const PhaseKernel phase(seen, m, directions.mu);
+    const double albedo = seen.albedo * seen.tau;
+    const Eigen::MatrixXd& all = s[j - 1];
+    const Eigen::MatrixXd shared = share.asDiagonal() * all.topRightCorner(n, points);
+    const Eigen::MatrixXd one = albedo * phase.transmit.bottomLeftCorner(points, n) * shared;
+    const Eigen::MatrixXd both = shared.transpose() * (albedo * phase.reflect.topLeftCorner(n, n)) * shared;
+    for (Eigen::Index b = 0; b < points; ++b) {
+      for (Eigen::Index a = 0; a < points; ++a) {
+        // Split off the ground and single scattering, and divide by the shape of single scattering
+        const double shape = single_reflection(mu[a], mu[b], t);
+        const double seen_ground =
+            m == 0 ? 4.0 * mu[a] * mu[b] * ground_ * std::exp(-t * (1.0 / mu[a] + 1.0 / mu[b])) : 0.0;
+        const double rest = (all(n + a, n + b) - seen_ground) / (4.0 * mu[a] * mu[b] * shape) -
+                            0.25 * albedo * phase.reflect(n + a, n + b);
+        largest = std::max(largest, std::abs(rest) / (0.05 + albedo));
+
+        // Add the order's wave to all azimuths
+        const auto pair = static_cast<std::size_t>(a * points + b);
+        const auto repeated = static_cast<float>(one(a, b) + one(b, a) + both(a, b));
+        float* value = &smooth_[(j * kPoints * kPoints + static_cast<std::size_t>(b * points + a)) * kPoints];
+        const auto row = static_cast<Eigen::Index>(j);
+        for (std::size_t z = 0; z < kPoints; ++z) {
+          value[z] += wave[z] * static_cast<float>(rest);
+          one_side_[pair * kPoints + z][row] += wave[z] * static_cast<float>(one(a, b));
+          repeated_[pair * kPoints + z][row] += wave[z] * repeated;
+        }
+      }
+    }
+  }
+  return largest;
+}
+
+/// Bins of directions for sampling S / mu, uniform in sqrt(1 - mu) and in tan(dphi / 4), which needs no sine or cosine.
+/// Each bin gets a number of equally likely slots in proportion to its mass, at least one.
 void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
   const std::size_t heights = heights_.size();
   slots_.resize(heights * kPoints * kSlots);
   counts_.resize(heights * kPoints * kBins);
+
+  // Compute the centre and the relative solid angle of each bin
   using Values = Eigen::Array<float, static_cast<int>(kBins), 1>;
   Values x;
   Values y;
@@ -124,14 +139,16 @@ void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
     const double t = heights_[std::max<std::size_t>(j, 1)];
     const LocalScattering scattering = medium.at(t);
     for (std::size_t point = 0; point < kPoints; ++point) {
+      // Integrate S / mu over the bins
       const double mu_b = cosine_at(static_cast<double>(point) / static_cast<double>(kCells));
       const SlabRay b{std::sqrt(1.0 - mu_b * mu_b), 0.0, mu_b};
       const Section section(*this, std::min(j, heights - 2), j == heights - 1 ? 1.0 : 0.0, t, b, scattering, 0.5, 0.5);
       Values mass = section(x, y, mu) * size;
       if (!(mass.sum() > 0.0F)) {
-        mass = size;  // nothing comes from there
+        mass = size;  // no light at all: uniform
       }
-      // At most 255 slots to a bin; what rounding leaves goes to the largest.
+
+      // Give each bin one slot and a share of the others, at most 255 in all; spread the slots that rounding leaves
       const double whole = static_cast<double>(mass.sum());
       std::uint8_t* count = &counts_[(j * kPoints + point) * kBins];
       double carried = 0.0;
@@ -150,6 +167,8 @@ void ScatteringGuide::tabulate_bins(const GradedMedium& medium) {
           ++used;
         }
       }
+
+      // List the bin of each slot
       std::uint8_t* slot = &slots_[(j * kPoints + point) * kSlots];
       for (std::size_t bin = 0; bin < kBins; ++bin) {
         slot = std::fill_n(slot, count[bin], static_cast<std::uint8_t>(bin));
@@ -223,7 +242,7 @@ ScatteringGuide::Section::Section(const ScatteringGuide& guide, std::size_t j, d
 SlabRay ScatteringGuide::Section::draw(double u, double v, double w) const {
   const std::size_t bin = slots_[static_cast<std::size_t>(u * static_cast<double>(kSlots))];
   const double root = (static_cast<double>(bin / kAzimuths) + v) / static_cast<double>(kCells);
-  // The bins cover one half of the circle: the last number also tells which.
+  // The bins cover half the circle of azimuths; the last number also chooses the half.
   const double way = 2.0 * w - 1.0;
   const double quarter = (static_cast<double>(bin % kAzimuths) + std::abs(way)) / static_cast<double>(kAzimuths);
   const double scale = 1.0 / (1.0 + quarter * quarter);

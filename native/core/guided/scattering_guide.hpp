@@ -13,24 +13,26 @@
 
 namespace lamina {
 
-/// Coarse tables that guide the walk of the scattering equation: what S of the slab below each height is, nearly,
-/// between any two directions, and what each term of the equation adds there.
+class ReflectionByHeight;
+
+/// Coarse tables that guide the walk of the scattering equation: approximations of S of the slab below each height, and
+/// of each term of the equation there, for any two directions.
 ///
-/// All are linear between points uniform in sqrt(1 - mu), which resolves the normal, and in sin(dphi / 2), which
-/// resolves the forward azimuth; of S only what is not single scattering, nor light that the surface below turns back
-/// without any, divided by the angular shape of single scattering, so that thin layers and grazing directions are
-/// smooth as well.
+/// The tables are linear between points uniform in sqrt(1 - mu), which resolves the normal, and in sin(dphi / 2), which
+/// resolves the forward azimuth. The table of S holds S without single scattering and without the unscattered
+/// reflection from the surface below, divided by the angular shape of single scattering: this is smooth for thin layers
+/// and at grazing angles too. Both parts that are left out are added in closed form.
 class ScatteringGuide {
  public:
   explicit ScatteringGuide(const GradedMedium& medium);
 
   const GuideHeights& heights() const { return heights_; }
 
-  static constexpr std::size_t kCells = 12;
+  static constexpr std::size_t kCells = 12;  ///< of each axis of the tables; walks are unbiased for any number
   static constexpr std::size_t kPoints = kCells + 1;
   using Column = GuideHeights::Column;
 
-  /// A value's cell and its place in there.
+  /// The cell of a value in [0, 1], and the fraction of the way through the cell.
   struct Place {
     std::size_t cell;
     float fraction;
@@ -41,7 +43,7 @@ class ScatteringGuide {
       return {cell, static_cast<float>(scaled - static_cast<double>(cell))};
     }
     static Place of_cosine(double mu) { return of(std::sqrt(std::max(0.0, 1.0 - mu))); }
-    /// Of the azimuth between two rays.
+    /// For the azimuth between two rays.
     static Place between(const SlabRay& a, const SlabRay& b) {
       const double sines = (a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y);
       const double cosine = sines > 1e-24 ? (a.x * b.x + a.y * b.y) / std::sqrt(sines) : 1.0;
@@ -49,7 +51,7 @@ class ScatteringGuide {
     }
   };
 
-  /// What the terms of the equation add, for one pair of directions and any height.
+  /// The terms of the equation for one pair of directions, at any height.
   class Terms {
    public:
     Terms(const ScatteringGuide& guide, const SlabRay& a, const SlabRay& b);
@@ -61,7 +63,7 @@ class ScatteringGuide {
       }
       return sum;
     }
-    /// What a, or b, gets from S by scattering once on its own way: at `up` of the cell of heights j.
+    /// The term whose vertex scatters into a (`of_a`) or into b light from S: at `up` of the cell of heights j.
     double one_side(std::size_t j, double up, bool of_a) const {
       float low = 0.0F;
       float high = 0.0F;
@@ -81,24 +83,24 @@ class ScatteringGuide {
     std::array<float, 8> weights_;
   };
 
-  /// S~(t; a, b) in the cell of heights j, at `up` of its way to the next, which is the height t.
+  /// S~(t; a, b), where the height t lies in the cell of heights j, at the fraction `up` of the cell.
   double value(std::size_t j, double up, double t, const SlabRay& a, const SlabRay& b,
                const LocalScattering& scattering) const;
 
-  /// A direction b for which others are drawn, where S~(t; ., b) / mu is large, and valued by it. All densities are
-  /// over the hemisphere's solid angle.
+  /// The tables for one direction b: values of S~(t; ., b) / mu, and sampling of directions in proportion to it.
+  /// Densities are over the solid angle of the hemisphere.
   class Section {
    public:
-    /// In the cell of heights j, at `up` of its way to the next, which is the height t. The numbers choose one of
-    /// the tables around.
+    /// `j`, `up` and `t` as in value(). `u` and `v`, uniform in [0, 1), choose one of the four neighbouring tables for
+    /// sampling.
     Section(const ScatteringGuide& guide, std::size_t j, double up, double t, const SlabRay& b,
             const LocalScattering& scattering, double u, double v);
 
-    /// S~(t; a, b) / mu of a, for many directions; cosines that are not positive get 0.
+    /// S~(t; a, b) / mu_a for many directions a; 0 where mu_a is not positive.
     template <typename Values>
     Values operator()(const Values& x, const Values& y, const Values& mu) const;
 
-    /// A direction: u, v, w uniform in (0, 1).
+    /// Samples a direction; u, v, w are uniform in (0, 1).
     SlabRay draw(double u, double v, double w) const;
     /// The density of draw().
     template <typename Values>
@@ -117,20 +119,23 @@ class ScatteringGuide {
   };
 
  private:
-  static constexpr std::size_t kAzimuths = 10;
+  static constexpr std::size_t kAzimuths = 10;  // bins in half a turn
   static constexpr std::size_t kBins = kCells * kAzimuths;
-  static constexpr std::size_t kSlots = 512;
+  static constexpr std::size_t kSlots = 512;  // about four per bin
+
+  struct Grid;
 
   void tabulate(const GradedMedium& medium);
+  double add_order(const ReflectionByHeight& reflection, const Grid& grid, int m);
   void tabulate_bins(const GradedMedium& medium);
 
   GuideHeights heights_;
-  double ground_;                     // reflectance of the surface below, whose part of S is in closed form
+  double ground_;                     // reflectance of the surface below
   std::vector<float> smooth_;         // [height, cosine of b, cosine of a, azimuth]
   std::vector<Column> one_side_;      // [cosine of the side, other cosine, azimuth]
   std::vector<Column> repeated_;      // [cosine, cosine, azimuth]
   std::vector<std::uint8_t> slots_;   // [height, cosine of b, slot]: its bin
-  std::vector<std::uint8_t> counts_;  // [height, cosine of b, bin]: how many slots are its own
+  std::vector<std::uint8_t> counts_;  // [height, cosine of b, bin]: its number of slots
 };
 
 template <typename Values>
@@ -166,7 +171,7 @@ Values ScatteringGuide::Section::density(const Values& x, const Values& y, const
   const Values sine = (1.0F - positive * positive).max(1e-12F).sqrt();
   const Values root = (1.0F - positive).max(1e-12F).sqrt();
   const Values along = ((x * cosine_ + y * sine_) / sine).max(-1.0F).min(1.0F);
-  // The quarter turn's tangent, by half the angle's cosine.
+  // tan(dphi / 4) from cos(dphi / 2)
   const Values half = (0.5F + 0.5F * along).sqrt();
   const Values turn = ((1.0F - half) / (1.0F + half)).sqrt();
   Values density;

@@ -16,8 +16,7 @@
 namespace lamina {
 namespace {
 
-/// Cost of a sample's first event and of each further one, in nanoseconds of one processor: measured, and only their
-/// ratios matter.
+/// Cost of a sample's first event and of each further event, in nanoseconds on one core. Measured; only ratios matter.
 struct Cost {
   double first;
   double further;
@@ -28,7 +27,7 @@ struct Candidate {
   Cost cost;
 };
 
-/// The walk to fall back to comes first.
+/// The walks that the pilot compares; the first is the fallback.
 std::vector<Candidate> candidates(const GradedMedium& medium) {
   const bool both = fitted(NextEvent::kFitting, medium.at(0.0).p[0]) == NextEvent::kFromBothEnds;
   if (medium.is_homogeneous() && medium.ground() == 0.0) {
@@ -85,7 +84,7 @@ std::unique_ptr<Walk> build(const GradedMedium& medium, double mu_o, double mu_i
   throw std::invalid_argument("walk = '" + name + "': must be one of " + known);
 }
 
-/// Relative variance times cost.
+/// Relative variance of the mean times the cost of the samples.
 double price(const Tally& tally, const Cost& cost) {
   const double n = static_cast<double>(tally.count);
   if (tally.sum <= 0.0) {
@@ -96,7 +95,7 @@ double price(const Tally& tally, const Cost& cost) {
   return relative * relative * (cost.first * n + cost.further * further);
 }
 
-/// Samples of the pilot, added to what it has.
+/// Adds samples of the pilot to the tally.
 void draw_more(const Walk& walk, std::uint64_t seed, std::uint64_t samples, Tally& tally) {
   const std::uint64_t end = tally.count + samples;
   for (std::uint64_t k = tally.count; k < end; ++k) {
@@ -121,7 +120,7 @@ ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, dou
     chosen.walk = build(medium, mu_o, mu_i, dphi, chosen.name, guide);
     return chosen;
   }
-  // A number far from those that the run itself is likely to begin with.
+  // A seed far from those that runs are likely to use.
   const std::uint64_t pilot_seed = seed ^ 0x9bd1e5b0c2f4a837U;
   double best = std::numeric_limits<double>::infinity();
   std::uint64_t spent_samples = 0;
@@ -130,12 +129,12 @@ ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, dou
   for (const Candidate& candidate : all) {
     std::unique_ptr<Walk> walk = build(medium, mu_o, mu_i, dphi, candidate.name, guide);
     const bool fallback = candidate.name == all.front().name;
-    // A guided walk's rare large samples hide in a short pilot: it must win clearly.
+    // A short pilot may miss rare large samples of a guided walk, so it must win by this factor.
     constexpr double kDoubt = 1.5;
     const auto cost_of = [&](const Tally& tally) {
       return price(tally, candidate.cost) * (fallback ? 1.0 / kDoubt : 1.0);
     };
-    // A few samples show a walk that is hopeless; the fallback's own are cheap.
+    // A few samples rule out a hopeless walk, at this multiple of the best price.
     constexpr std::uint64_t kFew = 256;
     constexpr std::uint64_t kMany = 2048;
     constexpr double kHopeless = 4.0;

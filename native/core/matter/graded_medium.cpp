@@ -12,7 +12,7 @@ namespace lamina {
 GradedMedium::GradedMedium(std::vector<Knot> knots) : knots_(std::move(knots)) {
   const std::size_t count = knots_.size();
   if (count < 2 || knots_.front().tau != 0.0) {
-    throw std::invalid_argument("knots: must be two at least, the first at tau = 0");
+    throw std::invalid_argument("knots: must be at least two, the first at tau = 0");
   }
   for (std::size_t k = 1; k < count; ++k) {
     const bool at_an_end = k == 1 || k == count - 1;

@@ -8,8 +8,8 @@
 
 namespace lamina {
 
-/// What scatters at one depth: k(cosine) = first p(cosine) + second q(cosine), the albedo times 4 pi the phase
-/// function's density.
+/// Scattering at one depth: k(cosine) = first p(cosine) + second q(cosine), the albedo times the phase function (4 pi
+/// times its density).
 struct LocalScattering {
   double first = 0.0;
   double second = 0.0;
@@ -21,7 +21,7 @@ struct LocalScattering {
     const double value = first * p->evaluate(cosine);
     return second > 0.0 ? value + second * q->evaluate(cosine) : value;
   }
-  /// The same for many cosines at once, in single precision.
+  /// evaluate() for many cosines, in single precision.
   template <typename Cosines>
   Cosines evaluate_all(const Cosines& cosine) const {
     const HenyeyGreenstein* lobe = second > 0.0 ? nullptr : p->as_henyey_greenstein();
@@ -33,15 +33,15 @@ struct LocalScattering {
     return (static_cast<float>(first) * (1.0F - g * g)) / (denominator * denominator.sqrt());
   }
 
-  /// The cosine for a uniform u in (0, 1), distributed as evaluate(cosine) / (2 albedo).
+  /// The cosine for a uniform u in (0, 1), with density evaluate(cosine) / (2 albedo).
   double sample(double u) const {
     const double share = second > 0.0 ? first / (first + second) : 1.0;
     return u < share ? p->sample(u / share) : q->sample((u - share) / (1.0 - share));
   }
 };
 
-/// A slab whose properties vary with depth. Between knots, albedo times phase function varies linearly with the
-/// optical depth; two knots at one depth are a jump.
+/// A slab whose properties vary with depth. Between knots, albedo times phase function is linear in the optical depth.
+/// Two knots at one depth are a jump.
 class GradedMedium {
  public:
   struct Knot {
@@ -50,34 +50,34 @@ class GradedMedium {
     PhaseFunction phase;
   };
 
-  /// Knots from the top, tau 0, to the bottom; tau never falls, and rises from the first and to the last. Throws
-  /// std::invalid_argument otherwise.
+  /// Knots from the top, tau 0, to the bottom. tau ascends, with equal neighbours only between the first and the last.
+  /// Throws std::invalid_argument otherwise.
   explicit GradedMedium(std::vector<Knot> knots);
   static GradedMedium homogeneous(double albedo, double tau, const PhaseFunction& phase);
 
-  /// The same on a Lambert surface of that reflectance, [0, 1], for the roads of the scattering equation, to which it
-  /// is S where t = 0. Without, there is nothing below, or something black.
+  /// The slab on a Lambert surface of that reflectance, [0, 1], which is S at t = 0 for the scattering equation.
+  /// Without this call the slab lies over nothing.
   GradedMedium over(double reflectance) const;
   double ground() const { return ground_; }
-  /// Upside down, over nothing.
+  /// The slab upside down, over nothing.
   GradedMedium turned() const;
 
   double tau() const { return knots_.back().tau; }
   bool is_homogeneous() const { return homogeneous_; }
   bool is_isotropic() const { return isotropic_; }
   const std::vector<Knot>& knots() const { return knots_; }
-  /// Optical heights of the knots between top and bottom, ascending; a jump's is there twice.
+  /// Optical heights of the knots between top and bottom, ascending; the height of a jump occurs twice.
   std::vector<double> inner_heights() const;
   double largest_albedo() const;
-  /// The phase function of a knot that has the largest mean cosine, either way.
+  /// The phase function of the knot with the largest absolute mean cosine.
   const PhaseFunction& sharpest_phase() const;
-  /// Whether both ends of the piece below knot `above` have the same phase function.
+  /// True if both ends of the piece below knot `above` have the same phase function.
   bool keeps_phase(std::size_t above) const { return keeps_phase_[above]; }
   bool is_constant(std::size_t above) const {
     return keeps_phase_[above] && knots_[above].albedo == knots_[above + 1].albedo;
   }
 
-  /// What scatters at the optical height t above the bottom; at a jump, what lies below it.
+  /// The scattering at the optical height t above the bottom; at a jump, the one below it.
   LocalScattering at(double t) const {
     if (homogeneous_) {
       return {knots_.front().albedo, 0.0, &knots_.front().phase, &knots_.front().phase};

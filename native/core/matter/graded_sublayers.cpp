@@ -10,10 +10,10 @@
 namespace lamina {
 namespace {
 
-/// Distance from a face within which intervals no longer shrink.
+/// Distance from a face below which intervals no longer get shorter.
 constexpr double kFace = 0.05;
 
-/// Counts intervals from the top: one for each `coarseness` of growth of the distance from the nearer face.
+/// Numbers the intervals from the top: their length is `coarseness` times the distance from the nearer face.
 class Intervals {
  public:
   Intervals(double tau, double coarseness) : tau_(tau), coarseness_(coarseness) {}
@@ -34,7 +34,7 @@ class Intervals {
   double coarseness_;
 };
 
-/// A knot's share in an interval: mean and first moment, about the middle, of what it scatters.
+/// The contribution of a phase function to an interval: the mean of its albedo, and the first moment about the middle.
 struct Share {
   double mean = 0.0;
   double moment = 0.0;
@@ -61,7 +61,7 @@ std::vector<Share> shares_in(const GradedMedium& medium, double top, double bott
     if (!(to > from)) {
       continue;
     }
-    // Products of two linear functions: Gauss's rule with two points is exact.
+    // Gauss quadrature with two points is exact for products of two linear functions.
     for (const double place : {-1.0, 1.0}) {
       const double depth = 0.5 * (from + to + place / std::sqrt(3.0) * (to - from));
       const double weight = 0.5 * (to - from) / whole;
@@ -90,9 +90,10 @@ Medium sublayer_from(const std::vector<Share>& shares, double moment, double tau
   return {std::min(1.0, albedo), tau, blend(weighted)};
 }
 
-/// Both halves of an interval. Where the profile bends so strongly that nothing positive has its moment, less of it.
+/// Adds the two halves of an interval. The moment is reduced where the profile bends so strongly that a half would get
+/// a negative albedo, or one above 1.
 void add_interval(const GradedMedium& medium, double top, double bottom, std::vector<Medium>& sublayers) {
-  constexpr double kFromMoment = 4.0;
+  constexpr double kFromMoment = 4.0;  // a linear function of moment M is mean -+ 4 M at 1/6 and 5/6 of the interval
   const std::vector<Share> shares = shares_in(medium, top, bottom);
   double factor = kFromMoment;
   double mean = 0.0;
@@ -120,11 +121,11 @@ std::vector<Medium> sublayers_of(const GradedMedium& medium, double coarseness) 
   std::vector<Medium> sublayers;
   std::size_t first = 0;
   while (first + 1 < knots.size()) {
-    // Pieces that vary, up to a jump or to a bend with pieces on both sides as long as the intervals there.
+    // Joins varying pieces up to a jump, or up to a bend between two long pieces.
     const auto length = [&](std::size_t piece) {
       return intervals.count(knots[piece + 1].tau) - intervals.count(knots[piece].tau);
     };
-    constexpr double kLong = 0.5;
+    constexpr double kLong = 0.5;  // of an interval
     std::size_t last = first + 1;
     while (last + 1 < knots.size() && knots[last + 1].tau > knots[last].tau && !medium.is_constant(last - 1) &&
            !medium.is_constant(last) && std::min(length(last - 1), length(last)) < kLong) {

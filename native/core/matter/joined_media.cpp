@@ -11,7 +11,7 @@ namespace lamina {
 
 GradedMedium joined_media(const Stack& stack) {
   const auto refuse = [](const char* what) {
-    throw std::invalid_argument(std::string("the scattering equation's roads do not know ") + what +
+    throw std::invalid_argument(std::string("the scattering equation's methods do not support ") + what +
                                 ": must be finite media over nothing, black or a Lambert surface");
   };
   std::vector<GradedMedium::Knot> knots;
@@ -31,7 +31,7 @@ GradedMedium joined_media(const Stack& stack) {
     } else {
       const auto& medium = std::get<Medium>(layer);
       if (std::isinf(medium.tau)) {
-        refuse("media without end");
+        refuse("infinitely thick media");
       }
       if (medium.tau > 0.0) {
         only = knots.empty() ? &medium : nullptr;

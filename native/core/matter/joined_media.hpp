@@ -6,9 +6,9 @@
 
 namespace lamina {
 
-/// The media of a stack as one, with jumps between them, on its base if that is a Lambert surface: what the roads of
-/// the scattering equation know. Throws std::invalid_argument for stacks with boundaries, metals, media without end, or
-/// no medium.
+/// The media of a stack as one graded medium, with jumps between them, on the base if it is a Lambert surface. The
+/// methods of the scattering equation take such a medium. Throws std::invalid_argument for stacks with boundaries,
+/// metals or infinitely thick media, and for stacks without media.
 GradedMedium joined_media(const Stack& stack);
 
 /// A medium, and the surface below it, as a stack.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A homogeneous medium, and the same with its forward peak taken as unscattered light.
+// A homogeneous medium, and its delta-M truncation.
 #pragma once
 #include <vector>
 
@@ -7,8 +7,8 @@
 
 namespace lamina {
 
-/// A layer thinner than this is not there: between boundaries that reflect totally, the light that such a layer takes
-/// out of a beam is lost in the rounding of 1 - exp(-2 tau / mu), and it is less than this anyway.
+/// Thinner layers are ignored. They remove less light from a beam than this, and between totally reflecting boundaries
+/// that amount is lost in the rounding of 1 - exp(-2 tau / mu).
 inline constexpr double kThinnestSeen = 1e-12;
 
 /// A homogeneous scattering layer for one channel.
@@ -18,8 +18,8 @@ struct Medium {
   PhaseFunction phase;
 };
 
-/// A medium as seen by a discretisation that resolves `count` Legendre moments (delta-M, Wiscombe 1977):
-/// the share f = chi_count of the scattering, which the moments cannot resolve, counts as unscattered.
+/// The delta-M truncation of a medium to `count` Legendre moments (Wiscombe 1977): the unresolved share f = chi_count
+/// of the scattering counts as unscattered light.
 struct TruncatedMedium {
   double albedo = 0.0;
   double tau = 0.0;
@@ -36,9 +36,8 @@ struct TruncatedMedium {
     tau = medium.tau < kThinnestSeen ? 0.0 : medium.tau * (1.0 - medium.albedo * f);
   }
 
-  /// The albedo that scales the *untruncated* phase function in single scattering (TMS, Nakajima and
-  /// Tanaka 1988): light in the truncated peak moves on unscattered, but where it leaves the beam it is
-  /// seen under its true angle.
+  /// The albedo for single scattering by the untruncated phase function (TMS, Nakajima and Tanaka 1988). The truncated
+  /// peak counts as unscattered in the attenuation only.
   double single_scattering_albedo() const { return albedo / (1.0 - forward_share); }
 };
 

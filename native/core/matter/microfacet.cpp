@@ -10,6 +10,7 @@ namespace lamina {
 namespace {
 
 using Eigen::ArrayXd;
+using Eigen::ArrayXXd;
 using std::numbers::pi;
 
 /// Fresnel's reflectance for light at cosine c in a medium of relative index 1 against `ratio`.
@@ -38,18 +39,59 @@ Array conductor_fresnel_array(const Array& c, std::complex<double> ratio) {
 
 double sine(double mu) { return std::sqrt(std::max(0.0, 1.0 - mu * mu)); }
 
-/// Of a reflection: cosines of the half vector with the normal and with either direction.
-struct Half {
-  ArrayXd normal;
-  ArrayXd ray;
+ArrayXd sine(const ArrayXd& mu) { return (1.0 - mu.square()).max(0.0).sqrt(); }
 
-  Half(double mu_o, double mu_i, const ArrayXd& cosines) {
-    // Directions from the surface: forward light comes from the azimuth opposite to the viewer's.
-    const ArrayXd between = mu_o * mu_i - sine(mu_o) * sine(mu_i) * cosines;
-    ray = (0.5 * (1.0 + between)).max(1e-12).sqrt();
-    normal = ((mu_o + mu_i) / (2.0 * ray)).min(1.0);
+/// Smith's masking between one direction and many.
+ArrayXd masking(const Facets& facets, double mu, const ArrayXd& others) {
+  const double own = facets.lambda(mu);
+  return others.unaryExpr([&](double other) { return facets.masked(own, facets.lambda(other)); });
+}
+
+/// Single reflection between the directions of cosines mu_o and mu_i. `Mu` is a number, or an array as long as that of
+/// the azimuths; `mask` is the masking, `fresnel` the reflectance by the cosine between ray and facet.
+template <typename Mu, typename Fresnel>
+ArrayXd reflection(const Facets& facets, double mu_o, const Mu& mu_i, const Mu& mask, const ArrayXd& cosines,
+                   const Fresnel& fresnel) {
+  // Directions from the surface: forward light comes from the azimuth opposite to the viewer's.
+  const Mu sine_i = sine(mu_i);
+  const ArrayXd between = mu_o * mu_i - sine(mu_o) * sine_i * cosines;
+  // Cosines of the half vector with either direction and with the normal.
+  const ArrayXd ray = (0.5 * (1.0 + between)).max(1e-12).sqrt();
+  const ArrayXd normal = ((mu_o + mu_i) / (2.0 * ray)).min(1.0);
+  return facets.density(normal) * fresnel(ray) * (mask / (4.0 * mu_o * mu_i));
+}
+
+/// Single transmission between a direction of cosine `mu` in the medium of index `ior` and others beyond.
+template <typename Mu>
+ArrayXd transmission(const Facets& facets, double ior, double beyond, double mu, const Mu& mu_beyond, const Mu& mask,
+                     const ArrayXd& cosines) {
+  const double s = sine(mu);
+  const Mu s_beyond = sine(mu_beyond);
+  // Light comes from (-s, 0, mu) and leaves to (s_beyond cos, s_beyond sin, -mu_beyond).
+  // The product of the two, and the half vector n w + n' w', turned towards the thinner medium.
+  const ArrayXd between = -s * s_beyond * cosines - mu * mu_beyond;
+  const double turn = ior > beyond ? 1.0 : -1.0;
+  const ArrayXd length = (ior * ior + beyond * beyond + 2.0 * ior * beyond * between).max(1e-24).sqrt();
+  const ArrayXd normal = turn * (ior * mu - beyond * mu_beyond) / length;
+  const ArrayXd ray = turn * (ior + beyond * between) / length;
+  const ArrayXd ray_beyond = turn * (ior * between + beyond) / length;
+  // Facets that face the wrong way, or that the ray would have to pass from behind, carry nothing.
+  const auto possible = normal > 0.0 && ray > 0.0 && ray_beyond < 0.0;
+  const ArrayXd jacobian = (ray * ray_beyond).abs() / (mu * mu_beyond * length.square());
+  const ArrayXd passed = 1.0 - dielectric_fresnel(ray.max(1e-9), beyond / ior);
+  return possible.select(facets.density(normal.max(1e-9)) * passed * jacobian * mask, 0.0);
+}
+
+/// `one` of each column of azimuths, with the masking.
+template <typename One>
+ArrayXXd of_pairs(const Facets& facets, double mu, const FacetPairs& pairs, const One& one) {
+  const ArrayXd mask = masking(facets, mu, pairs.mu);
+  ArrayXXd values(pairs.cosines.rows(), pairs.cosines.cols());
+  for (Eigen::Index p = 0; p < values.cols(); ++p) {
+    values.col(p) = one(mask, pairs.cosines.col(p));
   }
-};
+  return values;
+}
 
 }  // namespace
 
@@ -60,6 +102,16 @@ ArrayXd Facets::density(const ArrayXd& h) const {
     return width2 / (pi * (h2 * (width2 - 1.0) + 1.0).square());
   }
   return ((h2 - 1.0) / (h2 * width2)).exp() / (pi * width2 * h2.square());
+}
+
+double Facets::density(double h) const {
+  const double width2 = alpha * alpha;
+  const double h2 = h * h;
+  if (distribution == Distribution::kGgx) {
+    const double d = h2 * (width2 - 1.0) + 1.0;
+    return width2 / (pi * d * d);
+  }
+  return std::exp((h2 - 1.0) / (h2 * width2)) / (pi * width2 * h2 * h2);
 }
 
 double Facets::lambda(double mu) const {
@@ -74,24 +126,32 @@ double Facets::lambda(double mu) const {
   return 0.5 * (std::erf(a) - 1.0 + std::exp(-a * a) / (a * std::sqrt(pi)));
 }
 
-double Facets::masking(double mu_o, double mu_i) const {
-  const double o = lambda(mu_o);
-  const double i = lambda(mu_i);
-  return correlated ? 1.0 / (1.0 + o + i) : 1.0 / ((1.0 + o) * (1.0 + i));
-}
+double Facets::masking(double mu_o, double mu_i) const { return masked(lambda(mu_o), lambda(mu_i)); }
 
 ArrayXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu_o, double mu_i,
                               const ArrayXd& cosines) {
-  const Half half(mu_o, mu_i, cosines);
-  return facets.density(half.normal) * dielectric_fresnel(half.ray, beyond / ior) *
-         (facets.masking(mu_o, mu_i) / (4.0 * mu_o * mu_i));
+  return reflection(facets, mu_o, mu_i, facets.masking(mu_o, mu_i), cosines,
+                    [&](const ArrayXd& c) { return dielectric_fresnel(c, beyond / ior); });
+}
+
+ArrayXXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu, const FacetPairs& pairs) {
+  return of_pairs(facets, mu, pairs, [&](const ArrayXd& mask, const ArrayXd& cosines) {
+    return reflection(facets, mu, pairs.mu, mask, cosines,
+                      [&](const ArrayXd& c) { return dielectric_fresnel(c, beyond / ior); });
+  });
 }
 
 ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu_o, double mu_i,
                              const ArrayXd& cosines) {
-  const Half half(mu_o, mu_i, cosines);
-  return facets.density(half.normal) * conductor_fresnel_array(half.ray, ratio) *
-         (facets.masking(mu_o, mu_i) / (4.0 * mu_o * mu_i));
+  return reflection(facets, mu_o, mu_i, facets.masking(mu_o, mu_i), cosines,
+                    [&](const ArrayXd& c) { return conductor_fresnel_array(c, ratio); });
+}
+
+ArrayXXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu, const FacetPairs& pairs) {
+  return of_pairs(facets, mu, pairs, [&](const ArrayXd& mask, const ArrayXd& cosines) {
+    return reflection(facets, mu, pairs.mu, mask, cosines,
+                      [&](const ArrayXd& c) { return conductor_fresnel_array(c, ratio); });
+  });
 }
 
 double conductor_fresnel(double mu, std::complex<double> ratio) {
@@ -107,23 +167,13 @@ double mean_conductor_fresnel(std::complex<double> ratio) {
 
 ArrayXd dielectric_transmission(const Facets& facets, double ior_above, double ior_below, double mu_above,
                                 double mu_below, const ArrayXd& cosines) {
-  const double s_above = sine(mu_above);
-  const double s_below = sine(mu_below);
-  // Light from above comes from (-s_above, 0, mu_above) and leaves to (s_below cos, s_below sin, -mu_below).
-  // Twice the product of the two, and the half vector n_a w_a + n_b w_b, turned towards the thinner medium.
-  const ArrayXd between = -s_above * s_below * cosines - mu_above * mu_below;
-  const double turn = ior_above > ior_below ? 1.0 : -1.0;
-  const ArrayXd length =
-      (ior_above * ior_above + ior_below * ior_below + 2.0 * ior_above * ior_below * between).max(1e-24).sqrt();
-  const ArrayXd normal = turn * (ior_above * mu_above - ior_below * mu_below) / length;
-  const ArrayXd ray_above = turn * (ior_above + ior_below * between) / length;
-  const ArrayXd ray_below = turn * (ior_above * between + ior_below) / length;
-  // Facets that face the wrong way, or that the ray would have to pass from behind, carry nothing.
-  const auto possible = normal > 0.0 && ray_above > 0.0 && ray_below < 0.0;
-  const ArrayXd jacobian = (ray_above * ray_below).abs() / (mu_above * mu_below * length.square());
-  const ArrayXd passed = 1.0 - dielectric_fresnel(ray_above.max(1e-9), ior_below / ior_above);
-  return possible.select(facets.density(normal.max(1e-9)) * passed * jacobian * facets.masking(mu_above, mu_below),
-                         0.0);
+  return transmission(facets, ior_above, ior_below, mu_above, mu_below, facets.masking(mu_above, mu_below), cosines);
+}
+
+ArrayXXd dielectric_transmission(const Facets& facets, double ior, double beyond, double mu, const FacetPairs& pairs) {
+  return of_pairs(facets, mu, pairs, [&](const ArrayXd& mask, const ArrayXd& cosines) {
+    return transmission(facets, ior, beyond, mu, pairs.mu, mask, cosines);
+  });
 }
 
 }  // namespace lamina

@@ -6,14 +6,14 @@
 
 namespace lamina {
 
-/// (1 - exp(-tau (1/mu_o + 1/mu_i))) / (mu_o + mu_i): the angular part of single scattering by a layer,
-/// BRDF = albedo p / 4 pi times this (Chandrasekhar 1950). Also the shape that carries what is singular
-/// at grazing angles in all higher orders.
+/// (1 - exp(-tau (1/mu_o + 1/mu_i))) / (mu_o + mu_i): the angular shape of a layer's single scattering. The BRDF is
+/// albedo p / (4 pi) times the shape (Chandrasekhar 1950). Divided by it, higher orders are smooth at grazing angles
+/// too.
 inline double single_reflection(double mu_o, double mu_i, double tau) {
   return -std::expm1(-tau * (1.0 / mu_o + 1.0 / mu_i)) / (mu_o + mu_i);
 }
 
-/// (exp(-tau / mu_o) - exp(-tau / mu_i)) / (mu_o - mu_i), continued to mu_o = mu_i.
+/// (exp(-tau / mu_o) - exp(-tau / mu_i)) / (mu_o - mu_i), with its limit at mu_o = mu_i.
 inline double single_transmission(double mu_o, double mu_i, double tau) {
   const double lower = std::min(mu_o, mu_i);
   const double upper = std::max(mu_o, mu_i);
@@ -26,7 +26,7 @@ inline double single_transmission(double mu_o, double mu_i, double tau) {
   return direct * mean * tau / (mu_o * mu_i);
 }
 
-/// The unscattered part, also for tau infinite.
+/// The unscattered share of a beam; tau may be infinite.
 inline double direct_transmission(double mu, double tau) { return std::exp(-tau / mu); }
 
 }  // namespace lamina

@@ -12,23 +12,23 @@
 
 namespace lamina {
 
-/// A boundary between two dielectrics. `ior` is the absolute refractive index of all that lies below it,
-/// down to the next interface; above the first one is air, of index 1. Smooth when facets.alpha is 0.
+/// A boundary between two dielectrics. `ior` is the absolute refractive index below it, down to the next interface;
+/// above the first interface is air, of index 1. Smooth when facets.alpha is 0.
 struct Interface {
   double ior = 1.5;
   Facets facets{.alpha = 0.0};
-  bool compensate = true;  ///< give back the energy that single-scattering facets lose
+  bool compensate = true;  ///< add the energy that single-scattering facets lose
 
-  /// Between media of one index there is no boundary, however rough.
+  /// False between media of the same index, where light passes straight.
   bool is_rough(double ior_above) const { return facets.alpha > 0.0 && ior != ior_above; }
 };
 
 using Layer = std::variant<Medium, Interface, GradedMedium>;
 
-/// What lies below the last layer.
+/// The surface below the last layer.
 struct Base {
   enum class Kind { kNone, kLambert, kConductor };
-  Kind kind = Kind::kNone;        ///< none: a thin sheet, light leaves at the bottom
+  Kind kind = Kind::kNone;        ///< none: a thin sheet, which light leaves at the bottom
   double reflectance = 0.0;       ///< of a Lambert surface, [0, 1]
   std::complex<double> ior = {};  ///< of a conductor, n + ik, absolute
   Facets facets{.alpha = 0.0};    ///< of a conductor
@@ -48,7 +48,7 @@ inline bool has_only_media(const Stack& stack) {
                      [](const Layer& layer) { return std::holds_alternative<Medium>(layer); });
 }
 
-/// The refractive index in which each layer begins, then the one below the last.
+/// The refractive index above each layer, then the one below the last.
 inline std::vector<double> refractive_indices(const Stack& stack) {
   std::vector<double> indices{1.0};
   for (const Layer& layer : stack.layers) {

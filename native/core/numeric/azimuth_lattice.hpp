@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Azimuths of several sampling candidates, in a lattice by the golden ratio.
+// Azimuths of a golden-ratio lattice of directions.
 #pragma once
 #include <array>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace lamina {
 
-/// Azimuths of several candidates by the golden ratio, to be turned by a random angle: with cosines in equal steps of
-/// their probability they form a lattice.
+/// Azimuths at multiples of the golden ratio. With cosines in equal steps of probability, and rotated by a random
+/// angle, they form a lattice of directions.
 template <std::size_t kCount>
 struct AzimuthLattice {
   std::array<double, kCount> cosine;

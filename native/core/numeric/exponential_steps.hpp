@@ -8,17 +8,17 @@
 
 namespace lamina {
 
-/// Integrates du/dt = -r u + F(t, u) for arrays, r >= 0 element by element and however large: an exponential
-/// Runge-Kutta method of stiff order 4 (Hochbruck and Ostermann 2005, equation 5.19), each step compared with two
-/// halves, which also give the fifth order.
+/// Integrates du/dt = -r u + F(t, u) for arrays, where r >= 0 may be arbitrarily large in any element. An exponential
+/// Runge-Kutta method of stiff order 4 (Hochbruck and Ostermann 2005, equation 5.19). Each step is compared with two
+/// half steps, which give the error and extrapolate to order 5.
 class ExponentialSteps {
  public:
   using Array = Eigen::ArrayXXd;
 
   ExponentialSteps(Array rates, double tolerance) : rates_(std::move(rates)), tolerance_(tolerance) {}
 
-  /// From t to `end`; `step` is the first step to try and becomes the last. Errors of a step are held below the
-  /// tolerance times the largest element, 1 at least.
+  /// Integrates from t to `end`. `step` is the first step to try, and becomes the last step taken. The error of a step
+  /// is held below the tolerance times the largest element, or times 1 if that is larger.
   template <typename Force>
   void integrate(double t, double end, double& step, Array& u, const Force& force) {
     while (t < end) {

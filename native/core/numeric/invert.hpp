@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Inverts an increasing function by Newton steps kept in a bracket.
+// Inverts an increasing function by bracketed Newton iteration.
 #pragma once
 #include <cmath>
 
@@ -11,8 +11,8 @@ struct ValueAndSlope {
   double slope;
 };
 
-/// The root of an increasing function in [low, high], to rounding: Newton's iteration from `start`, held in
-/// the bracket by bisection. `function` returns ValueAndSlope, with values of the order of 1 over the range.
+/// The root of an increasing function in [low, high], to rounding: Newton iteration from `start`, with bisection where
+/// a step leaves the bracket. `function` returns ValueAndSlope; its values are of order 1 over the range.
 template <typename Function>
 double invert_increasing(const Function& function, double low, double high, double start) {
   constexpr int kMostSteps = 80;

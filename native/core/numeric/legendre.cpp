@@ -11,7 +11,7 @@ Eigen::MatrixXd associated_legendre(int order, int count, const Eigen::VectorXd&
   }
   Eigen::MatrixXd values(count - order, mu.size());
   const double m = order;
-  // Three-term recurrence in the degree, stable upwards; its roots are the same for all cosines.
+  // Three-term recurrence in the degree, stable upwards; its square roots do not depend on the cosine.
   double sectoral_factor = 1.0;
   for (int k = 1; k <= order; ++k) {
     sectoral_factor *= std::sqrt((2.0 * k - 1.0) / (2.0 * k));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// Non-negative least squares for a handful of unknowns: Lawson and Hanson's active set (1974, chapter 23)
-// on the normal equations, warm-started and without allocation.  A fit solves thousands of these.
+// Non-negative least squares for few unknowns: the active-set method of Lawson and Hanson (1974, chapter 23) on the
+// normal equations, with warm starts and without allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,24 +12,25 @@
 
 namespace lamina {
 
-/// Most closures that one mixture may hold; keeps the small linear algebra on the stack.
+/// Largest number of closures in a mixture; fixed, so that matrices live on the stack.
 inline constexpr int kMaxClosures = 24;
 
 /// Matrices and vectors of at most kMaxClosures rows that live on the stack.
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxClosures, kMaxClosures>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxClosures, 1>;
 
-// Closures of unit norm: a diagonal this much heavier keeps nearly equal closures from cancelling.
+// Added to the diagonal of the Gram matrix of unit-norm closures, so that nearly equal closures do not cancel.
 inline constexpr double kRidge = 1e-11;
+// Gradients below this count as optimal; objectives are of order 1.
 inline constexpr double kGradientTolerance = 1e-10;
 
 /// Minimises x'Gx / 2 - b'x over x >= 0 on the normal equations, for unknowns of about unit scale.
-/// Holds references: `gram` and `rhs` have to outlive it.
+/// Holds references to `gram` and `rhs`.
 class ActiveSet {
  public:
   ActiveSet(const SmallMatrix& gram, const SmallVector& rhs) : gram_(gram), rhs_(rhs), size_(rhs.size()) {}
 
-  /// `x` is read as a warm start (its positive entries form the first passive set) and overwritten.
+  /// `x` is the warm start (its positive entries form the first passive set) and the result.
   void solve(SmallVector& x) {
     count_ = 0;
     for (Eigen::Index k = 0; k < size_; ++k) {
@@ -39,7 +39,7 @@ class ActiveSet {
     }
     const double tolerance = kGradientTolerance * rhs_.cwiseAbs().maxCoeff();
     move_to_optimum_of_passive_set(x);
-    // Each pass lowers the objective, so no passive set comes back; the bound guards against round-off.
+    // Each pass lowers the objective, so no passive set recurs; the bound guards against rounding.
     for (Eigen::Index pass = 0; pass < 3 * size_ + 10; ++pass) {
       const Eigen::Index entering = steepest(x, tolerance);
       if (entering < 0) return;
@@ -65,7 +65,7 @@ class ActiveSet {
     return best;
   }
 
-  // Steps towards the unconstrained optimum, dropping unknowns that reach zero on the way.
+  // Moves towards the unconstrained optimum and drops unknowns that reach zero.
   void move_to_optimum_of_passive_set(SmallVector& x) {
     for (;;) {
       if (!solve_passive()) return;
@@ -116,7 +116,7 @@ class ActiveSet {
     return true;
   }
 
-  // In place, lower triangle; a plain loop beats a general routine at these sizes.
+  // In place, lower triangle; at these sizes a plain loop is faster than a general routine.
   void factorise() {
     inverse_diagonal_.resize(count_);
     for (Eigen::Index j = 0; j < count_; ++j) {

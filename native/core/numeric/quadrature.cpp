@@ -10,7 +10,7 @@ Quadrature::Quadrature(int count, double low, double high)
     : mu(count), weight(count), low_(low), high_(high), barycentric_(count) {
   const double length = high - low;
   for (int i = 0; i < count; ++i) {
-    // Newton's iteration on P_count from Chebyshev's guess.
+    // Newton iteration on P_count from the Chebyshev guess.
     double x = std::cos(std::numbers::pi * (i + 0.75) / (count + 0.5));
     double derivative = 0.0;
     for (int iteration = 0; iteration < 100; ++iteration) {

@@ -20,7 +20,7 @@ struct Quadrature {
 
   /// Row of polynomial interpolation from the nodes to any point.
   Eigen::RowVectorXd interpolate(double point) const;
-  /// The same into memory at hand.
+  /// Writes the row to given memory.
   void interpolate(double point, Eigen::Ref<Eigen::VectorXd> values) const;
 
  private:

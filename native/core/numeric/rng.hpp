@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random numbers of one sample, independent of the other samples.
+// Random numbers of one sample, independent of other samples.
 #pragma once
 #include <bit>
 #include <cstdint>
 
 namespace lamina {
 
-/// Random numbers of one sample: xoshiro256++ (Blackman and Vigna 2019), its state filled by splitmix64 from
-/// the seed and the sample's number, so that samples may be drawn by any thread in any sequence.
+/// Random numbers of one sample: xoshiro256++ (Blackman and Vigna 2019). splitmix64 fills its state from the seed and
+/// the sample's number, so that any thread may draw samples in any order.
 class Rng {
  public:
   Rng(std::uint64_t seed, std::uint64_t sample) {
@@ -30,7 +30,7 @@ class Rng {
     return result;
   }
 
-  /// Uniform in (0, 1): never either end, so that logarithms and divisions are safe.
+  /// Uniform in (0, 1), both ends excluded, so that logarithms and divisions are safe.
   double uniform() { return (static_cast<double>(bits() >> 12U) + 0.5) * 0x1.0p-52; }
 
  private:

@@ -11,12 +11,11 @@
 
 namespace lamina {
 
-/// Runs independent tasks on a fixed number of threads. Tasks must not depend on which thread runs them:
-/// every result goes to a place of its own, and sums are made afterwards, in task order, so that results
-/// are the same for any thread count.
+/// Runs independent tasks on a fixed number of threads. Each task writes to memory of its own, and callers sum in task
+/// order afterwards, so that results do not depend on the number of threads.
 class ThreadPool {
  public:
-  /// `threads` 0: one for each hardware thread. The calling thread works too.
+  /// `threads` 0: one per hardware thread. The calling thread is one of them.
   explicit ThreadPool(unsigned threads = 0);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -24,8 +23,8 @@ class ThreadPool {
 
   unsigned threads() const { return static_cast<unsigned>(workers_.size()) + 1; }
 
-  /// Calls task(0) ... task(count - 1) and returns when all are done; the exception of the lowest task
-  /// that threw one is thrown again. Must not be called from inside a task.
+  /// Calls task(0) ... task(count - 1) and returns when all are done. Rethrows the exception of the lowest task that
+  /// threw. Must not be called from inside a task.
   void run(std::size_t count, const std::function<void(std::size_t)>& task);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Light that is only mirrored and attenuated, followed through a stack.
+// Specular light in a stack: mirrored, refracted and attenuated, but not scattered.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace lamina {
 
-/// The delta parts of a layer or of several, by direction.
+/// The delta parts of one or several layers, by direction.
 struct Deltas {
   Eigen::ArrayXd reflect_above;
   Eigen::ArrayXd transmit;
@@ -23,9 +23,9 @@ struct Deltas {
 /// The adding equations for delta parts.
 Deltas joined(const Deltas& above, const Deltas& below);
 
-/// What light that was not scattered by any medium does inside a stack: for each layer and direction, how
-/// much of a beam from outside arrives at the layer's top going down and at its bottom going up, all
-/// mirror reflections included. By reciprocity the same numbers carry light from the layer out.
+/// The specular light inside a stack: for each layer and direction, the share of a beam from outside that arrives at
+/// the layer's top going down and at its bottom going up, with all mirror reflections. By reciprocity the same numbers
+/// hold for specular light from the layer to the outside.
 struct DeltaField {
   struct Arrival {
     Eigen::VectorXd down;  ///< at the top of the layer
@@ -35,7 +35,7 @@ struct DeltaField {
   std::vector<Arrival> from_below;
 
   DeltaField() = default;
-  /// Of the layers' own delta parts, top first.
+  /// `layers` are scattering functions, top first; only their delta parts are used.
   explicit DeltaField(const std::vector<ScatteringFunction>& layers);
 };
 

@@ -45,7 +45,7 @@ DirectionOperator operator*(const DirectionOperator& a, const DirectionOperator&
 
 DirectionOperator resolvent(const DirectionOperator& a) {
   const Eigen::Index nodes = a.nodes;
-  // Light that a mirror pair keeps for ever (total reflection on both sides, nothing between) never entered.
+  // Light that is trapped between two totally reflecting mirrors can never have entered.
   DirectionOperator result{Eigen::MatrixXd(a.kernel.rows(), a.kernel.cols()),
                            (a.delta.array() < 1.0).select((1.0 - a.delta.array()).inverse(), 1.0), nodes, a.views};
   Eigen::MatrixXd system = -a.kernel.topLeftCorner(nodes, nodes);

@@ -5,13 +5,12 @@
 
 namespace lamina {
 
-/// A linear map of radiance between directions: a smooth kernel plus a diagonal delta part (light that
-/// keeps its direction, or its mirror direction). Integrals run over the first `nodes` directions only;
-/// the rows and columns behind them are targets (see Directions) and merely carried along.
+/// A linear map of radiance between directions: a smooth kernel plus a diagonal delta part (light that keeps its
+/// direction, or its mirror direction). Integrals run over the first `nodes` directions only. The rows and columns
+/// after them are targets (see Directions).
 ///
-/// Where the targets are of two kinds, `views` of them to look from and the rest lights, only the blocks
-/// between the two kinds are wanted: nothing else of a target's row depends on another target. The blocks
-/// left out are never written or read.
+/// Targets may be of two kinds, the first `views` of them views and the others lights. Then of the blocks between
+/// targets only those between the two kinds are computed; the others are never written or read.
 struct DirectionOperator {
   Eigen::MatrixXd kernel;
   Eigen::VectorXd delta;
@@ -22,7 +21,7 @@ struct DirectionOperator {
 
   static DirectionOperator zero(Eigen::Index size, Eigen::Index nodes, Eigen::Index views = kAllTargets);
 
-  /// Calls body(row, column, rows, columns) for each block that is wanted, that of the nodes' rows first.
+  /// Calls body(row, column, rows, columns) for each block that is computed, the block of the nodes' rows first.
   template <typename Body>
   void each_block(const Body& body) const {
     each_block(delta.size(), nodes, views, body);
@@ -47,10 +46,10 @@ struct DirectionOperator {
 
 DirectionOperator operator+(DirectionOperator a, const DirectionOperator& b);
 
-/// First b, then a.
+/// Applies b, then a.
 DirectionOperator operator*(const DirectionOperator& a, const DirectionOperator& b);
 
-/// (1 - a)^-1 = 1 + a + a a + ...: all orders of repetition at once.
+/// (1 - a)^-1 = 1 + a + a a + ...: the sum of all orders of reflection.
 DirectionOperator resolvent(const DirectionOperator& a);
 
 }  // namespace lamina

@@ -35,10 +35,10 @@ Eigen::VectorXd Directions::spread(const Eigen::VectorXd& compact) const {
 
 namespace {
 
-/// Where a range of cosines up to `end` is divided for a layer of thickness `thinnest`, ascending.
+/// The points that divide a range of cosines up to `end` for a layer of thickness `thinnest`, ascending.
 std::vector<double> divisions(double end, double thinnest) {
-  constexpr double kResolved = 0.05;  // 32 nodes on (0, 1) still see layers of this thickness
-  constexpr double kStep = 20.0;
+  constexpr double kResolved = 0.05;  // 32 nodes on (0, 1) resolve layers of this thickness
+  constexpr double kStep = 20.0;      // ratio of successive ends
   std::vector<double> ends{end};
   if (thinnest < kResolved) {
     for (double next = end / 8.0; next > thinnest; next /= kStep) {
@@ -53,13 +53,13 @@ std::vector<double> divisions(double end, double thinnest) {
 DirectionSet::DirectionSet(std::vector<double> indices, int count, const std::map<double, double>& thinnest) {
   std::sort(indices.begin(), indices.end());
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-  constexpr int kFewest = 8;
-  constexpr int kGrazing = 14;
+  constexpr int kFewest = 8;    // least number of nodes beyond a critical angle
+  constexpr int kGrazing = 14;  // nodes of each further range towards grazing
   for (std::size_t k = 0; k < indices.size(); ++k) {
-    // From grazing to the cosine at which the next thinner medium begins.
+    // From grazing to the critical angle with the next less dense medium.
     const double critical = k == 0 ? 1.0 : refracted_cosine(0.0, indices[k - 1], indices[k]);
     double low = 0.0;
-    // Directions that graze in this medium do so in no other.
+    // Directions that are grazing in this medium are grazing in no other.
     const auto thin = thinnest.find(indices[k]);
     for (const double high : divisions(critical, thin == thinnest.end() ? 1.0 : thin->second)) {
       const int most = k == 0 ? count : std::max(kFewest, static_cast<int>(std::ceil(critical * count)));
@@ -102,7 +102,7 @@ Eigen::MatrixXd DirectionSet::carry_to(const DirectionSet& fine) const {
   return carry;
 }
 
-/// The range that holds a cosine in air, and the number of its first node.
+/// The range that contains a cosine in air, and the index of its first node.
 const DirectionSet::Range& DirectionSet::range_of(double mu_in_air, Eigen::Index& first) const {
   first = 0;
   for (const Range& range : ranges_) {

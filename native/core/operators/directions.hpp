@@ -12,54 +12,52 @@ namespace lamina {
 
 /// The directions of one medium, in a stack whose media may differ in refractive index.
 ///
-/// Snell's law keeps n sin(theta), so a ray has one number in all media: direction k here is direction k
-/// everywhere. The first `live` of all nodes exist in this medium; the rest would need n sin(theta) > n and
-/// belong to denser media. Behind the nodes come *targets*, where functions are wanted but which no
-/// integral sees (Nystrom's interpolation); they are given in air.
+/// Snell's law conserves n sin(theta), so direction k is the same ray in all media. The first `live` nodes exist in
+/// this medium; the others have n sin(theta) > n and belong to denser media. The nodes are followed by targets:
+/// directions, given in air, at which functions are evaluated but not integrated (Nystrom interpolation).
 ///
-/// Radiance is carried divided by n^2, which refraction keeps, and scaled by n sqrt(2 mu w) = C, which is
-/// the same in all media (1 at targets). A kernel pi * BRDF becomes the matrix scale_i pi f_ij scale_j with
-/// scale = C / n: symmetric for a reciprocal layer, and matrix products are the integrals.
+/// Stored radiance is divided by n^2, which refraction conserves, and multiplied by C = n sqrt(2 mu w), which is the
+/// same in all media (1 at targets). A kernel pi * BRDF becomes the matrix scale_i pi f_ij scale_j with scale = C / n.
+/// The matrix is symmetric for a reciprocal layer, and matrix products are integrals.
 struct Directions {
   double ior = 1.0;
   Eigen::Index nodes = 0;  ///< of the whole stack, live or not
   Eigen::Index live = 0;   ///< nodes that exist in this medium; they come first
   Eigen::Index targets = 0;
-  Eigen::Index views = -1;        ///< how many of the targets are views, the rest being lights; -1: each is both
+  Eigen::Index views = -1;        ///< number of targets that are views, the others are lights; -1: each is both
   Eigen::VectorXd mu;             ///< of the live nodes, then of the targets
   Eigen::VectorXd weight;         ///< of the live nodes
-  Eigen::VectorXd scale;          ///< as mu
+  Eigen::VectorXd scale;          ///< of the live nodes, then of the targets
   Eigen::MatrixXd interpolation;  ///< from the live nodes to live nodes and targets
 
   Eigen::Index size() const { return nodes + targets; }
 
-  /// A matrix over live nodes and targets as one over all directions, zero where there is none.
+  /// Extends a matrix over live nodes and targets to all directions, with zeros.
   Eigen::MatrixXd spread(const Eigen::MatrixXd& compact) const;
   Eigen::VectorXd spread(const Eigen::VectorXd& compact) const;
 };
 
-/// The quadrature of a whole stack: Gauss-Legendre nodes on each range of n sin(theta) that begins where a
-/// medium of lower index ends, in the cosine of the least dense medium that has the range, so that
-/// functions are smooth through grazing incidence and the critical angle. In layers thinner than the
-/// cosines that the nodes resolve, light streams sideways: there the grazing end of each range is divided
-/// further, down to cosines like the thickness. Only where it is needed: in a denser medium the same cosines would
-/// fall together at the critical angle, and rounding would not tell them apart.
+/// The quadrature of a stack. n sin(theta) is divided into ranges at the refractive indices of the media. Each range
+/// has Gauss-Legendre nodes in the cosine of the least dense medium that contains it, so that functions are smooth at
+/// grazing incidence and at the critical angle. For thin layers the grazing end of a range is divided further, down to
+/// cosines similar to the thickness. Other ranges are not divided: in a denser medium these cosines would coincide at
+/// the critical angle within rounding.
 class DirectionSet {
  public:
-  /// `indices`: refractive indices in the stack, in any order; `count`: nodes of a range of cosines from 0 to
-  /// 1; `thinnest`: by refractive index, the least optical thickness of a layer that scatters repeatedly.
+  /// `indices`: refractive indices in the stack, in any order; `count`: nodes of a range of cosines from 0 to 1;
+  /// `thinnest`: by refractive index, the least optical thickness of a layer with multiple scattering.
   DirectionSet(std::vector<double> indices, int count, const std::map<double, double>& thinnest);
 
-  /// The same ranges with as many times more nodes.
+  /// The same ranges with a multiple of the nodes.
   DirectionSet finer_by(double factor) const;
-  /// From this set's nodes to those of a finer one: polynomial interpolation of scaled radiance, which keeps
-  /// scalar products and fluxes. Finer nodes by nodes.
+  /// Interpolates scaled radiance from this set's nodes to those of a finer set, by polynomials that conserve scalar
+  /// products and fluxes. [finer node, node].
   Eigen::MatrixXd carry_to(const DirectionSet& fine) const;
 
   Directions in_medium(double ior, const Eigen::VectorXd& targets_in_air) const;
   double moment_error() const;
 
-  /// Nodes of one range: cosines in the least dense medium that has them, of index `ior`.
+  /// The nodes of one range: cosines in the least dense medium that contains it, of index `ior`.
   struct Range {
     double ior;
     Quadrature nodes;
@@ -72,7 +70,7 @@ class DirectionSet {
   std::vector<Range> ranges_;  // indices ascending, then cosines
 };
 
-/// The cosine in a medium of the ray whose cosine in air is `mu`; light in air always gets in.
+/// The cosine in a medium of the ray with cosine `mu` in air.
 double refracted_cosine(double mu, double from_ior, double to_ior);
 
 }  // namespace lamina

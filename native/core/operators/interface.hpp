@@ -8,19 +8,19 @@
 
 namespace lamina {
 
-/// Fresnel's reflectance for unpolarised light, at a smooth boundary between two dielectrics; the cosines
-/// belong together by Snell's law. 1 beyond the critical angle.
+/// Fresnel reflectance of a smooth boundary between two dielectrics for unpolarised light. The cosines are related by
+/// Snell's law. 1 beyond the critical angle.
 inline double fresnel(double mu_above, double mu_below, double ior_above, double ior_below) {
   const double s = (ior_above * mu_above - ior_below * mu_below) / (ior_above * mu_above + ior_below * mu_below);
   const double p = (ior_below * mu_above - ior_above * mu_below) / (ior_below * mu_above + ior_above * mu_below);
   return 0.5 * (s * s + p * p);
 }
 
-/// A smooth boundary: all its light stays in mirror and refracted directions, there are no kernels. Directions that
-/// exist on one side only are totally reflected there.
+/// A smooth boundary: specular reflection and refraction only, no kernels. Directions that exist on one side only are
+/// totally reflected.
 ScatteringFunction smooth_interface(const Directions& above, const Directions& below);
 
-/// A polished conductor of complex index n + ik, absolute; nothing comes through.
+/// A polished conductor of absolute complex index n + ik; opaque.
 ScatteringFunction smooth_conductor(std::complex<double> ior, const Directions& above);
 
 }  // namespace lamina

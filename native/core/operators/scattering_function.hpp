@@ -6,8 +6,8 @@
 
 namespace lamina {
 
-/// One azimuth order of the scattering function of a layer or a stack, in the symmetric scaling of
-/// Directions. Reciprocity makes the reflections symmetric and the way up the transpose of the way down.
+/// One azimuth order of the scattering function of a layer or a stack, in the symmetric scaling of Directions. By
+/// reciprocity reflections are symmetric, and upward transmission is the transpose of downward transmission.
 struct ScatteringFunction {
   DirectionOperator reflect_above;  ///< R: from above to above
   DirectionOperator transmit;       ///< T: from above to below; its transpose is T', from below to above
@@ -15,21 +15,20 @@ struct ScatteringFunction {
 
   ScatteringFunction reversed() const;
 
-  /// Absorbs everything.
+  /// A black layer.
   static ScatteringFunction nothing(Eigen::Index size, Eigen::Index nodes,
                                     Eigen::Index views = DirectionOperator::kAllTargets);
 
-  /// Delta parts alone, all zero; kernels of no size, for lists of targets too long for them.
+  /// Zero delta parts and empty kernels, for lists of targets that are too long for kernels.
   static ScatteringFunction bare(Eigen::Index size, Eigen::Index nodes);
 
-  /// The same with kernels that are zero.
+  /// A copy with zero kernels.
   ScatteringFunction with_zero_kernels() const;
 
-  /// Nothing there: light passes unchanged.
+  /// No layer: light passes unchanged.
   static ScatteringFunction empty(const Directions& directions);
 
-  /// A Lambert surface seen from above; nothing comes through. Its kernel is the same for all
-  /// directions, so only azimuth order 0 has any.
+  /// An opaque Lambert surface seen from above. Its kernel is constant, so only azimuth order 0 has one.
   static ScatteringFunction lambert(double reflectance, int order, const Directions& directions);
 };
 

@@ -9,8 +9,8 @@
 namespace lamina {
 
 /// Cornette and Shanks, "Physically reasonable analytic expression for the single-scattering phase function"
-/// (1992): 3/2 (1 - g^2) (1 + cos^2) / ((2 + g^2) (1 + g^2 - 2 g cos)^(3/2)), g in (-1, 1). It turns into
-/// Rayleigh scattering at g = 0. The mean cosine is 3 g (4 + g^2) / (5 (2 + g^2)).
+/// (1992): 3/2 (1 - g^2) (1 + cos^2) / ((2 + g^2) (1 + g^2 - 2 g cos)^(3/2)), g in (-1, 1). g = 0 is Rayleigh
+/// scattering. The mean cosine is 3 g (4 + g^2) / (5 (2 + g^2)).
 class CornetteShanks {
  public:
   static constexpr const char* kKind = "cornette-shanks";

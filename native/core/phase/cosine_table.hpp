@@ -17,7 +17,7 @@ namespace lamina {
 /// over the sphere is 1.
 class CosineTable {
  public:
-  /// Hermite's cubics: `slopes` are derivatives by the cosine at the knots.
+  /// Hermite cubics; `slopes` are the derivatives with respect to the cosine at the knots.
   CosineTable(const std::vector<double>& cosines, const std::vector<double>& values, const std::vector<double>& slopes)
       : knots_(cosines), below_(cosines.size(), 0.0) {
     for (std::size_t k = 0; k + 1 < cosines.size(); ++k) {
@@ -38,7 +38,7 @@ class CosineTable {
     make_bins();
   }
 
-  /// Through samples, monotone where they are (Fritsch and Butland 1984): it stays as positive as they are.
+  /// Interpolates samples, monotone where they are (Fritsch and Butland 1984) and therefore positive where they are.
   static CosineTable through(const std::vector<double>& cosines, const std::vector<double>& values) {
     return {cosines, values, monotone_slopes(cosines, values)};
   }
@@ -51,7 +51,7 @@ class CosineTable {
     return pieces_[k].at(cosine - knots_[k]);
   }
 
-  /// The cosine below which the share u is scattered.
+  /// The cosine at which the cumulative distribution is u.
   double sample(double u) const {
     const auto above = std::upper_bound(below_.begin() + 1, below_.end() - 1, u);
     const auto k = static_cast<std::size_t>(above - below_.begin()) - 1;
@@ -66,7 +66,7 @@ class CosineTable {
     return knots_[k] + invert_increasing(excess, 0.0, h, h * std::clamp((u - below_[k]) / share, 0.0, 1.0));
   }
 
-  /// chi_0 to chi_{count-1}, by Gauss's rule in each piece with nodes for every wave of the last polynomial.
+  /// chi_0 to chi_{count-1}, by Gauss quadrature in each piece, with enough nodes for the highest polynomial.
   std::vector<double> moments(int count) const {
     std::vector<double> points;
     std::vector<double> shares;
@@ -96,7 +96,7 @@ class CosineTable {
     double integral(double s) const { return s * (value + s * (0.5 * slope + s * (square / 3.0 + s * 0.25 * cube))); }
   };
 
-  /// Bins about uniform in the angle, which say between which pieces to search.
+  /// Bins roughly uniform in the angle, which limit the search for a piece.
   std::size_t bin_of(double cosine) const {
     const double place =
         cosine < 0.0 ? std::sqrt(std::max(1.0 + cosine, 0.0)) : 2.0 - std::sqrt(std::max(1.0 - cosine, 0.0));
@@ -108,7 +108,7 @@ class CosineTable {
     bins_per_unit_ = 0.5 * static_cast<double>(bins);
     first_piece_.assign(bins + 1, static_cast<std::ptrdiff_t>(pieces_.size()) - 1);
     first_piece_.front() = 0;
-    // A piece is searched for from the bin of its lower knot on; bin_of rises with the cosine.
+    // The first piece of each bin is that of the bin's lower end; bin_of increases with the cosine.
     std::size_t bin = 0;
     for (std::size_t k = 0; k + 1 < pieces_.size(); ++k) {
       for (const std::size_t end = bin_of(knots_[k + 1]); bin < end;) {
@@ -140,7 +140,7 @@ class CosineTable {
     return slopes;
   }
 
-  /// The parabola's slope at an end, limited to what keeps the first piece monotone.
+  /// The slope at an end, from a parabola, limited so that the first piece stays monotone.
   static double end_slope(double h, double next_h, double secant, double next_secant) {
     const double slope = ((2.0 * h + next_h) * secant - h * next_secant) / (h + next_h);
     if (slope * secant <= 0.0) {
@@ -152,7 +152,7 @@ class CosineTable {
 
   /// Sums of shares times P_l at the points.
   static std::vector<double> legendre_sums(std::vector<double> points, std::vector<double> shares, int count) {
-    constexpr std::size_t kLane = 16;
+    constexpr std::size_t kLane = 16;  // points summed together, for vector registers
     using Lane = std::array<double, kLane>;
     while (points.size() % kLane != 0) {
       points.push_back(0.0);
@@ -180,7 +180,7 @@ class CosineTable {
   }
 
   std::vector<double> knots_;
-  std::vector<double> below_;  // share scattered below each knot
+  std::vector<double> below_;  // cumulative distribution at each knot
   std::vector<Piece> pieces_;
   std::vector<std::ptrdiff_t> first_piece_;  // of each bin
   double bins_per_unit_ = 0.0;

@@ -7,8 +7,8 @@
 
 namespace lamina {
 
-/// Two lobes, most often one forward and one back: weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965).
-/// g1 and g2 in (-1, 1), weight in [0, 1].
+/// Two lobes, usually one forward and one backward: weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965), with g1 and g2
+/// in (-1, 1) and weight in [0, 1].
 struct DoubleHenyeyGreenstein {
   static constexpr const char* kKind = "double-hg";
   static constexpr std::size_t kParameters = 3;
@@ -24,7 +24,7 @@ struct DoubleHenyeyGreenstein {
   double moment(int order) const { return mixed(first.moment(order), second.moment(order)); }
   double peak() const { return measured_peak(*this); }
 
-  /// One number chooses the lobe and, stretched, the cosine in it.
+  /// u chooses the lobe and, rescaled, the cosine.
   double sample(double u) const {
     if (u <= weight && weight > 0.0) {
       return first.sample(u / weight);

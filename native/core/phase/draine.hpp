@@ -10,9 +10,9 @@
 
 namespace lamina {
 
-/// Draine, "Scattering by interstellar dust grains" (2003), equation 8: Henyey and Greenstein's function
-/// times 1 + alpha cos^2, normalised. g in (-1, 1), alpha >= 0. alpha = 0 is Henyey-Greenstein, alpha = 1
-/// Cornette-Shanks, g = 0 with alpha = 1 Rayleigh. g is not the mean cosine, moment(1) is.
+/// Draine, "Scattering by interstellar dust grains" (2003), equation 8: the Henyey-Greenstein function times
+/// 1 + alpha cos^2, normalised. g in (-1, 1), alpha >= 0. alpha = 0 is Henyey-Greenstein, alpha = 1 Cornette-Shanks,
+/// g = 0 with alpha = 1 Rayleigh. The mean cosine is moment(1), not g.
 class Draine {
  public:
   static constexpr const char* kKind = "draine";
@@ -38,8 +38,8 @@ class Draine {
 
   double peak() const { return measured_peak(*this); }
 
-  /// The share below a cosine is a closed form in HenyeyGreenstein's d (a quartic when cleared of t), without
-  /// a division by g; its root is found by iteration from Henyey-Greenstein's.
+  /// The cumulative distribution has a closed form in d of HenyeyGreenstein (a quartic without t) that does not divide
+  /// by g. It is inverted by iteration from the Henyey-Greenstein solution.
   double sample(double u) const {
     const double g = lobe_.g;
     const double whole = 1.0 + g;

@@ -20,14 +20,14 @@ struct HenyeyGreenstein {
   double moment(int order) const { return std::pow(g, order); }
   double peak() const { return std::abs(g); }
 
-  /// With t = sqrt(1 + g^2 - 2 g cosine) and t = 1 + g - g d, the share scattered below a cosine is
-  /// (1 - g) d / (2 t): no term divides by g.
+  /// With t = sqrt(1 + g^2 - 2 g cosine) and t = 1 + g - g d, the cumulative distribution is (1 - g) d / (2 t), which
+  /// does not divide by g.
   double sample(double u) const {
     const double d = 2.0 * u * (1.0 + g) / (1.0 - g + 2.0 * u * g);
     return cosine_at(d);
   }
 
-  /// The cosine that belongs to d in [0, 2].
+  /// The cosine for d in [0, 2].
   double cosine_at(double d) const { return d * (1.0 + g - 0.5 * g * d) - 1.0; }
 };
 

@@ -5,7 +5,7 @@
 
 namespace lamina {
 
-/// Scatters equally into all directions.
+/// Scatters equally in all directions.
 struct Isotropic {
   static constexpr const char* kKind = "isotropic";
   static constexpr std::size_t kParameters = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several sorts of particles in one medium: a weighted sum of phase functions.
+// A weighted sum of phase functions, for several sorts of particles in one medium.
 #pragma once
 #include <algorithm>
 #include <utility>
@@ -17,13 +17,13 @@
 
 namespace lamina {
 
-/// The phase functions of one sort of particles. Each but Tabulated states its kind, kKind, and how many numbers its
-/// constructor takes, kParameters; the binding makes them by these.
+/// The phase functions of one sort of particles. Each except Tabulated has a name, kKind, and the number of its
+/// constructor's parameters, kParameters; the Python binding constructs them by these.
 using SinglePhase =
     std::variant<Isotropic, HenyeyGreenstein, Rayleigh, DoubleHenyeyGreenstein, Draine, CornetteShanks, Tabulated>;
 
-/// Several sorts of particles in one medium: a sum weighted by each sort's share of the scattering
-/// coefficient. Shares are not negative; they are scaled to sum to 1.
+/// A sum of phase functions, each weighted by its sort's share of the scattering coefficient. Shares are not negative
+/// and are scaled to sum to 1.
 class Mixture {
  public:
   struct Part {
@@ -51,7 +51,7 @@ class Mixture {
   }
   double peak() const { return measured_peak(*this); }
 
-  /// One number chooses the sort of particle and, stretched, the cosine.
+  /// u chooses the sort of particle and, rescaled, the cosine.
   double sample(double u) const {
     double rest = u;
     const Part* chosen = nullptr;

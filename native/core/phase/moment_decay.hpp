@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How fast the Legendre moments of a phase function decay.
+// The decay rate of the Legendre moments of a phase function.
 #pragma once
 #include <cmath>
 
 namespace lamina {
 
-/// Moments asked for at most: twice the nodes of the finest resolution, and some to spare.
+/// Largest number of moments: twice the nodes of the finest resolution, and a margin.
 inline constexpr int kMostMoments = 512;
 
-/// peak() for phase functions whose moments do not fall as one power: the q whose powers fall below what a
-/// solve can notice at the same order as the moments do. A peak too weak to be noticed does not count.
+/// peak() for phase functions whose moments do not decay as a single power: the q whose powers fall below the
+/// noticeable size at the same order as the moments. A peak too weak to be noticed is ignored.
 template <typename Phase>
 double measured_peak(const Phase& phase) {
-  // Measured: moments of this size left to delta-M change no value of a solve by more than 1e-4.
+  // Measured: truncating moments of this size (delta-M) changes no solved value by more than 1e-4.
   constexpr double kUnnoticed = 2e-4;
   int last = kMostMoments;
   while (last > 0 && std::abs(phase.moment(last)) <= kUnnoticed) {
@@ -22,7 +22,7 @@ double measured_peak(const Phase& phase) {
     return 0.0;
   }
   if (last == kMostMoments) {
-    // Still above: what they fell to tells how slowly.
+    // Still above at the last order: derive the rate from the last moment.
     return std::pow(std::abs(phase.moment(last)), 1.0 / last);
   }
   return std::pow(kUnnoticed, 1.0 / (last + 1));

@@ -21,7 +21,7 @@ struct WithMixture<std::variant<Single...>> {
 /// so that the mean over the sphere is 1. Each kind offers
 ///   evaluate(cosine)  4 pi p, cosine = w_in . w_out with both along the direction of travel;
 ///   moment(l)         chi_l = mean of P_l(cosine) p, chi_0 = 1, chi_1 = mean cosine, l up to kMostMoments;
-///   peak()            q in [0, 1) with |chi_l| <= q^l in the limit: how slowly the moments fall;
+///   peak()            q in [0, 1) with |chi_l| <= q^l in the limit, the decay rate of the moments;
 ///   sample(u)         the cosine for a uniform u in [0, 1), distributed exactly as pdf.
 class PhaseFunction {
  public:
@@ -33,7 +33,7 @@ class PhaseFunction {
   double evaluate(double cosine) const {
     return std::visit([&](const auto& p) { return p.evaluate(cosine); }, kind_);
   }
-  /// The same for a list, in place.
+  /// evaluate() for many cosines, in place.
   void evaluate_all(Eigen::ArrayXd& cosines) const {
     std::visit([&](const auto& p) { cosines = cosines.unaryExpr([&](double c) { return p.evaluate(c); }); }, kind_);
   }
@@ -52,16 +52,16 @@ class PhaseFunction {
     return std::visit([&](const auto& p) { return p.sample(u); }, kind_);
   }
 
-  /// The parameters where this is Henyey and Greenstein's function, for loops over many cosines; or null.
+  /// The Henyey-Greenstein function if it is one, else null; for loops over many cosines.
   const HenyeyGreenstein* as_henyey_greenstein() const { return std::get_if<HenyeyGreenstein>(&kind_); }
 
-  /// Calls `use` with the function of its own type, for loops that must not choose at every step.
+  /// Calls `use` with the function's concrete type, so that loops do not dispatch at every step.
   template <typename Use>
   auto visit(const Use& use) const {
     return std::visit(use, kind_);
   }
 
-  /// Density of sample() over the cosine; over solid angle it is this / 2 pi.
+  /// Density of sample() over the cosine; the density over solid angle is pdf / (2 pi).
   double pdf(double cosine) const { return 0.5 * evaluate(cosine); }
 
  private:

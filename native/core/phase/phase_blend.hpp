@@ -8,11 +8,11 @@
 
 namespace lamina {
 
-/// Whether two phase functions are the same one: of one kind, with equal values and moments wherever they are compared.
+/// True if two phase functions are of one kind and have equal values and moments at all test points.
 bool alike(const PhaseFunction& a, const PhaseFunction& b);
 
-/// Phase functions in the proportions of their weights, which are not negative and not all zero; sorts of particles
-/// that occur more than once are joined.
+/// The weighted mean of phase functions. Weights are not negative and not all zero. Equal sorts of particles are
+/// joined.
 PhaseFunction blend(const std::vector<std::pair<double, const PhaseFunction*>>& weighted);
 
 }  // namespace lamina

@@ -12,12 +12,11 @@
 
 namespace lamina {
 
-/// A phase function known by numbers, as a Mie code prints them. Copies share the table.
+/// A phase function given by numbers, for example from a Mie code. Copies share the table.
 class Tabulated {
  public:
-  /// From chi_0 = 1, chi_1, ...: p = sum of (2 l + 1) chi_l P_l. A table of Hermite's cubics with sixteen
-  /// knots to a wave of the highest polynomial holds the series to about 1e-6 of its peak. Where the series
-  /// falls below zero, p is zero.
+  /// From chi_0 = 1, chi_1, ...: p = sum of (2 l + 1) chi_l P_l. The table holds Hermite cubics with sixteen knots per
+  /// wave of the highest polynomial, accurate to about 1e-6 of the peak. p is zero where the series is negative.
   static Tabulated from_moments(const std::vector<double>& chi) {
     constexpr std::size_t kFewest = 256;
     constexpr std::size_t kKnotsPerWave = 16;
@@ -39,7 +38,7 @@ class Tabulated {
     return Tabulated(CosineTable(cosines, values, slopes), chi);
   }
 
-  /// From samples: cosines ascending from -1 to 1, values in any unit; monotone cubics between them.
+  /// From samples: cosines ascending from -1 to 1, values in any unit; monotone cubic interpolation.
   static Tabulated from_samples(const std::vector<double>& cosines, const std::vector<double>& values) {
     CosineTable table = CosineTable::through(cosines, values);
     std::vector<double> chi = table.moments(kMostMoments + 1);
@@ -63,7 +62,7 @@ class Tabulated {
   Tabulated(CosineTable table, std::vector<double> chi)
       : data_(std::make_shared<const Data>(Data{std::move(table), std::move(chi)})) {}
 
-  /// The series of even and of odd degrees, which together give the function at x and at -x.
+  /// The sums of the even and of the odd degrees; their sum and difference are the function at x and at -x.
   struct Parts {
     ValueAndSlope even{0.0, 0.0};
     ValueAndSlope odd{0.0, 0.0};

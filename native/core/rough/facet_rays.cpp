@@ -58,7 +58,7 @@ double reflectance_between(double cosine, double refracted, double ratio) {
 }  // namespace
 
 void Rays::add(double flux, double cosine, double x, double y) {
-  const double across = std::hypot(x, y);
+  const double across = std::sqrt(x * x + y * y);
   share.push_back(flux);
   mu.push_back(std::min(cosine, 1.0));
   azimuth.push_back(across > 0.0 ? -x / across : 1.0);
@@ -111,6 +111,7 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
   // angle = alpha sinh(x): even steps across the lobe, even ratios in its tail.
   constexpr double kPerLobe = 6.0;
   constexpr double kPerWave = 0.5;
+  const Incident in{mu, sine(mu), facets_.lambda(mu)};
   double low = 0.0;
   for (const double high : divisions(mu)) {
     const double x0 = std::asinh(low / facets_.alpha);
@@ -124,7 +125,7 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
         const Graded point(rule.mu[k], low > 0.0, high < steepest_);
         const double x = x0 + (x1 - x0) * point.at;
         const double step = (x1 - x0) * rule.weight[k] * point.slope;
-        circle(mu, facets_.alpha * std::sinh(x), step * facets_.alpha * std::cosh(x), reflected, transmitted);
+        circle(in, facets_.alpha * std::sinh(x), step * facets_.alpha * std::cosh(x), reflected, transmitted);
       }
     }
     low = high;
@@ -132,16 +133,17 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
 }
 
 /// All facets of one tilt; `weight` is the step of the angle.
-void FacetRays::circle(double mu, double angle, double weight, Rays& reflected, Rays& transmitted) const {
-  const double upright = std::cos(angle);
-  const double flat = std::sin(angle);
+void FacetRays::circle(const Incident& in, double angle, double weight, Rays& reflected, Rays& transmitted) const {
+  const double mu = in.mu;
+  const Tilt tilt{std::cos(angle), std::sin(angle)};
+  const auto& [upright, flat] = tilt;
   const double mean = mu * upright;  // cosine between ray and facet: mean + swing cos(azimuth)
-  const double swing = sine(mu) * flat;
-  const double density = 2.0 * facets_.density(Eigen::ArrayXd::Constant(1, upright))[0] * flat / mu * weight;
+  const double swing = in.across * flat;
+  const double density = 2.0 * facets_.density(upright) * flat / mu * weight;
   constexpr double kPerCircle = 5.0;
   constexpr double kPerWave = 1.0;
   // Rays that leave all around the normal see whole waves of the azimuth.
-  const double around = std::min(1.0, flat / std::max(sine(mu), 1e-9));
+  const double around = std::min(1.0, flat / std::max(in.across, 1e-9));
   const double points = kPerCircle * pieces_.density + kPerWave * pieces_.degree * around;
 
   // Azimuths at which something ends, from 0 to the last one that faces the ray.
@@ -180,7 +182,7 @@ void FacetRays::circle(double mu, double angle, double weight, Rays& reflected, 
     // Smooth all around: equal steps are best.
     const int steps = static_cast<int>(std::ceil(points));
     for (int k = 0; k < steps; ++k) {
-      facet(mu, angle, pi * (k + 0.5) / steps, density * pi / steps, reflected, transmitted);
+      facet(in, tilt, pi * (k + 0.5) / steps, density * pi / steps, reflected, transmitted);
     }
     return;
   }
@@ -193,19 +195,19 @@ void FacetRays::circle(double mu, double angle, double weight, Rays& reflected, 
     for (Eigen::Index j = 0; j < rule.mu.size(); ++j) {
       // What passes, and cosines in a thinner medium, end as square roots.
       const Graded point(rule.mu[j], k > 1, k + 1 < count);
-      facet(mu, angle, cuts[k - 1] + span * point.at, density * span * rule.weight[j] * point.slope, reflected,
+      facet(in, tilt, cuts[k - 1] + span * point.at, density * span * rule.weight[j] * point.slope, reflected,
             transmitted);
     }
   }
 }
 
 /// One facet, tilted at an azimuth from the ray's.
-void FacetRays::facet(double mu, double angle, double azimuth, double weight, Rays& reflected,
+void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, double weight, Rays& reflected,
                       Rays& transmitted) const {
-  const double across = sine(mu);
-  const double x = std::sin(angle) * std::cos(azimuth);
-  const double y = std::sin(angle) * std::sin(azimuth);
-  const double z = std::cos(angle);
+  const auto& [mu, across, lambda] = in;
+  const double x = tilt.flat * std::cos(azimuth);
+  const double y = tilt.flat * std::sin(azimuth);
+  const double z = tilt.upright;
   const double cosine = mu * z + across * x;
   if (!(cosine > 0.0)) {
     return;
@@ -220,14 +222,15 @@ void FacetRays::facet(double mu, double angle, double azimuth, double weight, Ra
   }
   const double up = 2.0 * cosine * z - mu;
   if (up > 0.0) {
-    reflected.add(weight * cosine * back * facets_.masking(up, mu), up, 2.0 * cosine * x - across, 2.0 * cosine * y);
+    reflected.add(weight * cosine * back * facets_.masked(facets_.lambda(up), lambda), up, 2.0 * cosine * x - across,
+                  2.0 * cosine * y);
   }
   if (refracted2 > 0.0) {
     const double along = cosine / ratio_ - refracted;
     const double down = mu / ratio_ - along * z;
     if (down > 0.0) {
-      transmitted.add(weight * cosine * (1.0 - back) * facets_.masking(down, mu), down, along * x - across / ratio_,
-                      along * y);
+      transmitted.add(weight * cosine * (1.0 - back) * facets_.masked(facets_.lambda(down), lambda), down,
+                      along * x - across / ratio_, along * y);
     }
   }
 }

@@ -45,8 +45,20 @@ class FacetRays {
   void scatter(double mu, Rays& reflected, Rays& transmitted) const;
 
  private:
-  void circle(double mu, double angle, double weight, Rays& reflected, Rays& transmitted) const;
-  void facet(double mu, double angle, double azimuth, double weight, Rays& reflected, Rays& transmitted) const;
+  /// The light's direction, and Smith's Lambda there.
+  struct Incident {
+    double mu;
+    double across;
+    double lambda;
+  };
+  /// Cosine and sine of the angle between a facet's normal and the mean normal.
+  struct Tilt {
+    double upright;
+    double flat;
+  };
+  void circle(const Incident& in, double angle, double weight, Rays& reflected, Rays& transmitted) const;
+  void facet(const Incident& in, const Tilt& tilt, double azimuth, double weight, Rays& reflected,
+             Rays& transmitted) const;
   std::vector<double> divisions(double mu) const;
 
   Facets facets_;

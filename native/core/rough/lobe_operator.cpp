@@ -49,7 +49,7 @@ class Projection {
     }
   }
 
-  /// Live nodes by orders.
+  /// [live node, order].
   MatrixXd sum(const Rays& rays, int orders) {
     for (WaveGrid& grid : grids_) {
       grid.clear();
@@ -65,7 +65,7 @@ class Projection {
   }
 
  private:
-  /// To the range that holds the ray, with its cosine in the medium that the range belongs to.
+  /// Adds a ray to its range, with its cosine in the medium of the range.
   void add(double share, double mu, double azimuth) {
     double own = mu;
     std::size_t chosen = 0;
@@ -119,7 +119,7 @@ LobeOperator::Columns LobeOperator::columns_from(const VectorXd& mu, const Vecto
   if (beyond_ > 0.0) {
     shape(columns.transmitted, there);
   }
-  constexpr Index kChunk = 4;
+  constexpr Index kChunk = 4;  // directions per task
   pool.run(static_cast<std::size_t>((mu.size() + kChunk - 1) / kChunk), [&](std::size_t chunk) {
     Rays reflected;
     Rays transmitted;
@@ -143,7 +143,7 @@ LobeOperator::Columns LobeOperator::columns_from(const VectorXd& mu, const Vecto
 }
 
 LobeOperator::Columns LobeOperator::on_nodes(ThreadPool& pool) const {
-  constexpr double kFiner = 1.5;
+  constexpr double kFiner = 1.5;  // of the sum on the incoming side, see LobeOperator
   const DirectionSet fine = set_.finer_by(kFiner);
   const Directions in = fine.in_medium(ior_, VectorXd());
   const Index live = set_.in_medium(ior_, VectorXd()).live;

@@ -13,28 +13,28 @@ namespace lamina {
 
 /// The glossy lobes of a boundary for light from one of its sides, as matrices by azimuth order.
 ///
-/// Lobes may be narrower than the spacing of the nodes. They are therefore projected onto the polynomials
-/// that the nodes carry (Galerkin): exact wherever one side of a product is smooth, and keeping every flux.
-/// The projection on the outgoing side is a sum over the rays that the facets send, that on the incoming
-/// side one over finer nodes of the same ranges, along which the sum is smooth.
+/// Lobes may be narrower than the spacing of the nodes. They are therefore projected onto the polynomials through the
+/// nodes (Galerkin), which is exact where the other factor of a product is smooth, and conserves fluxes. The outgoing
+/// side is projected by a sum over the rays from the facets, the incoming side by a sum over finer nodes of the same
+/// ranges.
 class LobeOperator {
  public:
-  /// What leaves into the nodes' polynomials on the light's own side and on the other, by order: live nodes of
-  /// that medium by incoming directions.
+  /// Projections of outgoing light, reflected and transmitted, by order: [live node of that medium, incoming
+  /// direction].
   struct Columns {
     std::vector<Eigen::MatrixXd> reflected;
     std::vector<Eigen::MatrixXd> transmitted;
   };
 
-  /// From the medium of index `ior` to that of index `beyond`; 0: nothing passes.
+  /// Light from the medium of index `ior` to that of index `beyond`; 0 for an opaque boundary.
   LobeOperator(FacetRays rays, DirectionSet set, double ior, double beyond, int orders)
       : rays_(std::move(rays)), set_(std::move(set)), ior_(ior), beyond_(beyond), orders_(orders) {}
 
-  /// Light that comes along directions of the medium of `ior`; `common` is C of each, see Directions.
-  /// The last answer is kept: the rows of a lookup table ask for the same directions again and again.
+  /// The columns for incoming directions of the medium of `ior`; `common` is C of each, see Directions. The last result
+  /// is cached, because the rows of a lookup table use the same directions.
   std::shared_ptr<const Columns> from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
 
-  /// The same on the nodes' polynomials: live nodes by live nodes.
+  /// The columns for the nodes' polynomials: [live node, live node].
   Columns on_nodes(ThreadPool& pool) const;
 
  private:

@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 #include <stdexcept>
 
@@ -14,9 +13,9 @@ namespace lamina {
 namespace {
 
 using Eigen::ArrayXd;
+using Eigen::ArrayXXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using std::numbers::pi;
 
 /// C = n scale of all directions, 1 at targets, 0 where there is none.
 VectorXd common_scale(const Directions& directions) { return directions.ior * directions.spread(directions.scale); }
@@ -152,21 +151,11 @@ void fill(MatrixXd& kernel, const Directions& out, const Directions& in, const M
 
 RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders,
                            ThreadPool& pool, double fineness)
-    : ior_above_(ior_above), ior_below_(interface.ior), compensate_(interface.compensate) {
-  const Facets facets = interface.facets;
+    : facets_(interface.facets), ior_above_(ior_above), ior_below_(interface.ior), compensate_(interface.compensate) {
   const double ior_below = interface.ior;
-  reflect_above_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
-    return pi * dielectric_reflection(facets, ior_above, ior_below, o, i, cosines);
-  };
-  reflect_below_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
-    return pi * dielectric_reflection(facets, ior_below, ior_above, o, i, cosines);
-  };
-  transmit_ = [=](double below, double above, const ArrayXd& cosines) -> ArrayXd {
-    return pi * ior_above * ior_below * dielectric_transmission(facets, ior_above, ior_below, above, below, cosines);
-  };
-  from_above_.emplace(FacetRays(facets, ior_below / ior_above, pieces(set, ior_above, ior_below, orders, fineness)),
+  from_above_.emplace(FacetRays(facets_, ior_below / ior_above, pieces(set, ior_above, ior_below, orders, fineness)),
                       set, ior_above, ior_below, orders);
-  from_below_.emplace(FacetRays(facets, ior_above / ior_below, pieces(set, ior_below, ior_above, orders, fineness)),
+  from_below_.emplace(FacetRays(facets_, ior_above / ior_below, pieces(set, ior_below, ior_above, orders, fineness)),
                       set, ior_below, ior_above, orders);
   const LobeOperator::Columns above = from_above_->on_nodes(pool);
   const LobeOperator::Columns below = from_below_->on_nodes(pool);
@@ -192,15 +181,16 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
 
 RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders,
                            ThreadPool& pool, double fineness)
-    : ior_above_(ior_above), ior_below_(ior_above), compensate_(conductor.compensate) {
-  const Facets facets = conductor.facets;
-  const std::complex<double> ratio = conductor.ior / ior_above;
-  reflect_above_ = [=](double o, double i, const ArrayXd& cosines) -> ArrayXd {
-    return pi * conductor_reflection(facets, ratio, o, i, cosines);
-  };
+    : facets_(conductor.facets),
+      metal_(conductor.ior / ior_above),
+      ior_above_(ior_above),
+      ior_below_(ior_above),
+      compensate_(conductor.compensate) {
+  const std::complex<double> ratio = *metal_;
   const FacetRays::Pieces own = pieces(set, ior_above, 0.0, orders, fineness);
-  from_above_.emplace(
-      FacetRays(facets, [ratio](double mu) { return conductor_fresnel(mu, ratio); }, own), set, ior_above, 0.0, orders);
+  from_above_.emplace(FacetRays(
+                          facets_, [ratio](double mu) { return conductor_fresnel(mu, ratio); }, own),
+                      set, ior_above, 0.0, orders);
   const Directions over = set.in_medium(ior_above, VectorXd());
   const Modes modes(set, over);
   for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
@@ -209,7 +199,7 @@ RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, doubl
   }
   if (compensate_) {
     mean_fresnel_ = mean_conductor_fresnel(ratio);
-    perfect_.emplace(FacetRays(facets, [](double) { return 1.0; }, own), set, ior_above, 0.0, 1);
+    perfect_.emplace(FacetRays(facets_, [](double) { return 1.0; }, own), set, ior_above, 0.0, 1);
     perfect_nodes_ = merged_keeping_flux(perfect_->on_nodes(pool).reflected.front(), modes, over);
   }
 }
@@ -270,18 +260,25 @@ RoughSurface::Operators RoughSurface::on(const Directions& above, const Directio
   return {std::move(orders), std::move(lobes)};
 }
 
+template <typename... Towards>
+auto RoughSurface::lobe(Face from, Face to, double mu_from, const Towards&... towards) const {
+  const double here = from == Face::kTop ? ior_above_ : ior_below_;
+  const double beyond = from == Face::kTop ? ior_below_ : ior_above_;
+  if (from != to) {
+    return dielectric_transmission(facets_, here, beyond, mu_from, towards...);
+  }
+  auto reflected = metal_ ? conductor_reflection(facets_, *metal_, mu_from, towards...)
+                          : dielectric_reflection(facets_, here, beyond, mu_from, towards...);
+  reflected /= here * here;
+  return reflected;
+}
+
 ArrayXd RoughSurface::value(Face from, Face to, double mu_from, double mu_to, const ArrayXd& cosines) const {
-  if (from == Face::kTop && to == Face::kTop) {
-    return reflect_above_(mu_to, mu_from, cosines) / (pi * ior_above_ * ior_above_);
-  }
-  if (!transmit_) {
-    return ArrayXd::Zero(cosines.size());
-  }
-  if (from == to) {
-    return reflect_below_(mu_to, mu_from, cosines) / (pi * ior_below_ * ior_below_);
-  }
-  const bool down = from == Face::kTop;
-  return transmit_(down ? mu_to : mu_from, down ? mu_from : mu_to, cosines) / (pi * ior_above_ * ior_below_);
+  return exists(from, to) ? lobe(from, to, mu_from, mu_to, cosines) : ArrayXd::Zero(cosines.size());
+}
+
+ArrayXXd RoughSurface::values(Face from, Face to, double mu_from, const FacetPairs& pairs) const {
+  return exists(from, to) ? lobe(from, to, mu_from, pairs) : ArrayXXd::Zero(pairs.cosines.rows(), pairs.cosines.cols());
 }
 
 }  // namespace lamina

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scattering function of a rough boundary or of a rough metal.
 #pragma once
-#include <functional>
+#include <complex>
 #include <optional>
 #include <vector>
 
@@ -40,10 +40,10 @@ class RoughSurface {
   /// azimuths dphi of these cosines: radiance divided by the square of the index there, for unit irradiance, 1/sr.
   /// The same in both senses.
   Eigen::ArrayXd value(Face from, Face to, double mu_from, double mu_to, const Eigen::ArrayXd& cosines) const;
+  /// The same towards many directions, each at azimuths of its own: [direction, azimuth].
+  Eigen::ArrayXXd values(Face from, Face to, double mu_from, const FacetPairs& pairs) const;
 
  private:
-  /// pi times a BRDF or BTDF, at all azimuths, `cosines` = cos(dphi).
-  using Lobe = std::function<Eigen::ArrayXd(double mu_out, double mu_in, const Eigen::ArrayXd& cosines)>;
   /// One azimuth order on live nodes; of a conductor the first alone.
   struct Nodes {
     Eigen::MatrixXd reflect_above;
@@ -51,9 +51,14 @@ class RoughSurface {
     Eigen::MatrixXd reflect_below;
   };
 
-  Lobe reflect_above_;
-  Lobe transmit_;       // empty for a conductor
-  Lobe reflect_below_;  // empty for a conductor
+  /// Whether light that comes from one face may leave by the other.
+  bool exists(Face from, Face to) const { return !metal_ || (from == Face::kTop && to == Face::kTop); }
+  /// A lobe that exists, towards one direction or many, as the functions of microfacet.hpp take them.
+  template <typename... Towards>
+  auto lobe(Face from, Face to, double mu_from, const Towards&... towards) const;
+
+  Facets facets_;
+  std::optional<std::complex<double>> metal_;  // index of a conductor, relative to that above
   std::optional<LobeOperator> from_above_;
   std::optional<LobeOperator> from_below_;  // empty for a conductor
   std::vector<Nodes> nodes_;                // by order

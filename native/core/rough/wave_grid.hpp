@@ -36,7 +36,7 @@ class WaveGrid {
 
  private:
   const WaveTables& tables_;
-  Eigen::MatrixXd grid_;  // [cosine, azimuth]
+  Eigen::MatrixXd grid_;  // [cosine, azimuth], with lines beyond all ends
 };
 
 }  // namespace lamina

@@ -107,7 +107,7 @@ ScatteringFunction Assembly::without_single(int order) const {
   const bool base_reflects = stack.base.kind == Base::Kind::kConductor ||
                              (stack.base.kind == Base::Kind::kLambert && order == 0 && stack.base.reflectance > 0.0);
   if (stack.layers.size() == 1 && scatterers.size() == 1 && !base_reflects) {
-    // One medium alone: what is wanted is what was solved.
+    // A single medium: its multiple scattering is the result.
     const Directions& here = directions_.front();
     const LayerKernels alone =
         multiple_on(here, solution_.multiple(order, 0), scatterers.front().medium, shapes_[0], order);
@@ -131,7 +131,7 @@ ScatteringFunction Assembly::without_single(int order) const {
     const Eigen::MatrixXd passed = directions_[layer].spread(single[k].transmit);
     const DeltaField::Arrival& above = deltas_.from_above[layer];
     const DeltaField::Arrival& below = deltas_.from_below[layer];
-    // Out of each face, light that arrived at either; only targets are wanted without it.
+    // Subtract light that arrived at either face and leaves from either, between targets only.
     const auto take = [&](DirectionOperator& from, const DeltaField::Arrival& out, const DeltaField::Arrival& in) {
       from.each_block([&](auto row, auto column, auto rows, auto columns) {
         if (row < from.nodes || column < from.nodes) {

@@ -8,38 +8,37 @@
 
 namespace lamina {
 
-/// A solved stack put together for a list of target directions in air: its layers' scattering functions on
-/// all nodes and targets, joined on demand.
+/// A solved stack for a list of target directions in air: the layers' scattering functions on all nodes and targets,
+/// joined on demand.
 class Assembly {
  public:
-  /// `views`: see Directions; then kernels are joined only between views and lights.
+  /// With `views` (see Directions) kernels are joined only between views and lights.
   Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool,
            Eigen::Index views = DirectionOperator::kAllTargets);
-  /// Directions and delta field alone, for any number of targets; nothing can be joined.
+  /// Directions and delta field only, for any number of targets; cannot be joined.
   Assembly(const Solution& solution, const Eigen::VectorXd& targets);
 
   const Solution& solution() const { return solution_; }
-  /// Of the media between the layers, top first: one more than layers.
+  /// The directions in the media between the layers, top first: one more than layers.
   const std::vector<Directions>& directions() const { return directions_; }
-  /// Of rough boundary number `boundary` the lobes in one order, without what is given back.
+  /// The lobes of a rough boundary in one order, without the compensation of lost energy.
   const ScatteringFunction& lobes(std::size_t boundary, int order) const {
     const RoughSurface::Operators& surface = surfaces_[boundary];
     return order == 0 ? surface.lobes : surface.orders[static_cast<std::size_t>(order)];
   }
-  /// Light that no medium and no rough boundary has scattered; by layer, the base last.
+  /// Specular light, scattered by no medium and no rough boundary; by layer, the base last.
   const DeltaField& deltas() const { return deltas_; }
 
-  /// The whole stack in one azimuth order. Lobes of rough boundaries between two targets are left out.
+  /// The whole stack in one azimuth order, without lobes of rough boundaries between two targets.
   ScatteringFunction joined(int order) const { return joined(order, once(order)); }
 
-  /// The same without light that was scattered just once, by a medium or a rough boundary, and without
-  /// delta parts: smooth in azimuth.
+  /// The stack without single scattering by a medium or a rough boundary, and without delta parts: smooth in azimuth.
   ScatteringFunction without_single(int order) const;
 
  private:
-  /// Light scattered once by each medium, in one order.
+  /// The single scattering of each medium in one order.
   std::vector<LayerKernels> once(int order) const;
-  /// The layers, top first; `once` null: their delta parts alone.
+  /// The layers, top first; only their delta parts if `once` is null.
   std::vector<ScatteringFunction> layers(int order, const std::vector<LayerKernels>* once) const;
   ScatteringFunction joined(int order, const std::vector<LayerKernels>& once) const;
 

@@ -131,12 +131,11 @@ std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const 
       Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> plane(
           values.data() + row * static_cast<std::size_t>(mu_i.size() * dphi.size()), mu_i.size(), dphi.size());
       plane.noalias() = coefficients * waves;
-      FacetMeetings::Lobes lobes;
       for (Eigen::Index i = 0; i < mu_i.size(); ++i) {
         const Eigen::Index column = targets.find(mu_i[i]);
         plane.row(i) += once(o, column, cosines).matrix().transpose();
         plane.row(i) +=
-            meetings.value(passages[k].side, passages[k].path, o, column, dphi.array(), lobes).matrix().transpose();
+            meetings.value(passages[k].side, passages[k].path, o, column, dphi.array()).matrix().transpose();
         plane.row(i) = plane.row(i).cwiseMax(0.0);
       }
     });
@@ -157,7 +156,6 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
   std::vector<double> values(static_cast<std::size_t>(mu_o.size()));
   const std::size_t chunk_size = meetings.none() ? 1024 : 64;
   pool.run((values.size() + chunk_size - 1) / chunk_size, [&](std::size_t chunk) {
-    FacetMeetings::Lobes lobes;
     for (std::size_t k = chunk * chunk_size; k < std::min(values.size(), (chunk + 1) * chunk_size); ++k) {
       const auto point = static_cast<Eigen::Index>(k);
       const double o = mu_o[point];
@@ -184,7 +182,7 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
       const Eigen::Index row = exact.find(o);
       const Eigen::Index column = exact.find(i);
       sum = sum / pi + once(row, column, Eigen::ArrayXd::Constant(1, std::cos(dphi[point])))[0] +
-            meetings.value(side, path, row, column, Eigen::ArrayXd::Constant(1, dphi[point]), lobes)[0];
+            meetings.value(side, path, row, column, Eigen::ArrayXd::Constant(1, dphi[point]))[0];
       values[k] = std::max(0.0, sum);  // what is below is within the tolerance, see check_returned
     }
   });

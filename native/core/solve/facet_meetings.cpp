@@ -163,76 +163,91 @@ void FacetMeetings::take_from(ScatteringFunction& rest, int order) const {
   }
 }
 
-const FacetMeetings::Lobe& FacetMeetings::lobe(std::size_t boundary, Face from, Face to, double mu,
-                                               Lobes& known) const {
-  const auto [place, is_new] = known.try_emplace({boundary, from, to, mu});
-  Lobe& made = place->second;
-  if (!is_new) {
-    return made;
+FacetMeetings::Lobe FacetMeetings::made_lobe(std::size_t boundary, Face from, Face to, double mu) const {
+  Rays reflected;
+  Rays transmitted;
+  boundaries_[boundary].rays[from == Face::kTop ? 0 : 1].scatter(mu, reflected, transmitted);
+  const Rays& rays = from == to ? reflected : transmitted;
+  const auto array = [](const std::vector<double>& list) {
+    return Eigen::Map<const ArrayXd>(list.data(), static_cast<Index>(list.size()));
+  };
+  Lobe lobe{array(rays.mu), array(rays.azimuth), array(rays.share), ArrayXd(), 0.0};
+  lobe.whole = lobe.share.sum();
+  if (lobe.whole > 0.0) {
+    lobe.density = boundaries_[boundary].surface->values(from, to, mu, {lobe.mu, lobe.azimuth}).col(0) / lobe.whole;
   }
-  Rays other;
-  const FacetRays& rays = boundaries_[boundary].rays[from == Face::kTop ? 0 : 1];
-  from == to ? rays.scatter(mu, made.rays, other) : rays.scatter(mu, other, made.rays);
-  for (const double share : made.rays.share) {
-    made.whole += share;
+  return lobe;
+}
+
+std::shared_ptr<const FacetMeetings::Lobe> FacetMeetings::lobe(std::size_t boundary, Face from, Face to,
+                                                               double mu) const {
+  constexpr std::size_t kMostRays = 1000000;  // 32 megabytes
+  const LobeKey key{boundary, from, to, mu};
+  {
+    const std::scoped_lock guard(lobes_->lock);
+    const auto place = lobes_->known.find(key);
+    if (place != lobes_->known.end()) {
+      return place->second;
+    }
+  }
+  const auto made = std::make_shared<const Lobe>(made_lobe(boundary, from, to, mu));
+  const std::scoped_lock guard(lobes_->lock);
+  if (lobes_->rays > kMostRays) {
+    lobes_->known.clear();
+    lobes_->rays = 0;
+  }
+  if (lobes_->known.try_emplace(key, made).second) {
+    lobes_->rays += static_cast<std::size_t>(made->mu.size());
   }
   return made;
 }
 
-/// The rays of the first lobe, met by the second; `backwards`: the other way round.
-void FacetMeetings::add_rays(ArrayXd& sum, const Meeting& meeting, bool backwards, Face entering, Face exiting,
-                             double mu_i, double mu_o, const Lobe& forth, const Lobe& back, const ArrayXd& dphi) const {
-  const Lobe& own = backwards ? back : forth;
-  const Lobe& other = backwards ? forth : back;
-  const auto count = static_cast<Index>(own.rays.mu.size());
-  if (count == 0 || other.whole <= 0.0) {
-    return;
-  }
+/// The rays of the first lobe, met by the second, which belongs to a direction of cosine `mu` on `face`; `backwards`:
+/// those of the second, met by the first.
+void FacetMeetings::add_rays(ArrayXd& sum, const Meeting& meeting, bool backwards, const Lobe& own, const Lobe& other,
+                             Face face, double mu, const ArrayXd& dphi) const {
   const std::vector<Directions>& directions = assembly_.directions();
   const std::size_t begin =
       gap(backwards ? meeting.second : meeting.first, backwards ? meeting.arriving : meeting.leaving);
-  const std::size_t end =
-      gap(backwards ? meeting.first : meeting.second, backwards ? meeting.leaving : meeting.arriving);
-  const ArrayXd mu = Eigen::Map<const ArrayXd>(own.rays.mu.data(), count);
+  const std::size_t other_boundary = backwards ? meeting.first : meeting.second;
+  const Face other_face = backwards ? meeting.leaving : meeting.arriving;
+  const std::size_t end = gap(other_boundary, other_face);
   const auto in_gap = [&](std::size_t gap) -> ArrayXd {
-    return mu.unaryExpr([&](double m) { return refracted_cosine(m, directions[begin].ior, directions[gap].ior); });
+    return own.mu.unaryExpr([&](double m) { return refracted_cosine(m, directions[begin].ior, directions[gap].ior); });
   };
-  const ArrayXd between = sections_.section(meeting.section, in_gap).*meeting.between;
+  const ArrayXd strength = own.share * (sections_.section(meeting.section, in_gap).*meeting.between);
   const ArrayXd arriving = in_gap(end);
-  const RoughSurface& first = *boundaries_[meeting.first].surface;
-  const RoughSurface& second = *boundaries_[meeting.second].surface;
+  std::vector<Index> live;
+  for (Index k = 0; k < strength.size(); ++k) {
+    if (strength[k] > 0.0 && arriving[k] > 0.0 && own.density[k] > 0.0) {
+      live.push_back(k);
+    }
+  }
   const Index azimuths = dphi.size();
-  ArrayXd cosines(2 * azimuths);
-  for (Index k = 0; k < count; ++k) {
-    const auto ray = static_cast<std::size_t>(k);
-    const double strength = own.rays.share[ray] * between[k];
-    if (!(strength > 0.0 && arriving[k] > 0.0)) {
-      continue;
-    }
+  const ArrayXd cosine = dphi.cos();
+  const ArrayXd sine = dphi.sin();
+  constexpr std::size_t kChunk = 512;  // arrays of a chunk stay in the cache
+  for (std::size_t first = 0; first < live.size(); first += kChunk) {
+    const std::vector<Index> rays(live.begin() + static_cast<std::ptrdiff_t>(first),
+                                  live.begin() + static_cast<std::ptrdiff_t>(std::min(first + kChunk, live.size())));
     // A ray stands for itself and its mirror image in the plane of incidence.
-    const double cosine = own.rays.azimuth[ray];
-    const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-    cosines.head(azimuths) = dphi.cos() * cosine + dphi.sin() * sine;
-    cosines.tail(azimuths) = dphi.cos() * cosine - dphi.sin() * sine;
-    const ArrayXd here = ArrayXd::Constant(1, cosine);
-    const double found = backwards ? second.value(exiting, meeting.arriving, mu_o, mu[k], here)[0]
-                                   : first.value(entering, meeting.leaving, mu_i, mu[k], here)[0];
-    const ArrayXd met = backwards ? first.value(entering, meeting.leaving, mu_i, arriving[k], cosines)
-                                  : second.value(exiting, meeting.arriving, mu_o, arriving[k], cosines);
-    const double own_density = found / own.whole;
-    if (!(own_density > 0.0)) {
-      continue;
+    const ArrayXd along = own.azimuth(rays);
+    const ArrayXd across = (1.0 - along.square()).max(0.0).sqrt();
+    FacetPairs pairs{arriving(rays), Eigen::ArrayXXd(along.size(), 2 * azimuths)};
+    for (Index p = 0; p < azimuths; ++p) {
+      pairs.cosines.col(p) = cosine[p] * along + sine[p] * across;
+      pairs.cosines.col(azimuths + p) = cosine[p] * along - sine[p] * across;
     }
-    const ArrayXd weighted = met * (own_density / (own_density + met / other.whole));
-    sum += 0.5 * strength * (weighted.head(azimuths) + weighted.tail(azimuths));
+    const Eigen::ArrayXXd met = boundaries_[other_boundary].surface->values(face, other_face, mu, pairs);
+    const ArrayXd density = own.density(rays);
+    const ArrayXd half = 0.5 * strength(rays) * density;
+    for (Index p = 0; p < 2 * azimuths; ++p) {
+      sum[p % azimuths] += (half * met.col(p) / (density + met.col(p) / other.whole)).sum();
+    }
   }
 }
 
-ArrayXd FacetMeetings::value(Side side, Path path, Index o, Index i, const ArrayXd& dphi, Lobes& known) const {
-  constexpr std::size_t kMost = 128;  // some megabytes
-  if (known.size() > kMost) {
-    known.clear();
-  }
+ArrayXd FacetMeetings::value(Side side, Path path, Index o, Index i, const ArrayXd& dphi) const {
   ArrayXd sum = ArrayXd::Zero(dphi.size());
   const bool leaves_above = (side == Side::kTop) == (path == Path::kReflect);
   const DeltaField& deltas = assembly_.deltas();
@@ -250,11 +265,14 @@ ArrayXd FacetMeetings::value(Side side, Path path, Index o, Index i, const Array
         }
         const double mu_i = cosine(meeting.first, entering, i);
         const double mu_o = cosine(meeting.second, exiting, o);
-        const Lobe& forth = lobe(meeting.first, entering, meeting.leaving, mu_i, known);
-        const Lobe& back = lobe(meeting.second, exiting, meeting.arriving, mu_o, known);
+        const std::shared_ptr<const Lobe> forth = lobe(meeting.first, entering, meeting.leaving, mu_i);
+        const std::shared_ptr<const Lobe> back = lobe(meeting.second, exiting, meeting.arriving, mu_o);
+        if (!(forth->whole > 0.0 && back->whole > 0.0)) {
+          continue;
+        }
         ArrayXd found = ArrayXd::Zero(dphi.size());
-        add_rays(found, meeting, false, entering, exiting, mu_i, mu_o, forth, back, dphi);
-        add_rays(found, meeting, true, entering, exiting, mu_i, mu_o, forth, back, dphi);
+        add_rays(found, meeting, false, *forth, *back, exiting, mu_o, dphi);
+        add_rays(found, meeting, true, *back, *forth, entering, mu_i, dphi);
         sum += share * found;
       }
     }

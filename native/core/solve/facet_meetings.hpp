@@ -3,6 +3,8 @@
 #pragma once
 #include <Eigen/Core>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <tuple>
 #include <vector>
 
@@ -28,18 +30,8 @@ class FacetMeetings {
   /// Takes out of an azimuth order between targets what the nodes' polynomials say of such light.
   void take_from(ScatteringFunction& rest, int order) const;
 
-  /// A lobe's rays into one side: cosines there, cosines of the azimuth, shares, and their sum.
-  struct Lobe {
-    Rays rays;
-    double whole = 0.0;
-  };
-  /// Lobes by boundary, face that light comes from, face that it leaves by, and cosine. For one thread.
-  using Lobes = std::map<std::tuple<std::size_t, Face, Face, double>, Lobe>;
-
-  /// BRDF or BTDF in 1/sr between two targets, of light that enters on `side`. `known` keeps the lobes of one call for
-  /// the next.
-  Eigen::ArrayXd value(Side side, Path path, Eigen::Index o, Eigen::Index i, const Eigen::ArrayXd& dphi,
-                       Lobes& known) const;
+  /// BRDF or BTDF in 1/sr between two targets, of light that enters on `side`. For any number of threads.
+  Eigen::ArrayXd value(Side side, Path path, Eigen::Index o, Eigen::Index i, const Eigen::ArrayXd& dphi) const;
 
  private:
   /// From a face of one boundary, as light leaves, to a face of one, as light arrives.
@@ -66,15 +58,33 @@ class FacetMeetings {
   bool exists(std::size_t boundary, Face face) const {
     return face == Face::kTop || boundaries_[boundary].rays.size() > 1;
   }
-  const Lobe& lobe(std::size_t boundary, Face from, Face to, double mu, Lobes& known) const;
+  /// A lobe's rays into one side.
+  struct Lobe {
+    Eigen::ArrayXd mu;       ///< cosines there
+    Eigen::ArrayXd azimuth;  ///< cosines of the azimuth, 1 forward
+    Eigen::ArrayXd share;    ///< of the incident flux
+    Eigen::ArrayXd density;  ///< of the lobe along its own rays, of whole flux 1
+    double whole = 0.0;      ///< the sum of the shares
+  };
+  using LobeKey = std::tuple<std::size_t, Face, Face, double>;
+  /// Lobes by boundary, face that light comes from, face that it leaves by, and cosine.
+  struct Lobes {
+    std::mutex lock;
+    std::map<LobeKey, std::shared_ptr<const Lobe>> known;
+    std::size_t rays = 0;
+  };
+  /// Made once and kept for later calls, as long as all that are kept take no more than some megabytes.
+  std::shared_ptr<const Lobe> lobe(std::size_t boundary, Face from, Face to, double mu) const;
+  Lobe made_lobe(std::size_t boundary, Face from, Face to, double mu) const;
   Eigen::MatrixXd to_nodes(std::size_t boundary, Face from, Face to, int order) const;
-  void add_rays(Eigen::ArrayXd& sum, const Meeting& meeting, bool backwards, Face entering, Face exiting, double mu_i,
-                double mu_o, const Lobe& forth, const Lobe& back, const Eigen::ArrayXd& dphi) const;
+  void add_rays(Eigen::ArrayXd& sum, const Meeting& meeting, bool backwards, const Lobe& own, const Lobe& other,
+                Face face, double mu, const Eigen::ArrayXd& dphi) const;
 
   const Assembly& assembly_;
   MirrorSections sections_;
   std::vector<Boundary> boundaries_;
   std::vector<Meeting> meetings_;
+  std::unique_ptr<Lobes> lobes_ = std::make_unique<Lobes>();
 };
 
 }  // namespace lamina

@@ -44,8 +44,8 @@ Eigen::MatrixXd symmetric(const Eigen::VectorXd& mu, double tau, Shape shape) {
   return values;
 }
 
-/// Nodes that serve several media integrate the phase function's moments almost, but not quite exactly;
-/// what is missing from the normalisation, r = 1 - p w, is added as the smooth symmetric r_i + r_j - r.w.
+/// Nodes shared by several media integrate the phase function not quite exactly. The residual of the normalisation,
+/// r = 1 - p w, is added as the smooth symmetric kernel r_i + r_j - r.w.
 Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen::VectorXd& root) {
   const double whole = root.squaredNorm();
   const Eigen::VectorXd missing = (root - scattered * root).cwiseQuotient(root) / whole;
@@ -56,7 +56,7 @@ Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen:
          root.asDiagonal();
 }
 
-/// Puts the smallest of some cosines first.
+/// The permutation that sorts cosines in ascending order.
 Eigen::PermutationMatrix<Eigen::Dynamic> ascending_order(const Eigen::VectorXd& mu) {
   std::vector<int> order(static_cast<std::size_t>(mu.size()));
   std::iota(order.begin(), order.end(), 0);
@@ -73,14 +73,14 @@ Eigen::PermutationMatrix<Eigen::Dynamic> ascending_order(const Eigen::VectorXd& 
 HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions) {
   const Eigen::Index n = directions.live;
   const int count = static_cast<int>(medium.moments.size());
-  // The steepest rows first: elements grow as 1 / mu, by many powers of ten where nodes graze, and the reduction to
-  // tridiagonal form keeps the small eigenvalues only where it meets the large elements first.
+  // Put grazing nodes first. Elements grow as 1 / mu over many powers of ten, and the reduction to tridiagonal form is
+  // accurate for small eigenvalues only if large elements come first.
   const Eigen::PermutationMatrix<Eigen::Dynamic> ascending = ascending_order(directions.mu.head(n));
   const Eigen::VectorXd mu = ascending * directions.mu.head(n);
   const Eigen::MatrixXd legendre = associated_legendre(order, count, mu);
   const Eigen::VectorXd weights = phase_weights(medium, order);
 
-  // A and B: out-scattering less in-scattering, by the parity of l - m.
+  // A and B: out-scattering minus in-scattering, by the parity of l - m.
   const Eigen::VectorXd root = (ascending * directions.weight).cwiseSqrt();
   const Eigen::VectorXd steep = mu.cwiseSqrt().cwiseInverse();
   const auto transfer = [&](Eigen::Index parity) {
@@ -111,8 +111,8 @@ HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, con
   if (eigen.info() != Eigen::Success) {
     throw std::runtime_error("the modes of the equation of transfer did not converge");
   }
-  // A conservative medium has one rate of zero, which rounding hides and an infinite depth would divide
-  // by; this floor costs a half-space 1e-9 of its reflectance.
+  // A conservative medium has a rate of zero, which rounding perturbs, and a half-space divides by it. This floor
+  // changes the reflectance of a half-space by 1e-9.
   constexpr double kSlowest = 1e-9;
   rate_ = eigen.eigenvalues().cwiseMax(kSlowest * kSlowest).cwiseSqrt();
   if (order == 0 && medium.albedo == 1.0) {
@@ -143,7 +143,7 @@ HomogeneousModes::Layer HomogeneousModes::layer(double tau) const {
   const Eigen::LLT<Eigen::MatrixXd> h_factor(h_matrix);
   Layer layer;
   layer.reflect = g_factor.solve(identity) - h_factor.solve(identity);
-  // T = (1 + G)^-1 + (1 + H)^-1 - 1, brought to a form without cancellation in thick layers.
+  // T = (1 + G)^-1 + (1 + H)^-1 - 1, in a form without cancellation for thick layers.
   const Eigen::MatrixXd passing = odd_ * attenuation.asDiagonal() * even_.transpose();
   layer.transmit = g_factor.solve(h_factor.solve(passing.transpose()).transpose());
   return layer;
@@ -183,7 +183,7 @@ MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const Trun
                              const Eigen::MatrixXd& single) -> Eigen::MatrixXd {
     const Eigen::MatrixXd rest = outer.asDiagonal() * all * outer.asDiagonal() -
                                  quarter * (inner.asDiagonal() * phases.cwiseProduct(single) * inner.asDiagonal());
-    // Reciprocity holds but for rounding, which the division makes visible in thin layers.
+    // Symmetrise: the division amplifies rounding errors in thin layers.
     const Eigen::MatrixXd smooth = rest.cwiseQuotient(shape);
     return 0.5 * (smooth + smooth.transpose());
   };
@@ -214,7 +214,7 @@ Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScatt
       (1.0 - direct_transmissions(directions.mu.tail(directions.targets), medium.tau).array()).matrix();
   const Eigen::VectorXd wanted =
       (directions.interpolation.bottomRows(directions.targets) * multiple.survival).cwiseProduct(removed) - sums(once);
-  constexpr double kLargest = 1e-2;  // more would be a failure of the nodes, not of interpolation
+  constexpr double kLargest = 1e-2;  // larger corrections would hide a failure of the nodes
   return (all.array() > 0.0)
       .select((wanted.array() / all.array()).max(1.0 - kLargest).min(1.0 + kLargest), 1.0)
       .matrix();

@@ -9,17 +9,16 @@
 
 namespace lamina {
 
-/// The modes of the equation of transfer in a homogeneous medium, one azimuth order: everything about a
-/// layer but its thickness. A layer of any thickness, also infinite, follows without doubling.
+/// The modes of the equation of transfer in a homogeneous medium, one azimuth order. They do not depend on the
+/// thickness; a layer of any thickness, also infinite, follows without doubling.
 ///
 /// With u = I+ + I- and v = I+ - I- (down- and upwelling radiance, symmetric scaling) the discretised
 /// equation of transfer is du/dt = -A v, dv/dt = -B u, A and B symmetric and positive (semi)definite
 /// (Nakajima and Tanaka 1986). With A = L L' and L' B L = Z k^2 Z' the fields are combinations of
-/// U = L Z and V = L'^-1 Z times cosh(kt) and sinh(kt); light that enters both faces alike or oppositely
-/// then sees
+/// U = L Z and V = L'^-1 Z times cosh(kt) and sinh(kt). For light that enters both faces with equal or opposite signs,
 ///   R + T = (1 - G) (1 + G)^-1,  G = V k tanh(k tau/2) V',
 ///   R - T = -(1 - H) (1 + H)^-1, H = U tanh(k tau/2)/k U',
-/// which has no growing exponential and no special case.
+/// without growing exponentials or special cases.
 class HomogeneousModes {
  public:
   HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions);
@@ -36,17 +35,17 @@ class HomogeneousModes {
   Eigen::VectorXd rate_;  // k
 };
 
-/// What single scattering leaves of a layer: the kernels pi f of all higher orders, divided by the angular
-/// shape of single scattering (and by the sines that make odd azimuth orders vanish at normal incidence).
-/// Smooth in both cosines however thin the layer, so that polynomials through the nodes hold it anywhere.
+/// The kernels pi f of multiple scattering (all orders but the first), divided by the angular shape of single
+/// scattering and by the sines that make odd azimuth orders vanish at normal incidence. They are smooth in both cosines
+/// for any thickness, so polynomials through the nodes interpolate them.
 struct MultipleScattering {
   Eigen::MatrixXd reflect;
   Eigen::MatrixXd transmit;
-  Eigen::VectorXd survival;  ///< order 0: share of the light taken out of a beam that leaves the layer again
+  Eigen::VectorXd survival;  ///< order 0: share of the light removed from a beam that leaves the layer
 };
 
-/// The moments of the phase function in one azimuth order between directions: sum over l of
-/// (2l+1) chi_l P_l^m P_l^m, with light turned back (reflect) or passing on (transmit).
+/// One azimuth order of the phase function between directions: sum over l of (2l+1) chi_l P_l^m P_l^m, for directions
+/// in opposite hemispheres of travel (reflect) or in the same one (transmit).
 struct PhaseKernel {
   Eigen::MatrixXd reflect;
   Eigen::MatrixXd transmit;
@@ -57,7 +56,7 @@ struct PhaseKernel {
 MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const TruncatedMedium& medium,
                                        const PhaseKernel& phase, int order, const Directions& directions);
 
-/// Angular shapes of a layer's single scattering between all directions of its medium, of no azimuth order.
+/// Angular shapes of a layer's single scattering between all directions of its medium, the same for all azimuth orders.
 struct LayerShapes {
   Eigen::MatrixXd reflect;
   Eigen::MatrixXd transmit;
@@ -65,20 +64,20 @@ struct LayerShapes {
   LayerShapes(const Directions& directions, double tau);
 };
 
-/// Kernels of a layer between the live nodes and targets of its medium, scaled; not yet spread.
+/// Scaled kernels of a layer between the live nodes and targets of its medium, before Directions::spread.
 struct LayerKernels {
   Eigen::MatrixXd reflect;
   Eigen::MatrixXd transmit;
 };
 
-/// The parts of a layer's scattering function on any directions: multiple scattering, carried there by
-/// interpolation; single scattering, in closed form; the direct part.
+/// The parts of a layer's scattering function on any directions: multiple scattering by interpolation, single
+/// scattering in closed form, and the direct part.
 LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
                          const TruncatedMedium& medium, const LayerShapes& shapes, int order);
-/// Sums over nodes of interpolated kernels miss the energy balance by some 1e-6 at targets. The share of the removed
-/// light that survives is known at the nodes, smooth, and 1 where nothing is absorbed: factors that restore it, by
-/// target, for what multiple_on says between targets and nodes in order 0. Of `once` and `repeated`, the kernels of
-/// single and multiple scattering, [node, target], reflection and transmission summed.
+/// Factors by target that restore the energy balance of multiple_on between targets and nodes in order 0, where sums of
+/// interpolated kernels are off by about 1e-6. They follow from `survival`, which is exact at the nodes, smooth, and 1
+/// without absorption. `once` and `repeated` are the kernels of single and multiple scattering, [node, target],
+/// reflection plus transmission.
 Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
                                const TruncatedMedium& medium, const Eigen::MatrixXd& once,
                                const Eigen::MatrixXd& repeated);
@@ -86,7 +85,7 @@ LayerKernels single_on(const Directions& directions, const TruncatedMedium& medi
                        int order);
 Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau);
 
-/// All three together, of which `once` is known.
+/// The sum of the three parts, where `once` is the single scattering.
 ScatteringFunction layer_on(const Directions& directions, const MultipleScattering& multiple,
                             const TruncatedMedium& medium, const LayerShapes& shapes, const LayerKernels& once,
                             int order);

@@ -41,7 +41,7 @@ Deltas MirrorSections::layer(std::size_t layer, const Cosines& cosines) const {
   if (std::holds_alternative<Interface>(stack.layers[layer])) {
     const ArrayXd below = cosines(layer + 1);
     for (Eigen::Index k = 0; k < above.size(); ++k) {
-      // Directions that exist on one side only are totally reflected there.
+      // Directions that exist on one side only are totally reflected.
       const double back =
           above[k] > 0.0 && below[k] > 0.0 ? fresnel(above[k], below[k], indices_[layer], indices_[layer + 1]) : 1.0;
       deltas.reflect_above[k] = deltas.reflect_below[k] = back;

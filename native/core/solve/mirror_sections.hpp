@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The parts of a stack between its rough boundaries: attenuation and mirror images only.
+// Specular light in the parts of a stack between its rough boundaries.
 #pragma once
 #include <functional>
 #include <vector>
@@ -9,14 +9,14 @@
 
 namespace lamina {
 
-/// The parts of a stack between its rough boundaries: what light does there that nothing scatters. Section k lies above
-/// rough boundary k, the last one below all of them; it is made of media, smooth boundaries and smooth bases.
+/// Specular light in the sections of a stack between its rough boundaries. Section k lies above rough boundary k, the
+/// last section below all of them. A section consists of media, smooth boundaries and smooth bases.
 class MirrorSections {
  public:
   explicit MirrorSections(const Solution& solution);
 
-  /// Of one section; `cosines(gap)` gives those of all wanted directions in the medium above layer `gap` (one past the
-  /// layers: below the last), 0 where a direction does not exist.
+  /// The delta parts of one section. `cosines(gap)` returns the cosines of all directions in the medium above layer
+  /// `gap` (one past the layers: below the last), 0 where a direction does not exist.
   using Cosines = std::function<Eigen::ArrayXd(std::size_t gap)>;
   Deltas section(std::size_t section, const Cosines& cosines) const;
 
@@ -25,7 +25,7 @@ class MirrorSections {
     std::size_t layer;
     double tau;  // of the truncated medium
   };
-  /// Layers [first, last), where the base is one past the stack's layers.
+  /// Layers [first, last); the base counts as the layer after the last.
   struct Section {
     std::size_t first;
     std::size_t last;

@@ -11,19 +11,20 @@
 namespace lamina {
 namespace {
 
+/// Largest number of nodes per hemisphere; time grows with its cube. Numbers of nodes are multiples of kStep.
 constexpr int kMostNodes = 160;
 constexpr int kStep = 8;
 
 int rounded_up(double nodes) { return static_cast<int>(std::ceil(nodes / kStep)) * kStep; }
 
-/// What the finest nodes leave of a peak shows in the aureole, and spoils the faint light elsewhere.
+/// Largest moment that the finest nodes may leave unresolved. It adds errors to the aureole and to faint light.
 constexpr double kUnresolved = 1e-5;
 
-/// Of the tolerance, what the moments left out may add to light scattered twice, beside isotropic light of 1.
+/// Share of the tolerance for the contribution of noise moments to light scattered twice, relative to isotropic light.
 constexpr double kNoise = 1.0;
 
-/// Light scattered twice has the moments chi_l^2: those from `first` on add this to it where they add most, straight
-/// on or straight back.
+/// The contribution of the moments from `first` on to light scattered twice, whose moments are chi_l^2, in the forward
+/// or backward direction, where it is largest.
 double left_out(const PhaseFunction& phase, int first) {
   double sum = 0.0;
   for (int l = first; l <= kMostMoments; ++l) {
@@ -32,8 +33,8 @@ double left_out(const PhaseFunction& phase, int first) {
   return sum;
 }
 
-/// Whether the moments from `first` on are those of noise, which know nothing of each other, and not those of a peak,
-/// which fall slowly (a peak straight back alternates their signs).
+/// True if the moments from `first` on are noise. Noise moments are uncorrelated; those of a peak decay slowly (with
+/// alternating signs for a backward peak).
 bool is_noise(const PhaseFunction& phase, int first) {
   double squares = 0.0;
   double products = 0.0;
@@ -44,8 +45,8 @@ bool is_noise(const PhaseFunction& phase, int first) {
   return squares > 0.0 && products < 0.5 * squares;
 }
 
-/// Whether nodes that resolve so many moments will do although those beyond are noise: they show in light scattered
-/// once, which takes the phase function itself, and hardly in what is scattered again.
+/// True if the unresolved moments are noise and small enough to ignore: single scattering uses the phase function
+/// itself, and multiple scattering hardly depends on them.
 bool only_noise_beyond(const PhaseFunction& phase, double albedo, int moments, double tolerance) {
   return is_noise(phase, moments) && albedo * left_out(phase, moments) <= kNoise * tolerance;
 }
@@ -71,10 +72,10 @@ void refuse(const PhaseFunction& phase, double rest) {
   throw std::runtime_error(message.str());
 }
 
-/// Measured: 32 nodes hold 1e-4 for peaks up to .8, and thin layers down to tau = .001 within 1e-3.
+/// Measured: with 32 nodes the error is below 1e-4 for peaks up to .8, and below 1e-3 for layers down to tau = .001.
 int fewest_nodes(double tolerance) { return tolerance < 5e-3 ? 32 : 16; }
 
-/// Beyond that, |chi_2n| near 1e-3 of the tolerance keeps the error of truncation below it.
+/// For sharper peaks, |chi_2n| of about 1e-3 of the tolerance keeps the truncation error below the tolerance.
 int nodes_for(const PhaseFunction& phase, double albedo, double tolerance) {
   const double peak = phase.peak();
   const double peaked = peak > 0.0 ? std::log(1e-3 * tolerance) / (2.0 * std::log(peak)) : 0.0;
@@ -86,10 +87,10 @@ int nodes_for(const PhaseFunction& phase, double albedo, double tolerance) {
   return nodes;
 }
 
-/// A boundary that mirrors light, however roughly.
+/// A boundary that reflects light, smooth or rough.
 struct Reflector {
   double alpha;
-  double refracted;  ///< width in n sin(theta), which refraction keeps, of a refracted lobe; infinite: there is none
+  double refracted;  ///< width of a refracted lobe in n sin(theta); infinite: there is none
   double reflected;  ///< of a reflected lobe
   double depth;      ///< optical thickness above
 };
@@ -118,8 +119,8 @@ std::vector<Reflector> reflectors_of(const Stack& stack) {
   return found;
 }
 
-/// The lobes of rough boundaries that light reaches from another boundary unscattered: how many azimuth orders three
-/// of them in a row take, and the narrowest facets among them.
+/// Lobes of rough boundaries between which light passes unscattered: the azimuth orders for three successive lobes, and
+/// the narrowest facets.
 struct LobeChain {
   double orders = 0.0;
   double alpha = 0.0;
@@ -134,7 +135,7 @@ LobeChain slowest_chain(const Stack& stack, double tolerance) {
   LobeChain chain;
   for (std::size_t k = 0; k < reflectors.size(); ++k) {
     const Reflector& own = reflectors[k];
-    // Three lobes in a row pass media between boundaries twice, which leaves less to be resolved.
+    // Light of three successive lobes crosses the media between the boundaries twice, which attenuates it.
     double gap = std::numeric_limits<double>::infinity();
     if (k > 0) {
       gap = own.depth - reflectors[k - 1].depth;
@@ -154,15 +155,15 @@ LobeChain slowest_chain(const Stack& stack, double tolerance) {
     return chain;
   }
   const double narrowest = std::min(reflected, refracted);
-  // The spectrum of a GGX lobe of width w falls as exp(-w k); where that is too hopeful, the check of what is returned
-  // asks for more. Lookup tables hold two lobes in a row by these orders, too, as well as the nodes can.
+  // The spectrum of a GGX lobe of width w decays as exp(-w k). If this is too optimistic, the check of returned values
+  // demands more orders. Lookup tables use these orders for two successive lobes too, as far as the nodes resolve them.
   constexpr double kResolved = 32.0;
   const double two = std::min(0.5 * decay / (2.0 * narrowest), kResolved);
   chain.orders = std::max(decay / (2.0 * narrowest + reflected), two);
   return chain;
 }
 
-/// Facets so narrow that no admitted number of azimuth orders holds their lobes; the estimate may be twice too large.
+/// Throws if the lobes need more azimuth orders than allowed, with a factor 2 of doubt in the estimate.
 void refuse_needles(const Stack& stack, double tolerance) {
   const LobeChain chain = slowest_chain(stack, tolerance);
   if (chain.orders > 2.0 * kMostOrders) {
@@ -199,7 +200,7 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
       scatter(medium->albedo, medium->phase);
       add_medium(medium->tau);
     }
-    // Of a graded layer its whole thickness counts: the sublayers need no resolution each, only their sum does.
+    // For a graded layer the total thickness counts: single sublayers need not be resolved.
     const auto* graded = std::get_if<GradedMedium>(&layer);
     if (graded != nullptr && graded->largest_albedo() > 0.0) {
       for (const GradedMedium::Knot& knot : graded->knots()) {

@@ -59,11 +59,10 @@ SolveChecks check_returned(const Solution& solution, ThreadPool& pool) {
   for (std::size_t k = 0; k < passages.size(); ++k) {
     const auto& [side, path] = passages[k];
     const StackSingleScattering once(assembly, side, path);
-    FacetMeetings::Lobes lobes;
     for (Index o = 0; o < mu.size(); ++o) {
       for (Index i = path == Path::kReflect ? o : 0; i < mu.size(); ++i) {
         ArrayXd orders(solution.orders());
-        ArrayXd values = once(o, i, dphi.cos()) + meetings.value(side, path, o, i, dphi, lobes);
+        ArrayXd values = once(o, i, dphi.cos()) + meetings.value(side, path, o, i, dphi);
         for (Index m = 0; m < orders.size(); ++m) {
           orders[m] = (m == 0 ? 1.0 : 2.0) / pi * smooth[k][static_cast<std::size_t>(m)](o, i);
           values += orders[m] * (static_cast<double>(m) * dphi).cos();

@@ -5,8 +5,8 @@
 
 namespace lamina {
 
-/// Of the values that a solution returns, at a few directions on all sides: what azimuth orders left out may add, and
-/// how far below zero values fall, both relative.
+/// Checks values at a few directions on all sides: the possible contribution of truncated azimuth orders, and the most
+/// negative value, both relative.
 SolveChecks check_returned(const Solution& solution, ThreadPool& pool);
 
 }  // namespace lamina

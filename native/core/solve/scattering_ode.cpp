@@ -15,10 +15,10 @@ namespace {
 
 using Array = ExponentialSteps::Array;
 
-/// Moments of the phase function that the nodes can hold; refuses a peak that is beyond them.
+/// The number of azimuth orders that the phase functions need. Throws if the nodes do not resolve a peak.
 int needed_orders(const GradedMedium& medium, int nodes) {
-  constexpr double kUnresolved = 1e-5;
-  constexpr double kUnseen = 1e-11;
+  constexpr double kUnresolved = 1e-5;  // largest moment beyond the nodes, as for the solver
+  constexpr double kUnseen = 1e-11;     // orders with smaller moments are left out
   int orders = 1;
   for (const GradedMedium::Knot& knot : medium.knots()) {
     const double rest = knot.albedo * std::abs(knot.phase.moment(2 * nodes));
@@ -63,7 +63,7 @@ class Terms {
     }
   }
 
-  /// Between the knots `above` and the next one down.
+  /// The right-hand side between the knot `above` and the next one below.
   Array operator()(std::size_t above, double t, const Array& u) const {
     const Eigen::Index all = mu_.size();
     const Eigen::Index n = share_.size();
@@ -78,7 +78,7 @@ class Terms {
     const Eigen::MatrixXd s = u.topRows(all).matrix();
     const Eigen::MatrixXd t_below = u.bottomRows(all).matrix();
     const Eigen::MatrixXd shared = share_.asDiagonal() * s.topRows(n);
-    // Light going down below the layer at t: scattered on by it, or sent back by S and again by it.
+    // Downward light below the layer at t: scattered forward by it, or reflected by S and then by it.
     const Eigen::MatrixXd down = on + back.leftCols(n) * shared;
     Array result(2 * all, all);
     result.topRows(all) =
@@ -121,7 +121,7 @@ OdeSolution::OdeSolution(const GradedMedium& medium, const OdeSettings& settings
     if (m == 0) {
       u.topRows(all) = 4.0 * medium.ground() * (mu_ * mu_.transpose()).array();
     }
-    // From knot to knot, upwards: between them the profile is smooth.
+    // Integrate upwards from knot to knot, since the profile is smooth between knots.
     double step = 1e-3 * std::min(1.0, medium.tau());
     for (std::size_t above = medium.knots().size() - 1; above-- > 0;) {
       const double bottom = medium.tau() - medium.knots()[above + 1].tau;

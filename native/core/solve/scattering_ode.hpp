@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The differential form of the scattering equation, integrated over depth; a second road for tests.
+// The differential form of the scattering equation, integrated over depth; an independent method for tests.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -9,32 +9,32 @@
 
 namespace lamina {
 
-/// How finely the differential form is discretised.
+/// The discretisation of the differential form.
 struct OdeSettings {
-  int nodes = 32;           ///< Gauss-Legendre nodes in (0, 1); their moments must hold the phase functions' peaks
+  int nodes = 32;           ///< Gauss-Legendre nodes in (0, 1); must resolve the phase functions' peaks
   double tolerance = 1e-8;  ///< of a step's error, relative to the largest S (1 at least)
 };
 
-/// A slab by the differential form of the scattering equation, on quadrature nodes and in azimuth orders:
+/// A slab by the differential form of the scattering equation, on quadrature nodes and by azimuth orders:
 ///   dS/dt = -(1/mu + 1/mu0) S + k + kS + Sk + SkS,      S = 4 mu mu0 rho where t = 0, the bottom,
-/// and for light that passes downwards, without what does so unscattered, the direct beam E = exp(-t/mu),
+/// and for light that is transmitted downwards, without the direct beam E = exp(-t/mu),
 ///   dT/dt = -T/mu0 + (E + T)(k + kS),
-/// rho being the reflectance of the surface below, integrated upwards through whatever profile the medium has. No
-/// adding, no eigenvectors: a road of its own.
+/// where rho is the reflectance of the surface below. Integrated upwards through any profile, without adding and
+/// without eigenvectors: independent of the solver.
 class OdeSolution {
  public:
-  /// Throws std::invalid_argument where the nodes do not hold a phase function's peak.
+  /// Throws std::invalid_argument if the nodes do not resolve a phase function's peak.
   OdeSolution(const GradedMedium& medium, const OdeSettings& settings, const Eigen::VectorXd& targets,
               ThreadPool& pool);
 
-  /// BRDF and BTDF, 1/sr, light from above, between targets (by number); dphi = 0: light keeps its azimuth.
+  /// BRDF and BTDF in 1/sr for light from above, between targets (by index); dphi = 0: light keeps its azimuth.
   double brdf(Eigen::Index out, Eigen::Index in, double dphi) const { return sum(true, out, in, dphi); }
   double btdf(Eigen::Index out, Eigen::Index in, double dphi) const { return sum(false, out, in, dphi); }
-  /// Light of a beam from each target that is reflected, or passes after being scattered.
+  /// The shares of a beam from each target that are reflected, or transmitted with scattering.
   Eigen::VectorXd reflectance() const { return flux(true); }
   Eigen::VectorXd transmittance() const { return flux(false); }
   int orders() const { return static_cast<int>(moments_.size()); }
-  int steps() const { return steps_; }  ///< taken in order 0
+  int steps() const { return steps_; }  ///< of order 0
 
  private:
   double sum(bool reflect, Eigen::Index out, Eigen::Index in, double dphi) const;

@@ -10,16 +10,16 @@
 namespace lamina {
 namespace {
 
-/// Orders solved between two looks at convergence; fixed, so that results do not depend on threads.
+/// Orders solved between two checks of convergence; fixed, so that results do not depend on the number of threads.
 constexpr int kBlock = 4;
 
-/// Where repeated scattering is less than single scattering by so much, rounding would show instead.
+/// True if multiple scattering exceeds rounding errors.
 bool scatters_repeatedly(const TruncatedMedium& medium) {
-  constexpr double kFaintest = 1e-7;
+  constexpr double kFaintest = 1e-7;  // albedo below which the difference from single scattering is rounding
   return medium.albedo > kFaintest && medium.tau > kThinnestRepeated;
 }
 
-/// The smallest phase value over the azimuth, for light turned back between two directions.
+/// The smallest value of the phase function over the azimuth, for reflection between two directions.
 double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double turn) {
   const double sines = std::sqrt((1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i));
   double least = phase.evaluate(turn * mu_o * mu_i - sines);
@@ -29,7 +29,7 @@ double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double 
   return least;
 }
 
-/// By refractive index, the thickness of the thinnest layer that scatters repeatedly, if not below `least`.
+/// By refractive index, the thickness of the thinnest layer with multiple scattering, at least `least`.
 std::map<double, double> thinnest_layers(const Stack& stack, double least) {
   const std::vector<double> indices = refractive_indices(stack);
   std::map<double, double> thinnest;
@@ -43,7 +43,7 @@ std::map<double, double> thinnest_layers(const Stack& stack, double least) {
   return thinnest;
 }
 
-/// Boundaries that mirror, however roughly.
+/// The number of boundaries that reflect, smooth or rough.
 int reflectors(const Stack& stack) {
   const std::vector<double> indices = refractive_indices(stack);
   int count = stack.base.kind == Base::Kind::kConductor ? 1 : 0;
@@ -143,10 +143,9 @@ void Solution::solve(ThreadPool& pool) {
   add_boundaries(pool);
 }
 
-/// The modes of many sublayers at many orders would take hundreds of megabytes: then another thickness finds them
-/// again.
+/// Drops the modes if they take too much memory (many sublayers at many orders); another thickness recomputes them.
 void Solution::limit_modes() {
-  constexpr double kMostBytes = 64e6;
+  constexpr double kMostBytes = 64e6;  // per solution
   double bytes = 0.0;
   for (std::size_t k = 0; k < modes_.size(); ++k) {
     const double nodes = static_cast<double>(native_directions_[k].live);
@@ -180,11 +179,11 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
   }
 }
 
-/// The largest share that an order has of the least that a medium sends anywhere: light scattered once
-/// plus a part of the mean of the rest.
+/// The largest ratio of an order to the least scattering of a medium in any direction, estimated as single scattering
+/// plus a part of the mean of multiple scattering.
 double Solution::share_of_order(int order) const {
-  constexpr double kGrazing = 0.04;  // below it, values are not promised
-  // Of each node in the least dense medium that has it: light that grazes there need not graze in a denser one.
+  constexpr double kGrazing = 0.04;  // the tolerance holds above .05 only
+  // Cosines of the nodes in the least dense medium: light that is grazing there may be steep in a denser medium.
   std::vector<double> outside;
   for (const DirectionSet::Range& range : set_->ranges()) {
     outside.insert(outside.end(), range.nodes.mu.begin(), range.nodes.mu.end());
@@ -224,8 +223,8 @@ std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) con
   return all;
 }
 
-/// Light that a medium scattered once shows its azimuth orders through the lobes of rough boundaries; and lobes that
-/// meet lobes need orders by their width.
+/// The least number of orders. Behind rough boundaries, single scattering needs as many orders as its phase function
+/// has; lobes that meet lobes need orders by their width.
 int Solution::fewest_orders() const {
   const std::vector<double> indices = refractive_indices(stack());
   bool rough = stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0;
@@ -250,7 +249,7 @@ int Solution::fewest_orders() const {
 
 void Solution::add_boundaries(ThreadPool& pool) {
   if (boundary_orders_ >= orders()) {
-    return;  // no thickness changes what facets do
+    return;  // the lobes do not depend on thickness
   }
   boundaries_.clear();
   boundary_orders_ = orders();
@@ -267,7 +266,7 @@ void Solution::add_boundaries(ThreadPool& pool) {
     boundaries_.push_back({stack().layers.size(), std::make_shared<RoughSurface>(stack().base, *set_, indices.back(),
                                                                                  orders(), pool, fineness)});
   }
-  // Once now, so that lobes too narrow to be resolved are refused here and not when values are wanted.
+  // Evaluate once, so that lobes that are too narrow throw here, and not when values are evaluated.
   const std::vector<Directions> here = directions(Eigen::VectorXd());
   for (const Boundary& boundary : boundaries_) {
     boundary.surface->on(here[boundary.layer], here[std::min(boundary.layer + 1, here.size() - 1)], pool);

@@ -15,46 +15,45 @@
 
 namespace lamina {
 
-/// The solved layers of one channel: for each azimuth order what multiple scattering adds in each medium,
-/// from which the stack's scattering function follows for any directions.
+/// The solved layers of one channel: the multiple scattering of each medium in each azimuth order. The stack's
+/// scattering function for any directions follows from these.
 class Solution {
  public:
   Solution(SublayerStack sublayers, const Resolution& resolution, ThreadPool& pool);
 
-  /// The same stack with another thickness of one medium, by its number in the stack as it was given; a graded one
-  /// is stretched. The modes, which do not depend on thickness, are shared and may grow: do not call this function
-  /// from several threads at once.
+  /// The stack with another thickness of one medium, given by its index in the original stack; a graded medium is
+  /// stretched. The modes, which do not depend on thickness, are shared and may grow: not thread-safe.
   Solution with_thickness(std::size_t layer, double tau, ThreadPool& pool) const;
 
-  /// The same stack at another resolution.
+  /// The stack at another resolution.
   Solution at(const Resolution& resolution, ThreadPool& pool) const { return {sublayers_, resolution, pool}; }
 
-  /// The resolution to try next where a check failed: more azimuth orders where those are missing, else more nodes.
-  /// Throws std::runtime_error where there is none finer.
+  /// The resolution to try next after a failed check: more azimuth orders if these are missing, else more nodes. Throws
+  /// std::runtime_error if there is none finer.
   Resolution finer() const;
 
-  /// The same stack over a Lambert surface of another reflectance, which no layer's own function depends on.
+  /// The stack over a Lambert surface of another reflectance. The solved layers do not depend on it.
   Solution with_reflectance(double reflectance) const;
 
-  /// As it is solved: sublayers stand for graded layers.
+  /// The stack as it is solved, with sublayers for graded layers.
   const Stack& stack() const { return sublayers_.stack; }
   const Resolution& resolution() const { return resolution_; }
   const SolveChecks& checks() const { return checks_; }
   void add_checks(const SolveChecks& more) { checks_.worsen(more); }
-  /// Throws std::runtime_error, with the numbers, when a check misses the tolerance.
+  /// Throws std::runtime_error, with the numbers, if a check exceeds the tolerance.
   void require_sound() const;
   int orders() const { return static_cast<int>(multiple_.size()); }
 
   /// A medium among the stack's layers.
   struct Scatterer {
-    std::size_t layer;  ///< which of the stack's layers it is
-    double ior;         ///< refractive index there
+    std::size_t layer;  ///< index of its layer
+    double ior;         ///< refractive index
     TruncatedMedium medium;
     PhaseFunction phase;
   };
   const std::vector<Scatterer>& scatterers() const { return scatterers_; }
 
-  /// A rough boundary: number of its layer (that of the base is one past the layers), and its operators.
+  /// A rough boundary: the index of its layer (the base is one past the layers), and its operators.
   struct Boundary {
     std::size_t layer;
     std::shared_ptr<const RoughSurface> surface;

@@ -21,14 +21,14 @@ Eigen::MatrixXd coefficients(const Eigen::MatrixXd& table, const Quadrature& ran
   return analysis * table * analysis.transpose();
 }
 
-/// Whether a range holds light that grazes a boundary to a thinner medium, which layers above need: in this medium its
-/// cosines fall together, functions are constant there, and the nodes show rounding alone.
+/// True for a range of directions that are grazing in a less dense medium. In this medium their cosines coincide within
+/// rounding, so functions are constant there and coefficients are rounding noise.
 bool falls_together(const DirectionSet::Range& range, double ior) {
-  constexpr double kGrazing = 0.04;  // below it, values are not promised
+  constexpr double kGrazing = 0.04;  // the tolerance holds above .05 only
   return range.ior < ior && range.nodes.high() < kGrazing;
 }
 
-/// The least entry between nodes that do not fall together.
+/// The least entry between nodes that do not coincide.
 double least_entry(const Eigen::MatrixXd& repeated, const Directions& directions, const DirectionSet& set) {
   double least = 0.0;
   Eigen::Index row = 0;
@@ -53,8 +53,8 @@ double least_entry(const Eigen::MatrixXd& repeated, const Directions& directions
   return least;
 }
 
-/// Share of the highest three coefficients of what repeated scattering adds, in all that the layer sends:
-/// where they have not decayed, polynomials through the nodes do not represent the function.
+/// The highest three Legendre coefficients of multiple scattering, relative to all scattering of the layer. If they
+/// have not decayed, polynomials through the nodes do not represent the function.
 double tail_share(const Eigen::MatrixXd& repeated, const Eigen::MatrixXd& all, const Directions& directions,
                   const DirectionSet& set) {
   constexpr Eigen::Index kTail = 3;
@@ -85,7 +85,7 @@ double tail_share(const Eigen::MatrixXd& repeated, const Eigen::MatrixXd& all, c
 }  // namespace
 
 void SolveChecks::worsen(const SolveChecks& other) {
-  // A NaN must not slip through a comparison.
+  // NaN counts as the worst.
   const auto worse = [](double a, double b) { return std::isnan(b) || b > a ? b : a; };
   quadrature = worse(quadrature, other.quadrature);
   phase = worse(phase, other.phase);
@@ -97,8 +97,8 @@ void SolveChecks::worsen(const SolveChecks& other) {
 }
 
 std::string SolveChecks::problem(double tolerance) const {
-  constexpr double kExact = 1e-9;
-  constexpr double kEnergy = 5e-7;
+  constexpr double kExact = 1e-9;   // moments are exact but for rounding
+  constexpr double kEnergy = 5e-7;  // exact but for rounding, which grows where nodes are grazing
   std::ostringstream text;
   const auto judge = [&](const char* name, double error, double allowed) {
     if (!(error < allowed)) {
@@ -122,7 +122,7 @@ SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScat
   const Eigen::VectorXd scale = directions.scale.head(directions.live);
   const Eigen::VectorXd arriving =
       ((layer.reflect + layer.transmit) * scale).cwiseQuotient(scale);  // R + T by incidence
-  // Albedo 1 loses nothing; else no more may come out than went in.
+  // A conservative layer must neither gain nor lose energy; other layers must not gain any.
   const double created = (arriving.array() - 1.0).maxCoeff();
   checks.energy = medium.albedo == 1.0 ? std::max(created, -(arriving.array() - 1.0).minCoeff()) : created;
   checks.energy = std::max(checks.energy, 0.0);
@@ -135,7 +135,7 @@ SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScat
   };
   checks.reciprocity = std::max(asymmetry(layer.reflect), asymmetry(layer.transmit));
 
-  // Repeated scattering may be lost in rounding where single scattering is all: both are judged together.
+  // Relative to single plus multiple scattering: where single scattering dominates, the other is rounding noise.
   const double quarter = 0.25 * medium.albedo;
   const Eigen::MatrixXd turned = multiple.reflect + quarter * phase.reflect;
   const Eigen::MatrixXd passed = multiple.transmit + quarter * phase.transmit;

@@ -7,19 +7,19 @@
 
 namespace lamina {
 
-/// What the always-on checks of a solve found. All are errors, 0 at best.
+/// Results of the checks of every solve. All are errors, ideally 0.
 struct SolveChecks {
-  double quadrature = 0.0;   ///< of the moments of the nodes
-  double phase = 0.0;        ///< of the discretised phase functions' normalisation
-  double energy = 0.0;       ///< created, or lost by conservative layers, at any node
+  double quadrature = 0.0;   ///< of the nodes' moments
+  double phase = 0.0;        ///< of the normalisation of the discretised phase functions
+  double energy = 0.0;       ///< gained, or lost by conservative layers, at any node
   double reciprocity = 0.0;  ///< asymmetry of the solved kernels, relative
   double negativity = 0.0;   ///< most negative azimuthal mean of a layer's kernel, or value of the stack, relative
-  double azimuth = 0.0;      ///< of values of the stack, relative, from azimuth orders left out
-  double resolution = 0.0;   ///< estimate of the relative error from the directions' discretisation
+  double azimuth = 0.0;      ///< of the stack's values, relative, from truncated azimuth orders
+  double resolution = 0.0;   ///< estimated relative error of the discretisation of directions
 
   void worsen(const SolveChecks& other);
 
-  /// The checks that fail, with their numbers, or nothing. `tolerance`: relative pointwise error wanted.
+  /// The failed checks with their numbers, empty if none failed. `tolerance`: the relative pointwise error.
   std::string problem(double tolerance) const;
 };
 

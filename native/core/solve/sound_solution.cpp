@@ -10,7 +10,7 @@
 namespace lamina {
 namespace {
 
-/// Boundaries need a check of the returned values: azimuth orders of lobes converge by no rule of the media.
+/// Adds the check of the returned values for stacks with boundaries, whose lobes have azimuth orders of their own.
 Solution checked(Solution solution, ThreadPool& pool) {
   if (!has_only_media(solution.stack()) && std::isfinite(solution.resolution().tolerance)) {
     solution.add_checks(check_returned(solution, pool));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Light scattered once anywhere in a stack, in closed form.
+// Single scattering anywhere in a stack, in closed form.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -9,12 +9,12 @@
 
 namespace lamina {
 
-/// Light scattered once, by a medium with its true phase function or by the facets of a rough boundary: it
-/// arrives at either face of the layer and leaves by either, on the paths of the delta field. In closed form
-/// between targets, however narrow.
+/// Light scattered once, by a medium with its untruncated phase function or by the facets of a rough boundary. It
+/// arrives at either face of the layer and leaves from either, along the paths of the delta field. In closed form
+/// between targets, exact for narrow peaks too.
 class StackSingleScattering {
  public:
-  /// Of light that enters on `side`; keeps references into the assembly.
+  /// For light that enters on `side`. Keeps references into the assembly.
   StackSingleScattering(const Assembly& assembly, Side side, Path path);
 
   /// BRDF or BTDF in 1/sr between two targets, at all azimuths; `cosines` are those of dphi.
@@ -25,7 +25,7 @@ class StackSingleScattering {
   }
 
  private:
-  /// Cosines of the targets where the layer begins, and what the delta field brings there and takes away.
+  /// Cosines of the targets at the top of the layer, and the shares of the delta field on the way in and out.
   struct Term {
     Eigen::VectorXd mu;
     Eigen::VectorXd in_down;

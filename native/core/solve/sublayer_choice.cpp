@@ -13,14 +13,15 @@
 namespace lamina {
 namespace {
 
-/// Share of the tolerance that the division into sublayers may use up.
+/// Share of the tolerance for the division into sublayers.
 constexpr double kShare = 0.4;
-/// Half the intervals have an error this many times smaller; measured: 9 to 15.
+/// Halving the intervals reduces the error at least by this factor; measured: 9 to 15.
 constexpr double kGain = 6.0;
+/// The first coarseness, and how often it is halved.
 constexpr double kCoarsest = 2.0;
 constexpr int kHalvings = 6;
 
-/// BRDF and BTDF, from both sides, of the sublayers of one layer.
+/// BRDF and BTDF of the sublayers of one layer from both sides.
 std::vector<double> probe(const std::vector<Medium>& sublayers, ThreadPool& pool) {
   Resolution resolution;
   resolution.nodes = 16;
@@ -43,7 +44,7 @@ std::vector<double> probe(const std::vector<Medium>& sublayers, ThreadPool& pool
 }
 
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  constexpr double kFaint = 1e-6;  // 1/sr; keeps the relative difference of fainter values small
+  constexpr double kFaint = 1e-6;  // 1/sr; differences of fainter values are relative to this
   double largest = 0.0;
   for (std::size_t k = 0; k < a.size(); ++k) {
     const double difference = std::abs(a[k] - b[k]) / (std::abs(b[k]) + kFaint);

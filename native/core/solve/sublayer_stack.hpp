@@ -8,14 +8,13 @@
 
 namespace lamina {
 
-/// A stack in which homogeneous sublayers stand for each graded layer.
+/// A stack in which homogeneous sublayers replace each graded layer.
 struct SublayerStack {
   Stack stack;
-  std::vector<std::size_t>
-      first;                  ///< by layer of the stack as it was given: its first sublayer; at the end their count
-  std::vector<double> share;  ///< by sublayer: of its layer's thickness
+  std::vector<std::size_t> first;  ///< by layer of the given stack: its first sublayer; then the number of sublayers
+  std::vector<double> share;       ///< by sublayer: its share of the layer's thickness
 
-  /// `coarseness`, by layer: how finely a graded layer is divided, see sublayers_of; needed for graded layers only.
+  /// `coarseness` by layer, see sublayers_of; used for graded layers only.
   SublayerStack(const Stack& given, const std::vector<double>& coarseness = {});
 };
 

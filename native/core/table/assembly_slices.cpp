@@ -29,7 +29,7 @@ std::vector<Eigen::MatrixXd> AssemblySlices::order(int m) {
       const Eigen::MatrixXd& kernel = top ? rest.reflect_above.kernel : rest.reflect_below.kernel;
       seen.push_back(kernel.block(nodes, nodes + views_, views_, lights));
     } else if (top) {
-      // The way up is the transpose of the way down.
+      // Upward transmission is the transpose of downward transmission.
       seen.push_back(rest.transmit.kernel.block(nodes + views_, nodes, lights, views_).transpose());
     } else {
       seen.push_back(rest.transmit.kernel.block(nodes, nodes + views_, views_, lights));
@@ -53,7 +53,7 @@ void AssemblySlices::add_lobes(const Sight& sight, Index view, Slice slice) cons
 }
 
 SliceSource::Shares AssemblySlices::shares(const Sight& sight) const {
-  // By reciprocity, what is seen from a side is what a beam from there sends back or through.
+  // By reciprocity, the light seen from a side is the flux of a beam from that side.
   const Fluxes fluxes = fluxes_on(assembly_, sight.viewer);
   const Index first = assembly_.directions().front().nodes;
   const bool reflects = sight.path == Path::kReflect;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Slices of any stack, by an assembly whose targets are the views and lights.
+// Slices of any stack, from an assembly.
 #pragma once
 #include <map>
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace lamina {
 
-/// The road to slices for every stack: views and lights are the targets of one assembly.
+/// Slices of any stack: views and lights are the targets of one assembly.
 class AssemblySlices : public SliceSource {
  public:
   AssemblySlices(const Solution& solution, std::span<const Sight> sights, const SliceGrid& grid, ThreadPool& pool);

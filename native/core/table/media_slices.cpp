@@ -27,18 +27,18 @@ SliceSource::Shares MediaSlices::shares(const Sight& sight) const {
   const Directions& d = geometry_.directions();
   const Index views = grid_.view_mu.size();
   const bool top = sight.viewer == Side::kTop;
-  // A target's kernel lacks its own scale: sum over nodes of pi f (2 mu w) remains.
+  // A target has no factor C in its scale: the sum over nodes of pi f (2 mu w) remains.
   const Eigen::VectorXd sums = d.scale.head(d.nodes);
   if (sight.path == Path::kReflect) {
     const DirectionOperator& reflect = top ? zeroth_->reflect_above : zeroth_->reflect_below;
     return {reflect.kernel.block(d.nodes, 0, views, d.nodes) * sums, Eigen::VectorXd::Zero(views)};
   }
-  // By reciprocity, what is seen from a side is what a beam from there sends through.
+  // By reciprocity, the light seen from a side is the flux of a beam from that side.
   Shares shares{top ? (zeroth_->transmit.kernel.block(0, d.nodes, d.nodes, views).transpose() * sums).eval()
                     : (zeroth_->transmit.kernel.block(d.nodes, 0, views, d.nodes) * sums).eval(),
                 Eigen::VectorXd::Zero(views)};
   if (solution_.stack().base.kind == Base::Kind::kNone) {
-    // The direct beam of the true, not the truncated, thickness; the rest counts as scattered.
+    // The direct beam is that of the untruncated thickness; the difference counts as scattered.
     double tau = 0.0;
     for (const Layer& layer : solution_.stack().layers) {
       tau += std::get<Medium>(layer).tau;

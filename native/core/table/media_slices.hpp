@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Slices of stacks of media alone, joined only between views and lights.
+// Slices of stacks of media: the fast path.
 #pragma once
 #include <memory>
 #include <span>
@@ -9,7 +9,8 @@
 
 namespace lamina {
 
-/// The fast road to slices, for media over nothing or a Lambert surface: joined only between views and lights.
+/// The fast path to slices, for media over nothing or a Lambert surface: kernels are joined only between views and
+/// lights.
 class MediaSlices : public SliceSource {
  public:
   MediaSlices(const Solution& solution, std::span<const Sight> sights, const SliceGrid& grid)

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Index;
 using std::numbers::pi;
 
-/// One solution's share of the work: filled order by order, then read view by view.
+/// The work for one solution: filled order by order, then read view by view.
 class Work {
  public:
   Work(const Solution& solution, std::span<const Sight> sights, const SliceGrid& grid, ThreadPool& pool)
@@ -36,7 +36,7 @@ class Work {
   void solve_order(int order) {
     const std::vector<Eigen::MatrixXd> seen = source_->order(order);
     for (std::size_t k = 0; k < seen.size(); ++k) {
-      // Lights fastest: a view's coefficients are rows that follow each other.
+      // The light varies fastest, so the coefficients of a view are consecutive rows.
       Eigen::Map<Eigen::MatrixXd>(coefficients_[k].col(order).data(), grid_.light_mu.size(), grid_.view_mu.size()) =
           seen[k].transpose();
     }
@@ -48,7 +48,7 @@ class Work {
     Eigen::Map<Eigen::VectorXd>(direct, shares.direct.size()) = shares.direct;
   }
 
-  /// The slice of a view: the sum of all orders, and light scattered once in closed form.
+  /// The slice of a view: the sum of all orders, plus single scattering in closed form.
   void write_slice(std::size_t sight, Index view, double* values, double* lobes) const {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const Index lights = grid_.light_mu.size();
@@ -79,7 +79,7 @@ void evaluate_slices(std::span<const Solution* const> solutions, std::span<const
                      const SliceSinks& sinks, ThreadPool& pool) {
   std::vector<std::unique_ptr<Work>> work(solutions.size());
   const auto prepare = [&](std::size_t k) { work[k] = std::make_unique<Work>(*solutions[k], sights, grid, pool); };
-  // Assemblies use the pool themselves.
+  // Assemblies use the pool, so they are not tasks of the pool.
   if (std::all_of(solutions.begin(), solutions.end(), [](const Solution* s) { return has_only_media(s->stack()); })) {
     pool.run(work.size(), prepare);
   } else {
@@ -98,7 +98,7 @@ void evaluate_slices(std::span<const Solution* const> solutions, std::span<const
 
   const auto views = static_cast<std::size_t>(grid.view_mu.size());
   const auto lights = static_cast<std::size_t>(grid.lights());
-  constexpr std::size_t kChunk = 8;  // views of a task: each is a few microseconds
+  constexpr std::size_t kChunk = 8;  // views per task; each takes a few microseconds
   const std::size_t chunks = (views + kChunk - 1) / kChunk;
   pool.run(sights.size() * work.size() * chunks, [&](std::size_t t) {
     const std::size_t table = t / chunks;

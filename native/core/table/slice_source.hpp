@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What evaluates slices: views (sights), the grid of lights, and the interface of both roads.
+// The interface of the two ways to evaluate slices, with views (sights) and the grid of lights.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace lamina {
 
-/// What a viewer above (top) or below (bottom) a stack sees: light that came in on the viewer's side
-/// (reflect) or on the other one (transmit).
+/// A viewer above (top) or below (bottom) a stack who sees light that entered on the viewer's side (reflect) or on the
+/// other side (transmit).
 struct Sight {
   Side viewer = Side::kTop;
   Path path = Path::kReflect;
 
-  /// By reciprocity the side where light enters is the viewer's for reflection, the other for transmission.
+  /// The side where light enters: the viewer's side for reflection, the other side for transmission.
   Side entry() const { return (viewer == Side::kTop) == (path == Path::kReflect) ? Side::kTop : Side::kBottom; }
 };
 
@@ -27,7 +27,7 @@ struct SliceGrid {
   Eigen::Index lights() const { return light_mu.size() * dphi.size(); }
 };
 
-/// One solution between the views and lights of a grid, for all sights.
+/// Evaluates one solution between the views and lights of a grid, for all sights.
 class SliceSource {
  public:
   /// f in 1/sr of one view, [light cosine, dphi].
@@ -38,15 +38,15 @@ class SliceSource {
   SliceSource& operator=(const SliceSource&) = delete;
   virtual ~SliceSource() = default;
 
-  /// An azimuth order of pi f by sight, [view, light], without light scattered once and without deltas. Each
-  /// order is asked for once, several at a time.
+  /// An azimuth order of pi f by sight, [view, light], without single scattering and without deltas. Called once per
+  /// order, from several threads.
   virtual std::vector<Eigen::MatrixXd> order(int m) = 0;
-  /// Light that a medium scatters once, added to the slice of a view.
+  /// Adds single scattering by media to the slice of a view.
   virtual void add_once(const Sight& sight, Eigen::Index view, Slice slice) const = 0;
-  /// Lobes of rough boundaries, light that their facets scatter once, likewise.
+  /// Adds the lobes of rough boundaries (single scattering by facets) to the slice of a view.
   virtual void add_lobes(const Sight& sight, Eigen::Index view, Slice slice) const = 0;
-  /// By view: the share that reaches the other directions, and that of mirrors (reflect) or straight through
-  /// (transmit). After order 0.
+  /// By view: the share of scattered light, and of specular reflection or unscattered transmission. Valid after order
+  /// 0.
   struct Shares {
     Eigen::VectorXd albedo;
     Eigen::VectorXd direct;

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Index;
 
-/// A symmetric function of two cosines and the thickness, scaled.
+/// The blocks of a symmetric function of two cosines and the thickness, scaled.
 template <typename Shape>
 KernelBlocks shape_blocks(const Directions& d, double tau, Shape shape) {
   const Index lights = d.targets - d.views;
@@ -35,7 +35,7 @@ KernelBlocks shape_blocks(const Directions& d, double tau, Shape shape) {
   return blocks;
 }
 
-/// a' m b, by blocks, for `a` and `b` with a column for each direction.
+/// The blocks of a' b, for `a` and `b` with a column for each direction.
 template <typename Left, typename Right>
 KernelBlocks product_blocks(const Directions& d, const Left& a, const Right& b) {
   const Index lights = d.targets - d.views;
@@ -45,7 +45,7 @@ KernelBlocks product_blocks(const Directions& d, const Left& a, const Right& b) 
   return blocks;
 }
 
-/// The moments of phase functions between directions, light turned back or passing on: see PhaseKernel.
+/// PhaseKernel by blocks: moments of phase functions between directions.
 class PhaseBlocks {
  public:
   PhaseBlocks(const Directions& d, int order, int count) : directions_(d), order_(order) {
@@ -60,7 +60,7 @@ class PhaseBlocks {
     }
   }
 
-  /// Of a medium's single scattering, [node, direction].
+  /// The kernels of a medium's single scattering, [node, direction].
   struct Pair {
     Eigen::MatrixXd turned;
     Eigen::MatrixXd passed;
@@ -89,16 +89,16 @@ class PhaseBlocks {
   Eigen::MatrixXd odd_;
 };
 
-/// One order of a medium: all of its light to and from nodes, but between a view and a light only what was
-/// scattered repeatedly. Joins pass the blocks of views and lights on through deltas alone, so what these leave
-/// out is just the light that the whole stack scatters once.
+/// One order of a medium: all scattering to and from nodes, but only multiple scattering between a view and a light.
+/// Joins carry the blocks between views and lights through deltas alone, so the joined stack lacks exactly its single
+/// scattering.
 struct MediumKernels {
   KernelBlocks turned;
   KernelBlocks passed;
 
   MediumKernels(const Directions& d, const ViewLightGeometry::Medium& geometry, const PhaseBlocks::Pair& phase,
                 const MultipleScattering& multiple, const TruncatedMedium& medium, const Eigen::MatrixXd& carry) {
-    // Multiple scattering takes the shape of single reflection on either side.
+    // Multiple scattering has the shape of single reflection on both sides.
     const auto repeated = [&](const Eigen::MatrixXd& smooth) -> KernelBlocks {
       const KernelBlocks rest = product_blocks(d, carry, (smooth * carry).eval());
       return {rest.nodes.cwiseProduct(geometry.turned.nodes), rest.pairs.cwiseProduct(geometry.turned.pairs)};
@@ -169,7 +169,7 @@ ViewLightOrder::ViewLightOrder(const Solution& solution, const ViewLightGeometry
     return operation.kernel.block(d.nodes, d.nodes + d.views, d.views, lights);
   };
 
-  // From the bottom up: what lies under an opaque base needs no way through.
+  // Join from the bottom up. Over an opaque base only reflections from above are needed.
   whole =
       opaque ? ScatteringFunction::lambert(solution.stack().base.reflectance, order, d) : ScatteringFunction::empty(d);
   bool reflects = opaque && order == 0 && solution.stack().base.reflectance > 0.0;

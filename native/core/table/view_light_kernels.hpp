@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Kernels of a stack of media between views and lights, without the rest of the matrices.
+// Kernels of a stack of media between views and lights only.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -9,31 +9,30 @@
 
 namespace lamina {
 
-/// The independent blocks of a symmetric kernel on directions with views and lights: from all directions to
-/// the nodes, and from lights to views. Everything else that is wanted is their transpose.
+/// The independent blocks of a symmetric kernel on directions with views and lights: from all directions to the nodes,
+/// and from lights to views. The other blocks are transposes of these.
 struct KernelBlocks {
   Eigen::MatrixXd nodes;  ///< node, direction
   Eigen::MatrixXd pairs;  ///< view, light
 
-  /// The same as the kernel of an operator.
+  /// Writes the blocks to the kernel of an operator.
   void write(DirectionOperator& target) const;
 };
 
-/// What the media of a solution, which must hold only media (see has_only_media), look like between views and lights,
-/// apart from the azimuth order.
+/// The parts of ViewLightOrder that do not depend on the azimuth order. The solution must hold only media (see
+/// has_only_media).
 class ViewLightGeometry {
  public:
   ViewLightGeometry(const Solution& solution, const Eigen::VectorXd& views, const Eigen::VectorXd& lights);
 
   const Directions& directions() const { return directions_; }
 
-  /// A medium of the stack. Light that it scatters once crosses the layers above or below it on its way in
-  /// and out.
+  /// A medium of the stack. Its singly scattered light crosses the layers above or below on the way in and out.
   struct Medium {
     KernelBlocks turned;    ///< angular shape of single reflection, scaled
     KernelBlocks passed;    ///< that of single transmission
-    Eigen::VectorXd above;  ///< share of light that comes through all above, by direction
-    Eigen::VectorXd below;  ///< through all below; 0 over an opaque base
+    Eigen::VectorXd above;  ///< transmittance of all layers above, by direction
+    Eigen::VectorXd below;  ///< transmittance of all layers below; 0 over an opaque base
   };
   const std::vector<Medium>& media() const { return media_; }
 
@@ -45,8 +44,8 @@ class ViewLightGeometry {
 /// One azimuth order of a stack between views and lights.
 struct ViewLightOrder {
   ScatteringFunction whole;
-  /// Without light scattered once by a medium, and without delta parts: [view, light], light that enters and
-  /// leaves above; enters and leaves below; enters below and leaves above; enters above and leaves below.
+  /// Without single scattering by media and without delta parts, [view, light]. `above`: light enters and leaves above;
+  /// `below`: enters and leaves below; `upward`: enters below and leaves above; `downward`: enters above, leaves below.
   Eigen::MatrixXd above;
   Eigen::MatrixXd below;
   Eigen::MatrixXd upward;

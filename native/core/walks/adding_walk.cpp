@@ -42,7 +42,7 @@ class LayerWalk final : public StackWalk {
   double table_error() const { return table_error_; }
 
  private:
-  /// A layer's tables, for light that enters either side; none where nothing scatters.
+  /// A layer's tables for light that enters either side; null if the layer does not scatter.
   struct Sides {
     std::shared_ptr<const LayerTable> top;
     std::shared_ptr<const LayerTable> bottom;
@@ -50,8 +50,8 @@ class LayerWalk final : public StackWalk {
     const LayerTable* met_by(const Ray& ray) const { return ray.z < 0.0 ? top.get() : bottom.get(); }
   };
 
-  /// Whether light that leaves one element never meets another that sends it on in a new direction. The series then
-  /// ends with its first term, which is known before any walk.
+  /// True if at most one element scatters or reflects light. The series then has only its first term, which needs no
+  /// walk.
   bool scatters_once_only() const {
     std::size_t count = 0;
     for (std::size_t k = 0; k < stack().elements.size(); ++k) {

@@ -9,13 +9,12 @@
 
 namespace lamina {
 
-/// The adding series R1 + T1 R2 T1 + T1 R2 R1 R2 T1 + ... of any number of layers as a random walk between
-/// layers, each of which scatters by its own whole scattering function (LayerTable): an event is a passage through
-/// a layer, whatever its thickness.
+/// The adding series R1 + T1 R2 T1 + T1 R2 R1 R2 T1 + ... of any number of layers as a random walk between the layers.
+/// Each layer scatters by its whole scattering function (LayerTable); an event is a passage through a layer of any
+/// thickness.
 ///
-/// Unbiased for layers that scatter as their tables do; `table_error` is how far these are from the layers. With one
-/// layer and no boundary or base that returns light the series has one term: its values are read from the layer's
-/// table, every sample is the same, and there are no events.
+/// Unbiased up to the error of the tables, `table_error`. With one layer and no boundary or base that reflects light,
+/// the series has one term: its value is read from the layer's table, all samples are equal, and there are no events.
 struct AddingWalk {
   std::unique_ptr<Walk> walk;
   double table_error = 0.0;

@@ -29,16 +29,6 @@ double beckmann_slope(double cosine, double sine, double u) {
 
 }  // namespace
 
-double facet_density(const Facets& facets, double h) {
-  const double width2 = facets.alpha * facets.alpha;
-  const double h2 = h * h;
-  if (facets.distribution == Facets::Distribution::kGgx) {
-    const double d = h2 * (width2 - 1.0) + 1.0;
-    return width2 / (pi * d * d);
-  }
-  return std::exp((h2 - 1.0) / (h2 * width2)) / (pi * width2 * h2 * h2);
-}
-
 Ray visible_normal(const Facets& facets, const Ray& view, double u, double v) {
   const double alpha = facets.alpha;
   const Ray stretched = normalised({alpha * view.x, alpha * view.y, view.z});

@@ -7,9 +7,6 @@
 
 namespace lamina {
 
-/// Density of facet normals with cosine h to the mean normal, of one number: Facets::density without arrays.
-double facet_density(const Facets& facets, double h);
-
 /// A facet normal among those that a ray sees that leaves the surface along `view` (view.z > 0), in proportion to
 /// the area it sees: density D G1 (view . normal)+ / view.z, from two uniform numbers. GGX: Dupuy and Benyoub (2023);
 /// Beckmann: Heitz and d'Eon (2014), the slope in the plane of the ray found by iteration to rounding.

@@ -18,7 +18,7 @@ double dielectric_fresnel(double cosine, double ratio) {
   return refracted2 > 0.0 ? fresnel(cosine, std::sqrt(refracted2), 1.0, ratio) : 1.0;
 }
 
-/// Additive recurrence of the plastic number (Roberts 2018): points of the unit square without clumps.
+/// Additive recurrence of the plastic number (Roberts 2018): a low-discrepancy sequence in the unit square.
 struct EvenPoint {
   double u;
   double v;
@@ -69,8 +69,8 @@ double FacetScatter::Loss::operator()(double mu) const {
 }
 
 FacetScatter::Loss FacetScatter::loss_on(bool below) const {
-  constexpr int kPoints = 2048;
-  constexpr double kGrazing = 1e-4;
+  constexpr int kPoints = 2048;      // facets per knot
+  constexpr double kGrazing = 1e-4;  // replaces a cosine of 0
   Loss loss;
   for (int knot = 0; knot <= Loss::kKnots; ++knot) {
     const double root = static_cast<double>(knot) / Loss::kKnots;
@@ -80,7 +80,7 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
     for (int point = 0; point < kPoints; ++point) {
       const EvenPoint at(point);
       const Ray normal = visible_normal(facets_, view, at.u, at.v);
-      // Both ways of a facet, each in proportion: no third number.
+      // Follow reflection and refraction, each with its share, instead of choosing one.
       const Outcome reflected = by_facet(view, normal, below, 0.0);
       const Outcome passed = by_facet(view, normal, below, 1.0);
       const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
@@ -88,7 +88,7 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
     }
     loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept / kPoints);
   }
-  // int 2 mu e dmu = int 4 t^3 e dt, t the root of mu: exact for e linear in t between knots.
+  // int 2 mu e dmu = int 4 t^3 e dt with t = sqrt(mu): exact for e linear in t between knots.
   for (int knot = 0; knot < Loss::kKnots; ++knot) {
     const double t0 = static_cast<double>(knot) / Loss::kKnots;
     const double t1 = static_cast<double>(knot + 1) / Loss::kKnots;
@@ -115,7 +115,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   if (out.z > 0.0) {
     const Ray half = normalised({view.x + out.x, view.y + out.y, view.z + out.z});
     const double fresnel = fresnel_at(std::min(1.0, view.dot(half)), there / here);
-    return facet_density(facets_, std::min(1.0, half.z)) * fresnel * facets_.masking(view.z, out.z) /
+    return facets_.density(std::min(1.0, half.z)) * fresnel * facets_.masking(view.z, out.z) /
            (4.0 * view.z * out.z * here * here);
   }
   if (metal_) {
@@ -130,7 +130,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   if (!(seen > 0.0 && left < 0.0)) {
     return 0.0;
   }
-  return facet_density(facets_, std::min(1.0, half.z)) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
+  return facets_.density(std::min(1.0, half.z)) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
          facets_.masking(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
 }
 
@@ -141,7 +141,7 @@ FacetScatter::Outcome FacetScatter::by_facet(const Ray& view, const Ray& normal,
   }
   const double ratio = ior_of(!from_below) / ior_of(from_below);
   const double reflected = fresnel_at(std::min(1.0, seen), ratio);
-  // Metals reflect always and keep the share as a weight.
+  // Metals always reflect; the reflectance goes into the weight.
   if (metal_ || choice < reflected) {
     const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
     const double share = metal_ ? reflected : 1.0;

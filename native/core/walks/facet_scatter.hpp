@@ -10,18 +10,18 @@
 
 namespace lamina {
 
-/// A rough boundary as a place where walks scatter: the same facets as RoughSurface, compensated as there, for
-/// single rays. Rays are directions of travel, z up.
+/// A rough boundary for walks: the facets of RoughSurface, with the same compensation, for single rays. Rays are
+/// directions of travel, z up.
 class FacetScatter {
  public:
   FacetScatter(const Facets& facets, double ior_above, double ior_below, bool compensate);
   /// A conductor of absolute index `metal`.
   FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal, bool compensate);
 
-  /// Radiance that leaves along `out`, divided by the square of the index there, for unit irradiance along `in`.
+  /// The radiance along `out`, divided by the square of the index there, for unit irradiance along `in`.
   double value(const Ray& in, const Ray& out) const;
 
-  /// A ray that leaves, and what it carries of the power that came along `in`; zero when it is lost.
+  /// An outgoing ray and its share of the incoming power; 0 if the light is lost.
   struct Outcome {
     Ray ray;
     double weight;
@@ -29,18 +29,18 @@ class FacetScatter {
   Outcome sample(const Ray& in, Rng& rng) const;
 
  private:
-  /// What facets that scatter once lose of the light that falls on one side, by the root of its cosine.
+  /// The energy that single scattering by the facets loses of light on one side, by the square root of the cosine.
   struct Loss {
     static constexpr int kKnots = 40;
     std::array<double, kKnots + 1> at = {};
-    double mean = 0.0;  ///< of uniform diffuse light
+    double mean = 0.0;  ///< for uniform diffuse light
 
     double operator()(double mu) const;
   };
 
-  /// With the side of `in` turned up.
+  /// With the incident side up.
   double facet_value(const Ray& view, const Ray& out, bool from_below) const;
-  /// Reflected by this facet where the choice, in [0, 1], is below its reflectance, else refracted.
+  /// Reflection by this facet if `choice`, in [0, 1], is below its reflectance, else refraction.
   Outcome by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
   double fresnel_at(double cosine, double ratio) const;
   double masked(double mu) const;
@@ -52,10 +52,10 @@ class FacetScatter {
   double ior_above_;
   double ior_below_;
   std::optional<std::complex<double>> metal_;  ///< relative to the index above
-  bool mirrors_ = false;                       ///< while the losses of a metal are measured
+  bool mirrors_ = false;                       ///< perfect reflection, while the losses of a metal are measured
   bool compensate_;
   std::array<Loss, 2> losses_;  ///< above, below
-  double given_back_ = 1.0;     ///< share of what is lost
+  double given_back_ = 1.0;     ///< share of the lost energy that is added back
   double whole_loss_ = 0.0;     ///< sum over sides of n^2 times the mean loss
 };
 

@@ -17,26 +17,27 @@ namespace {
 
 using std::numbers::pi;
 
-/// What a layer is solved to: finer than any walk will notice.
+/// Tolerance of the layer's solution, below the noise of walks.
 constexpr double kSolvedTo = 2e-4;
+/// Replaces a cosine of 0.
 constexpr double kLeastCosine = 1e-6;
-/// Down to here a table is compared with the solution.
+/// Least cosine at which a table is compared with the solution.
 constexpr double kLeastCompared = 0.05;
 
-/// Cubic of Lagrange on four neighbours of a uniform grid, `x` from the first of them.
+/// Weights of cubic Lagrange interpolation on four points of a uniform grid, at `x` from the first.
 std::array<double, 4> cubic_weights(double x) {
   return {-(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0, x * (x - 2.0) * (x - 3.0) / 2.0, -x * (x - 1.0) * (x - 3.0) / 2.0,
           x * (x - 1.0) * (x - 2.0) / 6.0};
 }
 
-/// Cosine of the difference of azimuths of two rays.
+/// The cosine of the azimuth between two rays.
 double cosine_between(const Ray& a, const Ray& b) {
   const double lengths = (a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y);
   return lengths > 0.0 ? std::clamp((a.x * b.x + a.y * b.y) / std::sqrt(lengths), -1.0, 1.0) : 1.0;
 }
 
-/// Knots in the angle with the normal are the denser the closer to grazing, where the scattering function varies over
-/// cosines as small as the layer is thin: as a share of a right angle it is u (1 + c - c u), u uniform.
+/// Knots in the polar angle are denser towards grazing, where the scattering function of a thin layer varies over small
+/// cosines: the angle is u (1 + c - c u) right angles, with u uniform and c = kBend.
 constexpr double kBend = 0.6;
 
 double knot_cosine(double knot, double last) {
@@ -44,22 +45,22 @@ double knot_cosine(double knot, double last) {
   return std::max(kLeastCosine, std::cos(0.5 * pi * u * (1.0 + kBend - kBend * u)));
 }
 
-/// The inverse.
+/// The inverse of knot_cosine.
 double knot_of_cosine(double mu, double last) {
   const double share = std::acos(std::min(mu, 1.0)) / (0.5 * pi);
   constexpr double kHalf = 0.5 * (1.0 + kBend);
   return last * (kHalf - std::sqrt(std::max(0.0, kHalf * kHalf - kBend * share))) / kBend;
 }
 
-/// Knots in azimuth are denser by this ahead, where peaks of phase functions are, and as much sparser behind: half
-/// its tangent is stretched, which keeps functions even about both ends.
+/// Knots in azimuth are denser by this factor ahead, at the peaks of phase functions, and sparser behind: tan(dphi / 2)
+/// is scaled by it, which keeps functions even about both ends.
 constexpr double kAhead = 0.6;
 
 double knot_azimuth(double knot, double last) {
   return knot < last ? 2.0 * std::atan(kAhead * std::tan(0.5 * pi * knot / last)) : pi;
 }
 
-/// Where all knots lie.
+/// The positions of all knots.
 struct Edges {
   std::array<double, LayerTable::kAngles> cosine;
   std::array<double, LayerTable::kAzimuths> azimuth;
@@ -75,7 +76,7 @@ struct Edges {
 };
 const Edges edges;
 
-/// The inverse, of the azimuth's cosine.
+/// The inverse of knot_azimuth, from the cosine of the azimuth.
 double knot_of_azimuth(double cosine, double last) {
   return last * (2.0 / pi) * std::atan2(std::sqrt(1.0 - cosine), kAhead * std::sqrt(1.0 + cosine));
 }
@@ -88,7 +89,7 @@ Eigen::VectorXd middle_cosines() {
   return mu;
 }
 
-/// All middles between knots down to the least cosine compared, and that: where cubics are worst.
+/// The midpoints between knots, where cubics are least accurate, down to kLeastCompared, and kLeastCompared.
 Eigen::VectorXd compared_cosines() {
   std::vector<double> all;
   for (const double mu : middle_cosines()) {
@@ -111,7 +112,7 @@ Eigen::VectorXd compared_azimuths() {
 
 }  // namespace
 
-/// A layer's solution and what tables need of it: by side, first reflected, then passed.
+/// A layer's solution and its values for the tables, [2 side + way].
 struct LayerTable::Solved {
   Solution solution;
   std::vector<Side> sides;
@@ -195,7 +196,7 @@ LayerTable::Stencil LayerTable::angle_stencil(double mu) {
 }
 
 LayerTable::Stencil LayerTable::azimuth_stencil(double cosine) {
-  // Even about both ends.
+  // Functions are even about both ends.
   constexpr std::size_t kLast = kAzimuths - 1;
   const double x = knot_of_azimuth(cosine, kLast);
   const auto here = std::min(static_cast<std::size_t>(x), kLast - 1);
@@ -248,7 +249,7 @@ double LayerTable::value(const Ray& in, const Ray& out) const {
 }
 
 void LayerTable::lay_sampling(ThreadPool& pool, const Eigen::VectorXd& scattered_flux) {
-  // At least this share of the mean density everywhere, so that no weight is large.
+  // Uniform share of the density, which bounds the weights.
   constexpr double kFloor = 0.05;
   constexpr std::size_t kRanges = kAngles - 1;
   constexpr std::size_t kSectors = kAzimuths - 1;
@@ -283,7 +284,7 @@ void LayerTable::lay_sampling(ThreadPool& pool, const Eigen::VectorXd& scattered
         until[k] = sum;
       }
     }
-    constexpr double kLeastShare = 0.02;
+    constexpr double kLeastShare = 0.02;  // least probability of single scattering, which bounds the weights
     const double again = sampling.repeated[kReflected] + sampling.repeated[kPassed];
     const double all = scattered_flux[static_cast<Eigen::Index>(incident)];
     sampling.once = std::max(all - again, kLeastShare * all);
@@ -301,7 +302,7 @@ bool LayerTable::cross(Ray& ray, double& weight, bool first, Rng& rng) const {
   const Sampling& sampling = sampling_[range_of(std::abs(ray.z))];
   const double passing = first ? 0.0 : unscattered(ray);
   const double scattering = sampling.once + sampling.repeated[kReflected] + sampling.repeated[kPassed];
-  // What is left of 1 is absorbed; tables may leave less than nothing.
+  // The rest to 1 is absorbed. The tables' sum may exceed 1.
   const double whole = first ? scattering : std::max(1.0, passing + scattering);
   double choice = rng.uniform() * whole;
   if (!first) {
@@ -330,7 +331,7 @@ bool LayerTable::scatter_once(Ray& ray, double& weight, Rng& rng) const {
   const double mu = std::abs(ray.z);
   const double passing = unscattered(ray);
   const double length = -std::log(passing + (1.0 - passing) * rng.uniform());
-  const double covered = std::min(length * mu, medium_.tau);  // from the face where it came in
+  const double covered = std::min(length * mu, medium_.tau);  // from the face of entry
   const bool down = ray.z < 0.0;
   weight *= 1.0 - passing;
   if (graded_) {
@@ -363,7 +364,7 @@ bool LayerTable::scatter_again(Way way, const Sampling& sampling, Ray& ray, doub
   const double turn = begin + wide * rng.uniform();
   const double cosine = std::cos(turn);
   const double sine = std::copysign(sine_of(cosine), rng.uniform() - 0.5);
-  // Both signs of the azimuth.
+  // The factor 2 stands for both signs of the azimuth.
   const double density = probability / (2.0 * (upper - lower) * wide);
   const double mu_i = std::max(kLeastCosine, std::abs(ray.z));
   weight *= repeated(way, mu, mu_i, cosine) * mu / density;

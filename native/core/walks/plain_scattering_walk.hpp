@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A walk of the integral scattering equation without any guiding.
+// A walk of the integral scattering equation without guiding.
 #pragma once
 #include "matter/graded_medium.hpp"
 #include "walks/walk.hpp"
 
 namespace lamina {
 
-/// The BRDF of a slab by the integral scattering equation as it stands: heights from the exponential, one term with
-/// probabilities that know only the thickness, directions from the phase function. Unbiased, but with deep trees its
-/// variance grows without bound: kept for comparison with the guided walks.
+/// The BRDF of a slab by the integral scattering equation: heights from the exponential, one term with probabilities
+/// from the thickness alone, directions from the phase function. Unbiased, but the variance grows without bound with
+/// the depth of the tree. For comparison with the guided walks.
 class PlainScatteringWalk final : public Walk {
  public:
   PlainScatteringWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi);

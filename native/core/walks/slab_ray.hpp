@@ -6,8 +6,8 @@
 
 namespace lamina {
 
-/// A direction, of light or towards the eye: its horizontal part, in the direction of travel, and the cosine with
-/// the normal, positive whichever way it goes.
+/// A direction of light or towards the viewer: the horizontal part of the direction of travel, and the cosine with the
+/// normal, positive both upwards and downwards.
 struct SlabRay {
   double x = 0.0;
   double y = 0.0;
@@ -19,7 +19,7 @@ struct SlabRay {
   }
 };
 
-/// The cosine between two rays that pass through the layer opposite ways, and the same way.
+/// The cosine between two rays that cross the layer in opposite senses, and in the same sense.
 inline double turned_back(const SlabRay& a, const SlabRay& b) { return a.x * b.x + a.y * b.y - a.mu * b.mu; }
 inline double passed_on(const SlabRay& a, const SlabRay& b) { return a.x * b.x + a.y * b.y + a.mu * b.mu; }
 
@@ -33,7 +33,7 @@ class SlabFrame {
     }
   }
 
-  /// At an angle of this cosine, its part across the axis given by two components; mu <= 0 is beyond the horizon.
+  /// The direction with this cosine to the axis and these two components across it; mu <= 0 is beyond the horizon.
   SlabRay tilted(double cosine, double along, double aside) const {
     const double outward = cosine * sine_ + along * axis_.mu;
     return {outward * x_ - aside * y_, outward * y_ + aside * x_, cosine * axis_.mu - along * sine_};

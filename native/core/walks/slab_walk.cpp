@@ -15,7 +15,7 @@ using std::numbers::pi;
 
 enum class Score { kFromBothEnds, kAlongFlight, kAtCollision, kFlux };
 
-/// Turned so that the exit face is the top: transmitted light comes in from below.
+/// The slab is turned so that the exit face is the top: for transmission, light enters from below.
 template <typename Phase, Score kScore>
 class SlabWalk final : public Walk {
  public:
@@ -103,10 +103,10 @@ class SlabWalk final : public Walk {
   Ray in_;
   Ray out_;
   double slowness_ = 0.0;     ///< 1 / mu_o
-  double kept_by_all_ = 0.0;  ///< what the exit beam keeps from face to face
-  double begin_ = 0.0;        ///< depth below the exit face
+  double kept_by_all_ = 0.0;  ///< transmittance of the slab along the exit beam
+  double begin_ = 0.0;        ///< depth of entry, below the exit face
   double unscattered_ = 0.0;
-  double power_ = 0.0;  ///< first collisions
+  double power_ = 0.0;  ///< probability of a first collision
   double scale_ = 1.0;
   double known_ = 0.0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The transfer walk in one homogeneous medium without boundaries, in tight loops.
+// The transfer walk in one homogeneous medium without boundaries: the fast path.
 #pragma once
 #include <memory>
 
@@ -10,8 +10,7 @@
 
 namespace lamina {
 
-/// The transfer walk in one homogeneous medium without boundaries, in a loop of its own for each kind of phase
-/// function.
+/// The transfer walk in one homogeneous medium without boundaries, compiled for each kind of phase function.
 std::unique_ptr<Walk> make_slab_walk(const Medium& medium, const WalkTarget& target, NextEvent next_event);
 
 }  // namespace lamina

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "numeric/rng.hpp"
+#include "numeric/tangents.hpp"
 
 namespace lamina {
 
@@ -26,7 +27,7 @@ inline Ray normalised(const Ray& ray) {
 
 inline double sine_of(double cosine) { return std::sqrt(std::max(0.0, 1.0 - cosine * cosine)); }
 
-/// A direction of the unit circle with uniform azimuth: from a point of the unit disc, without a sine or a cosine.
+/// A uniform point of the unit circle, from a point of the unit disc by rejection, without a sine or a cosine.
 struct Azimuth {
   double cosine;
   double sine;
@@ -40,27 +41,23 @@ struct Azimuth {
       sine = (static_cast<double>(bits & 0xffffffffU) + 0.5) * kScale - 1.0;
       square = cosine * cosine + sine * sine;
     } while (square > 1.0);
-    // Twice the angle is uniform as well and needs no square root.
+    // Twice the angle is uniform too and needs no square root.
     const double x = (cosine * cosine - sine * sine) / square;
     sine = 2.0 * cosine * sine / square;
     cosine = x;
   }
 };
 
-/// `ray` turned by an angle of this cosine, with uniform azimuth about it. The frame is that of Duff et al. (JCGT
-/// 2017).
+/// `ray` turned by an angle of this cosine, with uniform azimuth about it.
 inline Ray scattered(const Ray& ray, double cosine, Rng& rng) {
   const Azimuth azimuth(rng);
   const double sine = sine_of(cosine);
   const double x = sine * azimuth.cosine;
   const double y = sine * azimuth.sine;
-  const double sign = std::copysign(1.0, ray.z);
-  const double a = -1.0 / (sign + ray.z);
-  const double b = ray.x * ray.y * a;
-  const Ray turned{cosine * ray.x + x * (1.0 + sign * ray.x * ray.x * a) + y * b,
-                   cosine * ray.y + x * sign * b + y * (sign + ray.y * ray.y * a),
-                   cosine * ray.z - (x * sign * ray.x + y * ray.y)};
-  // Rounding must not add up over thousands of events.
+  const auto [first, second] = tangents_of(ray.x, ray.y, ray.z);
+  const Ray turned{cosine * ray.x + x * first[0] + y * second[0], cosine * ray.y + x * first[1] + y * second[1],
+                   cosine * ray.z + (x * first[2] + y * second[2])};
+  // One Newton step towards length 1, so that rounding does not accumulate over thousands of events.
   const double correction = 1.5 - 0.5 * turned.dot(turned);
   return {turned.x * correction, turned.y * correction, turned.z * correction};
 }

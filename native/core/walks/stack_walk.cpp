@@ -16,7 +16,7 @@ StackWalk::StackWalk(WalkElements stack, const WalkTarget& target) : stack_(std:
   if (target.flux) {
     return;
   }
-  // By reciprocity: the beam that comes in where the light shall go out, run backwards.
+  // By reciprocity: trace a beam from the exit direction into the stack.
   const WalkBeam back(stack_, target.mu_o, target.dphi + pi, target.path == Path::kTransmit);
   exits_ = exits_from(back);
   const std::size_t last = target.path == Path::kReflect ? 0 : stack_.elements.size() - 1;
@@ -83,7 +83,7 @@ double StackWalk::sample(Rng& rng, std::uint64_t& events) const {
     }
   }
   std::vector<Exit> sampled;
-  double before = 0.0;  // scattered where the beam arrives, into the lobe within
+  double before = 0.0;  // first scattering, into the sampled direction of the lobe
   double lobe = 1.0;
   if (rough_exit_) {
     lobe = sample_exits(sampled, rng);

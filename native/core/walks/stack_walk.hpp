@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What all walks through a stack share: boundaries, base, and the loop between elements.
+// The common part of all walks through a stack: boundaries, base, and the loop over elements.
 #pragma once
 #include <optional>
 #include <vector>
@@ -9,16 +9,16 @@
 
 namespace lamina {
 
-/// Random walk of light between the elements of a stack. What light does inside a medium is left to derived
-/// classes; boundaries and the base are the same for all.
+/// Random walk of light between the elements of a stack. Derived classes scatter light inside media; boundaries and the
+/// base are the same for all.
 ///
-/// Next events: wherever light is scattered, what leaves without being scattered again is added in closed form along
-/// the one direction wanted, through smooth boundaries and all their mirror images (WalkBeam); the walk then goes on
-/// with light that is scattered again. All that is scattered where the beam from outside arrives is known
-/// before any walk: a walk begins where the beam is first scattered.
+/// Next-event estimation: at each scattering, the light that leaves towards the target direction without another
+/// scattering is added in closed form, through smooth boundaries with all mirror reflections (WalkBeam). The walk goes
+/// on with the light that is scattered again. The first scattering of the beam from outside is computed before the
+/// walks, which start there.
 ///
-/// Where the exit lies behind a rough boundary, the direction wanted is spread into a lobe within. Each walk then
-/// samples a direction of that lobe, backwards, and adds what would leave along it.
+/// Behind a rough boundary the target direction becomes a lobe inside the stack. Each walk samples one direction of the
+/// lobe, backwards, for its next events.
 class StackWalk : public Walk {
  public:
   double sample(Rng& rng, std::uint64_t& events) const override;
@@ -26,12 +26,12 @@ class StackWalk : public Walk {
  protected:
   StackWalk(WalkElements stack, const WalkTarget& target);
 
-  /// Lays the starts; derived classes call it when they are ready for it.
+  /// Sets up the starts of walks; derived classes call it at the end of their constructors.
   void begin();
-  /// No walk is to be taken: what is known before any walk is the value. A sample then has no events.
+  /// Drops all walks: the value that is known before them is the result. Samples then have no events.
   void take_no_walk() { starts_.clear(); }
 
-  /// Ways out of an element: rays that leave its top and its bottom and end in the direction wanted.
+  /// The ways from an element to the target direction: rays from its top and from its bottom, and their shares.
   struct Exit {
     Ray up;
     Ray down;
@@ -39,20 +39,19 @@ class StackWalk : public Walk {
     double down_share;
   };
 
-  /// Light as it goes on.
+  /// The light of a walk.
   struct Light {
     Ray ray;
     double weight;
   };
 
-  /// Light comes to a medium's face along its ray, to the top when it runs down. Adds what leaves it for the exit
-  /// and follows it through; false when it is lost. With `first` its power counts as scattered for certain, and as
-  /// added already.
+  /// Follows light through a medium from the face where it arrives, and adds its next events to the score; false if the
+  /// light is lost. With `first` the light is certain to scatter, and its first next event is already added.
   virtual bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
                      std::uint64_t& events) const = 0;
-  /// What leaves for the exit when light of unit power comes so: what `cross` would add for the first passage.
+  /// The next event of the first passage of light of unit power.
   virtual double leaving(std::size_t element, const Exit& out, const Ray& in) const = 0;
-  /// Share of the light that is taken to be scattered when it comes so.
+  /// The share of incoming light that counts as scattered.
   virtual double scattered_share(std::size_t element, const Ray& in) const = 0;
 
   const WalkElements& stack() const { return stack_; }
@@ -79,10 +78,10 @@ class StackWalk : public Walk {
 
   WalkElements stack_;
   WalkTarget target_;
-  std::vector<Exit> exits_;                ///< in the direction wanted
-  std::optional<std::size_t> rough_exit_;  ///< the element before it, if rough: the only one that sees it
+  std::vector<Exit> exits_;                ///< to the target direction, by element
+  std::optional<std::size_t> rough_exit_;  ///< the boundary before the target direction, if rough
   std::vector<Start> starts_;
-  double known_ = 0.0;  ///< what needs no walk
+  double known_ = 0.0;  ///< the part that needs no walk
   double power_ = 0.0;  ///< of all starts
 };
 

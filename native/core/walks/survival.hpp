@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Russian roulette of walks.
+// Russian roulette.
 #pragma once
 #include <cmath>
 
@@ -7,11 +7,11 @@
 
 namespace lamina {
 
-/// Weights below the first are played for: kept at the second with the probability that leaves the mean as it is.
+/// Weights below the first number play Russian roulette; survivors get the second as weight, so the mean is unchanged.
 inline constexpr double kRouletteBelow = 0.25;
 inline constexpr double kRouletteKeeps = 0.5;
 
-/// Russian roulette; false when the walk ends. Weights may be negative.
+/// Plays Russian roulette; false if the walk ends. Weights may be negative.
 inline bool survives(double& weight, Rng& rng) {
   if (std::abs(weight) >= kRouletteBelow) {
     return true;

@@ -21,7 +21,7 @@ class TransferWalk final : public StackWalk {
   TransferWalk(WalkElements stack, const WalkTarget& target, NextEvent next_event)
       : StackWalk(std::move(stack), target) {
     for (const WalkElements::Element& element : this->stack().elements) {
-      // Flights are integrated in closed form where what scatters is the same all along them.
+      // Flights are integrated in closed form in homogeneous media.
       along_.push_back(next_event != NextEvent::kAtCollision && !element.graded);
       both_.push_back(along_.back() && fitted(next_event, element.medium.phase) == NextEvent::kFromBothEnds &&
                       !target.flux);
@@ -36,7 +36,7 @@ class TransferWalk final : public StackWalk {
     const Medium& medium = here.medium;
     const bool along = along_[element];
     double depth = light.ray.z < 0.0 ? 0.0 : medium.tau;
-    double share = 1.0;  // of the samples of this flight in what both ends sample
+    double share = 1.0;  // the balance heuristic's weight of this flight
     for (bool forced = first;; forced = false) {
       const double length = to_face(medium, light.ray, depth);
       const double through = std::exp(-length);
@@ -84,7 +84,7 @@ class TransferWalk final : public StackWalk {
     return ray.z < 0.0 ? (depth - medium.tau) / ray.z : depth / ray.z;
   }
 
-  /// The sample from the other end: a flight scattered backwards from one of the exits.
+  /// The sample from the other end: a flight scattered backwards from one of the exit directions.
   double from_exit(std::size_t element, const Exit& out, const Ray& in, double depth, Rng& rng) const {
     const Medium& medium = this->stack().elements[element].medium;
     const bool up = rng.uniform() * (out.up_share + out.down_share) < out.up_share;
@@ -94,8 +94,8 @@ class TransferWalk final : public StackWalk {
            on_flight(element, out, ray, depth, length, std::exp(-length));
   }
 
-  /// The balance heuristic's weight of a sample from the ray, where that has density `from_ray`; multiplied by both
-  /// densities' ratio it is that of a sample from an exit as well.
+  /// The balance heuristic's weight of a direction that was sampled from the ray with density `from_ray`. It also
+  /// serves for directions sampled from an exit, where the ratio of the densities cancels against the phase function.
   double share_of_ray(std::size_t element, const Exit& out, double from_ray, const Ray& ray) const {
     const PhaseFunction& phase = this->stack().elements[element].medium.phase;
     double from_exit = 0.0;
@@ -161,7 +161,7 @@ class TransferWalk final : public StackWalk {
     return sum;
   }
 
-  /// The same for what scatters at one depth of a graded medium, its albedo included.
+  /// The next event at one depth of a graded medium, albedo included.
   double at_depth(std::size_t element, const Exit& out, const Ray& in, double depth,
                   const LocalScattering& local) const {
     const double n = this->stack().ior[element];
@@ -182,7 +182,7 @@ class TransferWalk final : public StackWalk {
   std::vector<bool> both_;   ///< by element
 };
 
-/// One medium alone.
+/// True for a single homogeneous medium.
 bool is_slab(const WalkElements& stack) {
   const auto& elements = stack.elements;
   return stack.ior.front() == 1.0 && stack.ior.back() == 1.0 && !elements.empty() &&

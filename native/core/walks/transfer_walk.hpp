@@ -9,8 +9,8 @@
 
 namespace lamina {
 
-/// Photon walk of the equation of transfer with next-event estimation: any stack, both ways through it.
-/// Absorption by weights, with Russian roulette; facets by visible normals. Throws std::invalid_argument.
+/// Photon walk of the equation of transfer with next-event estimation, for any stack, reflection and transmission.
+/// Absorption by weights with Russian roulette; facets by visible normals. Throws std::invalid_argument.
 std::unique_ptr<Walk> make_transfer_walk(const Stack& stack, const WalkTarget& target,
                                          NextEvent next_event = NextEvent::kFitting);
 

@@ -29,8 +29,7 @@ void Tally::add(const Tally& other) {
 
 Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,
                ThreadPool& pool) {
-  // Threads share a block's work in pieces, so that none waits for another's long block at the end; pieces are always
-  // the same and summed in order.
+  // Threads share the work of a block in fixed pieces, summed in order, so that no thread waits long at the end.
   constexpr std::uint64_t kPiece = 512;
   static_assert(kWalkBlock % kPiece == 0);
   std::vector<Tally> pieces((last_block - first_block) * (kWalkBlock / kPiece));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs a walk: samples by threads, sums in a fixed sequence.
+// Runs a walk: samples on threads, sums in a fixed order.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace lamina {
 
-/// An estimator by random walk of one number: a BRDF value, an albedo.
+/// A random-walk estimator of one number, such as a BRDF value or an albedo.
 class Walk {
  public:
   Walk() = default;
@@ -18,16 +18,15 @@ class Walk {
   Walk& operator=(const Walk&) = delete;
   virtual ~Walk() = default;
 
-  /// One sample; its expectation is the number. Counts its scattering events in `events`. Called from many
-  /// threads at once.
+  /// One unbiased sample. Adds its scattering events to `events`. Thread-safe.
   virtual double sample(Rng& rng, std::uint64_t& events) const = 0;
 };
 
-/// Sums over samples, from which estimates of any parts of a run can be merged.
+/// Sums over samples. Tallies of the parts of a run can be added.
 struct Tally {
   double sum = 0.0;
   double squares = 0.0;
-  double largest = 0.0;  ///< the largest sample's size: a few that dominate show a variance not to be trusted
+  double largest = 0.0;  ///< largest absolute sample; if it dominates, the standard error is unreliable
   std::uint64_t count = 0;
   std::uint64_t events = 0;
 
@@ -42,10 +41,10 @@ struct Tally {
   void add(const Tally& other);
 };
 
-/// Samples are drawn and summed in blocks of this many, blocks summed in order.
+/// Number of samples in a block, the unit of a run. Blocks are summed in order.
 inline constexpr std::uint64_t kWalkBlock = 4096;
 
-/// Blocks [first, last) of a walk with this seed: the same bytes for any number of threads.
+/// Runs blocks [first, last) of a walk with this seed: the same bytes for any number of threads.
 Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,
                ThreadPool& pool);
 

@@ -14,7 +14,7 @@ namespace {
 using Element = WalkElements::Element;
 using Kind = Element::Kind;
 
-/// So many transport lengths deep, the angular distribution has forgotten the surface to beyond rounding.
+/// Thickness in transport lengths at which a conservative layer is as good as infinite, to rounding.
 constexpr double kForgotten = 30.0;
 
 Element element_of(const Layer& layer, double ior_above, double ior_below) {
@@ -72,7 +72,7 @@ WalkElements::WalkElements(const Stack& stack, Side side, bool ended) : ior(refr
     elements.push_back(element_of(layers[k], ior[k], ior[k + 1]));
     Medium& medium = elements.back().medium;
     if (elements.back().kind == Kind::kMedium && std::isinf(medium.tau)) {
-      // Nothing comes back from what lies below.
+      // Elements below an infinite medium have no effect.
       ior.resize(k + 2);
       Element end;
       end.kind = Kind::kLambert;
@@ -101,7 +101,7 @@ WalkBeam::WalkBeam(const WalkElements& stack, std::size_t from, const Ray& withi
   const Ray heading = across > 0.0 ? Ray{within.x / across, within.y / across, 0.0} : Ray{1.0, 0.0, 0.0};
   pass(stack, down ? from + 1 : 0, down ? stack.elements.size() : from, across * stack.ior[down ? from + 1 : from],
        heading, !down);
-  // What comes back to the element where it began.
+  // The light that returns to the element where the beam began.
   const Ray back{within.x, within.y, -within.z};
   at[from] = down ? Arrival{{}, back, 0.0, reflected} : Arrival{back, {}, reflected, 0.0};
 }
@@ -110,7 +110,7 @@ void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t la
                     bool from_below) {
   // Snell's law keeps n sin(theta).
   const auto cosine = [&](std::size_t gap) { return sine_of(sine / stack.ior[gap]); };
-  // An empty element at either end shows what leaves there.
+  // An empty element at either end collects the light that leaves.
   ScatteringFunction empty = ScatteringFunction::bare(1, 0);
   empty.transmit.delta[0] = 1.0;
   std::vector<ScatteringFunction> deltas{empty};
@@ -120,7 +120,7 @@ void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t la
     if (element.kind == Kind::kMedium) {
       s.transmit.delta[0] = std::exp(-element.medium.tau / cosine(k));
     } else if (element.kind == Kind::kSmooth) {
-      // A cosine of 0: no ray there.
+      // A cosine of 0 means that the ray does not exist there.
       const double above = cosine(k);
       const double below = cosine(k + 1);
       const double back = above > 0.0 && below > 0.0 ? fresnel(above, below, stack.ior[k], stack.ior[k + 1]) : 1.0;

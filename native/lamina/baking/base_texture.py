@@ -14,7 +14,7 @@ import numpy as np
 
 from ..closures.closure_table import LightGrid
 from ..common.progress import Progress, portion
-from .lut_header import PREFIX, THROWN_BACK
+from ..kinds.table import PREFIX, THROWN_BACK
 from .mixture import Mixture, norms
 from .slices import Slices, SolvedRows, slices
 

@@ -8,14 +8,10 @@ import numbers
 import numpy as np
 
 from ..closures import lobes
-from ..closures.axes import COLUMNS
-from ..common.errors import shown
+from ..common.errors import quoted
+from ..kinds.table import COLUMNS, PREFIX, THROWN_BACK
 
 SCHEMA = 1
-# Strips of the table that are weighted by a textured base: closures after this prefix, and the share of diffuse light
-# from the base that the layers throw back to the base.
-PREFIX = "base/"
-THROWN_BACK = "base/thrown back"
 
 _MISSING = object()
 _TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
@@ -46,9 +42,9 @@ def problem(header, weights: np.ndarray) -> str:
     if not _is_whole(schema):
         return "not a Lamina lookup table"
     if schema > SCHEMA:
-        return f"schema {shown(schema)} needs a newer Lamina, which reads up to {SCHEMA}"
+        return f"schema {quoted(schema)} needs a newer Lamina, which reads up to {SCHEMA}"
     if schema < 1:
-        return f"schema = {shown(schema)}: must be {SCHEMA}"
+        return f"schema = {quoted(schema)}: must be {SCHEMA}"
     return _problem_of_fields(header) or _problem_of_closures(header) or _problem_of_weights(header, weights)
 
 
@@ -65,7 +61,7 @@ def _problem_of_fields(header: dict) -> str:
         if value is _MISSING:
             return f"the header of the lookup table is incomplete: {place} is missing"
         if not _FITS[kind](value):
-            return f"{place} = {shown(value)}: must be {kind}"
+            return f"{place} = {quoted(value)}: must be {kind}"
     return ""
 
 
@@ -75,7 +71,7 @@ def _problem_of_closures(header: dict) -> str:
             if name != THROWN_BACK:
                 lobes.recipe(name.removeprefix(PREFIX))
         except (AttributeError, KeyError):
-            return f"closure {shown(name)}: this version of Lamina does not know it"
+            return f"closure {quoted(name)}: this version of Lamina does not know it"
     if THROWN_BACK in header["closures"]:
         colour = _at(header, "stack.base.reflectance")
         if not _is_numbers(colour) or len(colour) not in (1, 3):
@@ -86,20 +82,20 @@ def _problem_of_closures(header: dict) -> str:
 def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
     sides, tau = header["sides"], header["axes"]["tau"]
     if sides not in (["top"], ["top", "bottom"]):
-        return f"sides = {shown(sides)}: must be ['top'] or ['top', 'bottom']"
+        return f"sides = {quoted(sides)}: must be ['top'] or ['top', 'bottom']"
     if header["axes"]["view"]["count"] != COLUMNS:
         return f"axes.view.count = {header['axes']['view']['count']}: must be {COLUMNS}"
     if tau["count"] > 1 and len(tau["values"]) != tau["count"]:
-        return f"axes.tau.values has {len(tau['values'])} entries: axes.tau.count says {shown(tau['count'])}"
+        return f"axes.tau.values has {len(tau['values'])} entries: axes.tau.count says {quoted(tau['count'])}"
     if any(below < above for above, below in zip(tau["values"], tau["values"][1:], strict=False)):
-        return f"axes.tau.values = {shown(tau['values'])}: must rise"
+        return f"axes.tau.values = {quoted(tau['values'])}: must rise"
     for place in _IF_ANY["report.row_errors"]:
         errors = _at(header, place)
         if errors is not _MISSING and len(errors) != len(tau["values"]):
             return f"{place} has {len(errors)} entries: must have one for each of axes.tau.values"
     shape = (len(sides), len(header["closures"]), tau["count"], COLUMNS, 3)
     if weights.dtype != np.float32 or weights.shape != shape or not weights.size:
-        return f"weights are {weights.dtype} {shown(weights.shape)}: the header says float32 {shown(shape)}"
+        return f"weights are {weights.dtype} {quoted(weights.shape)}: the header says float32 {quoted(shape)}"
     if not np.all(np.isfinite(weights)) or weights.min(initial=0.0) < 0.0:
         return "weights are negative or not finite"
     return ""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mixtures of closures: choosing a few for a whole material, and fitting their weights to its slices.
 
-Where rough boundaries show lobes, these come first: closures made to measure, chosen and fitted to the lobes
-alone, so that their height does not decide how well the rest is fitted. What they leave over, the smooth rest
-and their own small misfit, is fitted by closures of all kinds."""
+The lobes of rough boundaries are fitted first and alone, by closures made for them. Otherwise their height would
+decide the fit, and the rest would be fitted badly. What the lobes' closures leave over, the smooth rest and their own
+small error, is then fitted by closures of all kinds."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from .slices import Slices
 PRINCIPLED_PENALTY = 1.1
 # No more closures are added once slices are fitted so well on average.
 ACCURATE = 5e-3
-# Closures that every view has.
+# Closures that are available at every view.
 EVERYWHERE = {"reflection": "diffuse", "transmission": "translucent"}
-# A rest below this share of what there is, everywhere, is left to the lobes' closures.
+# A rest below this share of the albedo, everywhere, is left to the lobes' closures.
 NEGLIGIBLE = 2e-3
-# Room that fixed closures leave at least, beside those for lobes and beside others; what lobes leave for the rest.
+# Closures chosen at least beside fixed ones, for lobes and for the rest; closures for the rest at least.
 LOBES_BESIDE_FIXED, BESIDE_FIXED, LEAST_REST = 1, 3, 2
 
 
@@ -57,41 +57,35 @@ class Mixture:
 
 def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *, made: Sequence[str] = (),
         given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = ()) -> Mixture:
-    """Chooses closures of a kind, among the dictionary's and those `made` to measure for lobes, and fits them to all
-    slices. `given` ones are taken as they are, unless one is for other lobes or a view has none. `mixed`: reflection
-    and transmission share the material. `fixed` ones are part of every choice, and leave room for some more."""
+    """Chooses closures of a kind, among the dictionary's and those `made` for the lobes of boundaries, and fits them to
+    all slices. `given` closures are fitted as they are, without a choice; all of them are ignored if one was made for
+    other lobes, or if they leave a view without a closure. `mixed`: reflection and transmission share the material.
+    `fixed` closures are part of every choice, which then holds a few more."""
     given = list(given) if all(":" not in name or name in made for name in given) else []
+    choice = _Choice(kind, grid, effort, pool, step, tuple(made), mixed, fixed)
     values, albedo = wanted.values, wanted.albedo
     parts, errors, share = [], None, 1.0
 
-    def choose(count, allowed, for_lobes=False):
-        step(0.1 if parts else 0.0, "Choosing closures")
-        basis = with_more(kind, grid, mixed, effort.column_stride, tuple(made))
-        candidates = [k for k, name in enumerate(basis.ids) if allowed(name)]
-        kept = [k for k in candidates if basis.ids[k] in fixed and (basis.ids[k] in made or not for_lobes)]
-        if kept:
-            beside = LOBES_BESIDE_FIXED if for_lobes else min(BESIDE_FIXED, count)
-            count = min(max(count, len(kept) + beside), _core.MAX_CLOSURES)
-        return _choose(basis, values, albedo, count, effort, candidates, kept, pool, ACCURATE / share)
-
+    # Fit the lobes of rough boundaries
     if made and wanted.lobes is not None and np.any(wanted.lobes):
-        values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, albedo)
         own = [name for name in given if name in made][:effort.lobes]
-        # Greedy choices among more are not always better ones: of both, that which fits the lobes better.
-        chosen = [own] if own else [choose(effort.lobes, lambda name: name in made, True),
-                                    choose(effort.lobes, lambda _: True, True)]
-        found, _ = min((_fit(names, values, albedo, grid, mixed, pool) for names in chosen),
-                       key=lambda fitted: float(fitted[1].mean()))
+        found = _fit_lobes(wanted, choice, own)
         given = [name for name in given if name not in own]
-        values, albedo = wanted.values - found.values(), np.maximum(wanted.albedo - found.albedo(), 0.0)
         parts.append(found)
+        # What the lobes leave over is to be fitted next; errors are relative to the whole slices
+        values, albedo = wanted.values - found.values(), np.maximum(wanted.albedo - found.albedo(), 0.0)
         whole = norms(wanted.values, grid)
         left = norms(values, grid) / np.where(whole > 0.0, whole, np.inf)
         share = max(float(left.mean()), ACCURATE)
     taken = [name for part in parts for name in part.closures]
+
+    # Fit the rest, unless it is negligible
     if not parts or np.any(albedo > NEGLIGIBLE * wanted.albedo):
         count = max(min(effort.rest, effort.all - len(taken)), LEAST_REST)
-        names = given if _serves_all_views(given, grid, mixed) else choose(count, lambda name: name not in taken)
+        if _serves_all_views(given, grid, mixed):
+            names = given
+        else:
+            names = choice.of(values, albedo, count, lambda name: name not in taken, ACCURATE / share)
         if not _serves_all_views(names, grid, mixed):
             names = [*names, EVERYWHERE[kind]]
         step(0.5, "Fitting closures")
@@ -99,6 +93,8 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         parts.append(found)
     if taken:
         errors = left if errors is None else errors * left
+
+    # Join both parts, and compare their directional albedo with the exact one
     reached = sum(part.albedo() for part in parts)
     exact = wanted.albedo > 0.0
     return Mixture(
@@ -107,6 +103,45 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         np.where(exact, errors, np.nan),
         np.abs(reached - wanted.albedo) / np.maximum(wanted.albedo, 1e-12) * exact,
     )
+
+
+@dataclass
+class _Choice:
+    """Choices of closures for one kind of light; the arguments are those of `mix`."""
+
+    kind: str
+    grid: LightGrid
+    effort: Effort
+    pool: object
+    step: Progress
+    made: tuple[str, ...]
+    mixed: bool
+    fixed: Sequence[str]
+
+    def of(self, values, albedo, count: int, allowed, accurate: float, for_lobes: bool = False) -> list[str]:
+        """At most `count` closures for these slices, and more where fixed ones ask for room. `allowed(name)`: whether
+        a closure may be chosen; no more are added once the mean error is below `accurate`."""
+        self.step(0.0 if for_lobes else 0.1, "Choosing closures")
+        basis = with_more(self.kind, self.grid, self.mixed, self.effort.column_stride, self.made)
+        candidates = [k for k, name in enumerate(basis.ids) if allowed(name)]
+        kept = [k for k in candidates
+                if basis.ids[k] in self.fixed and (basis.ids[k] in self.made or not for_lobes)]
+        if kept:
+            beside = LOBES_BESIDE_FIXED if for_lobes else min(BESIDE_FIXED, count)
+            count = min(max(count, len(kept) + beside), _core.MAX_CLOSURES)
+        return _choose(basis, values, albedo, count, self.effort, candidates, kept, self.pool, accurate)
+
+
+def _fit_lobes(wanted: Slices, choice: _Choice, own: list[str]) -> _Fitted:
+    """The lobes of rough boundaries, fitted by closures `own`, or by a choice where that is empty."""
+    grid, mixed, count = choice.grid, choice.mixed, choice.effort.lobes
+    values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, wanted.albedo)
+    # A greedy choice among more closures is not always the better one: make both, and take that which fits better.
+    chosen = [own] if own else [choice.of(values, albedo, count, lambda name: name in choice.made, ACCURATE, True),
+                                choice.of(values, albedo, count, lambda _: True, ACCURATE, True)]
+    found, _ = min((_fit(names, values, albedo, grid, mixed, choice.pool) for names in chosen),
+                   key=lambda fitted: float(fitted[1].mean()))
+    return found
 
 
 def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid, mixed: bool) -> Mixture:

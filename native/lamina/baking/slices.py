@@ -12,7 +12,6 @@ import numpy as np
 from .. import _core
 from ..closures.axes import tau_at, tau_rows
 from ..closures.closure_table import LightGrid, view_cosines
-from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.solve import ScatteringFunction, solve
 
@@ -56,8 +55,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     step(0.0, "Solving the stack")
     full = solve(stack, quality, threads, nodes)
     # Seen from below, the sheet is the reversed stack; where that is the same stack, one side serves both.
-    turned = [layer.turned() if isinstance(layer, Medium) else layer for layer in reversed(stack.layers)]
-    symmetric = Stack(turned, stack.base).canonical() == stack.canonical()
+    symmetric = stack.turned().canonical() == stack.canonical()
     is_sheet = stack.base is None
     sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
     if stack.varying is None:

@@ -11,10 +11,9 @@ import sys
 import time
 from pathlib import Path
 
-from ..baking.bake import BASES, bake
+from ..baking.bake import CLOSURE_BASES, bake
 from ..baking.lut import Lut
 from ..baking.report import describe
-from ..common.arguments import check_threads
 from ..common.errors import (
     ArgumentError,
     Cancelled,
@@ -35,6 +34,7 @@ from ..solver.solve import TOLERANCE, solve
 from ..walks.estimate import METHODS, SAMPLES, Estimate, Query, estimate
 from ..walks.shards import load_part, merge, run_shard, save_part
 from . import dust_command
+from .arguments import add_seed, add_threads, check
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -44,6 +44,7 @@ def main(argv: list[str] | None = None) -> int:
     Ctrl-C. Errors are one sentence on standard error."""
     arguments = _parser().parse_args(argv)
     try:
+        check(arguments)
         return arguments.run(arguments)
     except (KeyboardInterrupt, Cancelled):
         return _fail("interrupted; nothing was written", INTERRUPTED)
@@ -72,11 +73,10 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("stack", metavar="STACK.json")
     command.add_argument("-o", "--output", required=True, metavar="OUT", help="the table to write (.npz)")
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
-    command.add_argument("--basis", choices=tuple(BASES), default="standard",
+    command.add_argument("--basis", choices=tuple(CLOSURE_BASES), default="standard",
                          help="standard: few closures, about as quick to render as a Principled BSDF; accurate: "
                               "some twenty")
-    command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
-    command.add_argument("--seed", type=int, default=0, metavar="N")
+    add_threads(command)
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
     command.set_defaults(run=_bake)
     command = commands.add_parser("report", help="say what a lookup table holds and how good it is")
@@ -100,7 +100,7 @@ def _add_export(commands) -> None:
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
     command.add_argument("--wavelengths", type=_numbers, metavar="NM,...",
                          help=".bsdf: the channels' wavelengths, for spectral renderers; without them, RGB or grey")
-    command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
+    add_threads(command)
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
     command.set_defaults(run=_export)
 
@@ -117,8 +117,8 @@ def _add_estimate(commands) -> None:
     command.add_argument("--method", choices=tuple(METHODS), default="transfer")
     command.add_argument("--samples", type=int, metavar="N", help=f"default {SAMPLES}")
     command.add_argument("--target-error", type=float, metavar="E", help="stop at this relative standard error")
-    command.add_argument("--seed", type=int, default=0, metavar="N")
-    command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
+    add_seed(command)
+    add_threads(command)
     command.add_argument("--shard", type=_shard, metavar="I/N", help="run part I of N only, and write it")
     command.add_argument("-o", "--output", metavar="PART.json", help="where --shard writes")
     command.add_argument("--json", action="store_true", help="the estimate as JSON")
@@ -185,8 +185,7 @@ def _bake(arguments: argparse.Namespace) -> int:
     if problem:
         return _fail(problem, BAD_INPUT)
     progress = None if arguments.quiet else _Progress()
-    lut = bake(stack, arguments.quality, arguments.seed, progress, threads=arguments.threads,
-               basis=arguments.basis)
+    lut = bake(stack, arguments.quality, progress, threads=arguments.threads, basis=arguments.basis)
     if progress is not None:
         progress.end()
     lut.save(output)
@@ -289,13 +288,6 @@ def _unwritable(output: Path) -> str:
 def _fail(sentence: str, code: int) -> int:
     print(f"lamina: {sentence}", file=sys.stderr)
     return code
-
-
-def _threads(text: str) -> int:
-    try:
-        return check_threads(int(text))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{clipped(text)}: must be a whole number from 0 (all) to 1024") from None
 
 
 def _shard(text: str) -> tuple[int, int]:

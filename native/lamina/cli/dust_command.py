@@ -5,20 +5,22 @@ from __future__ import annotations
 
 import argparse
 import math
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 from ..common.archive import save_archive
 from ..common.errors import DustError
+from ..kinds.dust import OPTIONS, DustOption, Settling
 from ..settling import ply
-from ..settling.settings import MOST_SPREAD, Settling
 from ..settling.settle import Dust, settle
+from .arguments import add_seed, add_threads
 
 _DOWN = {"x": (-1.0, 0.0, 0.0), "y": (0.0, -1.0, 0.0), "z": (0.0, 0.0, -1.0)}
+_DEFAULTS = {member.name: member.default for member in fields(Settling)}
 
 
 def add(commands, run) -> None:
-    """Adds the command's words to a parser; `run(arguments)` is what it will call."""
+    """Adds the command to a parser; `run(arguments)` executes it."""
     command = commands.add_parser("dust", help="settle dust on a mesh")
     command.add_argument("mesh", metavar="MESH.ply", help="triangles or larger faces, in metres; .ply or .ply.gz")
     command.add_argument("-o", "--output", required=True, metavar="OUT",
@@ -28,34 +30,50 @@ def add(commands, run) -> None:
     amount = command.add_mutually_exclusive_group()
     amount.add_argument("--amount", type=float, help="optical thickness on an open horizontal plate (1)")
     amount.add_argument("--grams", type=float, help="areal mass there in g/m^2 instead")
-    command.add_argument("--material", default="dust-saharan-1.7um", help="which dust, for --grams")
+    command.add_argument("--material", default=_DEFAULTS["extinction"], help="which dust, for --grams")
     command.add_argument("--up", choices=sorted(_DOWN), default="z", help="the axis that points up (z)")
-    command.add_argument("--spread", type=float, default=35.0, help="half-angle of the fall in degrees (35)")
-    command.add_argument("--wind", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "Z"),
+    command.add_argument("--wind", type=float, nargs=3, default=_DEFAULTS["wind"], metavar=("X", "Y", "Z"),
                          help="velocity of the wind over that of the fall")
-    command.add_argument("--repose", type=float, default=45.0, help="angle of repose in degrees (45)")
     command.add_argument("--sharp", type=float, default=30.0,
                          help="angle between faces in degrees, above which their edge is sharp (30)")
-    command.add_argument("--coverage", type=float, default=1.0, help="share of the surface that is left dusty (1)")
-    command.add_argument("--two-sided", action="store_true", help="dust lies on either side of faces")
+    for option in _flags():
+        _add_flag(command, option)
     command.add_argument("--occluder", action="append", default=[], metavar="MESH.ply", help="what else is in the way")
-    command.add_argument("--rays", type=int, default=256, help="rays a vertex (256)")
-    command.add_argument("--seed", type=int, default=0)
-    command.add_argument("--threads", type=int, default=0, help="0: all")
+    add_seed(command)
+    add_threads(command)
     command.add_argument("--quiet", action="store_true", help="no progress")
     command.set_defaults(run=run)
 
 
+def _flags() -> list[DustOption]:
+    return [option for option in OPTIONS if option.help]
+
+
+def _add_flag(command: argparse.ArgumentParser, option: DustOption) -> None:
+    flag, default = "--" + option.name.replace("_", "-"), _DEFAULTS[option.name]
+    if option.switch:
+        command.add_argument(flag, action="store_true", help=option.help)
+    elif option.unit == "rad":
+        degrees = math.degrees(default)
+        command.add_argument(flag, type=float, default=degrees, help=f"{option.help} in degrees ({degrees:g})")
+    else:
+        command.add_argument(flag, type=int if option.whole else float, default=default,
+                             help=f"{option.help} ({default:g})")
+
+
 def settled(arguments: argparse.Namespace, progress) -> Dust:
-    """What the words of the command ask for. Raises DustError, DustUnavailable, MeshFileError, OSError."""
-    for name, most in (("spread", math.degrees(MOST_SPREAD)), ("repose", 180.0), ("sharp", 180.0)):
+    """The dust that the arguments ask for. Raises DustError, DustUnavailable, MeshFileError, OSError."""
+    angles = {option.name: math.degrees(option.high) for option in _flags() if option.unit == "rad"}
+    for name, most in {**angles, "sharp": 180.0}.items():
         value = getattr(arguments, name)
         if not 0.0 <= value <= most:
-            raise DustError(f"--{name} {value:g}: must lie in [0, {most:.2f}] degrees".replace(".00]", "]"))
+            raise DustError(f"--{name.replace('_', '-')} {value:g}: must lie in [0, {most:.2f}] degrees".replace(
+                ".00]", "]"))
+    numbers = {option.name: getattr(arguments, option.name) for option in _flags()}
     settings = Settling(
         amount=arguments.amount, grams=arguments.grams, extinction=arguments.material, gravity=_DOWN[arguments.up],
-        spread=math.radians(arguments.spread), wind=tuple(arguments.wind), repose=math.radians(arguments.repose),
-        coverage=arguments.coverage, two_sided=arguments.two_sided, rays=arguments.rays)
+        wind=tuple(arguments.wind),
+        **{name: math.radians(value) if name in angles else value for name, value in numbers.items()})
     occluders = [ply.load(path) for path in arguments.occluder]
     mesh = replace(ply.load(arguments.mesh), sharp_angle=math.radians(arguments.sharp))
     return settle(mesh, None, occluders, settings, arguments.seed, progress, threads=arguments.threads)

@@ -7,9 +7,7 @@ import math
 
 import numpy as np
 
-COLUMNS = 64
-TAU_ROWS = 33
-TAU_BEND = 0.5
+from ..kinds.table import COLUMNS, TAU_BEND, TAU_ROWS
 
 
 def column_angles() -> np.ndarray:
@@ -18,8 +16,8 @@ def column_angles() -> np.ndarray:
 
 
 def tau_rows(largest: float) -> np.ndarray:
-    """Thicknesses of a varying layer's rows, shape (33,): uniform in t = tau / (tau + 0.5), the last row
-    at `largest`. Thin layers change fastest and so have the most rows."""
+    """Thicknesses of a varying layer's rows, shape (33,): uniform in t = tau / (tau + TAU_BEND), the last
+    row at `largest`."""
     rows = tau_at(largest, np.arange(TAU_ROWS))
     rows[-1] = largest
     return rows

@@ -27,15 +27,13 @@ class NodeRecipe:
     """How to build a closure out of one shader node; plain data, interpreted by the add-on.
 
     `weight_input` takes the linear RGB weight.  `inputs` are socket values by name, `enums` are node
-    properties.  `normal` (fed into the socket `normal_input`) is "N", "I", "N+I", "N+R" (normalised
-    sums; R mirrors I at N), ("lean", share): R + share N, or ("tilt", degrees): N turned towards the
-    viewer, in the plane of incidence.  `vectors` are further sockets that take such a direction: "I" is
+    properties.  `normal` (fed into the socket `normal_input`) is "N", "I", "N+I" (the
+    normalised sum), ("lean", share): R + share N, where R mirrors I at N, or ("tilt", degrees): N turned
+    towards the viewer, in the plane of incidence.  `vectors` are further sockets that take such a direction: "I" is
     the vector Geometry.Incoming, "T" the one in the plane of incidence that is square to it, "I aside" the
     vector I turned by some 1e-5 radians.  A tangent must not be parallel to the normal, or Cycles renders
     black; "I aside" is for tangents, since I is the normal where a surface is seen exactly from above.
     `view_angles` are sockets that take that multiple of the view angle theta_o, in radians.
-    `invert_ior_on_backface`: Cycles takes 1/IOR on back faces, so the graph has to feed it 1/IOR there
-    for the same lobe on both sides.
     """
 
     type: str
@@ -46,7 +44,6 @@ class NodeRecipe:
     normal_input: str = "Normal"
     vectors: Mapping[str, Normal] = field(default_factory=dict)
     view_angles: Mapping[str, float] = field(default_factory=dict)
-    invert_ior_on_backface: bool = False
 
 
 @dataclass(frozen=True)
@@ -117,17 +114,15 @@ class Geometry:
             return np.zeros_like(self.mu_o), np.ones_like(self.mu_o)
         if normal == "I":
             return self.sin_o, self.mu_o
-        if normal in ("N+I", "N+R"):
-            half_cosine = np.sqrt(0.5 * (1.0 + self.mu_o))
-            half_sine = np.sqrt(0.5 * (1.0 - self.mu_o))
-            return (half_sine if normal == "N+I" else -half_sine), half_cosine
+        if normal == "N+I":
+            return np.sqrt(0.5 * (1.0 - self.mu_o)), np.sqrt(0.5 * (1.0 + self.mu_o))
         if isinstance(normal, tuple) and normal[0] == "lean":
             length = np.sqrt(self.sin_o**2 + (self.mu_o + normal[1]) ** 2)
             return -self.sin_o / length, (self.mu_o + normal[1]) / length
         if isinstance(normal, tuple) and normal[0] == "tilt":
             angle = np.radians(normal[1])
             return np.full_like(self.mu_o, np.sin(angle)), np.full_like(self.mu_o, np.cos(angle))
-        raise ValueError(f"normal = {normal!r}: must be 'N', 'I', 'N+I', 'N+R', ('lean', share) or ('tilt', degrees)")
+        raise ValueError(f"normal = {normal!r}: must be 'N', 'I', 'N+I', ('lean', share) or ('tilt', degrees)")
 
 
 def number(x: float) -> str:

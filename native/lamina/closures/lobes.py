@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from ..common.errors import shown
+from ..common.errors import quoted
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, mirror
 from .through_lobes import through
@@ -25,7 +25,7 @@ from .through_lobes import through
 def _normal_suffix(normal: Normal) -> str:
     if isinstance(normal, tuple):
         return f"_tilt{number(normal[1])}"
-    return {"N": "", "I": "_i", "N+I": "_h", "N+R": "_r"}[normal]
+    return {"N": "", "I": "_i", "N+I": "_h"}[normal]
 
 
 # --- Lambert's cosine ---------------------------------------------------------------------------
@@ -209,7 +209,6 @@ DICTIONARY: tuple[Lobe, ...] = (
 )
 
 _BY_ID = {lobe.id: lobe for lobe in DICTIONARY}
-DICTIONARY_IDS = frozenset(_BY_ID)
 
 # Closures made to measure for one stack's boundaries: their ids hold their parameters.
 _MADE = {
@@ -234,7 +233,7 @@ def by_id(lobe_id: str) -> Lobe:
     except (KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError):
         lobe = None
     if lobe is None or lobe.id != lobe_id:
-        raise KeyError(f"closure {shown(lobe_id)}: not in the dictionary")
+        raise KeyError(f"closure {quoted(lobe_id)}: not in the dictionary")
     return lobe
 
 
@@ -255,7 +254,7 @@ def _mirror_alpha(closure: str) -> float:
     except ValueError:
         alpha = math.nan
     if not 0.0 <= alpha <= 1.0:
-        raise KeyError(f"closure {shown(closure)}: not in the dictionary")
+        raise KeyError(f"closure {quoted(closure)}: not in the dictionary")
     return alpha
 
 

@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..material.fields import channel
-from ..material.layers import Conductor, Interface
+from ..kinds.bases import Conductor
+from ..kinds.boundaries import Interface
+from ..kinds.fields import channel
 from ..material.stack import Stack
 
 # Facets narrower than this reflect and refract like a mirror to the solver; only their closure is as wide as
@@ -32,7 +33,7 @@ def resolved(stack: Stack) -> Stack:
     """The stack as it is solved for a bake: facets too narrow for any table are a smooth boundary."""
     layers = [replace(layer, alpha=0.0) if _is_sharp(layer) else layer for layer in stack.layers]
     base = replace(stack.base, alpha=0.0) if _is_sharp(stack.base) else stack.base
-    return Stack(layers, base)
+    return stack.with_facets(layers, base)
 
 
 def narrowest(stack: Stack) -> float | None:

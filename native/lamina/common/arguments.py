@@ -10,24 +10,25 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from .errors import ArgumentError, shown
+from ..kinds.limits import MOST_SEED, MOST_THREADS, SEED, THREADS
+from .errors import ArgumentError, quoted
 
 # BRDFs have reached their limit at grazing incidence here, to nine digits; below 1e-150 squares of a cosine vanish.
 LEAST_COSINE = 1e-9
 
 
-def check_whole(value, name: str, low: int, high: int, range_words: str = "") -> int:
-    """`value` as an int in [low, high]. Raises ArgumentError."""
+def check_whole(value, name: str, low: int, high: int, rule: str = "") -> int:
+    """`value` as an int in [low, high]; `rule` says so in other words. Raises ArgumentError."""
     if isinstance(value, numbers.Integral) and not isinstance(value, bool) and low <= value <= high:
         return operator.index(value)
-    raise ArgumentError(f"{name} = {shown(value)}: must be a whole number {range_words or f'from {low} to {high}'}")
+    raise ArgumentError(f"{name} = {quoted(value)}: {rule or f'must be a whole number from {low} to {high}'}")
 
 
 def check_choice(value, name: str, choices: Iterable[str], words: str = "") -> str:
     """`value` if it is one of the choices, which `words` may list otherwise. Raises ArgumentError."""
     if isinstance(value, str) and value in choices:
         return value
-    raise ArgumentError(f"{name} = {shown(value)}: must be {words or 'one of ' + ', '.join(choices)}")
+    raise ArgumentError(f"{name} = {quoted(value)}: must be {words or 'one of ' + ', '.join(choices)}")
 
 
 def check_number(value, name: str, rule: str, fits) -> float:
@@ -39,30 +40,30 @@ def check_number(value, name: str, rule: str, fits) -> float:
             number = math.inf
         if math.isfinite(number) and fits(number):
             return number
-    raise ArgumentError(f"{name} = {shown(value)}: {rule}")
+    raise ArgumentError(f"{name} = {quoted(value)}: {rule}")
 
 
 def check_kind(value, name: str, kind: type, words: str):
     """`value` if it is of that kind. Raises ArgumentError, with the kind in words."""
     if isinstance(value, kind):
         return value
-    raise ArgumentError(f"{name} = {shown(value)}: must be {words}")
+    raise ArgumentError(f"{name} = {quoted(value)}: must be {words}")
 
 
 def check_callable(value, name: str) -> None:
     """Raises ArgumentError unless `value` can be called or is None."""
     if value is not None and not callable(value):
-        raise ArgumentError(f"{name} = {shown(value)}: must be a function or None")
+        raise ArgumentError(f"{name} = {quoted(value)}: must be a function or None")
 
 
 def check_threads(threads: int) -> int:
     """A count of threads, 0 for all. Raises ArgumentError."""
-    return check_whole(threads, "threads", 0, 1024, "from 0 (all) to 1024")
+    return check_whole(threads, "threads", 0, MOST_THREADS, THREADS)
 
 
 def check_seed(seed: int) -> int:
     """Raises ArgumentError unless it is a seed."""
-    return check_whole(seed, "seed", 0, (1 << 64) - 1, "from 0 to 2^64 - 1")
+    return check_whole(seed, "seed", 0, MOST_SEED, SEED)
 
 
 def finite_array(values, name: str) -> np.ndarray:
@@ -70,7 +71,7 @@ def finite_array(values, name: str) -> np.ndarray:
     try:
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{name} = {shown(values)}: must be a number or an array of numbers") from None
+        raise ArgumentError(f"{name} = {quoted(values)}: must be a number or an array of numbers") from None
     if not np.all(np.isfinite(array)):
         raise ArgumentError(f"{name} holds a value that is not finite")
     return array

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 
-from .errors import shown
+from .errors import quoted
 
 
 def parse(text: str | bytes):
@@ -22,5 +22,5 @@ def _object(pairs: list[tuple[str, object]]) -> dict:
     if len(found) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for index, key in enumerate(keys) if key in keys[:index])
-        raise ValueError(f"key {shown(twice)} is given twice in one object")
+        raise ValueError(f"key {quoted(twice)} is given twice in one object")
     return found

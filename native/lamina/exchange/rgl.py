@@ -16,7 +16,7 @@ import numpy as np
 
 from ..common.arguments import check_callable, check_kind, check_whole, finite_list
 from ..common.atomic import write_atomically
-from ..common.errors import ArgumentError, shown
+from ..common.errors import ArgumentError, quoted
 from ..solver.solve import ScatteringFunction
 
 # A ray that the tables still hold; the plane itself has no cosine.
@@ -85,9 +85,9 @@ def check_wavelengths(wavelengths: Sequence[float] | None, channels: int) -> np.
         return None
     nm = finite_list(wavelengths, "wavelengths")
     if nm.shape != (channels,):
-        raise ArgumentError(f"wavelengths = {shown(nm.tolist())}: must be one for each of {channels} channel(s)")
+        raise ArgumentError(f"wavelengths = {quoted(nm.tolist())}: must be one for each of {channels} channel(s)")
     if nm.min() <= 0.0 or len(np.unique(nm)) < len(nm):
-        raise ArgumentError(f"wavelengths = {shown(nm.tolist())}: must be positive nanometres, all different")
+        raise ArgumentError(f"wavelengths = {quoted(nm.tolist())}: must be positive nanometres, all different")
     return nm
 
 

@@ -13,9 +13,10 @@ from functools import lru_cache
 from .. import _core
 from ..common.arguments import check_kind
 from ..common.errors import StackError
-from .fields import Channels, Field, channel, channel_count
+from ..kinds.fields import Channels, Field, channel, channel_count
+from ..kinds.phases import Isotropic
 from .layers import Medium
-from .phase import Isotropic, Phase
+from .phase import Phase
 
 EXACT = 6e-6  # largest relative error of a shown colour, estimated by doubling the nodes
 FEW_NODES, MOST_NODES = 8, 256

@@ -1,122 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions: how a medium turns light. The core evaluates them; here they are named and described."""
+"""Phase functions that are more than a few numbers: tables and mixtures; and all of them read and checked."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.errors import StackError, shown
-from .fields import Channels, Field, channel, check_keys, check_table, read_kind, to_plain
+from ..common.errors import StackError, quoted
+from ..kinds import phases
+from ..kinds.fields import Channels, Field, channel, check_keys, check_table, read_kind, to_plain
+from ..kinds.phases import PhaseFunction
 
-G = "must lie in (-1, 1)"
-
-
-class _Numbers:
-    """What all phase functions can do, for those that are described by numbers, `fields`, alone."""
-
-    kind = ""
-    fields: tuple[Field, ...] = ()
-
-    def checked(self, path: str):
-        """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
-        return replace(self, **{q.name: q.check(getattr(self, q.name), f"{path}.{q.name}") for q in self.fields})
-
-    def quantities(self, path: str):
-        """(path, value) of everything that may have channels."""
-        for quantity in self.fields:
-            yield f"{path}.{quantity.name}", getattr(self, quantity.name)
-
-    def in_channel(self, index: int) -> tuple:
-        """(kind, parameters...) of one channel, as the core takes them."""
-        return (self.kind, *(channel(getattr(self, q.name), index) for q in self.fields))
-
-    def to_json(self) -> dict:
-        """A plain object; read_phase reads it back."""
-        return {"kind": self.kind, **{q.name: to_plain(getattr(self, q.name)) for q in self.fields}}
-
-    def canonical(self, channels: int) -> dict:
-        """The same with every quantity repeated for each channel."""
-        spread = {q.name: [channel(getattr(self, q.name), c) for c in range(channels)] for q in self.fields}
-        return {"kind": self.kind, **spread}
-
-    @classmethod
-    def read(cls, entry, path: str):
-        """From a plain object. Raises StackError for missing and unknown keys; values are checked later."""
-        names = {q.name for q in cls.fields}
-        check_keys(entry, {"kind", *names}, path, required=names)
-        return cls(**{name: entry[name] for name in names})
+Phase = PhaseFunction
 
 
 @dataclass(frozen=True)
-class Isotropic(_Numbers):
-    """Equal scattering into all directions."""
-
-    kind = "isotropic"
-
-
-@dataclass(frozen=True)
-class HenyeyGreenstein(_Numbers):
-    """Henyey and Greenstein (1941). `g`, the mean cosine, in (-1, 1), a number or one a channel."""
-
-    g: Channels
-
-    kind = "hg"
-    fields = (Field("g", -1.0, 1.0, G, open_ended=True),)
-
-
-@dataclass(frozen=True)
-class Rayleigh(_Numbers):
-    """Scattering by particles much smaller than the wavelength, unpolarised: 3/4 (1 + cos^2)."""
-
-    kind = "rayleigh"
-
-
-@dataclass(frozen=True)
-class DoubleHenyeyGreenstein(_Numbers):
-    """Two Henyey-Greenstein lobes, weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965): most often one forward
-    and a weak one back. `g1`, `g2` in (-1, 1), `weight` in [0, 1]; numbers or one a channel."""
-
-    g1: Channels
-    g2: Channels
-    weight: Channels
-
-    kind = "double-hg"
-    fields = (
-        Field("g1", -1.0, 1.0, G, open_ended=True),
-        Field("g2", -1.0, 1.0, G, open_ended=True),
-        Field("weight", 0.0, 1.0, "must lie in [0, 1]"),
-    )
-
-
-@dataclass(frozen=True)
-class Draine(_Numbers):
-    """Draine (2003): Henyey-Greenstein times 1 + alpha cos^2, normalised. `g` in (-1, 1), `alpha` in [0, 1000];
-    numbers or one a channel. alpha 0 is Henyey-Greenstein, alpha 1 Cornette-Shanks; droplets of fog and cloud
-    are well served by a Mixture of this and Henyey-Greenstein (Jendersie and d'Eon 2023)."""
-
-    g: Channels
-    alpha: Channels
-
-    kind = "draine"
-    fields = (Field("g", -1.0, 1.0, G, open_ended=True), Field("alpha", 0.0, 1000.0, "must lie in [0, 1000]"))
-
-
-@dataclass(frozen=True)
-class CornetteShanks(_Numbers):
-    """Cornette and Shanks (1992): turns from Rayleigh scattering at g = 0 into a forward lobe. `g` in (-1, 1),
-    a number or one a channel; the mean cosine is 3 g (4 + g^2) / (5 (2 + g^2))."""
-
-    g: Channels
-
-    kind = "cornette-shanks"
-    fields = (Field("g", -1.0, 1.0, G, open_ended=True),)
-
-
-@dataclass(frozen=True)
-class Tabulated(_Numbers):
+class Tabulated(PhaseFunction):
     """A phase function by numbers, as a Mie code prints them; lists, or one list a channel.
 
     Either `moments`, the Legendre moments chi_0 = 1, chi_1 (the mean cosine) ... without the factor 2 l + 1,
@@ -205,23 +106,23 @@ class Tabulated(_Numbers):
 
 
 @dataclass(frozen=True)
-class Mixture(_Numbers):
+class Mixture(PhaseFunction):
     """Several sorts of particles in one medium: `parts` are pairs (share, phase function). A share is that
     sort's part of the scattering coefficient, in [0, 1], a number or one a channel; they sum to 1."""
 
     parts: Sequence[tuple[Channels, Phase]]
 
     kind = "mixture"
-    share = Field("share", 0.0, 1.0, "must lie in [0, 1]")
+    share = Field("share", 0.0, 1.0)
 
     def checked(self, path: str) -> Mixture:
         if not isinstance(self.parts, list | tuple) or not self.parts:
-            raise StackError(f"{path}.parts = {shown(self.parts)}: must be a list of pairs (share, phase function)")
+            raise StackError(f"{path}.parts = {quoted(self.parts)}: must be a list of pairs (share, phase function)")
         parts = []
         for index, part in enumerate(self.parts):
             here = f"{path}.parts[{index}]"
             if not isinstance(part, list | tuple) or len(part) != 2:
-                raise StackError(f"{here} = {shown(part)}: must be a pair (share, phase function)")
+                raise StackError(f"{here} = {quoted(part)}: must be a pair (share, phase function)")
             if isinstance(part[1], Mixture):
                 raise StackError(f"{here}.phase.kind = 'mixture': must not be a mixture itself")
             parts.append((self.share.check(part[0], f"{here}.share"), check_phase(part[1], f"{here}.phase")))
@@ -253,7 +154,7 @@ class Mixture(_Numbers):
     def read(cls, entry, path: str) -> Mixture:
         check_keys(entry, {"kind", "parts"}, path, required={"parts"})
         if not isinstance(entry["parts"], list):
-            raise StackError(f"{path}.parts = {shown(entry['parts'])}: must be a list")
+            raise StackError(f"{path}.parts = {quoted(entry['parts'])}: must be a list")
         parts = []
         for index, part in enumerate(entry["parts"]):
             here = f"{path}.parts[{index}]"
@@ -262,17 +163,14 @@ class Mixture(_Numbers):
         return cls(parts)
 
 
-KINDS = (Isotropic, HenyeyGreenstein, Rayleigh, DoubleHenyeyGreenstein, Draine, CornetteShanks, Tabulated, Mixture)
+KINDS = (*phases.KINDS, Tabulated, Mixture)
 PHASES = {cls.kind: cls for cls in KINDS}
-Phase = (
-    Isotropic | HenyeyGreenstein | Rayleigh | DoubleHenyeyGreenstein | Draine | CornetteShanks | Tabulated | Mixture
-)
 
 
 def check_phase(phase, path: str) -> Phase:
     """The phase function with its quantities checked. Raises StackError."""
     if not isinstance(phase, KINDS):
-        raise StackError(f"{path} = {shown(phase)}: must be a phase function")
+        raise StackError(f"{path} = {quoted(phase)}: must be a phase function")
     return phase.checked(path)
 
 
@@ -280,7 +178,7 @@ def read_phase(entry, path: str) -> Phase:
     """A phase function from its JSON object. Raises StackError."""
     kind = read_kind(entry, path)
     if not isinstance(kind, str) or kind not in PHASES:
-        raise StackError(f"{path}.kind = {shown(kind)}: must be one of {', '.join(PHASES)}")
+        raise StackError(f"{path}.kind = {quoted(kind)}: must be one of {', '.join(PHASES)}")
     return PHASES[kind].read(entry, path)
 
 

@@ -7,20 +7,15 @@ import itertools
 import math
 from dataclasses import dataclass, replace
 
-from ..common.errors import StackError, shown
-from .fields import Channels, Field, all_fields, channel, check_forms, check_keys, to_plain
+from ..common.errors import StackError, quoted
+from ..kinds.fields import Channels, Field, all_fields, channel, check_forms, check_keys, to_plain
+from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, DEPTH, OVER
 from .phase import Phase, check_phase, read_phase
 
-UNIT = "must lie in [0, 1]"
-COEFFICIENT = "must lie in [0, 1e12] 1/mm"
-# What a medium is given by, everywhere or at a knot.
-ALBEDO, COLOR = Field("albedo", 0.0, 1.0, UNIT), Field("color", 0.0, 1.0, UNIT)
-SIGMA_S, SIGMA_A = Field("sigma_s", 0.0, 1e12, COEFFICIENT), Field("sigma_a", 0.0, 1e12, COEFFICIENT)
-OVER = Field("over", 0.0, 1.0, UNIT, optional=True)
-DEPTH = Field("depth", 0.0, 1.0, UNIT)
+# The largest thickness of a medium with a profile, by the quantity that it is given by.
 THICKNESS = {
-    "tau": Field("tau", 0.0, 1e9, "must lie in [0, 1e9] for a medium with a profile"),
-    "thickness": Field("thickness", 0.0, 1e12, "must lie in [0, 1e12] mm for a medium with a profile"),
+    "tau": Field("tau", 0.0, 1e9, rule="must lie in [0, 1e9] for a medium with a profile"),
+    "thickness": Field("thickness", 0.0, 1e12, rule="must lie in [0, 1e12] mm for a medium with a profile"),
 }
 # Of the lines in optical depth that stand for coefficients linear in millimetres, and of the two ends' shares in them.
 ALBEDO_ERROR, SHARE_ERROR = 1e-4, 1e-3
@@ -43,7 +38,7 @@ class Knot:
     sigma_a: Channels | None = None
     color: Channels | None = None
 
-    forms = ((ALBEDO,), (SIGMA_S, SIGMA_A), (COLOR,))
+    forms = tuple(form.local for form in (BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR))
     fields = ()
 
     @property
@@ -55,7 +50,7 @@ class Knot:
         values = check_forms(self, path)
         depth = DEPTH.check(self.depth, f"{path}.depth")
         if isinstance(depth, tuple):
-            raise StackError(f"{path}.depth = {shown(self.depth)}: must be one number")
+            raise StackError(f"{path}.depth = {quoted(self.depth)}: must be one number")
         phase = None if self.phase is None else check_phase(self.phase, f"{path}.phase")
         return replace(self, depth=depth, phase=phase, **values)
 
@@ -79,7 +74,7 @@ class Knot:
 def read_profile(entries, path: str) -> list[Knot]:
     """The knots from their plain objects. Raises StackError for missing and unknown keys; values are checked later."""
     if not isinstance(entries, list):
-        raise StackError(f"{path} = {shown(entries)}: must be a list of knots, top first")
+        raise StackError(f"{path} = {quoted(entries)}: must be a list of knots, top first")
     names = {quantity.name for form in Knot.forms for quantity in form}
     knots = []
     for index, entry in enumerate(entries):
@@ -101,12 +96,12 @@ def check_profile(medium, path: str) -> dict:
             raise StackError(f"{path}.{name}: must be left out of a medium with a profile, whose knots have it")
     if not isinstance(medium.profile, list | tuple) or len(medium.profile) < 2:
         is_list = isinstance(medium.profile, list | tuple)
-        count = f" has {len(medium.profile)}" if is_list else f" = {shown(medium.profile)}"
+        count = f" has {len(medium.profile)}" if is_list else f" = {quoted(medium.profile)}"
         raise StackError(f"{path}.profile{count}: must be a list of two knots or more, top first")
     knots = []
     for index, knot in enumerate(medium.profile):
         if not isinstance(knot, Knot):
-            raise StackError(f"{path}.profile[{index}] = {shown(knot)}: must be a Knot")
+            raise StackError(f"{path}.profile[{index}] = {quoted(knot)}: must be a Knot")
         knots.append(knot.checked(f"{path}.profile[{index}]"))
     _check_depths(knots, f"{path}.profile")
     values: dict = {"profile": tuple(knots)}

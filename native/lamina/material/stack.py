@@ -14,10 +14,12 @@ from pathlib import Path
 
 from ..common import json_file
 from ..common.atomic import write_atomically
-from ..common.errors import StackError, shown
+from ..common.errors import StackError, quoted
+from ..kinds.bases import BASES, Base, Conductor
+from ..kinds.boundaries import Interface
+from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
 from .colours import albedos_of
-from .fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
-from .layers import BASES, Base, Conductor, HalfSpace, Interface, Medium
+from .layers import Medium
 from .metals import indices_of
 from .phase import check_phase, read_phase
 from .profile import optical_knots, read_profile
@@ -46,9 +48,9 @@ class Stack:
     def __init__(self, layers: Sequence[Medium | Interface] = (), base: Base | None = None, name: str = "",
                  category: str = "", source: str = ""):
         if not isinstance(layers, Sequence) or isinstance(layers, str):
-            raise StackError(f"layers = {shown(layers)}: must be a list, top layer first")
+            raise StackError(f"layers = {quoted(layers)}: must be a list, top layer first")
         layers = list(layers)
-        if layers and base is None and isinstance(layers[-1], tuple(BASES.values())):
+        if layers and base is None and isinstance(layers[-1], Base):
             base = layers.pop()
         if len(layers) > MOST_LAYERS:
             raise StackError(f"layers has {len(layers)} entries: a stack must have at most {MOST_LAYERS}")
@@ -59,7 +61,7 @@ class Stack:
             raise StackError("layers = []: a stack must hold at least one layer or a base")
         for text, value in zip(self.texts, (name, category, source), strict=True):
             if not isinstance(value, str):
-                raise StackError(f"{text} = {shown(value)}: must be a text")
+                raise StackError(f"{text} = {quoted(value)}: must be a text")
             object.__setattr__(self, text, value)
         varying = [i for i, layer in enumerate(checked) if layer.varying]
         if len(varying) > 1:
@@ -84,6 +86,24 @@ class Stack:
     def hash(self) -> str:
         """Name of the stack's content: SHA-256 of the canonical form, hexadecimal."""
         return hashlib.sha256(self.canonical().encode()).hexdigest()
+
+    def turned(self) -> Stack:
+        """The layers upside down, on the same base."""
+        layers = [layer.turned() if isinstance(layer, Medium) else layer for layer in reversed(self.layers)]
+        albedos = [tuple(reversed(found)) if isinstance(layer, Medium) and layer.profile is not None else found
+                   for layer, found in zip(self.layers, self._albedos, strict=True)]
+        return self._derived(layers, self.base, reversed(albedos))
+
+    def with_facets(self, layers: Sequence[Medium | Interface], base: Base | None) -> Stack:
+        """The same stack with other facets: `layers` and `base` are its own but for the facets' width."""
+        return self._derived(layers, base, self._albedos)
+
+    def _derived(self, layers, base, albedos) -> Stack:
+        """A stack of parts that have been checked already, and whose albedos are known."""
+        derived = object.__new__(Stack)
+        for name, value in {**self.__dict__, "layers": tuple(layers), "base": base, "_albedos": tuple(albedos)}.items():
+            object.__setattr__(derived, name, value)
+        return derived
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
         """(albedo, tau) of a layer in one channel; the albedo that shows the layer's colour where that is given, and
@@ -166,11 +186,11 @@ class Stack:
         check_keys(data, {"schema", "layers", "base", *cls.texts}, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
-            raise StackError(f"schema = {shown(schema)}: must be {SCHEMA}")
+            raise StackError(f"schema = {quoted(schema)}: must be {SCHEMA}")
         if schema > SCHEMA:
-            raise StackError(f"schema = {shown(schema)}: must be at most {SCHEMA}; this stack needs a newer Lamina")
+            raise StackError(f"schema = {quoted(schema)}: must be at most {SCHEMA}; this stack needs a newer Lamina")
         if not isinstance(data["layers"], list):
-            raise StackError(f"layers = {shown(data['layers'])}: must be a list, top layer first")
+            raise StackError(f"layers = {quoted(data['layers'])}: must be a list, top layer first")
         layers = []
         for index, entry in enumerate(data["layers"]):
             path = f"layers[{index}]"
@@ -187,7 +207,8 @@ class Stack:
             elif is_text and kind == Interface.kind:
                 layers.append(_read(Interface, entry, path, {"name"}))
             else:
-                raise StackError(f"{path}.kind = {shown(kind)}: must be 'medium', 'interface', or a base at the bottom")
+                raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', or a base at the "
+                                 "bottom")
         base = data.get("base")
         texts = {text: data[text] for text in cls.texts if text in data}
         return cls(layers, None if base is None else _read_base(base, "base"), **texts)
@@ -219,7 +240,7 @@ class Stack:
                     yield from knot.quantities(f"layers[{index}].profile[{number}]")
         if self.base is not None:
             yield from _fields_of(self.base, "base")
-            if isinstance(self.base, HalfSpace):
+            if self.base.has_phase:
                 yield from self.base.phase.quantities("base.phase")
 
     def _find_albedos(self) -> tuple:
@@ -267,23 +288,23 @@ def _fields_of(thing, path):
 
 def _checked(thing, path):
     values = {q.name: q.check(getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
-    for name, allowed in thing.choices.items():
-        value = getattr(thing, name)
-        if type(value) is not type(allowed[0]) or value not in allowed:
-            words = " or ".join(json.dumps(choice) for choice in allowed)
-            raise StackError(f"{path}.{name} = {shown(value)}: must be {words}")
-    if hasattr(thing, "forms"):
+    for option in thing.options:
+        value = getattr(thing, option.name)
+        if type(value) is not type(option.values[0]) or value not in option.values:
+            words = " or ".join(json.dumps(choice) for choice in option.values)
+            raise StackError(f"{path}.{option.name} = {quoted(value)}: must be {words}")
+    if getattr(thing, "forms", ()):
         values.update(check_forms(thing, path))
     return replace(thing, **values)
 
 
 def _check_layer(layer, path: str) -> Medium | Interface:
-    if isinstance(layer, tuple(BASES.values())):
+    if isinstance(layer, Base):
         raise StackError(f"{path}.kind = '{layer.kind}': a base can only stand at the bottom")
     if not isinstance(layer, Medium | Interface):
-        raise StackError(f"{path} = {shown(layer)}: must be a layer")
+        raise StackError(f"{path} = {quoted(layer)}: must be a layer")
     if not isinstance(layer.name, str):
-        raise StackError(f"{path}.name = {shown(layer.name)}: must be a text")
+        raise StackError(f"{path}.name = {quoted(layer.name)}: must be a text")
     if isinstance(layer, Interface):
         return _checked(layer, path)
     return layer.checked(path)
@@ -292,10 +313,10 @@ def _check_layer(layer, path: str) -> Medium | Interface:
 def _check_base(base):
     if base is None:
         return None
-    if not isinstance(base, tuple(BASES.values())):
-        raise StackError(f"base = {shown(base)}: must be a base or none")
+    if not isinstance(base, Base):
+        raise StackError(f"base = {quoted(base)}: must be a base or none")
     base = _checked(base, "base")
-    if isinstance(base, HalfSpace):
+    if base.has_phase:
         base = replace(base, phase=check_phase(base.phase, "base.phase"))
     return base
 
@@ -309,14 +330,14 @@ def _given(thing) -> dict:
 def _plain(thing) -> dict:
     """JSON form of a base or an interface; choices that are the usual ones are left out."""
     entry = {"kind": thing.kind, **_given(thing), **_unusual(thing)}
-    if isinstance(thing, HalfSpace):
+    if thing.has_phase:
         entry["phase"] = thing.phase.to_json()
     return entry
 
 
 def _unusual(thing) -> dict:
     """Choices that are not the usual ones: what is new stays out of the hashes of what was before."""
-    return {name: getattr(thing, name) for name, allowed in thing.choices.items() if getattr(thing, name) != allowed[0]}
+    return {one.name: getattr(thing, one.name) for one in thing.options if getattr(thing, one.name) != one.values[0]}
 
 
 def _canonical(thing, channels: int) -> dict:
@@ -325,7 +346,7 @@ def _canonical(thing, channels: int) -> dict:
     for quantity in thing.fields:
         value = getattr(thing, quantity.name)
         entry[quantity.name] = [to_plain(channel(value, c)) for c in range(channels)]
-    if isinstance(thing, HalfSpace):
+    if thing.has_phase:
         entry["phase"] = thing.phase.canonical(channels)
     return entry
 
@@ -344,9 +365,9 @@ def _read_medium(entry, path: str) -> Medium:
 def _read_base(entry, path: str):
     kind = read_kind(entry, path)
     if not isinstance(kind, str) or kind not in BASES:
-        raise StackError(f"{path}.kind = {shown(kind)}: must be one of {', '.join(BASES)}")
+        raise StackError(f"{path}.kind = {quoted(kind)}: must be one of {', '.join(BASES)}")
     values = dict(entry)
-    phase = values.pop("phase", None) if kind == HalfSpace.kind else None
+    phase = values.pop("phase", None) if BASES[kind].has_phase else None
     base = _read(BASES[kind], values, path)
     return base if phase is None else replace(base, phase=read_phase(phase, f"{path}.phase"))
 
@@ -355,6 +376,6 @@ def _read(cls, entry, path: str, optional: set[str] = frozenset()):
     """An interface or a base from its JSON object; what has a usual value may be left out."""
     names = {quantity.name for quantity in all_fields(cls)}
     usual = {field.name for field in fields(cls) if field.default is not MISSING}
-    allowed = {"kind", *names, *cls.choices, *optional}
+    allowed = {"kind", *names, *(option.name for option in cls.options), *optional}
     check_keys(entry, allowed, path, required=names - usual)
     return cls(**{key: value for key, value in entry.items() if key != "kind"})

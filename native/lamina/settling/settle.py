@@ -17,13 +17,13 @@ import numpy as np
 
 from ..common.arguments import check_seed, check_threads
 from ..common.progress import Progress, portion, stepper
+from ..kinds.dust import Settling
+from ..kinds.substances import extinction_of
 from . import embree
 from .corners import corners_of, moved_off_edges
 from .mesh import Mesh, Points, check_points, checked_mesh, vertex_points
-from .settings import Settling
 from .sky import OFFSET, Laid, Sky
 from .statistics import Statistics, Sums
-from .substances import extinction_of
 from .texels import TexelMap, spread
 
 BLOCK = 1 << 18  # points at a time: memory for a block only

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.progress import Progress, portion
+from ..kinds.dust import Settling
 from . import balance, embree
 from .balance import FallFrame
 from .mesh import Mesh, Points, common_frame, unit_normals, used_vertices
 from .patches import patches
-from .settings import Settling
 
 CHUNK_RAYS = 1 << 21  # between two looks at `cancel`
 # Rays start this far off the surface, relative to its size: a hundred roundings of single precision, and less than a

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..kinds.dust import Settling
 from .balance import Forward
-from .settings import Settling
 
 KEEPS_ALL = 0.95  # of the grains, from which on an occluder is named
 

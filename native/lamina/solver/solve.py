@@ -19,9 +19,12 @@ from ..common.arguments import (
     finite_array,
     finite_list,
 )
-from ..common.errors import ArgumentError, SolveError, shown
-from ..material.fields import channel
-from ..material.layers import TAU, Conductor, HalfSpace, Interface, Lambert, Medium
+from ..common.errors import ArgumentError, SolveError, quoted
+from ..kinds.bases import Conductor, HalfSpace, Lambert
+from ..kinds.boundaries import Interface
+from ..kinds.fields import channel
+from ..kinds.media import TAU
+from ..material.layers import Medium
 from ..material.profile import THICKNESS
 from ..material.stack import Stack
 
@@ -82,7 +85,7 @@ def core_stack(stack: Stack, index: int):
     entries = []
     for number, layer in enumerate(stack.layers):
         if isinstance(layer, Interface):
-            entries.append((_core.Interface, (channel(layer.ior, index), *_facets(layer, index))))
+            entries.append((_core.Interface, (channel(layer.ior, index), _facets(layer, index), layer.compensate)))
         elif layer.profile is not None and layer.optics(index)[1] > 0.0:
             entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
         else:
@@ -90,22 +93,18 @@ def core_stack(stack: Stack, index: int):
     if isinstance(stack.base, HalfSpace):
         endless = (channel(stack.base.albedo, index), math.inf, *stack.base.phase.in_channel(index))
         entries.append((_core.Medium, endless))
-    base = (_core.Base.none, ())
+    base: tuple = ("none",)
     if isinstance(stack.base, Conductor):
-        metal = (*stack.indices(index), *_facets(stack.base, index))
-        base = (_core.Base.conductor, metal)
+        base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index), stack.base.compensate)
     elif stack.base is not None:
-        # Black is a Lambert surface that reflects nothing; an endless medium lets nothing reach its end.
-        reflectance = stack.base.reflectance if isinstance(stack.base, Lambert) else 0.0
-        base = (_core.Base.lambert, (channel(reflectance, index),))
-    make, arguments = base
-    return (tuple(entries), base), [kind(*values) for kind, values in entries], make(*arguments)
+        base = stack.base.in_channel(index)
+    name, *parameters = base
+    return (tuple(entries), base), [kind(*values) for kind, values in entries], getattr(_core.Base, name)(*parameters)
 
 
-def _facets(surface: Interface | Conductor, index: int) -> tuple:
-    """Microfacet parameters in one channel, as the core takes them."""
-    alpha = channel(surface.alpha, index)
-    return alpha, surface.distribution, surface.correlated, surface.compensate
+def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
+    """The surface's facets in one channel."""
+    return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated)
 
 
 def _solve_channel(core: _core.Stack, tolerance: float, pool, nodes: int | None) -> _core.Solution:
@@ -247,7 +246,7 @@ class ScatteringFunction:
         self._check_below(_core.Path.reflect, side)
         if isinstance(mu0, str):
             if mu0 != "diffuse":
-                raise ArgumentError(f"mu0 = {shown(mu0)}: must be a cosine in (0, 1] or 'diffuse'")
+                raise ArgumentError(f"mu0 = {quoted(mu0)}: must be a cosine in (0, 1] or 'diffuse'")
             def call(s):
                 f = s.diffuse_fluxes(where, self._pool)
                 return np.array([f.reflected[0], f.mirrored[0], f.transmitted[0], f.direct[0]])

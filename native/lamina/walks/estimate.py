@@ -51,11 +51,10 @@ class Query:
         if self.side == "bottom" or (self.path == "transmit" and self.mu_o is not None):
             stack.require_air_below()
 
-    def arguments(self) -> tuple:
-        """As the core's factories of walks take it: mu_o, mu_i, dphi, side, path, flux."""
+    def target(self) -> _core.WalkTarget:
+        """The same quantity for the core."""
         mu_o = self.mu_i if self.mu_o is None else self.mu_o
-        return float(mu_o), float(self.mu_i), float(self.dphi), side_of(self.side), path_of(self.path), \
-            self.mu_o is None
+        return _core.WalkTarget(mu_o, self.mu_i, self.dphi, side_of(self.side), path_of(self.path), self.mu_o is None)
 
 
 @dataclass(frozen=True)
@@ -79,15 +78,15 @@ class Estimate:
 
 
 def _transfer(core, query: Query, pool):
-    return _core.transfer_walk(core, *query.arguments()), 0.0
+    return _core.transfer_walk(core, query.target()), 0.0
 
 
 def _adding(core, query: Query, pool):
-    return _core.adding_walk(core, *query.arguments(), pool)
+    return _core.adding_walk(core, query.target(), pool)
 
 
 def _scattering(core, query: Query, pool):
-    return _core.scattering_walk(core, *query.arguments()), 0.0
+    return _core.scattering_walk(core, query.target()), 0.0
 
 
 METHODS = {"scattering": _scattering, "transfer": _transfer, "adding": _adding}
@@ -158,7 +157,7 @@ def blocks_of(samples: int | None, target_error: float | None = None) -> int:
         check_number(target_error, "target_error", "must lie in (0, 1)", lambda error: 0.0 < error < 1.0)
     if samples is None:
         samples = SAMPLES if target_error is None else MOST_SAMPLES
-    return -(-check_whole(samples, "samples", 1, MOST_SAMPLES, "from 1 to 2^40") // BLOCK)
+    return -(-check_whole(samples, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^40") // BLOCK)
 
 
 def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step):

@@ -14,7 +14,7 @@ from pathlib import Path
 from ..common import json_file
 from ..common.arguments import check_kind, check_seed, check_whole
 from ..common.atomic import write_atomically
-from ..common.errors import ArgumentError, ShardError, clipped, shown
+from ..common.errors import ArgumentError, ShardError, clipped, quoted
 from ..common.progress import Progress, stepper
 from ..material.stack import Stack
 from ..solver.solve import check_stack, thread_pool
@@ -64,10 +64,10 @@ def merge(parts: Sequence[dict], names: Sequence[str] | None = None) -> Estimate
     """The estimate of all parts of a job, in any sequence; `seconds` is not known (NaN). Parts and names go
     together. Raises ShardError when parts are missing, twice there, damaged, or of different jobs."""
     if not isinstance(parts, Sequence) or isinstance(parts, str) or not parts:
-        raise ShardError(f"parts = {shown(parts)}: must be a list of at least one part")
+        raise ShardError(f"parts = {quoted(parts)}: must be a list of at least one part")
     names = [f"parts[{k}]" for k in range(len(parts))] if names is None else names
     if not isinstance(names, Sequence) or len(names) != len(parts):
-        raise ShardError(f"names = {shown(names)}: must be a list of {len(parts)} names, one a part")
+        raise ShardError(f"names = {quoted(names)}: must be a list of {len(parts)} names, one a part")
     for part, name in zip(parts, names, strict=True):
         _check_part(part, name)
         _check_together(part, name, parts[0], names[0])
@@ -88,12 +88,12 @@ def merge(parts: Sequence[dict], names: Sequence[str] | None = None) -> Estimate
 
 def _checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
     if not isinstance(shard, tuple | list) or len(shard) != 2:
-        raise ArgumentError(f"shard = {shown(shard)}: must be a pair (i, n)")
+        raise ArgumentError(f"shard = {quoted(shard)}: must be a pair (i, n)")
     try:
         count = check_whole(shard[1], "n", 1, MOST_PARTS)
         return check_whole(shard[0], "i", 1, count), count
     except ArgumentError:
-        where = "/".join(map(shown, shard))
+        where = "/".join(map(quoted, shard))
         raise ArgumentError(f"shard = {where}: must be i/n with 1 <= i <= n <= 2^20") from None
 
 
@@ -102,23 +102,23 @@ def _check_part(part, name: str) -> None:
     if not isinstance(part, dict) or set(part) != _KEYS:
         raise ShardError(f"{name}: not a part of an estimate")
     if not isinstance(part["schema"], int) or part["schema"] != SCHEMA:
-        raise ShardError(f"{name}: schema = {shown(part['schema'])}: must be {SCHEMA}")
+        raise ShardError(f"{name}: schema = {quoted(part['schema'])}: must be {SCHEMA}")
     if not isinstance(part["job"], dict) or set(part["job"]) != _JOB:
         raise ShardError(f"{name}: not a whole part of an estimate")
     for key, value in part["job"].items():
         if value is not None and not isinstance(value, str) and not _is_finite(value):
-            raise ShardError(f"{name}: job.{key} = {shown(value)}: must be a text or a finite number")
+            raise ShardError(f"{name}: job.{key} = {quoted(value)}: must be a text or a finite number")
     try:
         number, count = _checked_shard(part["shard"])
         blocks = check_whole(part["job"]["blocks"], "job.blocks", 1, blocks_of(None, 0.5))
     except ArgumentError as error:
         raise ShardError(f"{name}: {error}") from None
     if not _is_finite(part["table_error"]) or part["table_error"] < 0.0:
-        raise ShardError(f"{name}: table_error = {shown(part['table_error'])}: must be a number from 0")
+        raise ShardError(f"{name}: table_error = {quoted(part['table_error'])}: must be a number from 0")
     channels, chunks = part["channels"], chunks_in(blocks)
     first, last = (number - 1) * chunks // count, number * chunks // count
     if not isinstance(channels, list) or not channels:
-        raise ShardError(f"{name}: channels = {shown(channels)}: must be a list of at least one channel")
+        raise ShardError(f"{name}: channels = {quoted(channels)}: must be a list of at least one channel")
     for index, tallies in enumerate(channels):
         if not isinstance(tallies, list) or len(tallies) != last - first:
             raise ShardError(f"{name}: channels[{index}]: must be a list of {last - first} tallies")
@@ -130,22 +130,22 @@ def _check_part(part, name: str) -> None:
 def _check_tally(tally, samples: int, path: str) -> None:
     """Raises ShardError unless it is the (sum, squares, largest, count, events) of that many samples."""
     if not isinstance(tally, list) or len(tally) != 5 or not all(map(_is_finite, tally)):
-        raise ShardError(f"{path} = {shown(tally)}: must be five finite numbers")
+        raise ShardError(f"{path} = {quoted(tally)}: must be five finite numbers")
     _, squares, _, count, events = tally
     if squares < 0.0:
         raise ShardError(f"{path}[1] = {squares:g}: a sum of squares must not be negative")
     if count != samples:
-        raise ShardError(f"{path}[3] = {shown(count)}: must be {samples}, the number of samples")
+        raise ShardError(f"{path}[3] = {quoted(count)}: must be {samples}, the number of samples")
     if not isinstance(events, int) or events < 0:
-        raise ShardError(f"{path}[4] = {shown(events)}: must be a whole number of events from 0")
+        raise ShardError(f"{path}[4] = {quoted(events)}: must be a whole number of events from 0")
 
 
 def _check_together(part: dict, name: str, first: dict, first_name: str) -> None:
     """Raises ShardError unless both are parts of one job."""
     for key, value in first["job"].items():
         if part["job"][key] != value:
-            raise ShardError(f"{name}: {key} = {shown(part['job'][key])} but {first_name} has {shown(value)}: parts of "
-                             "different jobs cannot be merged")
+            raise ShardError(f"{name}: {key} = {quoted(part['job'][key])} but {first_name} has {quoted(value)}: parts "
+                             "of different jobs cannot be merged")
     number, of = part["shard"]
     if of != first["shard"][1]:
         raise ShardError(f"{name}: part {number} of {of}, but {first_name} is one of {first['shard'][1]}")

@@ -75,7 +75,7 @@ def test_mass_makes_thickness_by_the_extinction_of_the_dust(dust, lamina):
 
 
 def test_every_dust_of_the_panel_is_one_of_the_package(addon, lamina):
-    from lamina.settling.substances import DUSTS
+    from lamina.kinds.substances import DUSTS
 
     assert [name for name, *_ in addon.properties.dust_properties.SUBSTANCES] == list(DUSTS)
 

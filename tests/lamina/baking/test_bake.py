@@ -185,3 +185,18 @@ def test_a_varying_layer_has_a_row_for_each_thickness():
             shape = lobes.by_id(name).evaluate(mu_o[:, None, None], mu[:, None], dphi).mean(axis=2)
             reached += lut.weights[0, index, row, :60] * (math.pi * shape @ wx)[:, None]
         assert reached == pytest.approx(exact, rel=1e-3)
+
+
+def test_a_stack_is_checked_once(monkeypatch):
+    """Facets taken as smooth, the view from below and the clean row are stacks that need no second check."""
+    colour = Medium(color=0.5, tau=1.0, phase=HenyeyGreenstein(0.5))
+    sheets = [Stack([lamina.Interface(1.5, alpha=0.01), colour, lamina.Interface(1.0)]),
+              Stack([Medium(albedo=0.8, tau=1.0, varying=True)], lamina.Conductor(0.2, 3.0, alpha=0.02))]
+    before = [lamina.bake(stack, "preview", nodes=8, row_stride=32).weights for stack in sheets]
+
+    def refuse(*_, **__):
+        raise AssertionError("checked again")
+
+    monkeypatch.setattr(Stack, "__init__", refuse)
+    for stack, weights in zip(sheets, before, strict=True):
+        assert np.array_equal(lamina.bake(stack, "preview", nodes=8, row_stride=32).weights, weights)

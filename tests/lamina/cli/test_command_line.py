@@ -197,3 +197,34 @@ def test_interrupting_a_bake(folder, wait_for):
     assert process.wait(timeout=60) == 130
     assert b"interrupted; nothing was written" in shown and b"Traceback" not in shown
     assert files(folder) == {"old.npz"} and Path("old.npz").read_bytes() == b"an earlier bake"
+
+
+COMMANDS = {
+    "bake": ["bake", "missing.json", "-o", "out.npz"],
+    "export": ["export", "missing.json", "-o", "out.npz"],
+    "estimate": ["estimate", "missing.json", "--mu-i", "0.5"],
+    "dust": ["dust", "missing.ply", "-o", "out.npz"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(("flag", "text", "rule"), [
+    ("--threads", "5000", "must be a whole number from 0 (all) to 1024"),
+    ("--threads", "-1", "must be a whole number from 0 (all) to 1024"),
+    ("--threads", "x", "must be a whole number from 0 (all) to 1024"),
+    ("--seed", "-1", "must be a whole number from 0 to 2^64 - 1"),
+    ("--seed", "x", "must be a whole number from 0 to 2^64 - 1"),
+    ("--seed", str(1 << 64), "must be a whole number from 0 to 2^64 - 1"),
+])
+def test_threads_and_seeds_have_one_rule(command, flag, text, rule, capsys):
+    """Exit code 2, before any file is looked for; what draws no random numbers has no seed."""
+    try:
+        code = main([*COMMANDS[command], flag, text])
+    except SystemExit as ended:
+        code = ended.code
+    told = capsys.readouterr().err
+    assert code == 2 and told.startswith("lamina: ") and told.count("\n") == 1
+    if flag == "--seed" and command in ("bake", "export"):
+        assert "unrecognized arguments: --seed" in told
+    else:
+        assert f"{text}: {rule}" in told

@@ -105,12 +105,12 @@ def check_scattering_walk(stack, walk):
 
 @pytest.mark.parametrize("stack, words", [
     (Stack([Interface(1.5), SILT]), "boundaries"),
-    (Stack([Medium(albedo=0.5, tau=math.inf)]), "media without end"),
+    (Stack([Medium(albedo=0.5, tau=math.inf)]), "infinitely thick media"),
     (Stack([SILT], Conductor(0.4, 2.5)), "metals"),
     (Stack([], Lambert(0.5)), "a stack without media"),
 ])
 def test_what_the_scattering_walk_does_not_know(stack, words):
-    with pytest.raises(StackError, match=f"method = 'scattering': .* do not know {words}: .*; 'transfer' knows all"):
+    with pytest.raises(StackError, match=f"method = 'scattering': .* do not support {words}: .*; use 'transfer'"):
         lamina.estimate(stack, 0.5, 0.5, 0.0, "scattering", 4096)
 
 

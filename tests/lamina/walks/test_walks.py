@@ -81,7 +81,7 @@ def test_simpler_next_events_estimate_the_same(next_event):
     truth = lamina.solve(SLAB, threads=1).brdf(0.5, 0.5, math.pi / 2)[0]
     for stack in (SLAB, Stack([*SLAB.layers, Interface(1.0)])):
         _, layers, base = core_stack(stack, 0)
-        walk = _core.transfer_walk(_core.Stack(layers, base), *lamina.Query(0.5, 0.5, math.pi / 2).arguments(),
+        walk = _core.transfer_walk(_core.Stack(layers, base), lamina.Query(0.5, 0.5, math.pi / 2).target(),
                                    getattr(_core.NextEvent, next_event))
         total, squares, _, count, _ = _core.run_walk(walk, 5, 0, 40, pool)
         mean = total / count
@@ -162,9 +162,9 @@ def test_the_scattering_walk_finds_the_solved_value(g):
 
 
 def test_stacks_that_the_scattering_walk_does_not_know():
-    for stack, more, words in [(Stack([Interface(1.5)], Lambert(0.5)), {}, ".* do not know boundaries"),
-                               (Stack([hg(0.9, 1.0, 0.0)]), {"path": "transmit"}, "knows the BRDF from above"),
-                               (Stack([hg(0.9, 1.0, 0.0)]), {"side": "bottom"}, "knows the BRDF from above")]:
+    for stack, more, words in [(Stack([Interface(1.5)], Lambert(0.5)), {}, ".* do not support boundaries"),
+                               (Stack([hg(0.9, 1.0, 0.0)]), {"path": "transmit"}, "estimates only the BRDF from above"),
+                               (Stack([hg(0.9, 1.0, 0.0)]), {"side": "bottom"}, "estimates only the BRDF from above")]:
         with pytest.raises(StackError, match=f"method = 'scattering': {words}"):
             lamina.estimate(stack, 0.5, 0.5, method="scattering", **more)
 

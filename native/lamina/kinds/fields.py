@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checked numbers: every physical quantity of a stack is one number or one a channel, within a range."""
+"""Checked numbers: every physical quantity of a stack is one number or one a channel, within a range.
+
+A Field is a quantity, a Form a set of quantities that together describe a thing, an Option a choice."""
 
 from __future__ import annotations
 
@@ -8,23 +10,38 @@ import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..common.errors import StackError, clipped, shown
+from .errors import StackError, clipped, quoted
+from .panel import Item, Panel
 
 Channels = float | Sequence[float]
 
 
 @dataclass(frozen=True)
 class Field:
-    """A quantity's name, range and the words that say so. `infinite`: infinity is allowed as well.
-    `optional`: a form is whole without it."""
+    """A quantity: its name, its range [low, high] and its unit. `open_ended`: the ends do not belong to the range.
+    `infinite`: infinity is allowed as well. `optional`: a form is whole without it. `rule`: the range in words, if
+    others than those made of the numbers. `panel`: how the panel shows it, None where it does not."""
 
     name: str
     low: float
     high: float
-    rule: str
+    unit: str = ""
     open_ended: bool = False
     infinite: bool = False
     optional: bool = False
+    rule: str = ""
+    panel: Panel | None = None
+
+    def __post_init__(self):
+        if not self.rule:
+            ends = "()" if self.open_ended else "[]"
+            span = f"{ends[0]}{_end(self.low)}, {_end(self.high)}{ends[1]}"
+            object.__setattr__(self, "rule", f"must lie in {span} {self.unit}".rstrip())
+
+    @property
+    def prop(self) -> str:
+        """The name of the add-on's property."""
+        return self.panel.prop or self.name
 
     def check(self, value, path: str) -> float | tuple[float, ...]:
         """`value` as a float or a tuple of floats, one a channel.
@@ -44,9 +61,9 @@ class Field:
             items = [math.inf if isinstance(item, str) and item == "inf" else item for item in value]
             for index, item in enumerate(items):
                 if isinstance(item, bool) or not isinstance(item, numbers.Real):
-                    raise StackError(f"{path}[{index}] = {shown(item)}: must be a number")
+                    raise StackError(f"{path}[{index}] = {quoted(item)}: must be a number")
             return tuple(self._check_number(_to_float(x, path), f"{path}[{i}]") for i, x in enumerate(items))
-        raise StackError(f"{path} = {shown(value)}: must be a number or one number a channel")
+        raise StackError(f"{path} = {quoted(value)}: must be a number or one number a channel")
 
     def _check_number(self, number: float, path: str) -> float:
         if self.infinite and number == math.inf:
@@ -55,6 +72,37 @@ class Field:
         if not math.isfinite(number) or not inside:
             raise StackError(f"{path} = {repr(number).removesuffix('.0')}: {self.rule}")
         return number + 0.0  # -0.0 and 0.0 are one value
+
+
+@dataclass(frozen=True)
+class Form:
+    """Quantities that together describe a thing. `item`: the form as an entry of the panel's list. `local`: those of
+    a medium that may change with depth."""
+
+    fields: tuple[Field, ...]
+    item: Item
+    local: tuple[Field, ...] = ()
+
+    def __iter__(self):
+        return iter(self.fields)
+
+
+@dataclass(frozen=True)
+class Option:
+    """A choice. `values`: those allowed, the usual one first. `items`: a text's entries in the panel's list.
+    `advanced`: in the folded part of the panel."""
+
+    name: str
+    values: tuple
+    label: str
+    tip: str
+    items: tuple[Item, ...] = ()
+    advanced: bool = False
+
+
+def _end(number: float) -> str:
+    """One end of a range, as sentences write it: 1e12, not 1e+12."""
+    return "infinity" if number == math.inf else f"{number:g}".replace("e+", "e")
 
 
 def _to_float(number: numbers.Real, path: str) -> float:
@@ -126,7 +174,7 @@ def check_table(value, path: str, low: float, high: float, rule: str, most: int)
     Raises StackError, naming `path`, for anything else."""
     value = value.tolist() if hasattr(value, "tolist") else value
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= most:
-        count = f" has {len(value)} entries" if isinstance(value, list | tuple) else f" = {shown(value)}"
+        count = f" has {len(value)} entries" if isinstance(value, list | tuple) else f" = {quoted(value)}"
         raise StackError(f"{path}{count}: must be a list of 1 to {most} numbers, or one list a channel")
     rows = [row.tolist() if hasattr(row, "tolist") else row for row in value]
     if isinstance(rows[0], list | tuple):
@@ -134,17 +182,17 @@ def check_table(value, path: str, low: float, high: float, rule: str, most: int)
             if not isinstance(row, list | tuple) or (row and isinstance(row[0], list | tuple)):
                 raise StackError(f"{path}[{index}]: must be a list of numbers")
         return tuple(check_table(row, f"{path}[{i}]", low, high, rule, most) for i, row in enumerate(rows))
-    number = Field(path, low, high, rule)
+    number = Field(path, low, high, rule=rule)
     for index, item in enumerate(rows):
         if isinstance(item, bool) or not isinstance(item, numbers.Real):
-            raise StackError(f"{path}[{index}] = {shown(item)}: must be a number")
+            raise StackError(f"{path}[{index}] = {quoted(item)}: must be a number")
     return tuple(number.check(item, f"{path}[{index}]") for index, item in enumerate(rows))
 
 
 def check_keys(entry, allowed: set[str], path: str, required: set[str] = frozenset()) -> None:
     """Raises StackError unless `entry` is a JSON object with all required and no other than allowed keys."""
     if not isinstance(entry, Mapping):
-        raise StackError(f"{path} = {shown(entry)}: must be a JSON object")
+        raise StackError(f"{path} = {quoted(entry)}: must be a JSON object")
     for key in entry:
         if key not in allowed:
             raise StackError(f"{path}.{clipped(str(key))}: unknown key; known are {', '.join(sorted(allowed))}")
@@ -156,7 +204,7 @@ def check_keys(entry, allowed: set[str], path: str, required: set[str] = frozens
 def read_kind(entry, path: str) -> str:
     """The entry's "kind". Raises StackError when there is none."""
     if not isinstance(entry, Mapping):
-        raise StackError(f"{path} = {shown(entry)}: must be a JSON object")
+        raise StackError(f"{path} = {quoted(entry)}: must be a JSON object")
     if "kind" not in entry:
         raise StackError(f"{path}.kind is missing: must be given")
     return entry["kind"]

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender properties made of the descriptions in `kinds`."""
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+
+from ..base import changes
+
+# Attributes of a Panel and what Blender calls them.
+_MORE = {
+    "soft_min": "soft_low",
+    "soft_max": "soft_high",
+    "step": "step",
+    "precision": "precision",
+    "subtype": "subtype",
+}
+
+
+def having(properties):
+    """A class decorator: the class has these properties too, given as {name: property}.
+
+    Not by statements in the body of the class, where Python 3.14 no longer has `__annotations__`."""
+
+    def decorate(cls):
+        cls.__annotations__ = {**cls.__annotations__, **properties}
+        return cls
+
+    return decorate
+
+
+def number(field, update=changes.edited):
+    """The property of a Field: a number, or three where its panel says rgb."""
+    default = field.panel.default
+    if not field.panel.rgb:
+        return FloatProperty(default=default, **_settings(field, update))
+    default = default if isinstance(default, tuple) else (default,) * 3
+    return FloatVectorProperty(size=3, default=default, **_settings(field, update))
+
+
+def per_channel(field, description, update=changes.edited):
+    """The property of red, green and blue beside that of a Field with one number."""
+    settings = {**_settings(field, update), "description": description}
+    return FloatVectorProperty(size=3, default=(field.panel.default,) * 3, **settings)
+
+
+def dust_number(option, default):
+    """The property of a DustOption; `default`: the settling's own, where the panel has no other."""
+    panel = option.panel
+    default = default if panel.default is None else panel.default
+    if option.switch:
+        return BoolProperty(name=panel.label, description=panel.tip, default=default, options=set())
+    kind = IntProperty if option.whole else FloatProperty
+    return kind(default=default, **_settings(option, None))
+
+
+def choice(name, items, description, default=None, update=changes.edited):
+    """A list of choices; `items` as Blender takes them."""
+    default = items[0][0] if default is None else default
+    return EnumProperty(
+        name=name, description=description, items=items, default=default, update=update, options=set()
+    )
+
+
+def switch(name, description, default=False, update=changes.edited):
+    return BoolProperty(name=name, description=description, default=default, update=update, options=set())
+
+
+def option(described):
+    """The property of an Option: a list of choices, or a switch."""
+    usual = described.values[0]
+    if described.items:
+        return choice(described.label, entries(described.items), described.tip, usual)
+    return switch(described.label, described.tip, usual)
+
+
+def entries(items):
+    """Items as Blender takes them."""
+    return tuple(item.entry for item in items)
+
+
+def _settings(field, update):
+    panel = field.panel
+    more = {ours: getattr(panel, theirs) for ours, theirs in _MORE.items()}
+    return {
+        "name": panel.label,
+        "description": panel.tip,
+        "min": field.low if panel.low is None else panel.low,
+        "max": field.high if panel.high is None else panel.high,
+        "options": set(),
+        **{name: value for name, value in more.items() if value is not None},
+        **({} if update is None else {"update": update}),
+    }

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Binds stacks and their parts: media, facets, interfaces and bases.
+#include <pybind11/stl.h>
+
+#include <tuple>
+
+#include "bindings.hpp"
+#include "matter/graded_sublayers.hpp"
+#include "matter/stack.hpp"
+#include "solve/sublayer_choice.hpp"
+
+namespace py = pybind11;
+
+namespace {
+
+using namespace lamina;
+
+Medium make_medium(double albedo, double tau, const std::string& phase, const py::args& parameters) {
+  return {albedo, tau, make_phase(phase, parameters)};
+}
+
+Facets make_facets(double alpha, const std::string& distribution, bool correlated) {
+  if (distribution != "ggx" && distribution != "beckmann") {
+    throw py::value_error("distribution = '" + distribution + "': must be 'ggx' or 'beckmann'");
+  }
+  return {alpha, distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann, correlated};
+}
+
+auto fields(const Facets& facets) {
+  return std::make_tuple(facets.alpha, static_cast<int>(facets.distribution), facets.correlated);
+}
+
+void bind_parts(py::module_& module) {
+  py::class_<Medium>(module, "Medium").def(py::init(&make_medium), py::arg("albedo"), py::arg("tau"), py::arg("phase"));
+
+  py::class_<Facets>(module, "Facets", "The facets of a rough surface; alpha 0 is smooth. Equal by value, hashable.")
+      .def(py::init(&make_facets), py::arg("alpha") = 0.0, py::arg("distribution") = "ggx",
+           py::arg("correlated") = true)
+      .def(
+          "__eq__", [](const Facets& a, const Facets& b) { return fields(a) == fields(b); }, py::is_operator())
+      .def("__hash__", [](const Facets& facets) { return py::hash(py::cast(fields(facets))); });
+
+  py::class_<Interface>(module, "Interface")
+      .def(py::init(
+               [](double ior, const Facets& facets, bool compensate) { return Interface{ior, facets, compensate}; }),
+           py::arg("ior"), py::arg("facets") = make_facets(0.0, "ggx", true), py::arg("compensate") = true);
+}
+
+void bind_bases(py::module_& module) {
+  py::class_<Base>(module, "Base")
+      .def_static("none", [] { return Base{}; })
+      .def_static("lambert",
+                  [](double reflectance) { return Base{.kind = Base::Kind::kLambert, .reflectance = reflectance}; })
+      .def_static(
+          "conductor",
+          [](double eta, double k, const Facets& facets, bool compensate) {
+            return Base{.kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets, .compensate = compensate};
+          },
+          py::arg("eta"), py::arg("k"), py::arg("facets") = make_facets(0.0, "ggx", true),
+          py::arg("compensate") = true);
+}
+
+void bind_sublayers(py::module_& module) {
+  module.def(
+      "sublayers_of", [](const GradedMedium& medium, double coarseness) { return sublayers_of(medium, coarseness); },
+      py::arg("medium"), py::arg("coarseness"), "The homogeneous sublayers that replace a graded medium.");
+  module.def(
+      "count_sublayers",
+      [](const Stack& stack, double tolerance, ThreadPool& pool) {
+        return resolved_sublayers(stack, tolerance, pool).stack.layers.size();
+      },
+      py::arg("stack"), py::arg("tolerance"), py::arg("pool"), "The number of layers of the stack as it is solved.");
+}
+
+}  // namespace
+
+void lamina::bind_stack(py::module_& module) {
+  bind_parts(module);
+  bind_bases(module);
+  py::class_<Stack>(module, "Stack")
+      .def(py::init([](std::vector<Layer> layers, const Base& base) { return Stack{std::move(layers), base}; }),
+           py::arg("layers"), py::arg("base") = Base{});
+  bind_sublayers(module);
+}

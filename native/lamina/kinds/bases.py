@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What lies below the layers. No base at all is a thin sheet.
+
+A new base is a class here, with its name in __all__, KINDS and IN_PANEL, and its reflection in the core."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from dataclasses import field as member
+
+from .boundaries import ALPHA, FACETS
+from .fields import Channels, Field, Form, Option, channel
+from .media import ALBEDO
+from .panel import Item, Panel
+from .phases import Isotropic, PhaseFunction
+
+__all__ = ["Black", "Conductor", "HalfSpace", "Lambert"]
+
+
+class Base:
+    """`fields`: quantities; `forms`: sets of quantities of which one describes the base; `options`: choices;
+    `item`: the kind as an entry of the panel's list. `has_phase`: the base is a medium, with a member `phase`."""
+
+    kind = ""
+    fields: tuple[Field, ...] = ()
+    forms: tuple[Form, ...] = ()
+    options: tuple[Option, ...] = ()
+    item: Item
+    has_phase = False
+    form_prop = ""  # the add-on's property that says which form is given
+
+    def in_channel(self, index: int) -> tuple:
+        """(name, parameters...) of one channel, as the core makes a base of them."""
+        return (self.kind, *(channel(getattr(self, quantity.name), index) for quantity in self.fields))
+
+
+@dataclass(frozen=True)
+class Lambert(Base):
+    """An ideally diffuse surface of the given reflectance, [0, 1]. `textured`: the baked material takes it as an
+    input, of which this is the usual value."""
+
+    reflectance: Channels
+    textured: bool = False
+
+    kind = "lambert"
+    fields = (Field("reflectance", 0.0, 1.0, panel=Panel(
+        "Reflectance", "Share of the light that the surface reflects, per channel", 0.5, rgb=True, subtype="COLOR")),)
+    options = (Option("textured", (False, True), "Base Colour from Input",
+                      "Give the node group a base colour input, for a texture; bakes take longer"),)
+    item = Item(kind, "Diffuse Surface", "A matte opaque surface of the given colour", 1)
+
+
+@dataclass(frozen=True)
+class Conductor(Base):
+    """A metal: its complex refractive index `eta` + i `k`, or the two colours from which the stack finds it,
+    `facing`, the reflectance at normal incidence, and `grazing`, that at 82 degrees from the normal, both in
+    [0, 1] and in air. Numbers, or one a channel; facets as of an Interface."""
+
+    eta: Channels | None = None
+    k: Channels | None = None
+    alpha: float = 0.0
+    distribution: str = "ggx"
+    compensate: bool = True
+    correlated: bool = True
+    facing: Channels | None = None
+    grazing: Channels | None = None
+
+    kind = "conductor"
+    # Defaults of the panel: what a metal's numbers are in a file that never set them.
+    forms = (
+        Form((
+            Field("eta", 1e-3, 100.0, panel=Panel(
+                "Index n", "Real part of the refractive index", (0.2141, 0.4547, 1.332), precision=3, rgb=True,
+                words="index n")),
+            Field("k", 0.0, 100.0, panel=Panel(
+                "Extinction k", "Imaginary part of the refractive index", (3.251, 2.406, 1.869), precision=3, rgb=True,
+                words="extinction k")),
+        ), Item("indices", "Index", "By the complex refractive index, per channel", 0)),
+        Form((
+            Field("facing", 0.0, 1.0, panel=Panel(
+                "Facing", "What the metal reflects straight back", (0.929, 0.77, 0.403), rgb=True, subtype="COLOR",
+                words="facing colour")),
+            Field("grazing", 0.0, 1.0, panel=Panel(
+                "Grazing", "What the metal reflects at a grazing view, 82 degrees", (0.946, 0.875, 0.677), rgb=True,
+                subtype="COLOR", words="grazing colour")),
+        ), Item("colours", "Colours", "By the colours that it shows facing and grazing", 1)),
+    )
+    form_prop = "metal_form"
+    fields = (ALPHA,)
+    options = FACETS
+    item = Item(kind, "Metal", "A metal, by its refractive index or by its colours", 4)
+
+
+@dataclass(frozen=True)
+class Black(Base):
+    """Absorbs all that reaches it."""
+
+    kind = "black"
+    item = Item(kind, "Black", "A surface that absorbs all light", 2)
+
+    def in_channel(self, index: int) -> tuple:
+        return Lambert.kind, 0.0
+
+
+@dataclass(frozen=True)
+class HalfSpace(Base):
+    """A medium without end."""
+
+    albedo: Channels
+    phase: PhaseFunction = member(default_factory=Isotropic)
+
+    kind = "half-space"
+    fields = (ALBEDO,)
+    has_phase = True
+    item = Item(kind, "Deep Medium", "A medium without bottom: soil, snow, thick paint", 3)
+
+    def in_channel(self, index: int) -> tuple:
+        """Of the surface below the endless medium, which no light reaches."""
+        return Lambert.kind, 0.0
+
+
+NONE = Item("none", "None (Thin Sheet)", "Nothing below: light also leaves through the back", 0)
+KINDS = (Lambert, Black, HalfSpace, Conductor)
+IN_PANEL = (Lambert, Conductor, Black, HalfSpace)  # in this order, after NONE
+BASES = {cls.kind: cls for cls in KINDS}

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Boundaries between dielectrics, and the facets of rough surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .fields import Channels, Field, Option
+from .panel import Item, Panel
+
+ALPHA = Field("alpha", 0.0, 1.0, panel=Panel(
+    "Alpha", "Microfacet width: roughness squared", 0.0, step=1, precision=4,
+    words="microfacet width (roughness squared)"))
+IOR = Field("ior", 1.0, 4.0, panel=Panel(
+    "IOR", "Refractive index of all that lies below, down to the next interface", 1.5, step=1, precision=3,
+    words="IOR"))
+DISTRIBUTION = Option("distribution", ("ggx", "beckmann"), "Distribution", "How the slopes of the facets are spread", (
+    Item("ggx", "GGX", "Facets with a narrow peak and long tails: most real surfaces", 0),
+    Item("beckmann", "Beckmann", "Facets without tails: ground glass, some varnishes", 1)))
+COMPENSATE = Option("compensate", (True, False), "Keep Energy",
+                    "Give back the light that facets which scatter it only once would lose", advanced=True)
+CORRELATED = Option("correlated", (True, False), "Correlated Masking",
+                    "Facets hidden from one side are more often hidden from the other too", advanced=True)
+FACETS = (DISTRIBUTION, COMPENSATE, CORRELATED)
+
+
+@dataclass(frozen=True)
+class Interface:
+    """A boundary between two dielectrics. `ior`: absolute refractive index of all that lies below it, down to
+    the next interface, [1, 4]; above the first one is air, and a sheet seen from both sides ends with one of
+    ior 1. `alpha`: microfacet width, [0, 1], 0 is smooth. `compensate`: give back the energy that facets
+    which scatter once lose to shadowing. `correlated`: height-correlated masking, else the product of both
+    directions' (the older form that some renderers use)."""
+
+    ior: Channels
+    alpha: float = 0.0
+    distribution: str = "ggx"
+    compensate: bool = True
+    correlated: bool = True
+    name: str = ""
+
+    kind = "interface"
+    fields = (IOR, ALPHA)
+    options = FACETS
+    has_phase = False
+    varying = False
+    item = Item(kind, "Interface", "A boundary that reflects and refracts: the surface of varnish, glass, water", 1,
+                icon="MESH_PLANE")

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The errors of bad descriptions, and how a sentence quotes a value."""
+
+from __future__ import annotations
+
+import reprlib
+
+LONGEST = 60  # characters of one value in a sentence
+
+
+class StackError(ValueError):
+    """A stack that cannot be: names the field, its value and the allowed range."""
+
+
+class DustError(ValueError):
+    """Dust that cannot settle: names the field, its value and the allowed range."""
+
+
+class _Short(reprlib.Repr):
+    """Python's own form of a value, with the middle left out where that is long."""
+
+    def __init__(self):
+        super().__init__()
+        self.maxstring = self.maxlong = self.maxother = LONGEST
+
+    def repr_int(self, x, level):
+        try:
+            return super().repr_int(x, level)
+        except ValueError:  # Python refuses to write out thousands of digits
+            return f"a number of {x.bit_length()} bits"
+
+
+def quoted(value) -> str:
+    """A value for a sentence: on one line and about LONGEST characters long at most."""
+    return clipped(_Short().repr(value))
+
+
+def clipped(text: str) -> str:
+    """A text on one line, with the middle left out where it is long."""
+    if len(text) > 2 * LONGEST:
+        text = f"{text[:LONGEST]}...{text[-LONGEST // 2:]}"
+    return " ".join(text.split())

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Metals: a table by name, and the complex index behind two colours."""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache, lru_cache
+from importlib.resources import files
+
+GRAZING = math.cos(math.radians(82.0))  # the angle at which Hoffman (2019) gives a metal its second colour
+
+
+@cache
+def table() -> dict:
+    """{name: {facing, grazing, source}}: metals.json, which tools/metal_colours.py computes from published spectra."""
+    return json.loads(files(__package__).joinpath("metals.json").read_text(encoding="utf-8"))
+
+
+def reflectance(mu: float, eta: float, k: float) -> float:
+    """Fresnel reflectance of a metal in air for unpolarised light at cosine `mu`."""
+    index = complex(eta, k) ** 2
+    inside = (index - (1.0 - mu * mu)) ** 0.5
+    across, along = (mu - inside) / (mu + inside), (index * mu - inside) / (index * mu + inside)
+    return 0.5 * (abs(across) ** 2 + abs(along) ** 2)
+
+
+def _extinction(facing: float, eta: float) -> float:
+    """k of a metal of that reflectance at normal incidence (Gulbrandsen 2014)."""
+    return math.sqrt(max(0.0, (facing * (eta + 1.0) ** 2 - (eta - 1.0) ** 2) / (1.0 - facing)))
+
+
+@lru_cache(maxsize=1024)
+def _ends(facing: float) -> tuple[float, float, float]:
+    """(facing, least eta, largest eta): those with a real k, inside what a Conductor may have. A perfect
+    mirror is no metal of finite index; it is taken as one that lacks a millionth."""
+    facing = min(facing, 1.0 - 1e-6)
+    root = math.sqrt(facing)
+    low, high = max((1.0 - root) / (1.0 + root), 1e-3), min((1.0 + root) / (1.0 - root), 100.0)
+    if _extinction(facing, high) > 100.0:
+        high = _bisect(lambda eta: _extinction(facing, eta) <= 100.0, low, high)
+    return facing, low, high
+
+
+def grazing_range(facing: float) -> tuple[float, float]:
+    """(least, largest) reflectance at 82 degrees of metals of that facing colour; it falls as eta grows."""
+    facing, low, high = _ends(facing)
+    return tuple(reflectance(GRAZING, eta, _extinction(facing, eta)) for eta in (high, low))
+
+
+@lru_cache(maxsize=4096)
+def indices(facing: float, grazing: float) -> tuple[float, float]:
+    """(eta, k) of the metal of these two reflectances, to 12 digits."""
+    facing, low, high = _ends(facing)
+    eta = _bisect(lambda eta: reflectance(GRAZING, eta, _extinction(facing, eta)) >= grazing, low, high)
+    return float(f"{eta:.12g}"), float(f"{_extinction(facing, eta):.12g}")
+
+
+def _bisect(holds, low: float, high: float) -> float:
+    """The largest number in [low, high] for which `holds(number)` is true; it is true at `low`."""
+    if holds(high):
+        return high
+    while high - low > 1e-15 * high:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low

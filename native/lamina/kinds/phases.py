@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Phase functions that numbers describe: how a medium turns light. The core evaluates them.
+
+A new one is a class here, with its name in __all__, KINDS and IN_PANEL, and its C++ type in the core. Tables and
+mixtures of phase functions: see lamina.material.phase."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from .fields import Channels, Field, channel, check_keys, to_plain
+from .panel import Item, Panel
+
+__all__ = ["CornetteShanks", "DoubleHenyeyGreenstein", "Draine", "HenyeyGreenstein", "Isotropic", "Rayleigh"]
+
+LARGEST_G = 0.99  # of the panel's sliders
+
+
+def _anisotropy(name: str, label: str, default: float, tip: str) -> Field:
+    panel = Panel(label, tip, default, low=-LARGEST_G, high=LARGEST_G, step=1, precision=3, words=label.lower())
+    return Field(name, -1.0, 1.0, open_ended=True, panel=panel)
+
+
+G = _anisotropy("g", "Anisotropy", 0.6, "Forward (above 0) or backward (below 0) scattering; for Henyey-Greenstein "
+                "the mean cosine")
+
+
+class PhaseFunction:
+    """What every phase function can do, for those that numbers alone, `fields`, describe.
+
+    `item`: the kind as an entry of the panel's list; None for a kind that the panel does not edit."""
+
+    kind = ""
+    fields: tuple[Field, ...] = ()
+    item: Item | None = None
+
+    def checked(self, path: str):
+        """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
+        return replace(self, **{q.name: q.check(getattr(self, q.name), f"{path}.{q.name}") for q in self.fields})
+
+    def quantities(self, path: str):
+        """(path, value) of everything that may have channels."""
+        for quantity in self.fields:
+            yield f"{path}.{quantity.name}", getattr(self, quantity.name)
+
+    def in_channel(self, index: int) -> tuple:
+        """(kind, parameters...) of one channel, as the core takes them."""
+        return (self.kind, *(channel(getattr(self, q.name), index) for q in self.fields))
+
+    def to_json(self) -> dict:
+        """A plain object; read_phase reads it back."""
+        return {"kind": self.kind, **{q.name: to_plain(getattr(self, q.name)) for q in self.fields}}
+
+    def canonical(self, channels: int) -> dict:
+        """The same with every quantity repeated for each channel."""
+        spread = {q.name: [channel(getattr(self, q.name), c) for c in range(channels)] for q in self.fields}
+        return {"kind": self.kind, **spread}
+
+    @classmethod
+    def read(cls, entry, path: str):
+        """From a plain object. Raises StackError for missing and unknown keys; values are checked later."""
+        names = {q.name for q in cls.fields}
+        check_keys(entry, {"kind", *names}, path, required=names)
+        return cls(**{name: entry[name] for name in names})
+
+
+@dataclass(frozen=True)
+class Isotropic(PhaseFunction):
+    """Equal scattering into all directions."""
+
+    kind = "isotropic"
+    item = Item(kind, "Isotropic", "Light leaves a particle in all directions alike", 0)
+
+
+@dataclass(frozen=True)
+class HenyeyGreenstein(PhaseFunction):
+    """Henyey and Greenstein (1941). `g`, the mean cosine, in (-1, 1), a number or one a channel."""
+
+    g: Channels
+
+    kind = "hg"
+    fields = (G,)
+    item = Item(kind, "Henyey-Greenstein", "Forward or backward scattering, set by the anisotropy", 1)
+
+
+@dataclass(frozen=True)
+class DoubleHenyeyGreenstein(PhaseFunction):
+    """Two Henyey-Greenstein lobes, weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965): most often one forward
+    and a weak one back. `g1`, `g2` in (-1, 1), `weight` in [0, 1]; numbers or one a channel."""
+
+    g1: Channels
+    g2: Channels
+    weight: Channels
+
+    kind = "double-hg"
+    fields = (
+        _anisotropy("g1", "First Anisotropy", 0.8, "Anisotropy of the first lobe"),
+        _anisotropy("g2", "Second Anisotropy", -0.3, "Anisotropy of the second lobe"),
+        Field("weight", 0.0, 1.0, panel=Panel("Weight", "Share of the first lobe", 0.9, step=1, precision=3)),
+    )
+    item = Item(kind, "Double Henyey-Greenstein", "Two lobes: most often one forward and a weak one back", 3,
+                words="double Henyey-Greenstein")
+
+
+@dataclass(frozen=True)
+class Rayleigh(PhaseFunction):
+    """Scattering by particles much smaller than the wavelength, unpolarised: 3/4 (1 + cos^2)."""
+
+    kind = "rayleigh"
+    item = Item(kind, "Rayleigh", "Particles much smaller than the wavelength: haze, smoke", 2)
+
+
+@dataclass(frozen=True)
+class CornetteShanks(PhaseFunction):
+    """Cornette and Shanks (1992): turns from Rayleigh scattering at g = 0 into a forward lobe. `g` in (-1, 1),
+    a number or one a channel; the mean cosine is 3 g (4 + g^2) / (5 (2 + g^2))."""
+
+    g: Channels
+
+    kind = "cornette-shanks"
+    fields = (G,)
+    item = Item(kind, "Cornette-Shanks", "From Rayleigh scattering at 0 into a forward lobe", 5)
+
+
+@dataclass(frozen=True)
+class Draine(PhaseFunction):
+    """Draine (2003): Henyey-Greenstein times 1 + alpha cos^2, normalised. `g` in (-1, 1), `alpha` in [0, 1000];
+    numbers or one a channel. alpha 0 is Henyey-Greenstein, alpha 1 Cornette-Shanks; droplets of fog and cloud
+    are well served by a Mixture of this and Henyey-Greenstein (Jendersie and d'Eon 2023)."""
+
+    g: Channels
+    alpha: Channels
+
+    kind = "draine"
+    fields = (G, Field("alpha", 0.0, 1000.0, panel=Panel(
+        "Alpha", "0 is Henyey-Greenstein, 1 is Cornette-Shanks", 1.0, soft_high=10.0, step=10, precision=3,
+        slider=False, prop="draine_alpha")))
+    item = Item(kind, "Draine", "Henyey-Greenstein with more light forward and back: dust, droplets", 4)
+
+
+KINDS = (Isotropic, HenyeyGreenstein, Rayleigh, DoubleHenyeyGreenstein, Draine, CornetteShanks)
+IN_PANEL = (Isotropic, HenyeyGreenstein, DoubleHenyeyGreenstein, Rayleigh, CornetteShanks, Draine)  # in this order
+USUAL = HenyeyGreenstein  # what a new medium has in the panel
