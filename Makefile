@@ -128,9 +128,8 @@ build/stamps/embree: tools/build_embree.sh build/stamps/system
 
 # Incremental: CMake compiles what has changed since the last wheel.
 define build_wheel
-rm -f $(WHEEL)
-$(RUN) $(PIP) wheel --no-deps --no-build-isolation -w build/wheels .
-$(RUN) $(PIP) install --no-deps --force-reinstall $(WHEEL)
+rm -f $(WHEEL) && $(RUN) $(PIP) wheel --no-deps --no-build-isolation -w build/wheels . \
+  && $(RUN) $(PIP) install --no-deps --force-reinstall $(WHEEL)
 endef
 
 # The wheel without dust's rays, unless Embree is there already.
@@ -140,7 +139,8 @@ build/stamps/native: build/stamps/venv $(NATIVE_SOURCES)
 	@touch $@
 
 build/stamps/wheel: build/stamps/embree build/stamps/native
-	@if [ build/stamps/embree -nt build/stamps/native ]; then echo "Adding dust's rays to the wheel"; $(build_wheel); fi
+	@if [ build/stamps/embree -nt build/stamps/native ]; then \
+	  echo "Adding dust's rays to the wheel"; $(build_wheel); fi
 	@touch $@
 
 build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)

@@ -7,6 +7,7 @@
 
 PYBIND11_MODULE(_core, module) {
   lamina::require_processor();
+  module.attr("__version__") = LAMINA_VERSION;
   lamina::bind_threads(module);
   lamina::bind_phase(module);
   lamina::bind_stack(module);

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
-from . import colours, dust, export, lobes, metals, ply, presets, rgl
+from . import _core, colours, dust, export, lobes, metals, ply, presets, rgl
 from .baking.bake import bake
 from .baking.lut import Lut
 from .common.errors import (
@@ -29,6 +29,8 @@ from .material.stack import Stack
 from .solver.solve import ScatteringFunction, solve
 from .walks.estimate import Estimate, Query, estimate
 from .walks.estimate_searchlight import SearchlightEstimate, SearchlightQuery, estimate_searchlight
+
+__version__ = _core.__version__  # of pyproject.toml
 
 __all__ = [
     *_bases.__all__,

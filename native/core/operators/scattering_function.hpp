@@ -13,46 +13,23 @@ struct ScatteringFunction {
   DirectionOperator transmit;       ///< T: from above to below; its transpose is T', from below to above
   DirectionOperator reflect_below;  ///< R': from below to below
 
-  ScatteringFunction reversed() const { return {reflect_below, transmit.transposed(), reflect_above}; }
+  ScatteringFunction reversed() const;
 
   /// A black layer.
   static ScatteringFunction nothing(Eigen::Index size, Eigen::Index nodes,
-                                    Eigen::Index views = DirectionOperator::kAllTargets) {
-    return {DirectionOperator::zero(size, nodes, views), DirectionOperator::zero(size, nodes, views),
-            DirectionOperator::zero(size, nodes, views)};
-  }
+                                    Eigen::Index views = DirectionOperator::kAllTargets);
 
   /// Zero delta parts and empty kernels, for lists of targets that are too long for kernels.
-  static ScatteringFunction bare(Eigen::Index size, Eigen::Index nodes) {
-    const DirectionOperator none{Eigen::MatrixXd(), Eigen::VectorXd::Zero(size), nodes};
-    return {none, none, none};
-  }
+  static ScatteringFunction bare(Eigen::Index size, Eigen::Index nodes);
 
   /// A copy with zero kernels.
-  ScatteringFunction with_zero_kernels() const {
-    ScatteringFunction s = *this;
-    for (DirectionOperator* part : {&s.reflect_above, &s.transmit, &s.reflect_below}) {
-      part->kernel.setZero(part->delta.size(), part->delta.size());
-    }
-    return s;
-  }
+  ScatteringFunction with_zero_kernels() const;
 
   /// No layer: light passes unchanged.
-  static ScatteringFunction empty(const Directions& directions) {
-    ScatteringFunction s = nothing(directions.size(), directions.nodes, directions.views);
-    s.transmit.delta.setOnes();
-    return s;
-  }
+  static ScatteringFunction empty(const Directions& directions);
 
   /// An opaque Lambert surface seen from above. Its kernel is constant, so only azimuth order 0 has one.
-  static ScatteringFunction lambert(double reflectance, int order, const Directions& directions) {
-    ScatteringFunction s = nothing(directions.size(), directions.nodes, directions.views);
-    if (order == 0) {
-      s.reflect_above.kernel =
-          directions.spread((reflectance * directions.scale * directions.scale.transpose()).eval());
-    }
-    return s;
-  }
+  static ScatteringFunction lambert(double reflectance, int order, const Directions& directions);
 };
 
 }  // namespace lamina

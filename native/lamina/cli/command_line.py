@@ -61,7 +61,7 @@ def main(argv: list[str] | None = None) -> int:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says in one sentence what is wrong with the words of a call."""
+    """A parser whose errors are one sentence."""
 
     def error(self, message: str):
         words = " ".join(clipped(word) for word in message.split())
@@ -173,7 +173,7 @@ def _merge(arguments: argparse.Namespace) -> int:
 
 
 def _print_estimate(found: Estimate | SearchlightEstimate, as_json: bool) -> None:
-    """Without times: the same samples are the same bytes."""
+    """Prints no times, so that equal estimates print equal bytes."""
     if isinstance(found, SearchlightEstimate):
         searchlight_command.show(found, as_json)
         return
@@ -230,7 +230,7 @@ def _presets(arguments: argparse.Namespace) -> int:
 
 
 def _layers(stack: Stack) -> str:
-    """What a stack is made of in a few words, top first."""
+    """Names of the layers and the base, top first."""
     words = [layer.name or layer.kind for layer in stack.layers]
     words.append("sheet" if stack.base is None else stack.base.kind)
     return " / ".join(words)
@@ -289,7 +289,7 @@ def _dust(arguments: argparse.Namespace) -> int:
 
 
 def _unwritable(output: Path) -> str:
-    """Why a file cannot be written there, better said before the work than after it, or ''."""
+    """Why a file cannot be written there, or ''; checked before the work starts."""
     if output.is_dir():
         return f"{output}: is a folder, must be a file's name"
     if not os.access(output.parent, os.W_OK):
@@ -303,7 +303,7 @@ def _fail(sentence: str, code: int) -> int:
 
 
 class _Progress:
-    """A line on standard error, rewritten on a terminal and otherwise repeated now and then."""
+    """A line of progress on standard error: rewritten on a terminal, otherwise repeated every two seconds."""
 
     EVERY = 2.0
 

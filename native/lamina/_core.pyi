@@ -1,0 +1,412 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Written by `make stubs` from the compiled module.
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import typing
+__all__: list[str] = ['Base', 'ClosureTable', 'Fluxes', 'GradedMedium', 'Interface', 'MAX_CLOSURES', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'ScatteringWalk', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'adding_walk', 'count_slices', 'guided_transfer_walk', 'joined_media', 'run_walk', 'scattering_ode', 'scattering_walk', 'slices', 'slices_of', 'solve', 'solve_at', 'solve_roughly', 'transfer_walk']
+class ThreadPool:
+    """
+    Threads for the core's calls; 0: one a hardware thread.
+    """
+    def __init__(self, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+        ...
+    @property
+    def threads(self) -> int:
+        ...
+class PhaseFunction:
+    """
+    A phase function, by kind and parameters.
+    """
+    def __init__(self, kind: str, *args) -> None:
+        ...
+    def evaluate(self, cosine: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        4 pi p(cosine): the mean is 1.
+        """
+    def moment(self, order: typing.Annotated[numpy.typing.ArrayLike, numpy.int32]) -> typing.Any:
+        """
+        The Legendre moment chi_order.
+        """
+    def pdf(self, cosine: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        Density of sample over the cosine.
+        """
+    def sample(self, u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+        """
+        The cosine for u in [0, 1).
+        """
+    @property
+    def peak(self) -> float:
+        ...
+class Medium:
+    def __init__(self, albedo: typing.SupportsFloat | typing.SupportsIndex, tau: typing.SupportsFloat | typing.SupportsIndex, phase: str, *args) -> None:
+        ...
+class Interface:
+    def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True, compensate: bool = True) -> None:
+        ...
+class Base:
+    @staticmethod
+    def conductor(eta: typing.SupportsFloat | typing.SupportsIndex, k: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True, compensate: bool = True) -> Base:
+        ...
+    @staticmethod
+    def lambert(arg0: typing.SupportsFloat | typing.SupportsIndex) -> Base:
+        ...
+    @staticmethod
+    def none() -> Base:
+        ...
+class Stack:
+    def __init__(self, layers: collections.abc.Sequence[Medium | Interface | ...], base: Base = ...) -> None:
+        ...
+class SolveChecks:
+    @property
+    def azimuth(self) -> float:
+        ...
+    @property
+    def energy(self) -> float:
+        ...
+    @property
+    def negativity(self) -> float:
+        ...
+    @property
+    def phase(self) -> float:
+        ...
+    @property
+    def quadrature(self) -> float:
+        ...
+    @property
+    def reciprocity(self) -> float:
+        ...
+    @property
+    def resolution(self) -> float:
+        ...
+class Side:
+    """
+    Members:
+
+      top
+
+      bottom
+    """
+    __members__: typing.ClassVar[dict[str, Side]]
+    bottom: typing.ClassVar[Side]
+    top: typing.ClassVar[Side]
+    @typing.overload
+    def __eq__(self, other: Side) -> bool:
+        ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> int:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __index__(self) -> int:
+        ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __int__(self) -> int:
+        ...
+    @typing.overload
+    def __ne__(self, other: Side) -> bool:
+        ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def value(self) -> int:
+        ...
+class Path:
+    """
+    Members:
+
+      reflect
+
+      transmit
+    """
+    __members__: typing.ClassVar[dict[str, Path]]
+    reflect: typing.ClassVar[Path]
+    transmit: typing.ClassVar[Path]
+    @typing.overload
+    def __eq__(self, other: Path) -> bool:
+        ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> int:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __index__(self) -> int:
+        ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __int__(self) -> int:
+        ...
+    @typing.overload
+    def __ne__(self, other: Path) -> bool:
+        ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def value(self) -> int:
+        ...
+class Fluxes:
+    @property
+    def direct(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def mirrored(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def reflected(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def transmitted(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+class Solution:
+    def diffuse_fluxes(self, side: Side, pool: ThreadPool) -> Fluxes:
+        ...
+    def fluxes(self, side: Side, mu: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> Fluxes:
+        ...
+    def grid(self, side: Side, path: Path, mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def points(self, side: Side, path: Path, mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def with_reflectance(self, reflectance: typing.SupportsFloat | typing.SupportsIndex) -> Solution:
+        ...
+    def with_thickness(self, layer: typing.SupportsInt | typing.SupportsIndex, tau: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> Solution:
+        ...
+    @property
+    def checks(self) -> SolveChecks:
+        ...
+    @property
+    def node_cosines(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def node_weights(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def nodes(self) -> int:
+        ...
+    @property
+    def orders(self) -> int:
+        ...
+class SliceTarget:
+    @property
+    def albedo(self) -> float:
+        ...
+    @property
+    def column(self) -> int:
+        ...
+    @property
+    def norm2(self) -> float:
+        ...
+class SelectionOptions:
+    def __init__(self) -> None:
+        ...
+    @property
+    def closures(self) -> int:
+        ...
+    @closures.setter
+    def closures(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def overshoot(self) -> int:
+        ...
+    @overshoot.setter
+    def overshoot(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def penalty(self) -> list[float]:
+        ...
+    @penalty.setter
+    def penalty(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def swap_passes(self) -> int:
+        ...
+    @swap_passes.setter
+    def swap_passes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def target_error(self) -> float:
+        ...
+    @target_error.setter
+    def target_error(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def worst_share(self) -> float:
+        ...
+    @worst_share.setter
+    def worst_share(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class Selection:
+    @property
+    def closures(self) -> list[int]:
+        ...
+    @property
+    def mean_error(self) -> float:
+        ...
+    @property
+    def worst_error(self) -> float:
+        ...
+class ClosureTable:
+    def __init__(self, values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], solid_angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        ...
+    def fit(self, targets: collections.abc.Sequence[SliceTarget], chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], pool: ThreadPool) -> tuple:
+        ...
+    def select(self, targets: collections.abc.Sequence[SliceTarget], options: SelectionOptions, candidates: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], fixed: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], pool: ThreadPool) -> Selection:
+        ...
+    def targets(self, slices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> list[SliceTarget]:
+        ...
+class Walk:
+    pass
+class NextEvent:
+    """
+    Members:
+
+      from_both_ends
+
+      fitting
+
+      along_flight
+
+      at_collision
+    """
+    __members__: typing.ClassVar[dict[str, NextEvent]]
+    along_flight: typing.ClassVar[NextEvent]
+    at_collision: typing.ClassVar[NextEvent]
+    fitting: typing.ClassVar[NextEvent]
+    from_both_ends: typing.ClassVar[NextEvent]
+    @typing.overload
+    def __eq__(self, other: NextEvent) -> bool:
+        ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> int:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __index__(self) -> int:
+        ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __int__(self) -> int:
+        ...
+    @typing.overload
+    def __ne__(self, other: NextEvent) -> bool:
+        ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def value(self) -> int:
+        ...
+class GradedMedium:
+    """
+    A slab whose albedo times phase function is linear between knots.
+    """
+    @staticmethod
+    def homogeneous(albedo: typing.SupportsFloat | typing.SupportsIndex, tau: typing.SupportsFloat | typing.SupportsIndex, phase: str, *args) -> GradedMedium:
+        ...
+    def __init__(self, knots: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex, tuple]]) -> None:
+        ...
+    def over(self, reflectance: typing.SupportsFloat | typing.SupportsIndex) -> GradedMedium:
+        """
+        The same on a Lambert surface.
+        """
+    @property
+    def tau(self) -> float:
+        ...
+class ScatteringWalk:
+    def __init__(self, medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, walk: str = 'auto', seed: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def pilot_events(self) -> int:
+        ...
+    @property
+    def pilot_samples(self) -> int:
+        ...
+    @property
+    def walk(self) -> Walk:
+        """
+        For run_walk.
+        """
+def adding_walk(stack: Stack, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side, path: Path, flux: bool, pool: ThreadPool) -> tuple[Walk, float]:
+    """
+    The walk and the error of its tables.
+    """
+def count_slices(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> int:
+    """
+    Layers of the stack as it is solved.
+    """
+def guided_transfer_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex) -> Walk:
+    """
+    A photon walk in a homogeneous slab guided by the adjoint internal field of a coarse solution.
+    """
+def joined_media(stack: Stack) -> GradedMedium:
+    """
+    The media of a stack, and its Lambert base, as one.
+    """
+def run_walk(walk: Walk, seed: typing.SupportsInt | typing.SupportsIndex, first_block: typing.SupportsInt | typing.SupportsIndex, last_block: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> tuple[float, float, float, int, int]:
+    """
+    (sum, squares, largest, count, events) of blocks of WALK_BLOCK samples.
+    """
+def scattering_ode(medium: GradedMedium, mu: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], pool: ThreadPool, nodes: typing.SupportsInt | typing.SupportsIndex = 32, tolerance: typing.SupportsFloat | typing.SupportsIndex = 1e-08) -> dict:
+    """
+    The differential form: brdf and btdf [mu_o, mu_i, dphi], fluxes by mu_i.
+    """
+def scattering_walk(stack: Stack, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side, path: Path, flux: bool = False) -> Walk:
+    ...
+def slices(solutions: collections.abc.Sequence[Solution], sights: collections.abc.Sequence[tuple[Side, Path]], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> tuple:
+    ...
+def slices_of(medium: ..., coarseness: typing.SupportsFloat | typing.SupportsIndex) -> list[Medium]:
+    """
+    Homogeneous slices that stand for a graded medium.
+    """
+def solve(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> Solution:
+    ...
+def solve_at(stack: Stack, nodes: typing.SupportsInt | typing.SupportsIndex, azimuth_tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool, thinnest: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> Solution:
+    """
+    Solves at a stated resolution, without refinement; the checks tell what it is worth.
+    """
+def solve_roughly(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, nodes: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> Solution:
+    ...
+def transfer_walk(stack: Stack, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side, path: Path, flux: bool = False, next_event: NextEvent = ...) -> Walk:
+    ...
+MAX_CLOSURES: int = 24
+WALK_BLOCK: int = 4096
