@@ -82,8 +82,15 @@ std::vector<Medium> resolved_slices(const GradedMedium& medium, double tolerance
 
 SlicedStack::SlicedStack(const Stack& given, double tolerance, ThreadPool& pool) {
   stack.base = given.base;
+  double ior = 1.0;
   for (const Layer& layer : given.layers) {
     first.push_back(stack.layers.size());
+    if (const auto* interface = std::get_if<Interface>(&layer)) {
+      if (interface->ior == ior) {
+        continue;
+      }
+      ior = interface->ior;
+    }
     const auto* graded = std::get_if<GradedMedium>(&layer);
     if (graded == nullptr) {
       stack.layers.push_back(layer);

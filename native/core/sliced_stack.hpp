@@ -8,10 +8,12 @@
 
 namespace lamina {
 
-/// A stack whose graded layers have been replaced by homogeneous slices.
+/// A stack as it is solved: graded layers are replaced by homogeneous slices, and interfaces between media of one
+/// index, which reflect and deflect nothing, are left out.
 struct SlicedStack {
   Stack stack;
-  std::vector<std::size_t> first;  ///< by layer of the stack as it was given: its first slice; one past all at the end
+  std::vector<std::size_t> first;  ///< by layer of the stack as it was given: its first slice, or the next
+                                   ///< layer's where it is left out; one past all at the end
   std::vector<double> share;       ///< by slice: of its layer's thickness
 
   /// As many slices as graded layers need for values good to `tolerance`, relative, at cosines >= .05: each layer alone

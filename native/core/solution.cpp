@@ -103,7 +103,7 @@ Solution Solution::refined_until_sound(Solution solution, ThreadPool& pool) {
 Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& pool) const {
   const std::size_t begin = sliced_.first.at(layer);
   const std::size_t end = sliced_.first.at(layer + 1);
-  if (!std::holds_alternative<Medium>(stack().layers[begin])) {
+  if (begin == end || !std::holds_alternative<Medium>(stack().layers[begin])) {
     throw std::invalid_argument("with_thickness: layer " + std::to_string(layer) + " is not a medium");
   }
   Solution other = *this;
