@@ -20,7 +20,7 @@ from .slices import Slices
 
 @dataclass(frozen=True)
 class Boundaries:
-    """What of a stack decides which closures are made to measure, see lamina.peaks: it may have no layer at all."""
+    """What of a stack decides which closures are made to measure, see narrow_lobes.closures; may lack layers."""
 
     layers: tuple
     base: object

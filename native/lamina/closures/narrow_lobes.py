@@ -47,7 +47,7 @@ def narrowest(stack: Stack) -> float | None:
     return min(widths) * (_refracted_share(stack) if _sees_through(stack) else 1.0)
 
 
-def closures(stack: Stack) -> list[str]:
+def closures(stack) -> list[str]:
     """Ids of closures for the lobes of a stack, of all boundaries of `resolved(stack)` that are rough."""
     ids: list[str] = []
     rough = _rough(stack)
