@@ -48,7 +48,7 @@ def narrowest(stack: Stack) -> float | None:
     return min(widths) * (_refracted_share(stack) if _sees_through(stack) else 1.0)
 
 
-def closures(stack: Stack) -> list[str]:
+def closures(stack) -> list[str]:
     """Ids of the closures made for the rough boundaries of `resolved(stack)`."""
     ids: list[str] = []
     rough = _rough(stack)

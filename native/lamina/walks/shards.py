@@ -155,4 +155,4 @@ def _check_together(part: dict, name: str, first: dict, first_name: str) -> None
 
 
 def _is_finite(value) -> bool:
-    return isinstance(value, numbers.Real) and not isinstance(value, bool) and abs(value) <= 1e300
+    return isinstance(value, numbers.Real) and not isinstance(value, bool) and abs(value) <= 1e300  # type: ignore[operator]  # numbers.Real
