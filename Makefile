@@ -27,6 +27,9 @@ NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name 
 	-o -name CMakeLists.txt) CMakeLists.txt pyproject.toml
 ADDON_SOURCES := $(shell find addon -type f -not -name '*.pyc')
 DOCS_SOURCES := $(shell find docs -type f) CHANGELOG.md tools/docs_math.py tools/docs_docstrings.py
+# Of tests/lamina, what `make check` runs: files without Blender that take seconds.
+SAMPLE := material solver/test_published_values.py solver/test_symmetries.py baking/test_lut.py cli walks/test_shards.py \
+	test_one_version.py test_stubs.py
 WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 
 .PHONY: demo check test lint docs bench study study-hard figures stubs sanitize fuzz wheel extension clean
@@ -114,7 +117,7 @@ build/stamps/venv: requirements/build.txt build/stamps/system
 
 build/stamps/blender: requirements/blender.txt build/stamps/venv
 	@echo "Installing Blender as a Python module into $(VENV) (400 MB, once)"
-	@$(RUN) $(PIP) install -r $<
+	@$(RUN) $(PIP) install --no-compile -r $<
 	@touch $@
 
 build/stamps/develop: requirements/develop.txt build/stamps/blender
@@ -134,7 +137,7 @@ endef
 
 # The wheel without dust's rays, unless Embree is there already.
 build/stamps/native: build/stamps/venv $(NATIVE_SOURCES)
-	@echo "Building Lamina's native wheel (about two minutes the first time)"
+	@echo "Building Lamina's native wheel (two to three minutes the first time)"
 	@$(build_wheel)
 	@touch $@
 

@@ -3,18 +3,17 @@
 
     python tools/choose_lobes.py [--count 35] [--every 1] [--limit 28]
 
-The pool holds some 340 closures of Cycles on a grid of their parameters. A dictionary is as good as the mixtures that
-can be made of it: its error is the mean over the stacks of tests/data/fit_stacks.json without boundaries, each fitted
-by the BEST closures that the bake would take, at preview quality and every sixth view. The choice is greedy: the
-closure that lowers this error most is added next. Gains hardly ever grow while closures are added, so that a closure
-whose last gain is below another's new one needs no look (lazy greedy; Minoux 1978).
+The pool holds 258 closures of Cycles: a grid over their parameters, and the shipped ones. A dictionary is as good
+as the mixtures that can be made of it: its error is the mean over the stacks of tests/data/fit_stacks.json without
+rough boundaries, each fitted by BEST closures of the dictionary, chosen as a bake chooses them, at preview quality and
+every sixth view. The choice is backward elimination, a greedy selection: of the closures in use, the one whose loss
+raises the error least is dropped next. Closures that no stack uses are dropped at once.
 
-This is not the script that found the shipped dictionary, which is lost: that was a backward elimination on random
-slabs. Prints the error with the whole pool, with each count of chosen closures, and with the shipped dictionary.
+The shipped dictionary was found in the same way on random slabs instead of these stacks. Prints the error with the
+whole pool, with the shipped dictionary, and with the closures that are left on the way down to `--count`.
 """
 
 import argparse
-import heapq
 import itertools
 import json
 import time
@@ -75,7 +74,7 @@ def targets_of(table, stack, grid, pool):
 
 
 def stacks(limit):
-    """The first stacks of the list that have media alone."""
+    """The first stacks of the list on a base and without facets."""
     found = []
     for entry in json.loads(STACKS.read_text(encoding="utf-8")):
         stack = Stack.from_json({key: value for key, value in entry.items() if key not in ("id", "blind")})
@@ -86,34 +85,42 @@ def stacks(limit):
 
 
 class Judge:
-    """The error of a dictionary: the mean over stacks of the error of the best mixture that can be made of it."""
+    """Mixtures of the BEST closures of a dictionary, for stacks by number."""
 
     def __init__(self, table, targets, count, pool):
         self._table, self._targets, self._pool = table, targets, pool
         self._options = _core.SelectionOptions()
         self._options.swap_passes = 0
         self._options.penalty = [1.0] * count
+        self.count = len(targets)
 
-    def __call__(self, candidates):
-        self._options.closures = min(BEST, len(candidates))
-        errors = [self._table.select(targets, self._options, list(candidates), [], self._pool).mean_error
-                  for targets in self._targets]
-        return float(np.mean(errors))
+    def __call__(self, stack, dictionary):
+        """(error, closures used) of the mixture for a stack."""
+        self._options.closures = min(BEST, len(dictionary))
+        found = self._table.select(self._targets[stack], self._options, sorted(dictionary), [], self._pool)
+        return found.mean_error, set(found.closures)
+
+    def error(self, dictionary):
+        """The mean error over all stacks."""
+        return float(np.mean([self(stack, dictionary)[0] for stack in range(self.count)]))
 
 
-def greedy(judge, count, wanted):
-    """(closure, error with all up to it) one after the other."""
-    chosen, error = [], 1.0
-    queue = [(-np.inf, 0, k) for k in range(count)]  # minus the gain, when it was found, the closure
-    heapq.heapify(queue)
-    while len(chosen) < wanted and queue:
-        gain, found, k = heapq.heappop(queue)
-        if found == len(chosen) and gain > -np.inf:
-            chosen.append(k)
-            error += gain
-            yield k, error
-        else:
-            heapq.heappush(queue, (judge([*chosen, k]) - error, len(chosen), k))
+def eliminate(judge, dictionary, wanted):
+    """(closures left, mean error) after each closure that is dropped, until `wanted` are left."""
+    mixtures = [judge(stack, dictionary) for stack in range(judge.count)]
+    left = set().union(*(used for _, used in mixtures))
+    yield left, float(np.mean([error for error, _ in mixtures]))
+    while len(left) > wanted:
+        trials = {}
+        for k in left:
+            trials[k] = {stack: judge(stack, left - {k})
+                         for stack, (_, used) in enumerate(mixtures) if k in used}
+        losses = {k: sum(new[0] - mixtures[stack][0] for stack, new in found.items()) for k, found in trials.items()}
+        least = min(sorted(losses), key=losses.get)
+        for stack, new in trials[least].items():
+            mixtures[stack] = new
+        left = left - {least}
+        yield left, float(np.mean([error for error, _ in mixtures]))
 
 
 def main():
@@ -127,13 +134,15 @@ def main():
     table = closure_table(made, grid)
     chosen_stacks = stacks(arguments.limit)
     judge = Judge(table, [targets_of(table, stack, grid, pool) for stack in chosen_stacks], len(made), pool)
-    print(f"{len(chosen_stacks)} stacks, {len(made)} closures; mean error of the best {BEST}:")
-    print(f"  whole pool            {judge(range(len(made))):.2%}")
     names = [lobe.id for lobe in made]
-    print(f"  shipped, {len(shipped):2d} closures  {judge([names.index(name) for name in shipped]):.2%}")
-    for number, (k, error) in enumerate(greedy(judge, len(made), arguments.count), start=1):
-        note = "" if names[k] not in shipped else "  (shipped)"
-        print(f"  {number:2d} chosen             {error:.2%}  {names[k]}{note}", flush=True)
+    print(f"{len(chosen_stacks)} stacks, {len(made)} closures; mean error of mixtures of {BEST}:")
+    print(f"  {len(made):3d}, the whole pool          {judge.error(range(len(made))):.2%}")
+    print(f"  {len(shipped):3d}, the shipped dictionary  {judge.error([names.index(name) for name in shipped]):.2%}")
+    for left, error in eliminate(judge, set(range(len(made))), arguments.count):
+        if len(left) % 10 == 0 or len(left) <= arguments.count:
+            print(f"  {len(left):3d} left                     {error:.2%}", flush=True)
+    kept = sorted(names[k] for k in left)
+    print(f"{sum(name in shipped for name in kept)} of these are shipped: {', '.join(kept)}")
     print(f"{time.perf_counter() - started:.0f} s")
 
 

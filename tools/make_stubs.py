@@ -4,6 +4,7 @@
 FOLDER: where _core.pyi and _mesh.pyi go; default native/lamina. The modules of the installed package are described.
 """
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -16,13 +17,16 @@ HEAD = "# SPDX-License-Identifier: GPL-3.0-or-later\n# Written by `make stubs` f
 
 def stub(module, folder):
     """The text of the stub of lamina.`module`; `folder` is for the tool's files."""
-    command = [sys.executable, "-m", "pybind11_stubgen", f"lamina.{module}", "-o", folder,
-               "--enum-class-locations", "Side:lamina._core", "--enum-class-locations", "Path:lamina._core"]
+    command = [sys.executable, "-m", "pybind11_stubgen", f"lamina.{module}", "-o", folder]
     done = subprocess.run(command, capture_output=True, text=True)
     written = Path(folder, "lamina", f"{module}.pyi")
     if done.returncode != 0 or not written.is_file():
         raise SystemExit(f"make_stubs: lamina.{module}: {done.stderr.strip().splitlines()[-1:]}")
-    lines = [line.rstrip() for line in written.read_text(encoding="utf-8").splitlines()]
+    text = written.read_text(encoding="utf-8")
+    # Types that the tool cannot name, and the version, which pyproject.toml states.
+    text = text.replace("| ...]", "| typing.Any]").replace("[...]", "[typing.Any]")
+    text = re.sub(r"^__version__: str = .*$", "__version__: str", text, flags=re.MULTILINE)
+    lines = [line.rstrip() for line in text.splitlines()]
     return HEAD + "\n".join(lines).strip() + "\n"
 
 

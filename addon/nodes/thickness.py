@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..base.messages import RefusedError
-from ..properties.dust_properties import ATTRIBUTE, BACK_ATTRIBUTE
+from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 from . import node_group
 from .side_graph import BACK, FRONT
 

@@ -31,10 +31,6 @@ TARGETS = (
     ("image", "Image", "A packed float image over a UV map, for a material of this object alone", 1),
 )
 
-ATTRIBUTE = "lamina_dust"
-BACK_ATTRIBUTE = "lamina_dust_back"  # dust on back faces, where dust lies on both sides
-
-
 _DEFAULTS = {member.name: member.default for member in dataclasses.fields(dust.Settling)}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from mathutils import kdtree
 
 from ..base.messages import RefusedError
-from ..properties.dust_properties import ATTRIBUTE, BACK_ATTRIBUTE
+from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 
 NEAR = 8  # nearest rendered vertices that are tried for a corner without one of its own behind modifiers
 ALIKE = 0.1  # by which the cosines of normals may differ

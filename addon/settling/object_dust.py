@@ -15,8 +15,8 @@ from mathutils import Vector
 from ..base import float_image, native
 from ..base.messages import RefusedError
 from ..kinds import dust as kinds
+from ..kinds.dust import ATTRIBUTE
 from ..nodes import thickness
-from ..properties.dust_properties import ATTRIBUTE
 from . import dust_attribute, geometry
 
 FINER = 3  # a note is added if modifiers make the mesh finer by this factor

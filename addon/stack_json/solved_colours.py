@@ -14,6 +14,7 @@ import threading
 import bpy
 
 from ..base import messages, native, redraw
+from ..kinds.limits import STACK_SCHEMA
 from . import stack_check, stack_write
 
 log = logging.getLogger(__name__)
@@ -57,7 +58,7 @@ def answer(what, text):
         return True
     lamina, colours = native.require(), native.part("colours")
     try:
-        stack = lamina.Stack.from_json({"schema": stack_write.JSON_SCHEMA, "layers": [json.loads(text)]})
+        stack = lamina.Stack.from_json({"schema": STACK_SCHEMA, "layers": [json.loads(text)]})
         albedos = tuple(stack.optics(0, channel)[0] for channel in range(stack.channels))
         if what == "albedo":
             return _triple(albedos)

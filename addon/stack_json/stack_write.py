@@ -10,16 +10,15 @@ import json
 from ..base.decimals import shortest
 from ..kinds import boundaries, media
 from ..kinds.bases import BASES
+from ..kinds.limits import STACK_SCHEMA
 from . import phases, profiles
-
-JSON_SCHEMA = 1
 
 
 def stack(settings):
     """The stack of a material's settings as plain JSON data, top layer first."""
     return {
         **_about(settings.about),
-        "schema": JSON_SCHEMA,
+        "schema": STACK_SCHEMA,
         "layers": [layer(one) for one in settings.layers],
         "base": base(settings.base),
     }

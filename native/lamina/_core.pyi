@@ -5,10 +5,10 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Fluxes', 'GradedMedium', 'Interface', 'MAX_CLOSURES', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'ScatteringWalk', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'adding_walk', 'count_slices', 'guided_transfer_walk', 'joined_media', 'run_walk', 'scattering_ode', 'scattering_walk', 'slices', 'slices_of', 'solve', 'solve_at', 'solve_roughly', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'MAX_CLOSURES', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'ScatteringWalk', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'guided_transfer_walk', 'joined_media', 'run_walk', 'scattering_ode', 'scattering_walk', 'slices', 'solve', 'solve_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
-    Threads for the core's calls; 0: one a hardware thread.
+    Threads for the core's calls; 0: one per hardware thread.
     """
     def __init__(self, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         ...
@@ -43,12 +43,22 @@ class PhaseFunction:
 class Medium:
     def __init__(self, albedo: typing.SupportsFloat | typing.SupportsIndex, tau: typing.SupportsFloat | typing.SupportsIndex, phase: str, *args) -> None:
         ...
+class Facets:
+    """
+    The facets of a rough surface; alpha 0 is smooth. Equal by value, hashable.
+    """
+    def __eq__(self, arg0: Facets) -> bool:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True) -> None:
+        ...
 class Interface:
-    def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True, compensate: bool = True) -> None:
+    def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ..., compensate: bool = True) -> None:
         ...
 class Base:
     @staticmethod
-    def conductor(eta: typing.SupportsFloat | typing.SupportsIndex, k: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True, compensate: bool = True) -> Base:
+    def conductor(eta: typing.SupportsFloat | typing.SupportsIndex, k: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ..., compensate: bool = True) -> Base:
         ...
     @staticmethod
     def lambert(arg0: typing.SupportsFloat | typing.SupportsIndex) -> Base:
@@ -57,29 +67,7 @@ class Base:
     def none() -> Base:
         ...
 class Stack:
-    def __init__(self, layers: collections.abc.Sequence[Medium | Interface | ...], base: Base = ...) -> None:
-        ...
-class SolveChecks:
-    @property
-    def azimuth(self) -> float:
-        ...
-    @property
-    def energy(self) -> float:
-        ...
-    @property
-    def negativity(self) -> float:
-        ...
-    @property
-    def phase(self) -> float:
-        ...
-    @property
-    def quadrature(self) -> float:
-        ...
-    @property
-    def reciprocity(self) -> float:
-        ...
-    @property
-    def resolution(self) -> float:
+    def __init__(self, layers: collections.abc.Sequence[Medium | Interface | typing.Any], base: Base = ...) -> None:
         ...
 class Side:
     """
@@ -170,6 +158,28 @@ class Path:
         ...
     @property
     def value(self) -> int:
+        ...
+class SolveChecks:
+    @property
+    def azimuth(self) -> float:
+        ...
+    @property
+    def energy(self) -> float:
+        ...
+    @property
+    def negativity(self) -> float:
+        ...
+    @property
+    def phase(self) -> float:
+        ...
+    @property
+    def quadrature(self) -> float:
+        ...
+    @property
+    def reciprocity(self) -> float:
+        ...
+    @property
+    def resolution(self) -> float:
         ...
 class Fluxes:
     @property
@@ -282,6 +292,12 @@ class ClosureTable:
         ...
 class Walk:
     pass
+class WalkTarget:
+    """
+    The quantity that a walk estimates; flux: over all outgoing directions.
+    """
+    def __init__(self, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side = ..., path: Path = ..., flux: bool = False) -> None:
+        ...
 class NextEvent:
     """
     Members:
@@ -344,7 +360,7 @@ class GradedMedium:
         ...
     def over(self, reflectance: typing.SupportsFloat | typing.SupportsIndex) -> GradedMedium:
         """
-        The same on a Lambert surface.
+        The same slab on a Lambert surface.
         """
     @property
     def tau(self) -> float:
@@ -366,47 +382,48 @@ class ScatteringWalk:
         """
         For run_walk.
         """
-def adding_walk(stack: Stack, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side, path: Path, flux: bool, pool: ThreadPool) -> tuple[Walk, float]:
+def adding_walk(stack: Stack, target: WalkTarget, pool: ThreadPool) -> tuple[Walk, float]:
     """
     The walk and the error of its tables.
     """
-def count_slices(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> int:
+def count_sublayers(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> int:
     """
-    Layers of the stack as it is solved.
+    The number of layers of the stack as it is solved.
     """
 def guided_transfer_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex) -> Walk:
     """
-    A photon walk in a homogeneous slab guided by the adjoint internal field of a coarse solution.
+    A photon walk in a homogeneous slab, guided by the adjoint internal field of a coarse solution.
     """
 def joined_media(stack: Stack) -> GradedMedium:
     """
-    The media of a stack, and its Lambert base, as one.
+    The media of a stack and its Lambert base as one graded medium.
     """
 def run_walk(walk: Walk, seed: typing.SupportsInt | typing.SupportsIndex, first_block: typing.SupportsInt | typing.SupportsIndex, last_block: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> tuple[float, float, float, int, int]:
     """
-    (sum, squares, largest, count, events) of blocks of WALK_BLOCK samples.
+    (sum, squares, largest, count, events) over blocks of WALK_BLOCK samples.
     """
 def scattering_ode(medium: GradedMedium, mu: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], pool: ThreadPool, nodes: typing.SupportsInt | typing.SupportsIndex = 32, tolerance: typing.SupportsFloat | typing.SupportsIndex = 1e-08) -> dict:
     """
     The differential form: brdf and btdf [mu_o, mu_i, dphi], fluxes by mu_i.
     """
-def scattering_walk(stack: Stack, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side, path: Path, flux: bool = False) -> Walk:
+def scattering_walk(stack: Stack, target: WalkTarget) -> Walk:
     ...
 def slices(solutions: collections.abc.Sequence[Solution], sights: collections.abc.Sequence[tuple[Side, Path]], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> tuple:
     ...
-def slices_of(medium: ..., coarseness: typing.SupportsFloat | typing.SupportsIndex) -> list[Medium]:
-    """
-    Homogeneous slices that stand for a graded medium.
-    """
 def solve(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> Solution:
     ...
 def solve_at(stack: Stack, nodes: typing.SupportsInt | typing.SupportsIndex, azimuth_tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool, thinnest: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> Solution:
     """
-    Solves at a stated resolution, without refinement; the checks tell what it is worth.
+    Solves at a given resolution, without refinement; the checks tell how accurate it is.
     """
 def solve_roughly(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, nodes: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> Solution:
     ...
-def transfer_walk(stack: Stack, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side, path: Path, flux: bool = False, next_event: NextEvent = ...) -> Walk:
+def sublayers_of(medium: ..., coarseness: typing.SupportsFloat | typing.SupportsIndex) -> list[Medium]:
+    """
+    The homogeneous sublayers that replace a graded medium.
+    """
+def transfer_walk(stack: Stack, target: WalkTarget, next_event: NextEvent = ...) -> Walk:
     ...
 MAX_CLOSURES: int = 24
 WALK_BLOCK: int = 4096
+__version__: str

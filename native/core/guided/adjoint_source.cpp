@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "guided/adjoint_source.hpp"
 
+#include <Eigen/LU>
 #include <array>
 
 #include "guided/reflection_by_height.hpp"

@@ -113,7 +113,8 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
 
     # Correct for light that strays beyond the horizon, and for weights that Cycles drops
     if solved.is_sheet:
-        fitted["transmission"] = compensated(*fitted.values(), seen["transmission"], grid)
+        fitted["transmission"] = compensated(fitted["reflection"], fitted["transmission"],
+                                             seen["transmission"], grid)
     parts: dict[str, Mixture] = {}
     for kind, wanted in seen.items():
         parts[kind] = folded(fitted[kind], wanted, grid, solved.is_sheet)
@@ -123,6 +124,7 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
 
     # Fit the light that a textured base adds
     if base is not None:
+        assert isinstance(stack.base, Lambert)
         below = fit("reflection", base.slices, limits.textured_base, given["base"], portion(step, 0.95, 0.97), False)
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
         below = folded(below, base.slices, grid, False, factor=base.gain(reflectance))

@@ -18,10 +18,10 @@ LEAST_WEIGHT = 2e-5
 
 
 def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool,
-           factor: np.ndarray | float = 1.0) -> Mixture:
+           factor: np.ndarray | None = None) -> Mixture:
     """The mixture without weights that Cycles would drop, its errors measured again. `factor` [side, row, channel,
     column] multiplies the weights before Cycles sees them."""
-    shown = mixture.weights * (factor if np.isscalar(factor) else factor[:, None])
+    shown = mixture.weights * (1.0 if factor is None else factor[:, None])
     if not np.any(_too_small(shown)):
         return mixture
     albedo = only(grid, mixed, tuple(mixture.closures)).albedo.T[None, :, None, None, :]
@@ -31,7 +31,7 @@ def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool,
         least = np.where(small, shown.mean(axis=3), np.inf).argmin(axis=1)[:, None]
         goes = small & (np.arange(len(mixture.closures))[None, :, None, None] == least)
         _fold(weights, goes, albedo)
-        shown = weights * (factor if np.isscalar(factor) else factor[:, None])
+        shown = weights * (1.0 if factor is None else factor[:, None])
         if not np.any(_too_small(shown)):
             break
     return reweighted(mixture, weights, wanted, grid, mixed)

@@ -116,7 +116,7 @@ def _is_whole(value) -> bool:
 def _is_number(value) -> bool:
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         return False
-    return 0.0 <= value <= 1e300
+    return bool(0.0 <= value <= 1e300)  # type: ignore[operator]  # numbers.Real lacks the operators
 
 
 def _is_numbers(value) -> bool:

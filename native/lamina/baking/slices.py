@@ -64,7 +64,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     largest = max(taus)
     axis = [float(tau) for tau in tau_rows(largest)]
     rows = sorted({*range(0, len(axis), stride), len(axis) - 1})
-    functions = []
+    functions: list[ScatteringFunction] = []
     for count, row in enumerate(rows):
         step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
         share = axis[row] / largest if largest > 0.0 else 0.0

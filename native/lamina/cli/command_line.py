@@ -222,9 +222,9 @@ def _presets(arguments: argparse.Namespace) -> int:
                  "stack": entry.stack.to_json()} for entry in entries]
         print(json.dumps(rows, indent=2))
         return 0
-    rows = [(entry.id, entry.name, entry.category, _layers(entry.stack)) for entry in entries]
-    widths = [max(len(row[column]) for row in rows) for column in range(3)]
-    for *texts, layers in rows:
+    lines = [(entry.id, entry.name, entry.category, _layers(entry.stack)) for entry in entries]
+    widths = [max(len(line[column]) for line in lines) for column in range(3)]
+    for *texts, layers in lines:
         print("  ".join(text.ljust(width) for text, width in zip(texts, widths, strict=True)) + "  " + layers)
     return 0
 

@@ -16,7 +16,7 @@ from ..settling.settle import Dust, settle
 from .arguments import add_seed, add_threads
 
 _DOWN = {"x": (-1.0, 0.0, 0.0), "y": (0.0, -1.0, 0.0), "z": (0.0, 0.0, -1.0)}
-_DEFAULTS = {member.name: member.default for member in fields(Settling)}
+_DEFAULTS: dict = {member.name: member.default for member in fields(Settling)}
 
 
 def add(commands, run) -> None:
@@ -69,11 +69,11 @@ def settled(arguments: argparse.Namespace, progress) -> Dust:
         if not 0.0 <= value <= most:
             raise DustError(f"--{name.replace('_', '-')} {value:g}: must lie in [0, {most:.2f}] degrees".replace(
                 ".00]", "]"))
-    numbers = {option.name: getattr(arguments, option.name) for option in _flags()}
+    numbers: dict = {option.name: getattr(arguments, option.name) for option in _flags()}
+    numbers |= {name: math.radians(numbers[name]) for name in angles}
     settings = Settling(
         amount=arguments.amount, grams=arguments.grams, extinction=arguments.material, gravity=_DOWN[arguments.up],
-        wind=tuple(arguments.wind),
-        **{name: math.radians(value) if name in angles else value for name, value in numbers.items()})
+        wind=tuple(arguments.wind), **numbers)
     occluders = [ply.load(path) for path in arguments.occluder]
     mesh = replace(ply.load(arguments.mesh), sharp_angle=math.radians(arguments.sharp))
     return settle(mesh, None, occluders, settings, arguments.seed, progress, threads=arguments.threads)

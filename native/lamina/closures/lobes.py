@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -210,7 +211,7 @@ DICTIONARY: tuple[Lobe, ...] = (
 _BY_ID = {lobe.id: lobe for lobe in DICTIONARY}
 
 # Closures made for the boundaries of one stack. Their ids hold their parameters.
-_MADE = {
+_MADE: dict[str, Callable[..., Lobe]] = {
     "toon": lambda lean, size, smooth: toon(size, smooth, ("lean", lean), name=f"toon:{lean:g}:{size:g}:{smooth:g}"),
     "ggx": lambda alpha: ggx(math.sqrt(alpha), name=f"ggx:{alpha:g}"),
     "beckmann": lambda alpha: beckmann(math.sqrt(alpha), name=f"beckmann:{alpha:g}"),

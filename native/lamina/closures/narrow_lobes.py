@@ -48,7 +48,7 @@ def narrowest(stack: Stack) -> float | None:
     return min(widths) * (_refracted_share(stack) if _sees_through(stack) else 1.0)
 
 
-def closures(stack: Stack) -> list[str]:
+def closures(stack) -> list[str]:
     """Ids of the closures made for the rough boundaries of `resolved(stack)`."""
     ids: list[str] = []
     rough = _rough(stack)
@@ -80,13 +80,7 @@ def closures(stack: Stack) -> list[str]:
 def mirror(stack: Stack) -> str:
     """Id of the closure for what the smooth boundaries of `resolved(stack)` reflect: as wide as the widest of
     those facets that are solved as smooth, seen through the media above."""
-    widths = [0.0]
-    above = 1.0
-    for surface in (*stack.layers, stack.base):
-        if _is_sharp(surface):
-            widths.append(surface.alpha * above)
-        if isinstance(surface, Interface):
-            above = _mean(surface.ior)
+    widths = [0.0, *(surface.alpha * above for surface, above, _ in _in_order(stack) if _is_sharp(surface))]
     return f"mirror:{_rounded(max(widths)):g}"
 
 
@@ -94,30 +88,35 @@ def _is_sharp(surface) -> bool:
     return isinstance(surface, Interface | Conductor) and 0.0 < surface.alpha < LEAST_ALPHA
 
 
-def _rough(stack: Stack) -> list[tuple[Interface | Conductor, float, float]]:
-    """(surface, index above, index below) of the boundaries that are solved as rough."""
+def _in_order(stack: Stack) -> list[tuple]:
+    """(layer or base, index above, index below), top first, without interfaces between media of one index."""
     found, above = [], 1.0
     for layer in stack.layers:
-        if isinstance(layer, Interface):
-            below = _mean(layer.ior)
-            if layer.alpha >= LEAST_ALPHA and below != above:
-                found.append((layer, above, below))
-            above = below
-    if isinstance(stack.base, Conductor) and stack.base.alpha >= LEAST_ALPHA:
-        found.append((stack.base, above, above))
-    return found
+        below = _mean(layer.ior) if isinstance(layer, Interface) else above
+        if not isinstance(layer, Interface) or below != above:
+            found.append((layer, above, below))
+        above = below
+    return [*found, (stack.base, above, above)]
+
+
+def _is_rough(surface) -> bool:
+    return isinstance(surface, Interface | Conductor) and surface.alpha >= LEAST_ALPHA
+
+
+def _rough(stack: Stack) -> list[tuple[Interface | Conductor, float, float]]:
+    """(surface, index above, index below) of the boundaries that are solved as rough."""
+    return [entry for entry in _in_order(stack) if _is_rough(entry[0])]
 
 
 def _covered(stack: Stack) -> bool:
     """True if anything lies above a rough boundary."""
-    surfaces = [*stack.layers, stack.base]
-    return any(isinstance(surface, Interface | Conductor) and surface.alpha >= LEAST_ALPHA for surface in surfaces[1:])
+    return any(_is_rough(surface) for surface, _, _ in _in_order(stack)[1:])
 
 
 def _sees_through(stack: Stack) -> bool:
     """True if a smooth or rough reflector lies below a rough dielectric boundary."""
-    surfaces = [surface for surface in (*stack.layers, stack.base) if isinstance(surface, Interface | Conductor)]
-    return any(isinstance(surface, Interface) and surface.alpha >= LEAST_ALPHA for surface in surfaces[:-1])
+    surfaces = [surface for surface, _, _ in _in_order(stack) if isinstance(surface, Interface | Conductor)]
+    return any(isinstance(surface, Interface) and _is_rough(surface) for surface in surfaces[:-1])
 
 
 def _refracted_share(stack: Stack) -> float:

@@ -10,6 +10,7 @@ import tokenize
 import zipfile
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +41,7 @@ def _write(file, arrays: dict[str, np.ndarray]) -> None:
                 np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
 
 
-def load_archive(path, *names: str) -> tuple[object, list[np.ndarray]]:
+def load_archive(path, *names: str) -> tuple[Any, list[np.ndarray]]:
     """(header, arrays by these names) of an .npz file. Raises Damaged, and OSError when it cannot be opened."""
     with Path(path).open("rb") as file:
         try:

@@ -20,7 +20,7 @@ LEAST_COSINE = 1e-9
 
 def check_whole(value, name: str, low: int, high: int, rule: str = "") -> int:
     """`value` as an int in [low, high]; `rule` replaces the words of the error for that range. Raises ArgumentError."""
-    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and low <= value <= high:
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and low <= int(value) <= high:
         return operator.index(value)
     raise ArgumentError(f"{name} = {quoted(value)}: {rule or f'must be a whole number from {low} to {high}'}")
 

@@ -15,6 +15,8 @@ from .errors import DustError
 from .panel import Panel
 from .substances import extinction_of
 
+# Attributes of a Blender mesh that hold settled dust; the second is dust on back faces, where dust lies on both sides.
+ATTRIBUTE, BACK_ATTRIBUTE = "lamina_dust", "lamina_dust_back"
 MOST_SPREAD = 1.5  # radians: grains that fall level never land
 MOST_WIND = 20.0  # over the speed of the fall
 

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
+from typing import cast
 
 from .errors import StackError, clipped, quoted
 from .panel import Item, Panel
@@ -41,7 +42,7 @@ class Field:
     @property
     def prop(self) -> str:
         """The name of the add-on's property."""
-        return self.panel.prop or self.name
+        return self.panel.prop or self.name if self.panel else self.name
 
     def check(self, value, path: str) -> float | tuple[float, ...]:
         """`value` as a float or a tuple of floats, one per channel.
@@ -105,7 +106,7 @@ def _end(number: float) -> str:
     return "infinity" if number == math.inf else f"{number:g}".replace("e+", "e")
 
 
-def _to_float(number: numbers.Real, path: str) -> float:
+def _to_float(number: numbers.Real | float, path: str) -> float:
     try:
         return float(number)
     except OverflowError:
@@ -125,9 +126,9 @@ def channel_count(values: Sequence[tuple[str, float | tuple[float, ...]]]) -> in
     return count
 
 
-def channel(value: float | tuple[float, ...], index: int) -> float:
-    """One channel's value."""
-    return value[index] if isinstance(value, tuple) else value
+def channel(value: Channels | None, index: int) -> float:
+    """One channel's value, of a checked quantity that is given."""
+    return value[index] if isinstance(value, tuple) else cast(float, value)
 
 
 def all_fields(thing) -> list[Field]:
@@ -159,7 +160,7 @@ def check_forms(thing, path: str) -> dict[str, float | tuple[float, ...]]:
     return values
 
 
-def to_plain(value: float | tuple[float, ...]):
+def to_plain(value: Channels):
     """JSON form: infinity is the string 'inf'."""
     if isinstance(value, tuple):
         return [to_plain(item) for item in value]
@@ -188,7 +189,7 @@ def check_table(value, path: str, low: float, high: float, rule: str, most: int)
     return tuple(number.check(item, f"{path}[{index}]") for index, item in enumerate(rows))
 
 
-def check_keys(entry, allowed: set[str], path: str, required: set[str] = frozenset()) -> None:
+def check_keys(entry, allowed: Set[str], path: str, required: Set[str] = frozenset()) -> None:
     """Raises StackError unless `entry` is a JSON object with all required and no other than allowed keys."""
     if not isinstance(entry, Mapping):
         raise StackError(f"{path} = {quoted(entry)}: must be a JSON object")

@@ -45,7 +45,7 @@ def _ends(facing: float) -> tuple[float, float, float]:
 def grazing_range(facing: float) -> tuple[float, float]:
     """(least, largest) reflectance at 82 degrees of metals of that facing colour; it falls as eta grows."""
     facing, low, high = _ends(facing)
-    return tuple(reflectance(GRAZING, eta, _extinction(facing, eta)) for eta in (high, low))
+    return reflectance(GRAZING, high, _extinction(facing, high)), reflectance(GRAZING, low, _extinction(facing, low))
 
 
 @lru_cache(maxsize=4096)

@@ -36,7 +36,8 @@ class PhaseFunction:
 
     def checked(self, path: str):
         """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
-        return replace(self, **{q.name: q.check(getattr(self, q.name), f"{path}.{q.name}") for q in self.fields})
+        return replace(self, **{  # type: ignore[type-var]  # each kind is a dataclass
+            q.name: q.check(getattr(self, q.name), f"{path}.{q.name}") for q in self.fields})
 
     def quantities(self, path: str):
         """(path, value) of everything that may have channels."""

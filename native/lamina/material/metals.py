@@ -41,7 +41,7 @@ def _entry(name: str) -> dict:
 def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
     """(facing, grazing) colours of a conductor, given in either form: its reflectances in air at 0 and 82 degrees,
     one per channel. Raises StackError."""
-    values = check_forms(check_kind(metal, "metal", Conductor, "a lamina.Conductor"), "conductor")
+    values: dict = check_forms(check_kind(metal, "metal", Conductor, "a lamina.Conductor"), "conductor")
     channels = channel_count([(f"conductor.{name}", value) for name, value in values.items()])
     eta, k = indices_of(replace(metal, **values), channels, "conductor")
     pairs = [(channel(eta, c), channel(k, c)) for c in range(channels)]

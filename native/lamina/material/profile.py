@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..common.errors import StackError, quoted
@@ -65,7 +66,7 @@ class Knot:
     def to_json(self) -> dict:
         """A plain object; `read_profile` reads it back."""
         values = {quantity.name: getattr(self, quantity.name) for quantity in all_fields(self)}
-        entry = {"depth": self.depth}
+        entry: dict = {"depth": self.depth}
         entry.update({name: to_plain(value) for name, value in values.items() if value is not None})
         if self.phase is not None:
             entry["phase"] = self.phase.to_json()
@@ -138,7 +139,7 @@ def _check_depths(knots: list[Knot], path: str) -> None:
             raise StackError(f"{path}[{index}].depth = {depths[index]:g}: must be larger than that of the knot above")
 
 
-def turned(knots: tuple[Knot, ...]) -> tuple[Knot, ...]:
+def turned(knots: Sequence[Knot]) -> tuple[Knot, ...]:
     """The profile upside down."""
     return tuple(replace(knot, depth=1.0 - knot.depth) for knot in reversed(knots))
 

@@ -18,13 +18,13 @@ from ..common.errors import StackError, quoted
 from ..kinds.bases import BASES, Base, Conductor, HalfSpace
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
+from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from .colours import albedos_of
 from .layers import Medium
 from .metals import indices_of
 from .phase import check_phase, read_phase
 from .profile import optical_knots, read_profile
 
-SCHEMA = 1
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
 

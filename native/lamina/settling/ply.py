@@ -79,14 +79,16 @@ def _header(data: bytes) -> tuple[str | None, list[_Element], bytes]:
     end = b"\r\n" if data[3:5] == b"\r\n" else data[3:4]
     if end not in (b"\n", b"\r", b"\r\n"):
         end = b"\n"
-    lines, start = [], 0
+    lines: list[str] = []
+    start = 0
     while not lines or lines[-1].split() != ["end_header"]:
         last = data.find(end, start, start + _LONGEST)
         if last < 0 or last > _LONGEST:
             raise _BadFileError("is not a PLY file, as its header has no end")
         lines.append(data[start:last].decode("ascii", "replace"))
         start = last + len(end)
-    order, elements = "", []
+    order: str | None = ""
+    elements: list[_Element] = []
     for line in lines[1:-1]:
         words = line.split()
         if not words or words[0] in ("comment", "obj_info"):
@@ -144,7 +146,7 @@ class _Binary:
                        element.count)
 
     def _table(self, element: _Element, size: int):
-        kinds = []
+        kinds: list[tuple] = []
         for i, (_, kind, length) in enumerate(element.properties):
             kinds += [(f"n{i}", self._order + length), (f"p{i}", self._order + kind, (size,))] if length else [
                 (f"p{i}", self._order + kind)]

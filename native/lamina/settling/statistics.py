@@ -59,7 +59,7 @@ class Sums:
 
     def __init__(self, settings: Settling):
         self.settings = settings
-        self.points = self.maximum = 0
+        self.points, self.maximum = 0, 0.0
         self.has_areas = True
         self._plain = np.zeros(2)  # thickness and coverage, one for each point
         self._by_area = np.zeros(7)  # area, thickness, coverage, arrived, deposited, slid, wiped

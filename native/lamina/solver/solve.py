@@ -82,7 +82,7 @@ def tolerance_of(quality: str) -> float:
 def core_stack(stack: Stack, index: int):
     """(key, layers, base) of one channel, as the core takes them; channels with the same key are the same
     problem."""
-    entries = []
+    entries: list[tuple] = []
     for number, layer in enumerate(stack.layers):
         if isinstance(layer, Interface):
             entries.append((_core.Interface, (channel(layer.ior, index), _facets(layer, index), layer.compensate)))

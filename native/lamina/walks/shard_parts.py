@@ -111,4 +111,4 @@ def check_counts(count, events, samples: int, path: str, places: tuple[int, int]
 
 
 def is_finite(value) -> bool:
-    return isinstance(value, numbers.Real) and not isinstance(value, bool) and abs(value) <= 1e300
+    return isinstance(value, numbers.Real) and not isinstance(value, bool) and abs(value) <= 1e300  # type: ignore[operator]  # numbers.Real
