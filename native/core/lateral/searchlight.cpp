@@ -14,8 +14,7 @@ namespace lamina {
 namespace {
 
 constexpr int kMostNodes = 40;
-constexpr int kFirstIntervals = 16;
-constexpr int kMostIntervals = 256;
+constexpr int kMostIntervals = 64;
 constexpr std::size_t kBatch = 8;
 
 bool is_endless_and_bright(const MeasuredStack& measured) {
@@ -83,17 +82,21 @@ Searchlight::Searchlight(MeasuredStack measured, double mu, const SearchlightQua
 /// first ones, which say how far light gets, are exact.
 void Searchlight::choose_resolution() {
   double peak = 0.0;
+  bool bounded = false;
   for (const Layer& layer : measured_.stack.layers) {
     const auto* medium = std::get_if<Medium>(&layer);
     if (medium != nullptr && medium->albedo > 0.0 && medium->tau > 0.0) {
       peak = std::max(peak, medium->phase.peak());
     }
+    const auto* interface = std::get_if<Interface>(&layer);
+    bounded = bounded || (interface != nullptr && interface->ior != 1.0);
   }
   constexpr double kTruncated = 0.05;
   constexpr double kSmooth = 0.3;
   sharp_ = peak > kSmooth;
   const double wanted = peak > 0.0 ? 0.5 * std::log(kTruncated) / std::log(peak) : 0.0;
-  resolution_.nodes = std::clamp(static_cast<int>(std::ceil(wanted)), quality_.nodes, kMostNodes);
+  resolution_.nodes = std::clamp(static_cast<int>(std::ceil(wanted)),
+                                 bounded ? quality_.nodes_with_boundary : quality_.nodes, kMostNodes);
   resolution_.azimuths = quality_.azimuths;
   resolution_.bend = sharp_ ? std::clamp(0.1 - 0.5 * std::log(peak), 0.1, 0.6) : 0.6;
 }
@@ -134,25 +137,29 @@ void Searchlight::choose_scale() {
     fastest = 2.0;
   }
   constexpr double kSlowest = 0.03;
+  constexpr double kLow = 1.5;  // of the extinction
   extinction_ = std::isinf(least) ? slowest : least;
   decay_ = slowest > 0.0 ? slowest : 1e-3 * extinction_;
-  scale_ = {std::max(slowest, kSlowest * extinction_), fastest};
+  scale_ = {std::max(slowest, kSlowest * extinction_)};
+  const double middle = scale_.place(std::min(std::max(kLow * extinction_, 2.0 * scale_.slowest), 0.5 * fastest));
+  pieces_[0] = {0.0, middle, 0, {}};
+  pieces_[1] = {middle, scale_.place(fastest), 0, {}};
 }
 
-AzimuthRule Searchlight::azimuths_for(double q, Eigen::Index more) const {
+AzimuthRule Searchlight::azimuths_for(double q) const {
   if (q == 0.0) {
     return AzimuthRule::mean();
   }
   // Measured: these leave 1e-8 of a half-space's flux at low and 1e-6 at high frequencies.
   const double wave = q / extinction_;
   const Eigen::Index least = wave < 0.1 ? 6 : wave < 0.4 ? 8 : wave < 1.2 ? 10 : 12;
-  const Eigen::Index count = std::min(sharp_ ? least : std::min<Eigen::Index>(least, 8), resolution_.azimuths) + more;
+  const Eigen::Index count = std::min(sharp_ ? least : std::min<Eigen::Index>(least, 8), resolution_.azimuths);
   return AzimuthRule(count, resolution_.bend, count);
 }
 
 /// What is left at a frequency when light at r = 0, in rings and scattered once are taken off.
 Searchlight::Faces Searchlight::rest_at(double q) const {
-  const AzimuthRule azimuths = azimuths_for(q, 0);
+  const AzimuthRule azimuths = azimuths_for(q);
   const LateralFlux flux = stack_->at(q, azimuths);
   Faces rest{};
   const auto scattered = [&](double all, double direct, double limit, const std::optional<ForwardPeaks>& peaks) {
@@ -179,17 +186,16 @@ void Searchlight::prepare(ThreadPool& pool) {
 
 /// Whether more directions change the flux, at no frequency and where light is scattered about once per wave.
 bool Searchlight::refine(ThreadPool& pool) {
-  constexpr int kMore = 6;
+  constexpr int kMore = 4;
   LateralResolution finer = resolution_;
   finer.nodes += kMore;
-  finer.azimuths += 4;
   const LateralStack other(measured_, finer, mu_, pool);
   std::array<LateralFlux, 4> fluxes;
   const double q = scale_.slowest;
   pool.run(fluxes.size(), [&](std::size_t k) {
     const bool fine = k >= 2;
     const double frequency = k % 2 == 0 ? 0.0 : q;
-    fluxes[k] = (fine ? other : *stack_).at(frequency, azimuths_for(frequency, fine && frequency > 0.0 ? 4 : 0));
+    fluxes[k] = (fine ? other : *stack_).at(frequency, azimuths_for(frequency));
   });
   double change = 0.0;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -233,7 +239,9 @@ void Searchlight::advance(ThreadPool& pool) {
     for (auto& rest : small_rest_) {
       rest.resize(small_.size());
     }
-    begin_level();
+    for (std::size_t number = 0; number < pieces_.size(); ++number) {
+      refine_piece(number);
+    }
     progress_ = 0.1;
     return;
   }
@@ -241,11 +249,13 @@ void Searchlight::advance(ThreadPool& pool) {
   const std::size_t extra = small_solved_ ? 0 : small_.size();
   small_solved_ = true;
   pool.run(count + extra, [&](std::size_t task) {
-    const double q = task < count ? scale_.node(waiting_[task], intervals_) : small_[task - count];
+    const Wanted wanted = task < count ? waiting_[task] : Wanted{0, 0};
+    Piece& piece = pieces_[wanted.piece];
+    const double q = task < count ? piece.frequency(scale_, wanted.node) : small_[task - count];
     const Faces rest = rest_at(q);
     for (std::size_t face = 0; face < rest.size(); ++face) {
       if (task < count) {
-        rest_[face][static_cast<std::size_t>(waiting_[task])] = rest[face];
+        piece.rest[face][static_cast<std::size_t>(wanted.node)] = rest[face];
       } else {
         small_rest_[face][task - count] = rest[face];
       }
@@ -253,38 +263,64 @@ void Searchlight::advance(ThreadPool& pool) {
   });
   waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
   progress_ += (0.95 - progress_) * static_cast<double>(count) / static_cast<double>(count + waiting_.size() + 16);
+  if (!waiting_.empty()) {
+    return;
+  }
+  for (std::size_t number = 0; number < pieces_.size(); ++number) {
+    if (!is_resolved(number) && pieces_[number].intervals < kMostIntervals) {
+      refine_piece(number);
+    }
+  }
   if (waiting_.empty()) {
     finish();
   }
 }
 
-/// The next finer level: every second node is known.
-void Searchlight::begin_level() {
-  const int before = intervals_;
-  intervals_ = before == 0 ? kFirstIntervals : 2 * before;
-  for (std::vector<double>& values : rest_) {
-    std::vector<double> finer(static_cast<std::size_t>(intervals_) + 1, 0.0);
+/// Twice as many frequencies: every second one is known.
+void Searchlight::refine_piece(std::size_t number) {
+  Piece& piece = pieces_[number];
+  const bool first = piece.intervals == 0;
+  piece.intervals = first ? quality_.intervals : 2 * piece.intervals;
+  for (std::vector<double>& values : piece.rest) {
+    std::vector<double> finer(static_cast<std::size_t>(piece.intervals) + 1, 0.0);
     for (std::size_t k = 0; k < values.size(); ++k) {
       finer[2 * k] = values[k];
     }
     values = std::move(finer);
   }
-  for (int k = 0; k <= intervals_; ++k) {
-    if (before == 0 || k % 2 == 1) {
-      waiting_.push_back(k);
+  for (int k = 0; k <= piece.intervals; ++k) {
+    if (first || k % 2 == 1) {
+      waiting_.push_back({number, k});
     }
   }
 }
 
-void Searchlight::finish() {
-  bool rough = false;
+bool Searchlight::is_resolved(std::size_t number) const {
+  constexpr double kFaint = 1e-2;  // of the beam: what is less need not be as good, relatively
   for (std::size_t face = 0; face < faces_.size(); ++face) {
-    faces_[face].rest = Spectrum(scale_, rest_[face], !faces_[face].once);
-    rough = rough || faces_[face].rest.roughness() > quality_.interpolation;
+    double largest = kFaint;
+    for (const double value : pieces_[0].rest[face]) {
+      largest = std::max(largest, std::abs(value));
+    }
+    const SpectrumPiece piece{pieces_[number].low, pieces_[number].high, pieces_[number].rest[face]};
+    if (piece.roughness() > quality_.interpolation[number] * largest) {
+      return false;
+    }
   }
-  if (rough && intervals_ < kMostIntervals) {
-    begin_level();
-    return;
+  return true;
+}
+
+std::size_t Searchlight::frequencies() const {
+  return pieces_[0].rest[0].size() + pieces_[1].rest[0].size() + small_.size();
+}
+
+void Searchlight::finish() {
+  for (std::size_t face = 0; face < faces_.size(); ++face) {
+    std::vector<SpectrumPiece> spectrum;
+    for (const Piece& piece : pieces_) {
+      spectrum.push_back({piece.low, piece.high, piece.rest[face]});
+    }
+    faces_[face].rest = Spectrum(scale_, std::move(spectrum), !faces_[face].once);
   }
   const Rings rings = unscattered_rings(*stack_);
   faces_[0].rings = rings.reflected;
@@ -316,7 +352,7 @@ void Searchlight::add_moments(std::size_t face) {
     light.distance = light.square_distance = std::numeric_limits<double>::infinity();
     return;
   }
-  const double whole = rest_[face].front();
+  const double whole = pieces_[0].rest[face].front();
   const auto quotient = [&](double q) {
     const double x = q * q;
     double sum = 0.0;
@@ -338,7 +374,7 @@ void Searchlight::add_moments(std::size_t face) {
   }
   constexpr double kPiece = 0.5;
   const double begin = scale_.place(first);
-  const double end = scale_.end() + 12.0;
+  const double end = pieces_[1].high + 12.0;
   const int pieces = static_cast<int>(std::ceil((end - begin) / kPiece));
   for (int k = 0; k < pieces; ++k) {
     const double low = scale_.frequency(begin + (end - begin) * k / pieces);

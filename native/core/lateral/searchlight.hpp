@@ -32,12 +32,15 @@ struct LeavingLight {
 
 /// How good a searchlight is meant to be.
 struct SearchlightQuality {
-  double resolution = 2e-6;     ///< largest change of a flux by finer directions
-  double interpolation = 1e-8;  ///< of spectra over frequencies, relative
-  int nodes = 12;
+  double resolution = 4e-6;  ///< largest change of a flux by finer directions
+  /// Of spectra over frequencies, relative: low ones, of which the tail of a profile is made, and high ones.
+  std::array<double, 2> interpolation{3e-8, 1e-5};
+  int nodes = 10;
+  int nodes_with_boundary = 8;  ///< the range of total reflection has nodes of its own
   Eigen::Index azimuths = 12;
+  int intervals = 16;  ///< between frequencies of a piece, at first
 
-  static SearchlightQuality preview() { return {2e-4, 1e-5, 8, 8}; }
+  static SearchlightQuality preview() { return {2e-4, {1e-5, 1e-3}, 8, 6, 6, 8}; }
 };
 
 /// The 3D scattering function of a plane stack, for one beam: solved at lateral frequencies, one batch with each call
@@ -56,18 +59,33 @@ class Searchlight {
   const LeavingLight& reflected() const { return faces_[0]; }
   const LeavingLight& transmitted() const { return faces_[1]; }
   int nodes() const { return resolution_.nodes; }
-  std::size_t frequencies() const { return rest_[0].size(); }
+  std::size_t frequencies() const;
 
  private:
   using Faces = std::array<double, 2>;
+  /// A piece of both faces' spectra, while its frequencies are solved.
+  struct Piece {
+    double low;  // in s
+    double high;
+    int intervals = 0;
+    std::array<std::vector<double>, 2> rest;  // by node
+    double frequency(const FrequencyScale& scale, int node) const {
+      return scale.frequency(SpectrumPiece::node(low, high, node, intervals));
+    }
+  };
+  struct Wanted {
+    std::size_t piece;
+    int node;
+  };
 
   void choose_resolution();
   void choose_scale();
-  AzimuthRule azimuths_for(double q, Eigen::Index more) const;
+  AzimuthRule azimuths_for(double q) const;
   void prepare(ThreadPool& pool);
   bool refine(ThreadPool& pool);
   Faces rest_at(double q) const;
-  void begin_level();
+  void refine_piece(std::size_t number);
+  bool is_resolved(std::size_t number) const;
   void finish();
   void add_moments(std::size_t face);
 
@@ -85,12 +103,11 @@ class Searchlight {
   std::optional<ForwardPeaks> peaks_back_;
   LateralFlux limit_;
   std::array<LeavingLight, 2> faces_;
-  std::array<std::vector<double>, 2> rest_;  // by node of the scale
-  std::vector<double> small_;                // frequencies near 0
+  std::array<Piece, 2> pieces_{};  // of low and of high frequencies
+  std::vector<double> small_;      // frequencies near 0
   std::array<std::vector<double>, 2> small_rest_;
   bool small_solved_ = false;
-  std::vector<int> waiting_;  // nodes of this level not yet solved
-  int intervals_ = 0;
+  std::vector<Wanted> waiting_;
   double progress_ = 0.0;
   bool done_ = false;
 };

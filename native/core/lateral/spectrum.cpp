@@ -13,82 +13,85 @@ namespace {
 
 using std::numbers::pi;
 
-/// Wynn's epsilon algorithm: the limit of a series of alternating terms from its partial sums.
+/// The limit of a series of alternating terms from its partial sums: means of neighbours, again and again (Euler).
 double limit_of(std::vector<double> sums) {
-  std::vector<double> before(sums.size() + 1, 0.0);
-  double best = sums.back();
-  for (int round = 1; sums.size() > 1; ++round) {
-    std::vector<double> next;
-    for (std::size_t k = 0; k + 1 < sums.size(); ++k) {
-      const double step = sums[k + 1] - sums[k];
-      if (step == 0.0) {
-        return round % 2 == 1 ? sums[k + 1] : best;
-      }
-      next.push_back(before[k + 1] + 1.0 / step);
-    }
-    before = std::move(sums);
-    sums = std::move(next);
-    if (round % 2 == 0) {
-      best = sums.back();
+  for (std::size_t count = sums.size() - 1; count > 0; --count) {
+    for (std::size_t k = 0; k < count; ++k) {
+      sums[k] = 0.5 * (sums[k] + sums[k + 1]);
     }
   }
-  return best;
+  return sums.front();
 }
 
 }  // namespace
 
-double FrequencyScale::end() const { return std::asinh(fastest / slowest); }
-double FrequencyScale::frequency(double s) const { return slowest * std::sinh(s); }
-double FrequencyScale::place(double q) const { return std::asinh(q / slowest); }
-
-double FrequencyScale::node(int index, int intervals) const {
-  if (index == intervals) {
-    return fastest;
-  }
-  const double angle = 0.5 * pi * static_cast<double>(index) / static_cast<double>(intervals);
-  return frequency(end() * std::sin(angle) * std::sin(angle));
+double SpectrumPiece::node(double low, double high, int index, int intervals) {
+  const double half = std::sin(0.5 * pi * static_cast<double>(index) / static_cast<double>(intervals));
+  return index == intervals ? high : low + (high - low) * half * half;
 }
 
-Spectrum::Spectrum(const FrequencyScale& scale, std::vector<double> values, bool singular)
-    : scale_(scale), values_(std::move(values)), weights_(values_.size(), 1.0) {
-  for (std::size_t k = 1; k < weights_.size(); k += 2) {
-    weights_[k] = -1.0;
+double SpectrumPiece::at(double s) const {
+  const int last = static_cast<int>(values.size()) - 1;
+  double sum = 0.0;
+  double whole = 0.0;
+  for (int k = 0; k <= last; ++k) {
+    const double distance = s - node(low, high, k, last);
+    const double value = values[static_cast<std::size_t>(k)];
+    if (distance == 0.0) {
+      return value;
+    }
+    const double weight = (k % 2 == 0 ? 1.0 : -1.0) * (k == 0 || k == last ? 0.5 : 1.0) / distance;
+    sum += weight * value;
+    whole += weight;
   }
-  weights_.front() *= 0.5;
-  weights_.back() *= 0.5;
+  return sum / whole;
+}
+
+double SpectrumPiece::roughness() const {
+  const int last = static_cast<int>(values.size()) - 1;
+  double rest = 0.0;
+  for (int order = last - last / 8; order < last; ++order) {
+    double sum = 0.0;
+    for (int k = 0; k <= last; ++k) {
+      const double weight = k == 0 || k == last ? 0.5 : 1.0;
+      sum += weight * values[static_cast<std::size_t>(k)] * std::cos(pi * order * k / last);
+    }
+    rest = std::max(rest, std::abs(2.0 * sum / last));
+  }
+  return rest;
+}
+
+Spectrum::Spectrum(const FrequencyScale& scale, std::vector<SpectrumPiece> pieces, bool singular)
+    : scale_(scale), pieces_(std::move(pieces)), fastest_(scale.frequency(pieces_.back().high)) {
   fit_tail(singular);
 }
 
 double Spectrum::at(double q) const {
-  if (q > scale_.fastest) {
-    const double x = scale_.fastest / q;
+  if (q > fastest_) {
+    const double x = fastest_ / q;
     return x * (tail_[0] + x * (tail_[1] - tail_[2] * std::log(x) + x * tail_[3]));
   }
-  const double place = scale_.place(q) / scale_.end();
-  const int last = static_cast<int>(values_.size()) - 1;
-  double sum = 0.0;
-  double whole = 0.0;
-  for (int k = 0; k <= last; ++k) {
-    const double half = std::sin(0.5 * pi * k / last);
-    const double distance = place - half * half;
-    const auto index = static_cast<std::size_t>(k);
-    if (distance == 0.0) {
-      return values_[index];
+  const double place = scale_.place(q);
+  for (const SpectrumPiece& piece : pieces_) {
+    if (place <= piece.high) {
+      return piece.at(place);
     }
-    sum += weights_[index] / distance * values_[index];
-    whole += weights_[index] / distance;
   }
-  return sum / whole;
+  return pieces_.back().values.back();
 }
 
 void Spectrum::fit_tail(bool singular) {
   // The upper end of what is known; the last value counts most, so that there is no step.
   constexpr double kBelow = 6.0;
   constexpr double kLast = 100.0;
-  const int intervals = static_cast<int>(values_.size()) - 1;
+  const SpectrumPiece& last = pieces_.back();
+  const int intervals = static_cast<int>(last.values.size()) - 1;
+  const auto frequency = [&](int k) {
+    return scale_.frequency(SpectrumPiece::node(last.low, last.high, k, intervals));
+  };
   std::vector<int> known;
   for (int k = 0; k <= intervals; ++k) {
-    if (scale_.node(k, intervals) > scale_.fastest / kBelow) {
+    if (frequency(k) > fastest_ / kBelow) {
       known.push_back(k);
     }
   }
@@ -97,7 +100,7 @@ void Spectrum::fit_tail(bool singular) {
   Eigen::VectorXd wanted(system.rows());
   for (Eigen::Index row = 0; row < system.rows(); ++row) {
     const int k = known[static_cast<std::size_t>(row)];
-    const double x = scale_.fastest / scale_.node(k, intervals);
+    const double x = fastest_ / frequency(k);
     const double weight = (k == intervals ? kLast : 1.0) / (x * x);
     Eigen::Index column = 0;
     if (singular) {
@@ -106,11 +109,11 @@ void Spectrum::fit_tail(bool singular) {
     system(row, column++) = weight * x * x;
     system(row, column++) = -weight * x * x * std::log(x);
     system(row, column) = weight * x * x * x;
-    wanted[row] = weight * values_[static_cast<std::size_t>(k)];
+    wanted[row] = weight * last.values[static_cast<std::size_t>(k)];
   }
   const Eigen::VectorXd fitted = system.colPivHouseholderQr().solve(wanted);
   for (Eigen::Index k = 0; k < columns; ++k) {
-    tail_[k + 4 - columns] = fitted[k];
+    tail_[static_cast<std::size_t>(k + 4 - columns)] = fitted[k];
   }
 }
 
@@ -155,24 +158,6 @@ double Spectrum::density(double r) const {
 
 double Spectrum::inside(double r) const {
   return r == 0.0 ? 0.0 : r * transformed(r, 0, 3.831705970207512, [](double x) { return j1(x); });
-}
-
-double Spectrum::roughness() const {
-  const int last = static_cast<int>(values_.size()) - 1;
-  double largest = 0.0;
-  for (const double value : values_) {
-    largest = std::max(largest, std::abs(value));
-  }
-  double rest = 0.0;
-  for (int order = last - last / 8; order < last; ++order) {
-    double sum = 0.0;
-    for (int k = 0; k <= last; ++k) {
-      const double weight = k == 0 || k == last ? 0.5 : 1.0;
-      sum += weight * values_[static_cast<std::size_t>(k)] * std::cos(pi * order * k / last);
-    }
-    rest = std::max(rest, std::abs(2.0 * sum / last));
-  }
-  return largest > 0.0 ? rest / largest : 0.0;
 }
 
 }  // namespace lamina

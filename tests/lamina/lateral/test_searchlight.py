@@ -18,9 +18,9 @@ from lamina.solver.solve import thread_pool
 REFERENCE = json.loads((Path(__file__).parents[2] / "data/searchlight.json").read_text(encoding="utf-8"))["cases"]
 
 
-def medium(albedo, thickness, g=0.0, sigma_t=1.0, **more):
-    return Medium(sigma_s=albedo * sigma_t, sigma_a=(1.0 - albedo) * sigma_t, thickness=thickness,
-                  phase=HenyeyGreenstein(g), **more)
+def medium(albedo, thickness, g=0.0, sigma_t=1.0):
+    scattered = np.asarray(albedo) * sigma_t
+    return Medium(sigma_s=scattered, sigma_a=sigma_t - scattered, thickness=thickness, phase=HenyeyGreenstein(g))
 
 
 def half_space(albedo, sigma_t=1.0, g=0.0):
