@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """make study: measures every cell, and draws and tables what was measured.
 
-    python study/run.py [grid|layers|hard|show ...] [--quick] [--out FOLDER] [--jobs N]
+    python study/run.py [grid|layers|lateral|hard|show ...] [--quick] [--out FOLDER] [--jobs N]
 
-Without a name: grid, layers and show. What is measured is kept in build/study: a run that is broken off goes on
-where it was. `--quick` measures two cells and one stack."""
+Without a name: grid, layers, lateral and show. What is measured is kept in build/study: a run that is broken off goes
+on where it was. `--quick` measures two cells and one stack."""
 
 import argparse
 import json
@@ -16,12 +16,13 @@ from pathlib import Path
 
 import grid
 import hard
+import lateral
 import layers
 import measure
 import tables
 
 ROOT = Path(__file__).resolve().parent.parent
-PARTS = ("grid", "layers", "hard", "show")
+PARTS = ("grid", "layers", "lateral", "hard", "show")
 QUICK_SECONDS = 0.0  # the least number of samples: always the same
 
 
@@ -33,6 +34,11 @@ def _cell(task):
 def _stack(task):
     name, seconds = task
     return layers.measure(name, seconds)
+
+
+def _beam(task):
+    name, seconds = task
+    return lateral.measure(name, seconds)
 
 
 def kept(work: Path, name: str, tasks: dict, function, seconds: float, jobs: int) -> list[dict]:
@@ -71,7 +77,7 @@ def main(arguments=None) -> int:
     if given.quick and given.out is None:
         print("study: --quick needs --out: it would overwrite the whole study", file=sys.stderr)
         return 2
-    parts = given.parts or ["grid", "layers", "show"]
+    parts = given.parts or ["grid", "layers", "lateral", "show"]
     docs = given.out or ROOT / "docs"
     work = given.out / "work" if given.out else ROOT / "build/study"
     seconds = QUICK_SECONDS if given.quick else measure.SECONDS
@@ -83,6 +89,11 @@ def main(arguments=None) -> int:
         names = list(layers.STACKS)[:1] if given.quick else list(layers.STACKS)
         rows = kept(work, "stacks", {name.replace(" ", "-"): name for name in names}, _stack, seconds, given.jobs)
         tables.write("layers", rows, docs / "study")
+    if "lateral" in parts:
+        names = list(lateral.STACKS)[:1] if given.quick else list(lateral.STACKS)
+        rows = kept(work, "beams", {name.replace(" ", "-"): name for name in names}, _beam,
+                    QUICK_SECONDS if given.quick else lateral.SECONDS, given.jobs)
+        tables.write("lateral", rows, docs / "study")
     if "hard" in parts:
         tables.write("hard", hard.measure(), docs / "study")
     if "show" in parts:
@@ -90,7 +101,8 @@ def main(arguments=None) -> int:
         import words
 
         if given.out:
-            shutil.copyfile(ROOT / "docs/study.md", docs / "study.md")
+            for page in words.PAGES:
+                shutil.copyfile(ROOT / "docs" / page, docs / page)
         plots.draw_all(docs)
         words.write_tables(docs)
     return 0

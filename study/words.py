@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of docs/study.md, written from the CSV files, so that text and data agree."""
+"""Tables of docs/study.md and docs/study-3d.md, written from the CSV files, so that text and data agree."""
 
+import math
 import re
 import statistics
 from pathlib import Path
@@ -14,20 +15,21 @@ Z_LIMIT_LEVEL = 0.01  # family-wise
 
 
 def write_tables(docs: Path) -> None:
-    """Fills the places `<!-- table:NAME -->` of study.md whose data are there."""
-    path = docs / "study.md"
-    text = path.read_text(encoding="utf-8")
-    for data, makers in MAKERS.items():
-        if not (docs / "study" / f"{data}.csv").exists():
-            continue
-        rows = tables.read(data, docs / "study")
-        for name, make in makers.items():
-            pattern = rf"(<!-- table:{name} -->\n).*?(<!-- end -->)"
-            table = make(rows)
-            text, count = re.subn(pattern, lambda m, t=table: m[1] + t + "\n" + m[2], text, flags=re.DOTALL)
-            if count != 1:
-                raise ValueError(f"{path}: {count} places for the table {name}: must be 1")
-    path.write_text(text, encoding="utf-8")
+    """Fills the places `<!-- table:NAME -->` of the pages whose data are there."""
+    for page, makers_of in PAGES.items():
+        path = docs / page
+        text = path.read_text(encoding="utf-8")
+        for data, makers in makers_of.items():
+            if not (docs / "study" / f"{data}.csv").exists():
+                continue
+            rows = tables.read(data, docs / "study")
+            for name, make in makers.items():
+                pattern = rf"(<!-- table:{name} -->\n).*?(<!-- end -->)"
+                table = make(rows)
+                text, count = re.subn(pattern, lambda m, t=table: m[1] + t + "\n" + m[2], text, flags=re.DOTALL)
+                if count != 1:
+                    raise ValueError(f"{path}: {count} places for the table {name}: must be 1")
+        path.write_text(text, encoding="utf-8")
 
 
 def markdown(head, lines) -> str:
@@ -189,9 +191,38 @@ def hard_cases(rows) -> str:
                      "tables' error", "Z", "largest weight", "CPU time"], lines)
 
 
-MAKERS = {
-    "grid": {"promises": promises, "efficiency": efficiency, "albedos": albedos, "rivals": rivals, "losses": losses,
-             "choices": choices, "bias": bias},
-    "layers": {"stacks": stacks},
-    "hard": {"hard": hard_cases},
+def beams(rows) -> str:
+    """Cost and relative standard deviation of a sample."""
+    lines = []
+    for stack, method in dict.fromkeys((row["stack"], row["method"]) for row in rows):
+        inside = {row["quantity"]: row for row in rows if row["stack"] == stack and row["method"] == method}
+        first = inside["flux"]
+        lines.append([stack, method, number(first["cpu_us"]), number(first["events"]),
+                      *(_sigma(inside[quantity]) for quantity in QUANTITIES),
+                      f"{max((row['z'] for row in inside.values()), key=abs):+.1f}"])
+    return markdown(["stack", "walk", "µs a sample", "events", *QUANTITIES, "largest Z"], lines)
+
+
+def _sigma(row) -> str:
+    return number(math.sqrt(row["variance"])) + ("" if row["status"] == "ok" else " (not reliable)")
+
+
+def beam_ratios(rows) -> str:
+    lines = []
+    for stack in dict.fromkeys(row["stack"] for row in rows if row["method"] == "scattering"):
+        inside = {row["quantity"]: row for row in rows if row["stack"] == stack and row["method"] == "scattering"}
+        lines.append([stack, *(f"{number(inside[q]['ratio'])} ± {number(inside[q]['ratio'] * inside[q]['ratio_error'])}"
+                               for q in QUANTITIES)])
+    return markdown(["stack", *QUANTITIES], lines)
+
+
+QUANTITIES = ("flux", "flux within 1 mm", "at 1/mm", "mean distance")
+PAGES = {
+    "study.md": {
+        "grid": {"promises": promises, "efficiency": efficiency, "albedos": albedos, "rivals": rivals,
+                 "losses": losses, "choices": choices, "bias": bias},
+        "layers": {"stacks": stacks},
+        "hard": {"hard": hard_cases},
+    },
+    "study-3d.md": {"lateral": {"beams": beams, "beam-ratios": beam_ratios}},
 }

@@ -65,9 +65,7 @@ def base(base):
     if base.kind == "none":
         return None
     cls, entry = BASES[base.kind], {"kind": base.kind}
-    forms = {form.item.id: form for form in cls.forms}
-    fields = (*forms[getattr(base, cls.form_prop)], *cls.fields) if forms else cls.fields
-    entry |= {field.name: _number(field, base) for field in fields}
+    entry |= {field.name: _number(field, base) for field in cls.panel_fields(base)}
     if cls.has_phase:
         entry["phase"] = phases.to_json(base)
     return entry | _options(cls, base)

@@ -33,10 +33,9 @@ def draw_base(layout, base):
     if cls is Conductor:
         row = _labelled(column, "Metal", None)
         row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
-    forms = {form.item.id: form for form in cls.forms}
-    if forms:
+    if cls.form_prop:
         column.row().prop(base, cls.form_prop, expand=True)
-    for field in (*(forms[getattr(base, cls.form_prop)] if forms else ()), *cls.fields):
+    for field in cls.panel_fields(base):
         _draw_number(column, base, field)
     _draw_options(column, base, cls)
     if cls.has_phase:

@@ -73,8 +73,9 @@ void lamina::bind_scattering(py::module_& module) {
           py::arg("albedo"), py::arg("tau"), py::arg("phase"))
       .def("over", &GradedMedium::over, py::arg("reflectance"), "The same slab on a Lambert surface.")
       .def_property_readonly("tau", &GradedMedium::tau);
-  module.def("joined_media", &joined_media, py::arg("stack"),
-             "The media of a stack and its Lambert base as one graded medium.");
+  module.def(
+      "joined_media", [](const Stack& stack) { return joined_media(stack); }, py::arg("stack"),
+      "The media of a stack and its Lambert base as one graded medium.");
 
   const auto unlocked = py::call_guard<py::gil_scoped_release>();
   py::class_<ScatteringWalk>(module, "ScatteringWalk")

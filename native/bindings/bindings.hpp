@@ -16,6 +16,8 @@ void bind_solver(pybind11::module_& module);
 void bind_fit(pybind11::module_& module);
 void bind_walks(pybind11::module_& module);
 void bind_scattering(pybind11::module_& module);
+void bind_lateral(pybind11::module_& module);
+void bind_lateral_walks(pybind11::module_& module);
 
 /// A phase function from its kind and that kind's parameters. Throws ValueError for an unknown kind and TypeError for
 /// a wrong number of parameters.

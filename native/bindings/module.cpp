@@ -15,4 +15,6 @@ PYBIND11_MODULE(_core, module) {
   lamina::bind_fit(module);
   lamina::bind_walks(module);
   lamina::bind_scattering(module);
+  lamina::bind_lateral(module);
+  lamina::bind_lateral_walks(module);
 }

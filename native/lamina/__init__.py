@@ -21,12 +21,14 @@ from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
 from .kinds.phases import *  # noqa: F403 - each phase function
+from .lateral.searchlight import Searchlight, searchlight
 from .material.layers import Medium
 from .material.phase import Mixture, Tabulated
 from .material.profile import Knot
 from .material.stack import Stack
 from .solver.solve import ScatteringFunction, solve
 from .walks.estimate import Estimate, Query, estimate
+from .walks.estimate_searchlight import SearchlightEstimate, SearchlightQuery, estimate_searchlight
 
 __version__ = _core.__version__  # of pyproject.toml
 
@@ -47,6 +49,9 @@ __all__ = [
     "Mixture",
     "Query",
     "ScatteringFunction",
+    "Searchlight",
+    "SearchlightEstimate",
+    "SearchlightQuery",
     "ShardError",
     "SolveError",
     "Stack",
@@ -57,11 +62,13 @@ __all__ = [
     "colours",
     "dust",
     "estimate",
+    "estimate_searchlight",
     "export",
     "lobes",
     "metals",
     "ply",
     "presets",
     "rgl",
+    "searchlight",
     "solve",
 ]

@@ -57,7 +57,8 @@ def test_every_cell_has_every_method(rows):
 
 def test_scores(out, rows):
     """Walks with a variance to rely on, by Z-score; 1 % for the family."""
-    scores = [row["z"] for row in (*rows, *tables.read("layers", out / "study")) if row["status"] == "ok"]
+    more = [*tables.read("layers", out / "study"), *tables.read("lateral", out / "study")]
+    scores = [row["z"] for row in (*rows, *more) if row["status"] == "ok"]
     assert len(scores) >= 16 and all(abs(z) < z_limit(len(scores)) for z in scores)
 
 
@@ -82,6 +83,14 @@ def test_the_picture_of_layers_shows_all_data(out):
     figure = plots.draw_layers(rows)
     drawn = sorted(float(line.get_xdata()[0]) for line in figure.axes[0].lines if line.get_gid() == "cell")
     assert drawn == sorted(row["ratio"] for row in rows if row["method"] != BASELINE)
+
+
+def test_both_walks_of_a_beam_are_measured(out):
+    rows = tables.read("lateral", out / "study")
+    assert {row["method"] for row in rows} == {"transfer", "scattering"} and len(rows) == 8
+    assert all(row["variance"] > 0 and row["cpu_us"] > 0 and row["ratio"] > 0 for row in rows)
+    assert all(row["ratio"] == 1 for row in rows if row["method"] == "transfer")
+    assert "| half-space, albedo .5 | scattering |" in (out / "study-3d.md").read_text(encoding="utf-8")
 
 
 def test_pictures_and_tables_are_written(out):
@@ -110,7 +119,7 @@ def test_variance_and_its_error():
 
 
 @pytest.mark.parametrize("arguments, words", [
-    (["nothing"], "nothing: must be one of grid, layers, hard, show"),
+    (["nothing"], "nothing: must be one of grid, layers, lateral, hard, show"),
     (["--quick"], "--quick needs --out"),
     (["--jobs", "0"], "--jobs 0: must be at least 1"),
 ])

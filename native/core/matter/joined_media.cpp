@@ -9,7 +9,7 @@
 
 namespace lamina {
 
-GradedMedium joined_media(const Stack& stack) {
+GradedMedium joined_media(const Stack& stack, bool endless) {
   const auto refuse = [](const char* what) {
     throw std::invalid_argument(std::string("the scattering equation's methods do not support ") + what +
                                 ": must be finite media over nothing, black or a Lambert surface");
@@ -30,7 +30,7 @@ GradedMedium joined_media(const Stack& stack) {
       depth = knots.back().tau;
     } else {
       const auto& medium = std::get<Medium>(layer);
-      if (std::isinf(medium.tau)) {
+      if (std::isinf(medium.tau) && !endless) {
         refuse("infinitely thick media");
       }
       if (medium.tau > 0.0) {
@@ -38,6 +38,9 @@ GradedMedium joined_media(const Stack& stack) {
         knots.push_back({depth, medium.albedo, medium.phase});
         depth += medium.tau;
         knots.push_back({depth, medium.albedo, medium.phase});
+      }
+      if (std::isinf(medium.tau)) {
+        break;
       }
     }
   }

@@ -8,8 +8,9 @@ namespace lamina {
 
 /// The media of a stack as one graded medium, with jumps between them, on the base if it is a Lambert surface. The
 /// methods of the scattering equation take such a medium. Throws std::invalid_argument for stacks with boundaries,
-/// metals or infinitely thick media, and for stacks without media.
-GradedMedium joined_media(const Stack& stack);
+/// metals or infinitely thick media, and for stacks without media. With `endless` the last medium may be infinitely
+/// thick: of the result, only GradedMedium::at_depth is then meaningful.
+GradedMedium joined_media(const Stack& stack, bool endless = false);
 
 /// A medium, and the surface below it, as a stack.
 Stack stack_of(const GradedMedium& medium);

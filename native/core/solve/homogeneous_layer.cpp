@@ -44,18 +44,6 @@ Eigen::MatrixXd symmetric(const Eigen::VectorXd& mu, double tau, Shape shape) {
   return values;
 }
 
-/// Nodes shared by several media integrate the phase function not quite exactly. The residual of the normalisation,
-/// r = 1 - p w, is added as the smooth symmetric kernel r_i + r_j - r.w.
-Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen::VectorXd& root) {
-  const double whole = root.squaredNorm();
-  const Eigen::VectorXd missing = (root - scattered * root).cwiseQuotient(root) / whole;
-  const double mean = missing.dot(root.cwiseAbs2()) / whole;
-  const Eigen::Index n = root.size();
-  return root.asDiagonal() *
-         (missing.replicate(1, n) + missing.transpose().replicate(n, 1) - Eigen::MatrixXd::Constant(n, n, mean)) *
-         root.asDiagonal();
-}
-
 /// The permutation that sorts cosines in ascending order.
 Eigen::PermutationMatrix<Eigen::Dynamic> ascending_order(const Eigen::VectorXd& mu) {
   std::vector<int> order(static_cast<std::size_t>(mu.size()));
@@ -69,6 +57,16 @@ Eigen::PermutationMatrix<Eigen::Dynamic> ascending_order(const Eigen::VectorXd& 
 }
 
 }  // namespace
+
+Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen::VectorXd& root) {
+  const double whole = root.squaredNorm();
+  const Eigen::VectorXd missing = (root - scattered * root).cwiseQuotient(root) / whole;
+  const double mean = missing.dot(root.cwiseAbs2()) / whole;
+  const Eigen::Index n = root.size();
+  return root.asDiagonal() *
+         (missing.replicate(1, n) + missing.transpose().replicate(n, 1) - Eigen::MatrixXd::Constant(n, n, mean)) *
+         root.asDiagonal();
+}
 
 HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions) {
   const Eigen::Index n = directions.live;

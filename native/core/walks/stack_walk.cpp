@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "operators/interface.hpp"
-#include "walks/survival.hpp"
+#include "walks/surface_meeting.hpp"
 
 namespace lamina {
 
@@ -120,48 +119,14 @@ bool StackWalk::meet(std::size_t element, const Exit& out, Light& light, bool fi
   if (here.kind == Kind::kMedium) {
     return cross(element, out, light, first, score, rng, events);
   }
-  if (here.kind == Kind::kSmooth) {
-    return meet_smooth(element, light, rng);
-  }
-  if (here.kind == Kind::kMetal) {
-    light.weight *= conductor_fresnel(-light.ray.z, here.metal);
-    light.ray = light.ray.mirrored();
-    return survives(light.weight, rng);
+  if (here.kind == Kind::kSmooth || here.kind == Kind::kMetal) {
+    return meet_polished(stack_, element, light.ray, light.weight, rng);
   }
   ++events;
   if (!first && !target_.flux) {
     score += light.weight * surface_leaving(element, out, light.ray);
   }
-  if (here.kind == Kind::kLambert) {
-    light.weight *= here.reflectance;
-    light.ray = lambert_ray(rng);
-  } else {
-    const FacetScatter::Outcome outcome = here.facets->sample(light.ray, rng);
-    light.weight *= outcome.weight;
-    light.ray = outcome.ray;
-  }
-  return light.weight != 0.0 && survives(light.weight, rng);
-}
-
-bool StackWalk::meet_smooth(std::size_t element, Light& light, Rng& rng) const {
-  const bool down = light.ray.z < 0.0;
-  const double from = stack_.ior[down ? element : element + 1];
-  const double to = stack_.ior[down ? element + 1 : element];
-  if (from == to) {
-    return true;
-  }
-  const double ratio = from / to;
-  const double mu = std::abs(light.ray.z);
-  const double sine2 = (1.0 - mu * mu) * ratio * ratio;
-  if (sine2 < 1.0) {
-    const double refracted = std::sqrt(1.0 - sine2);
-    if (rng.uniform() >= fresnel(mu, refracted, from, to)) {
-      light.ray = {light.ray.x * ratio, light.ray.y * ratio, std::copysign(refracted, light.ray.z)};
-      return true;
-    }
-  }
-  light.ray = light.ray.mirrored();
-  return true;
+  return scatter_at_surface(here, light.ray, light.weight, rng);
 }
 
 double StackWalk::first_leaving(std::size_t element, const Exit& out, const Ray& in) const {

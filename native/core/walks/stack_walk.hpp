@@ -71,7 +71,6 @@ class StackWalk : public Walk {
   double sample_exits(std::vector<Exit>& exits, Rng& rng) const;
   bool meet(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
             std::uint64_t& events) const;
-  bool meet_smooth(std::size_t element, Light& light, Rng& rng) const;
   double surface_leaving(std::size_t element, const Exit& out, const Ray& in) const;
   double first_leaving(std::size_t element, const Exit& out, const Ray& in) const;
   void add_start(std::size_t element, const Ray& in, double power);

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
+
+#include "walks/walk_blocks.hpp"
 
 namespace lamina {
 
@@ -29,28 +30,8 @@ void Tally::add(const Tally& other) {
 
 Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,
                ThreadPool& pool) {
-  // Threads share the work of a block in fixed pieces, summed in order, so that no thread waits long at the end.
-  constexpr std::uint64_t kPiece = 512;
-  static_assert(kWalkBlock % kPiece == 0);
-  std::vector<Tally> pieces((last_block - first_block) * (kWalkBlock / kPiece));
-  pool.run(pieces.size(), [&](std::size_t k) {
-    Tally tally;
-    const std::uint64_t first = first_block * kWalkBlock + k * kPiece;
-    for (std::uint64_t sample = first; sample < first + kPiece; ++sample) {
-      Rng rng(seed, sample);
-      tally.add_sample(walk.sample(rng, tally.events));
-    }
-    pieces[k] = tally;
-  });
-  Tally total;
-  for (std::size_t first = 0; first < pieces.size(); first += kWalkBlock / kPiece) {
-    Tally block;
-    for (std::size_t k = first; k < first + kWalkBlock / kPiece; ++k) {
-      block.add(pieces[k]);
-    }
-    total.add(block);
-  }
-  return total;
+  return sum_of_blocks(Tally(), seed, first_block, last_block, pool,
+                       [&](Rng& rng, Tally& tally) { tally.add_sample(walk.sample(rng, tally.events)); });
 }
 
 }  // namespace lamina

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: python -m lamina bake | report | export | estimate | merge | presets | dust."""
+"""The command line: python -m lamina bake | report | export | estimate | estimate-searchlight | merge | presets |
+dust."""
 
 from __future__ import annotations
 
@@ -32,9 +33,10 @@ from ..material import presets
 from ..material.stack import Stack
 from ..solver.solve import TOLERANCE, solve
 from ..walks.estimate import METHODS, SAMPLES, Estimate, Query, estimate
+from ..walks.estimate_searchlight import SearchlightEstimate
 from ..walks.shards import load_part, merge, run_shard, save_part
-from . import dust_command
-from .arguments import add_seed, add_threads, check
+from . import dust_command, searchlight_command
+from .arguments import add_drawing, add_threads, check, numbers
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -98,7 +100,7 @@ def _add_export(commands) -> None:
     command.add_argument("-o", "--output", required=True, metavar="OUT",
                          help=".npz: arrays with axes; .bsdf: reflection for Mitsuba 3's plugin `measured`")
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
-    command.add_argument("--wavelengths", type=_numbers, metavar="NM,...",
+    command.add_argument("--wavelengths", type=numbers, metavar="NM,...",
                          help=".bsdf: the channels' wavelengths, for spectral renderers; without them, RGB or grey")
     add_threads(command)
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
@@ -115,15 +117,10 @@ def _add_estimate(commands) -> None:
     command.add_argument("--side", choices=("top", "bottom"), default="top", help="where light enters")
     command.add_argument("--path", choices=("reflect", "transmit"), default="reflect")
     command.add_argument("--method", choices=tuple(METHODS), default="transfer")
-    command.add_argument("--samples", type=int, metavar="N", help=f"default {SAMPLES}")
     command.add_argument("--target-error", type=float, metavar="E", help="stop at this relative standard error")
-    add_seed(command)
-    add_threads(command)
-    command.add_argument("--shard", type=_shard, metavar="I/N", help="run part I of N only, and write it")
-    command.add_argument("-o", "--output", metavar="PART.json", help="where --shard writes")
-    command.add_argument("--json", action="store_true", help="the estimate as JSON")
-    command.add_argument("--quiet", action="store_true", help="no progress")
+    add_drawing(command)
     command.set_defaults(run=_estimate)
+    searchlight_command.add(commands, _estimate_searchlight)
     command = commands.add_parser("merge", help="add up the parts of an estimate")
     command.add_argument("parts", nargs="+", metavar="PART.json")
     command.add_argument("--json", action="store_true", help="the estimate as JSON")
@@ -131,26 +128,38 @@ def _add_estimate(commands) -> None:
 
 
 def _estimate(arguments: argparse.Namespace) -> int:
-    if (arguments.shard is None) != (arguments.output is None):
-        return _fail("--shard and -o go together", BAD_INPUT)
+    if arguments.shard is not None and arguments.target_error is not None:
+        return _fail("--target-error: parts have a fixed number of samples", BAD_INPUT)
+    return _draw(arguments, lambda progress: _estimated(arguments, progress))
+
+
+def _estimated(arguments: argparse.Namespace, progress) -> Estimate | dict:
+    """The estimate, or with --shard the part. Raises ValueError, SolveError, OSError."""
     stack = Stack.load(arguments.stack)
     where = (arguments.mu_o, arguments.mu_i, arguments.dphi)
+    if arguments.shard is None:
+        return estimate(stack, *where, arguments.method, arguments.samples, arguments.target_error, arguments.seed,
+                        progress, threads=arguments.threads, side=arguments.side, path=arguments.path)
+    samples = SAMPLES if arguments.samples is None else arguments.samples
+    return run_shard(stack, Query(*where, arguments.side, arguments.path), arguments.method, samples, arguments.seed,
+                     arguments.shard, progress, threads=arguments.threads)
+
+
+def _estimate_searchlight(arguments: argparse.Namespace) -> int:
+    return _draw(arguments, lambda progress: searchlight_command.estimated(arguments, progress))
+
+
+def _draw(arguments: argparse.Namespace, run) -> int:
+    """Prints the estimate that `run(progress)` returns, or writes the part."""
+    if (arguments.shard is None) != (arguments.output is None):
+        return _fail("--shard and -o go together", BAD_INPUT)
+    problem = "" if arguments.output is None else _unwritable(Path(arguments.output))
+    if problem:
+        return _fail(problem, BAD_INPUT)
     progress = None if arguments.quiet else _Progress()
+    found = run(progress)
     if arguments.shard is not None:
-        output = Path(arguments.output)
-        problem = _unwritable(output)
-        if not problem and arguments.target_error is not None:
-            problem = "--target-error: parts have a fixed number of samples"
-        if problem:
-            return _fail(problem, BAD_INPUT)
-        query = Query(*where, arguments.side, arguments.path)
-        samples = SAMPLES if arguments.samples is None else arguments.samples
-        part = run_shard(stack, query, arguments.method, samples, arguments.seed, arguments.shard, progress,
-                         threads=arguments.threads)
-        save_part(part, output)
-    else:
-        found = estimate(stack, *where, arguments.method, arguments.samples, arguments.target_error, arguments.seed,
-                         progress, threads=arguments.threads, side=arguments.side, path=arguments.path)
+        save_part(found, arguments.output)
     if progress is not None:
         progress.end()
     if arguments.shard is None:
@@ -163,8 +172,11 @@ def _merge(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _print_estimate(found: Estimate, as_json: bool) -> None:
+def _print_estimate(found: Estimate | SearchlightEstimate, as_json: bool) -> None:
     """Prints no times, so that equal estimates print equal bytes."""
+    if isinstance(found, SearchlightEstimate):
+        searchlight_command.show(found, as_json)
+        return
     if as_json:
         print(json.dumps({"value": found.value.tolist(), "stderr": found.stderr.tolist(),
                           "samples": found.samples.tolist(), "events": found.events.tolist(),
@@ -288,21 +300,6 @@ def _unwritable(output: Path) -> str:
 def _fail(sentence: str, code: int) -> int:
     print(f"lamina: {sentence}", file=sys.stderr)
     return code
-
-
-def _shard(text: str) -> tuple[int, int]:
-    try:
-        number, count = (int(part) for part in text.split("/"))
-    except ValueError:
-        raise argparse.ArgumentTypeError("must be I/N") from None
-    return number, count
-
-
-def _numbers(text: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError("must be numbers with commas between") from None
 
 
 class _Progress:

@@ -10,7 +10,7 @@ from dataclasses import field as member
 
 from .boundaries import ALPHA, FACETS
 from .fields import Channels, Field, Form, Option, channel
-from .media import ALBEDO
+from .media import ALBEDO, SIGMA_A, SIGMA_S, single_scattering_albedo
 from .panel import Item, Panel
 from .phases import Isotropic, PhaseFunction
 
@@ -27,7 +27,20 @@ class Base:
     options: tuple[Option, ...] = ()
     item: Item
     has_phase = False
-    form_prop = ""  # the add-on's property that says which form is given
+    form_prop = ""  # the add-on's property that says which form is given; without one the panel offers the first alone
+
+    @classmethod
+    def panel_forms(cls) -> tuple[Form, ...]:
+        """The forms that the panel offers."""
+        return cls.forms if cls.form_prop else cls.forms[:1]
+
+    @classmethod
+    def panel_fields(cls, given) -> tuple[Field, ...]:
+        """The quantities of a base whose properties `given` has: those of its form, then the others."""
+        for form in cls.panel_forms():
+            if not cls.form_prop or form.item.id == getattr(given, cls.form_prop):
+                return *form, *cls.fields
+        return cls.fields
 
     def in_channel(self, index: int) -> tuple:
         """(name, parameters...) of one channel: the core's factory of the base and its arguments."""
@@ -104,15 +117,24 @@ class Black(Base):
 
 @dataclass(frozen=True)
 class HalfSpace(Base):
-    """An infinitely thick medium."""
+    """An infinitely thick medium, given by `albedo`, in [0, 1], or by `sigma_s` and `sigma_a`, in 1/mm, which also say
+    how far light travels sideways. Numbers, or one a channel."""
 
-    albedo: Channels
+    albedo: Channels | None = None
     phase: PhaseFunction = member(default_factory=Isotropic)
+    sigma_s: Channels | None = None
+    sigma_a: Channels | None = None
 
     kind = "half-space"
-    fields = (ALBEDO,)
+    forms = (Form((ALBEDO,)), Form((SIGMA_S, SIGMA_A)))
     has_phase = True
     item = Item(kind, "Deep Medium", "A medium without bottom: soil, snow, thick paint", 3)
+
+    def albedo_of(self, index: int) -> float:
+        """The albedo of one channel."""
+        if self.albedo is not None:
+            return channel(self.albedo, index)
+        return single_scattering_albedo(channel(self.sigma_s, index), channel(self.sigma_a, index))
 
     def in_channel(self, index: int) -> tuple:
         """The black surface below the infinite medium, which no light reaches."""

@@ -77,11 +77,11 @@ class Field:
 
 @dataclass(frozen=True)
 class Form:
-    """Quantities that together describe a thing. `item`: the form as an entry of the panel's list. `local`: those of
-    a medium that may change with depth."""
+    """Quantities that together describe a thing. `item`: the form as an entry of the panel's list, None where the
+    panel has no such list. `local`: those of a medium that may change with depth."""
 
     fields: tuple[Field, ...]
-    item: Item
+    item: Item | None = None
     local: tuple[Field, ...] = ()
 
     def __iter__(self):

@@ -40,3 +40,9 @@ FORMS = (BY_COLOUR, BY_ALBEDO, BY_COEFFICIENTS)
 USUAL_FORM = BY_ALBEDO
 
 ITEM = Item("medium", "Medium", "Scattering, absorbing particles: dust, pigment, haze", 0, icon="MATFLUID")
+
+
+def single_scattering_albedo(sigma_s: float, sigma_a: float) -> float:
+    """sigma_s / sigma_t; 0 where nothing is scattered or absorbed."""
+    sigma_t = sigma_s + sigma_a
+    return sigma_s / sigma_t if sigma_t > 0.0 else 0.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from ..common.errors import StackError, quoted
 from ..kinds.fields import Channels, channel, check_forms
-from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, ITEM
+from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, ITEM, single_scattering_albedo
 from ..kinds.phases import Isotropic
 from .phase import Phase, check_phase
 from .profile import Knot, check_profile, optical_thickness, turned
@@ -55,11 +55,10 @@ class Medium:
             return None, optical_thickness(self, index)
         if self.tau is not None:
             return None if self.albedo is None else channel(self.albedo, index), channel(self.tau, index)
-        sigma_s = channel(self.sigma_s, index)
-        sigma_t = sigma_s + channel(self.sigma_a, index)
-        if sigma_t == 0.0:
-            return 0.0, 0.0
-        return sigma_s / sigma_t, sigma_t * channel(self.thickness, index)
+        sigma_s, sigma_a = channel(self.sigma_s, index), channel(self.sigma_a, index)
+        sigma_t = sigma_s + sigma_a
+        tau = sigma_t * channel(self.thickness, index) if sigma_t > 0.0 else 0.0
+        return single_scattering_albedo(sigma_s, sigma_a), tau
 
     def turned(self) -> Medium:
         """The layer upside down."""

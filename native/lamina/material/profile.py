@@ -181,13 +181,16 @@ def _phase(knot: Knot, medium) -> Phase:
     return medium.phase if knot.phase is None else knot.phase
 
 
+def coefficients_at(knot: Knot, medium, index: int) -> tuple[float, float, tuple]:
+    """(sigma_s, sigma_t, phase function as the core takes it) of a knot that has coefficients, in one channel."""
+    sigma_s = channel(knot.sigma_s, index)
+    return sigma_s, sigma_s + channel(knot.sigma_a, index), _phase(knot, medium).in_channel(index)
+
+
 def _pieces(medium, index: int):
     """((sigma_s, sigma_t, phase) above, below, tau) between neighbouring knots."""
     thickness = channel(medium.thickness, index)
-    ends = []
-    for knot in medium.profile:
-        sigma_s = channel(knot.sigma_s, index)
-        ends.append((sigma_s, sigma_s + channel(knot.sigma_a, index), _phase(knot, medium).in_channel(index)))
+    ends = [coefficients_at(knot, medium, index) for knot in medium.profile]
     for (upper, lower), (above, below) in zip(
             itertools.pairwise(medium.profile), itertools.pairwise(ends), strict=True):
         yield above, below, 0.5 * (above[1] + below[1]) * (lower.depth - upper.depth) * thickness
@@ -211,11 +214,11 @@ def _chords(above: tuple, below: tuple, tau: float, depth: float):
         way = k / count if e0 == e1 else (e - e0) / (e1 - e0)
         part0, part1 = (1.0 - way) * s0, way * s1
         t = tau if k == count else tau * way * (e0 + e) / (e0 + e1)
-        knots.append((depth + t, min(1.0, (part0 + part1) / e), _mixed(p0, part0, p1, part1)))
+        knots.append((depth + t, min(1.0, (part0 + part1) / e), mixed(p0, part0, p1, part1)))
     return knots
 
 
-def _mixed(p0: tuple, part0: float, p1: tuple, part1: float) -> tuple:
+def mixed(p0: tuple, part0: float, p1: tuple, part1: float) -> tuple:
     """A mixture of two phase functions, as the core takes it; mixtures do not nest."""
     if p0 == p1 or part1 == 0.0:
         return p0

@@ -15,7 +15,7 @@ from pathlib import Path
 from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
-from ..kinds.bases import BASES, Base, Conductor
+from ..kinds.bases import BASES, Base, Conductor, HalfSpace
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
@@ -157,6 +157,8 @@ class Stack:
         if isinstance(self.base, Conductor):
             indices = [self.indices(c) for c in channels]
             base["eta"], base["k"] = [eta for eta, _ in indices], [k for _, k in indices]
+        if isinstance(self.base, HalfSpace):
+            base["albedo"] = [self.base.albedo_of(c) for c in channels]
         return json.dumps({"schema": SCHEMA, "layers": layers, "base": base}, sort_keys=True)
 
     def to_json(self) -> dict:

@@ -91,7 +91,7 @@ def core_stack(stack: Stack, index: int):
         else:
             entries.append((_core.Medium, (*stack.optics(number, index), *layer.phase.in_channel(index))))
     if isinstance(stack.base, HalfSpace):
-        endless = (channel(stack.base.albedo, index), math.inf, *stack.base.phase.in_channel(index))
+        endless = (stack.base.albedo_of(index), math.inf, *stack.base.phase.in_channel(index))
         entries.append((_core.Medium, endless))
     base: tuple = ("none",)
     if isinstance(stack.base, Conductor):
@@ -109,11 +109,11 @@ def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
 
 def _solve_channel(core: _core.Stack, tolerance: float, pool, nodes: int | None) -> _core.Solution:
     if nodes is not None:
-        return _or_solve_error(lambda: _core.solve_roughly(core, tolerance, nodes, pool))
-    return _or_solve_error(lambda: _core.solve(core, tolerance, pool))
+        return or_solve_error(lambda: _core.solve_roughly(core, tolerance, nodes, pool))
+    return or_solve_error(lambda: _core.solve(core, tolerance, pool))
 
 
-def _or_solve_error(call):
+def or_solve_error(call):
     """The result of `call`. Raises SolveError for the core's RuntimeError."""
     try:
         return call()
@@ -174,7 +174,7 @@ class ScatteringFunction:
             tau = channel(taus, index)
             key = (id(solution), tau)
             if key not in made:
-                made[key] = _or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
+                made[key] = or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
             channels.append(made[key])
         return ScatteringFunction(self.stack, channels, self._pool)
 

@@ -127,16 +127,26 @@ def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, 
     """(result of `run(walk, step)` for each channel, the largest error of the walks' tables); equal channels share one
     run. Raises as estimate does."""
     query.check(stack)
+
+    def walked(layers, base, within):
+        walk, off = make_walk(_core.Stack(layers, base), query, method, pool)
+        return run(walk, within), off
+
+    found = each_problem(stack.channels, step, lambda index: core_stack(stack, index), walked)
+    return [tallies for tallies, _ in found], max(off for _, off in found)
+
+
+def each_problem(channels: int, step: Progress, problem, run) -> list:
+    """What `run(*given, step)` returns for each channel, of which `problem(index)` says (key, *given); channels with
+    one key are the same problem, and share one run."""
     done: dict = {}
-    channels, error = [], 0.0
-    for index in range(stack.channels):
-        key, layers, base = core_stack(stack, index)
+    found = []
+    for index in range(channels):
+        key, *given = problem(index)
         if key not in done:
-            walk, off = make_walk(_core.Stack(layers, base), query, method, pool)
-            error = max(error, off)
-            done[key] = run(walk, portion(step, index / stack.channels, (index + 1) / stack.channels))
-        channels.append(done[key])
-    return channels, error
+            done[key] = run(*given, portion(step, index / channels, (index + 1) / channels))
+        found.append(done[key])
+    return found
 
 
 def make_walk(core, query: Query, method: str, pool):
@@ -159,13 +169,17 @@ def blocks_of(samples: int | None, target_error: float | None = None) -> int:
     return -(-check_whole(samples, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^40") // BLOCK)
 
 
-def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step):
+def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step) -> list:
     """Tallies (sum, squares, largest, count, events) of chunks [first, last) of a run of so many blocks."""
+    return each_chunk(lambda *between: _core.run_walk(walk, seed, *between, pool), first, last, blocks, step)
+
+
+def each_chunk(tally, first: int, last: int, blocks: int, step: Progress) -> list:
+    """What `tally(first block, last block)` returns for chunks [first, last) of a run of so many blocks."""
     tallies = []
     for chunk in range(first, last):
         step((chunk - first) / (last - first), f"{(chunk - first) * CHUNK * BLOCK:,} samples")
-        until = min((chunk + 1) * CHUNK, blocks)
-        tallies.append(_core.run_walk(walk, seed, chunk * CHUNK, until, pool))
+        tallies.append(tally(chunk * CHUNK, min((chunk + 1) * CHUNK, blocks)))
     return tallies
 
 

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lateral/beam_paths.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "lateral/fine_quadrature.hpp"
+#include "matter/microfacet.hpp"
+#include "operators/delta_field.hpp"
+#include "operators/interface.hpp"
+
+namespace lamina {
+namespace {
+
+using Eigen::Index;
+
+/// The delta parts of all layers, the base last, for the beam.
+std::vector<ScatteringFunction> delta_layers(const LateralStack& stack) {
+  const std::vector<Directions>& directions = stack.directions();
+  const std::vector<Layer>& layers = stack.measured().stack.layers;
+  std::vector<ScatteringFunction> functions;
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    const Directions& here = directions[layer];
+    const auto* interface = std::get_if<Interface>(&layers[layer]);
+    if (interface == nullptr) {
+      ScatteringFunction direct = ScatteringFunction::bare(here.size(), here.nodes);
+      const double tau = stack.media()[layer] ? stack.media()[layer]->medium().tau : 0.0;
+      direct.transmit.delta = here.spread(direct_transmissions(here.mu, tau));
+      functions.push_back(std::move(direct));
+    } else if (interface->is_rough(here.ior)) {
+      functions.push_back(ScatteringFunction::bare(here.size(), here.nodes));
+    } else {
+      functions.push_back(smooth_interface(here, directions[layer + 1]));
+    }
+  }
+  const Base& base = stack.measured().stack.base;
+  const Directions& bottom = directions.back();
+  if (base.kind == Base::Kind::kConductor && base.facets.alpha == 0.0) {
+    functions.push_back(smooth_conductor(base.ior, bottom));
+  } else if (base.kind != Base::Kind::kNone) {
+    functions.push_back(ScatteringFunction::bare(bottom.size(), bottom.nodes));
+  }
+  return functions;
+}
+
+/// The medium next to a face, with the boundaries between, or nothing.
+struct NextMedium {
+  std::size_t layer = 0;
+  std::vector<double> indices;  ///< from that of the medium outwards, to that outside
+};
+
+std::optional<NextMedium> next_medium(const LateralStack& stack, bool top) {
+  const std::vector<Layer>& layers = stack.measured().stack.layers;
+  const std::vector<Directions>& directions = stack.directions();
+  NextMedium next;
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    next.layer = top ? k : layers.size() - 1 - k;
+    if (const auto* interface = std::get_if<Interface>(&layers[next.layer])) {
+      if (interface->is_rough(directions[next.layer].ior)) {
+        return std::nullopt;
+      }
+      next.indices.insert(next.indices.begin(), directions[top ? next.layer : next.layer + 1].ior);
+    } else if (const auto& medium = stack.media()[next.layer]) {
+      if (!medium->scatters()) {
+        return std::nullopt;
+      }
+      next.indices.insert(next.indices.begin(), directions[next.layer].ior);
+      return next;
+    }
+  }
+  return std::nullopt;
+}
+
+/// What leaves of light at a cosine in the first of these media, through smooth boundaries into the last.
+double passing(const std::vector<double>& indices, double mu) {
+  double reflected = 0.0;
+  double passed = 1.0;
+  double cosine = mu;
+  for (std::size_t k = 0; k + 1 < indices.size(); ++k) {
+    const double next = refracted_cosine(mu, indices.front(), indices[k + 1]);
+    if (next <= 0.0) {
+      return 0.0;
+    }
+    const double r = fresnel(cosine, next, indices[k], indices[k + 1]);
+    const double between = 1.0 - reflected * r;
+    // Both boundaries together, as light from the first medium sees them.
+    passed = passed * (1.0 - r) / between;
+    reflected = r + (1.0 - r) * (1.0 - r) * reflected / between;
+    cosine = next;
+  }
+  return passed;
+}
+
+std::optional<OnceScatteredBeam> once_scattered(const LateralStack& stack, bool top) {
+  if (!stack.along_normal()) {
+    return std::nullopt;
+  }
+  const std::optional<NextMedium> next = next_medium(stack, top);
+  if (!next) {
+    return std::nullopt;
+  }
+  const DeltaField field(delta_layers(stack));
+  const Index beam = stack.directions().front().nodes;
+  const double down = field.from_above[next->layer].down[beam];
+  const double up = field.from_above[next->layer].up[beam];
+  double critical = 0.0;
+  for (const double ior : next->indices) {
+    if (ior < next->indices.front()) {
+      critical = std::max(critical, refracted_cosine(0.0, ior, next->indices.front()));
+    }
+  }
+  const OnceScatteredBeam::Beam arrived = top ? OnceScatteredBeam::Beam{down, up} : OnceScatteredBeam::Beam{up, down};
+  return OnceScatteredBeam(
+      *stack.media()[next->layer], stack.directions()[next->layer], arrived,
+      [indices = next->indices](double mu) { return passing(indices, mu); }, critical);
+}
+
+}  // namespace
+
+std::optional<OnceScatteredBeam> once_scattered_upward(const LateralStack& stack) {
+  return once_scattered(stack, true);
+}
+
+std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& stack) {
+  if (stack.measured().stack.base.kind != Base::Kind::kNone) {
+    return std::nullopt;
+  }
+  return once_scattered(stack, false);
+}
+
+Rings unscattered_rings(const LateralStack& stack) {
+  Rings rings;
+  if (stack.along_normal()) {
+    return rings;
+  }
+  constexpr double kFaintest = 1e-9;
+  const std::vector<ScatteringFunction> layers = delta_layers(stack);
+  const Index beam = stack.directions().front().nodes;
+  struct Light {
+    std::size_t gap;  // above this layer
+    bool down;
+    double flux;
+    double direct;
+    double radius;
+  };
+  std::vector<Light> waiting{{0, true, 1.0, 1.0, 0.0}};
+  while (!waiting.empty()) {
+    const Light light = waiting.back();
+    waiting.pop_back();
+    if (light.flux < kFaintest) {
+      continue;
+    }
+    if (!light.down && light.gap == 0) {
+      if (light.radius > 0.0) {
+        rings.reflected.push_back({light.radius, light.flux, light.direct});
+      }
+      continue;
+    }
+    if (light.down && light.gap == layers.size()) {
+      if (light.radius > 0.0) {
+        rings.transmitted.push_back({light.radius, light.flux, light.direct});
+      }
+      continue;
+    }
+    const std::size_t layer = light.down ? light.gap : light.gap - 1;
+    const ScatteringFunction& function = layers[layer];
+    double radius = light.radius;
+    double peaks = 1.0;
+    if (layer < stack.media().size() && stack.media()[layer]) {
+      const Directions& here = stack.directions()[layer];
+      const double mu = here.mu[here.live];
+      radius += stack.media()[layer]->thickness() * std::sqrt(1.0 - mu * mu) / mu;
+      peaks = std::exp(-stack.media()[layer]->truncated_tau() / mu);
+    }
+    const double mirrored = (light.down ? function.reflect_above : function.reflect_below).delta[beam];
+    const double passed = function.transmit.delta[beam];
+    waiting.push_back({light.gap, !light.down, mirrored * light.flux, mirrored * light.direct, light.radius});
+    waiting.push_back(
+        {light.down ? layer + 1 : layer, light.down, passed * light.flux, passed * peaks * light.direct, radius});
+  }
+  return rings;
+}
+
+ForwardPeaks::ForwardPeaks(const LateralStack& stack, int legs) {
+  if (!stack.along_normal()) {
+    return;
+  }
+  const std::vector<std::optional<LateralMedium>>& media = stack.media();
+  std::vector<std::size_t> way;
+  for (std::size_t layer = 0; layer < media.size(); ++layer) {
+    if (media[layer] && !std::isinf(media[layer]->thickness())) {
+      way.push_back(layer);
+    }
+  }
+  if (legs == 2) {
+    way.insert(way.end(), way.rbegin(), way.rend());
+  }
+  const Nodes cosines = between_cosines(0.0);
+  const Nodes depths = graded(0.0, 1.0, 1.0, false);
+  for (std::size_t k = 0; k < way.size(); ++k) {
+    const LateralMedium& medium = *media[way[k]];
+    const TruncatedMedium& truncated = medium.medium();
+    const double scattering = medium.extinction() * truncated.single_scattering_albedo() * medium.thickness();
+    whole_ += scattering * truncated.forward_share;
+    if (!medium.scatters() || truncated.forward_share < 1e-12) {
+      continue;
+    }
+    const double ior = stack.directions()[way[k]].ior;
+    for (std::size_t c = 0; c < cosines.place.size(); ++c) {
+      const double mu = cosines.place[c];
+      const double peak =
+          medium.phase().evaluate(mu) - (1.0 - truncated.forward_share) * truncated_phase(truncated, mu);
+      double beyond = 0.0;
+      bool passes = true;
+      const auto slope = [&](std::size_t layer) {
+        const double other = refracted_cosine(mu, ior, stack.directions()[layer].ior);
+        passes = passes && other > 0.0;
+        return passes ? std::sqrt(1.0 - other * other) / other : 0.0;
+      };
+      for (std::size_t later = k + 1; later < way.size(); ++later) {
+        beyond += media[way[later]]->thickness() * slope(way[later]);
+      }
+      if (!passes) {
+        continue;
+      }
+      for (std::size_t d = 0; d < depths.place.size(); ++d) {
+        terms_.push_back({0.5 * scattering * cosines.weight[c] * depths.weight[d] * peak,
+                          beyond + depths.place[d] * medium.thickness() * slope(way[k])});
+      }
+    }
+  }
+}
+
+double ForwardPeaks::at(double q) const {
+  const auto spread = [&](double frequency) {
+    double sum = 0.0;
+    for (const Term& term : terms_) {
+      sum += term.weight * j0(frequency * term.distance);
+    }
+    return sum;
+  };
+  // Of Poisson's distribution, all but the light that no peak has scattered.
+  return std::expm1(spread(q)) / std::expm1(spread(0.0));
+}
+
+}  // namespace lamina

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The reflection and transmission of a layer at one lateral frequency.
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "lateral/azimuth_rule.hpp"
+#include "operators/directions.hpp"
+
+namespace lamina {
+
+/// Rows of operators at one lateral frequency: for each azimuth all nodes of the stack, then the beam at its own
+/// azimuths. The beam is a target (see Directions): columns lead from it to the nodes, no row leads from nodes to it.
+struct LateralRows {
+  const AzimuthRule& azimuths;       ///< of the nodes
+  const AzimuthRule& beam_azimuths;  ///< of the beam; along the normal it has but one
+  Eigen::Index nodes;                ///< of the stack, live or not
+
+  Eigen::Index beam() const { return nodes * azimuths.count; }
+  Eigen::Index size() const { return beam() + beam_azimuths.count; }
+};
+
+/// The scattering function of a layer at one lateral frequency. Delta parts of nodes lie on the diagonals.
+struct LateralFunction {
+  Eigen::MatrixXd reflect_above;
+  Eigen::MatrixXd down;
+  Eigen::MatrixXd reflect_below;
+  Eigen::MatrixXd up;
+};
+
+/// The operator on azimuths of one that is known by azimuth orders, each a matrix over the nodes and one target, in
+/// the symmetric scaling of Directions.
+Eigen::MatrixXd from_orders(const std::vector<Eigen::MatrixXd>& orders, const LateralRows& rows);
+
+/// A delta part by nodes and one target, the same at all azimuths.
+Eigen::MatrixXd from_delta(const Eigen::VectorXd& delta, const LateralRows& rows);
+
+}  // namespace lamina

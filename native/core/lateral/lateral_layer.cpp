@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lateral/lateral_layer.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+namespace lamina {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kFaintest = 1e-9;  // an albedo below this scatters nothing that shows
+
+struct LayerPair {
+  MatrixXd reflect;
+  MatrixXd transmit;
+};
+
+/// A layer so thin that the fastest mode falls by e or less across half of it.
+LayerPair thin_layer(const MatrixXd& a, const MatrixXd& b, double half) {
+  const MatrixXd one = MatrixXd::Identity(a.rows(), a.cols());
+  // tanh(x) / x = (10395 + 1260 y + 21 y^2) / (10395 + 4725 y + 210 y^2 + y^3), y = x^2: errs by y^6 / 1.4e9.
+  const MatrixXd y = (half * half) * (a * b);
+  const MatrixXd y2 = y * y;
+  const MatrixXd numerator = 10395.0 * one + 1260.0 * y + 21.0 * y2;
+  MatrixXd denominator = 10395.0 * one + 4725.0 * y + 210.0 * y2;
+  denominator.noalias() += y * y2;
+  const MatrixXd f = half * denominator.partialPivLu().solve(numerator);
+  const MatrixXd g = b * f;
+  const MatrixXd h = f * a;
+  // (1 - G) (1 + G)^-1 = 2 (1 + G)^-1 - 1, and so for H.
+  const MatrixXd alike = (one + g).partialPivLu().inverse();
+  const MatrixXd opposite = (one + h).partialPivLu().inverse();
+  return {alike - opposite, alike + opposite - one};
+}
+
+/// Twice as thick. Returns whether anything still comes through.
+bool redouble(LayerPair& layer) {
+  constexpr double kNothing = 1e-15;
+  MatrixXd back = -layer.reflect * layer.reflect;
+  back.diagonal().array() += 1.0;
+  const MatrixXd between = back.partialPivLu().solve(layer.transmit);
+  const MatrixXd upward = layer.reflect * between;
+  layer.reflect.noalias() += layer.transmit * upward;
+  layer.transmit = layer.transmit * between;
+  return layer.transmit.cwiseAbs().maxCoeff() > kNothing;
+}
+
+}  // namespace
+
+LateralMedium::LateralMedium(const Medium& medium, int moments, const Directions& directions, double extinction,
+                             double thickness)
+    : medium_(medium, moments),
+      phase_(medium.phase),
+      directions_(directions),
+      extinction_(extinction * (1.0 - medium.albedo * medium_.forward_share)),
+      thickness_(thickness),
+      whole_tau_(medium.tau),
+      scatters_(medium_.albedo > kFaintest && medium_.tau > 0.0) {
+  sine_ = (1.0 - directions.mu.array().square()).max(0.0).sqrt();
+  if (!scatters_) {
+    return;
+  }
+  const VectorXd steep = directions.scale.cwiseQuotient(directions.mu) / std::sqrt(2.0);
+  const Index live = directions.live;
+  const VectorXd root = directions.weight.cwiseSqrt();
+  for (int m = 0; m < moments; ++m) {
+    const PhaseKernel phase(medium_, m, directions.mu);
+    MatrixXd even = 0.5 * (phase.transmit + phase.reflect);
+    const MatrixXd odd = 0.5 * (phase.transmit - phase.reflect);
+    if (m == 0) {
+      const MatrixXd share =
+          normalising_share(root.asDiagonal() * even.topLeftCorner(live, live) * root.asDiagonal(), root);
+      even.topLeftCorner(live, live) += root.cwiseInverse().asDiagonal() * share * root.cwiseInverse().asDiagonal();
+    }
+    even_.push_back(medium_.albedo * (steep.asDiagonal() * even * steep.asDiagonal()));
+    odd_.push_back(medium_.albedo * (steep.asDiagonal() * odd * steep.asDiagonal()));
+  }
+}
+
+LateralMedium::Transfer LateralMedium::transfer(double q, const LateralRows& rows) const {
+  const Index live = directions_.live;
+  const AzimuthRule& nodes = rows.azimuths;
+  const AzimuthRule& beam = rows.beam_azimuths;
+  const Index first = live * nodes.count;
+  const Index size = first + beam.count;
+  const VectorXd steep = directions_.mu.cwiseInverse();
+  const VectorXd slant = (q / extinction_) * sine_.cwiseProduct(steep);
+  MatrixXd streaming = MatrixXd::Zero(size, size);
+  for (Index j = 0; j < nodes.count; ++j) {
+    for (Index k = 0; k < nodes.count; ++k) {
+      if (nodes.wave(j, k) != 0.0) {
+        streaming.block(j * live, k * live, live, live).diagonal() = nodes.wave(j, k) * slant.head(live);
+      }
+    }
+    streaming.block(j * live, j * live, live, live).diagonal() += steep.head(live);
+  }
+  streaming.bottomRightCorner(beam.count, beam.count) = slant[live] * beam.wave;
+  streaming.bottomRightCorner(beam.count, beam.count).diagonal().array() += steep[live];
+  const auto less_scattering = [&](const std::vector<MatrixXd>& orders) {
+    MatrixXd matrix = streaming;
+    const Index count = std::min<Index>(nodes.orders(), static_cast<Index>(orders.size()));
+    for (Index m = 0; m < count; ++m) {
+      const MatrixXd& order = orders[static_cast<std::size_t>(m)];
+      for (Index to = 0; to < nodes.count; ++to) {
+        for (Index from = 0; from < nodes.count; ++from) {
+          matrix.block(to * live, from * live, live, live) -=
+              nodes.from_orders(to, m) * nodes.to_orders(m, from) * order.topLeftCorner(live, live);
+        }
+        for (Index from = 0; m < beam.orders() && from < beam.count; ++from) {
+          matrix.block(to * live, first + from, live, 1) -=
+              nodes.from_orders(to, m) * beam.to_orders(m, from) * order.block(0, live, live, 1);
+        }
+      }
+    }
+    return matrix;
+  };
+  return {less_scattering(odd_), less_scattering(even_)};
+}
+
+/// Light that only passes: for each direction and pair of azimuths a complex attenuation.
+MatrixXd LateralMedium::passing(double q, const LateralRows& rows) const {
+  const Index live = directions_.live;
+  const Index first = live * rows.azimuths.count;
+  MatrixXd matrix = MatrixXd::Zero(first + rows.beam_azimuths.count, first + rows.beam_azimuths.count);
+  const auto fill = [&](const AzimuthRule& azimuths, Index direction, Index row, Index stride) {
+    const double path = thickness_ / directions_.mu[direction];
+    if (azimuths.count == 1) {
+      matrix(row, row) = std::exp(-medium_.tau / directions_.mu[direction]);
+      return;
+    }
+    const Index pairs = azimuths.count / 2;
+    for (Index j = 0; j < pairs; ++j) {
+      const std::complex<double> wave = std::complex<double>(0.0, q * sine_[direction] * path) * azimuths.cosines[j];
+      const std::complex<double> kept = std::exp(-medium_.tau / directions_.mu[direction] - wave);
+      const Index real = row + j * stride;
+      const Index imaginary = row + (pairs + j) * stride;
+      matrix(real, real) = matrix(imaginary, imaginary) = kept.real();
+      matrix(imaginary, real) = kept.imag();
+      matrix(real, imaginary) = -kept.imag();
+    }
+  };
+  for (Index i = 0; i < live; ++i) {
+    fill(rows.azimuths, i, i, live);
+  }
+  fill(rows.beam_azimuths, live, first, 1);
+  return matrix;
+}
+
+MatrixXd LateralMedium::spread(const MatrixXd& compact, const LateralRows& rows) const {
+  const Index live = directions_.live;
+  if (live == rows.nodes) {
+    return compact;
+  }
+  const Index azimuths = rows.azimuths.count;
+  const Index beam = rows.beam_azimuths.count;
+  MatrixXd all = MatrixXd::Zero(rows.size(), rows.size());
+  for (Index j = 0; j < azimuths; ++j) {
+    for (Index k = 0; k < azimuths; ++k) {
+      all.block(j * rows.nodes, k * rows.nodes, live, live) = compact.block(j * live, k * live, live, live);
+    }
+    all.block(j * rows.nodes, rows.beam(), live, beam) = compact.block(j * live, azimuths * live, live, beam);
+  }
+  all.bottomRightCorner(beam, beam) = compact.bottomRightCorner(beam, beam);
+  return all;
+}
+
+LateralFunction LateralMedium::at(double q, const LateralRows& rows) const {
+  const Index size = rows.size();
+  if (!scatters_) {
+    const MatrixXd through = std::isinf(thickness_) ? MatrixXd::Zero(size, size) : spread(passing(q, rows), rows);
+    return {MatrixXd::Zero(size, size), through, MatrixXd::Zero(size, size), through};
+  }
+  const Transfer m = transfer(q, rows);
+  // An endless medium: until nothing comes through, or where nothing is absorbed, until what does is lost in rounding.
+  constexpr double kEndless = 1e10;
+  const double tau = std::min(medium_.tau, kEndless);
+  const double steepest = std::hypot(1.0, q / extinction_) / directions_.mu.head(directions_.live).minCoeff();
+  const int doublings = std::max(0, static_cast<int>(std::ceil(std::log2(0.5 * tau * steepest))));
+  LayerPair layer = thin_layer(m.a, m.b, 0.5 * std::ldexp(tau, -doublings));
+  for (int k = 0; k < doublings; ++k) {
+    if (!redouble(layer)) {
+      break;
+    }
+  }
+  const MatrixXd reflect = spread(layer.reflect, rows);
+  const MatrixXd through = std::isinf(thickness_) ? MatrixXd::Zero(size, size) : spread(layer.transmit, rows);
+  return {reflect, through, reflect, through};
+}
+
+LateralFunction LateralMedium::at_infinity(const LateralRows& rows) const {
+  const Index size = rows.size();
+  LateralFunction none{MatrixXd::Zero(size, size), MatrixXd::Zero(size, size), MatrixXd::Zero(size, size),
+                       MatrixXd::Zero(size, size)};
+  if (rows.beam_azimuths.count == 1) {
+    // All that leaves the beam does so elsewhere, the truncated peak included.
+    none.down(rows.beam(), rows.beam()) = none.up(rows.beam(), rows.beam()) = std::exp(-whole_tau_);
+  }
+  return none;
+}
+
+}  // namespace lamina

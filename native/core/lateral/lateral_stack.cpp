@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lateral/lateral_stack.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "operators/interface.hpp"
+#include "solve/resolution.hpp"
+
+namespace lamina {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// By refractive index, the thickness of the thinnest layer that scatters repeatedly.
+std::map<double, double> thinnest_layers(const Stack& stack, const std::vector<double>& indices) {
+  std::map<double, double> thinnest;
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    const auto* medium = std::get_if<Medium>(&stack.layers[layer]);
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > kThinnestRepeated) {
+      double& known = thinnest.try_emplace(indices[layer], 1.0).first->second;
+      known = std::min(known, std::max(kThinnestResolved, medium->tau));
+    }
+  }
+  return thinnest;
+}
+
+/// The flux that leaves along the nodes of a medium, for radiance by rows: the mean over azimuths times C.
+VectorXd flux_weights(const Directions& directions, const LateralRows& rows) {
+  VectorXd common = VectorXd::Zero(rows.nodes);
+  common.head(directions.live) = directions.ior * directions.scale.head(directions.live);
+  VectorXd weights = VectorXd::Zero(rows.size());
+  for (Index j = 0; j < rows.azimuths.count; ++j) {
+    weights.segment(j * rows.nodes, rows.nodes) = rows.azimuths.to_orders(0, j) * common;
+  }
+  return weights;
+}
+
+}  // namespace
+
+LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolution& resolution, double mu,
+                           ThreadPool& pool)
+    : measured_(measured), resolution_(resolution), mu_(mu) {
+  const Stack& stack = measured_.stack;
+  const std::vector<double> indices = refractive_indices(stack);
+  const DirectionSet set(indices, resolution.nodes, thinnest_layers(stack, indices));
+  for (const double ior : indices) {
+    directions_.push_back(set.in_medium(ior, VectorXd::Constant(1, mu)));
+  }
+  media_.resize(stack.layers.size());
+  lobes_.resize(stack.layers.size() + 1);
+  const int orders = static_cast<int>(resolution.azimuths);
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    if (const auto* medium = std::get_if<Medium>(&stack.layers[layer])) {
+      if (measured.thickness[layer] > 0.0) {
+        media_[layer].emplace(*medium, resolution.moments(), directions_[layer], measured.extinction[layer],
+                              measured.thickness[layer]);
+      }
+    } else if (const auto* interface = std::get_if<Interface>(&stack.layers[layer])) {
+      if (interface->is_rough(indices[layer])) {
+        lobes_[layer] = lobes(RoughSurface(*interface, set, indices[layer], orders, pool), layer, pool);
+      }
+    }
+  }
+  if (stack.base.kind == Base::Kind::kConductor && stack.base.facets.alpha > 0.0) {
+    lobes_.back() = lobes(RoughSurface(stack.base, set, indices.back(), orders, pool), stack.layers.size(), pool);
+  }
+}
+
+LateralStack::Lobes LateralStack::lobes(const RoughSurface& surface, std::size_t layer, ThreadPool& pool) const {
+  Lobes found;
+  const Directions& below = directions_[std::min(layer + 1, directions_.size() - 1)];
+  for (ScatteringFunction& order : surface.on(directions_[layer], below, pool).orders) {
+    found.up.emplace_back(order.transmit.kernel.transpose());
+    found.reflect_above.push_back(std::move(order.reflect_above.kernel));
+    found.down.push_back(std::move(order.transmit.kernel));
+    found.reflect_below.push_back(std::move(order.reflect_below.kernel));
+  }
+  return found;
+}
+
+LateralFunction LateralStack::boundary(std::size_t layer, const LateralRows& rows) const {
+  if (const std::optional<Lobes>& rough = lobes_[layer]) {
+    return {from_orders(rough->reflect_above, rows), from_orders(rough->down, rows),
+            from_orders(rough->reflect_below, rows), from_orders(rough->up, rows)};
+  }
+  const ScatteringFunction smooth = smooth_interface(directions_[layer], directions_[layer + 1]);
+  const MatrixXd through = from_delta(smooth.transmit.delta, rows);
+  return {from_delta(smooth.reflect_above.delta, rows), through, from_delta(smooth.reflect_below.delta, rows), through};
+}
+
+/// What the base reflects; of no size where nothing is below.
+MatrixXd LateralStack::base(const LateralRows& rows) const {
+  const Base& base = measured_.stack.base;
+  const Directions& above = directions_.back();
+  if (base.kind == Base::Kind::kLambert) {
+    if (base.reflectance == 0.0) {
+      return {};
+    }
+    return from_orders({ScatteringFunction::lambert(base.reflectance, 0, above).reflect_above.kernel}, rows);
+  }
+  if (base.kind == Base::Kind::kConductor) {
+    return lobes_.back() ? from_orders(lobes_.back()->reflect_above, rows)
+                         : from_delta(smooth_conductor(base.ior, above).reflect_above.delta, rows);
+  }
+  return {};
+}
+
+/// Joins layers from below, then follows the beam down. `layer_of` gives each medium's function.
+template <typename LayerOf>
+LateralFlux LateralStack::joined(const LateralRows& rows, const LayerOf& layer_of) const {
+  struct Step {
+    LateralFunction layer;
+    MatrixXd below;  // what lies below reflects; of no size: nothing
+    std::optional<Eigen::PartialPivLU<MatrixXd>> between;
+  };
+  std::vector<Step> steps;  // from the bottom
+  MatrixXd reflect = base(rows);
+  const std::vector<Layer>& layers = measured_.stack.layers;
+  std::vector<std::size_t> present;
+  for (std::size_t layer = layers.size(); layer-- > 0;) {
+    if (media_[layer] || std::holds_alternative<Interface>(layers[layer])) {
+      present.push_back(layer);
+    }
+  }
+  for (const std::size_t layer : present) {
+    Step& step = steps.emplace_back();
+    step.layer = media_[layer] ? layer_of(*media_[layer]) : boundary(layer, rows);
+    step.below = std::move(reflect);
+    if (step.below.size() > 0) {
+      MatrixXd between = -step.layer.reflect_below * step.below;
+      between.diagonal().array() += 1.0;
+      step.between.emplace(between);
+    }
+    if (layer == present.back()) {
+      break;
+    }
+    reflect = step.layer.reflect_above;
+    if (step.between) {
+      reflect.noalias() += step.layer.up * (step.below * step.between->solve(step.layer.down));
+    }
+  }
+  // The beam holds the mean over azimuths of the direction of the wave.
+  VectorXd down = VectorXd::Zero(rows.size());
+  down.tail(rows.beam_azimuths.count) = rows.beam_azimuths.from_orders.col(0);
+  VectorXd up = steps.empty() && reflect.size() > 0 ? VectorXd(reflect * down) : VectorXd::Zero(rows.size());
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
+    const bool top = step == steps.rbegin();
+    if (top) {
+      up = step->layer.reflect_above * down;
+    }
+    down = step->layer.down * down;
+    if (step->between) {
+      down = step->between->solve(down);
+      if (top) {
+        up += step->layer.up * (step->below * down);
+      }
+    }
+  }
+  const auto beam = [&](const VectorXd& light) {
+    return rows.beam_azimuths.to_orders.row(0).dot(light.tail(rows.beam_azimuths.count));
+  };
+  LateralFlux flux;
+  flux.mirrored = beam(up);
+  flux.reflected = flux_weights(directions_.front(), rows).dot(up) + flux.mirrored;
+  if (measured_.stack.base.kind == Base::Kind::kNone) {
+    flux.unscattered = beam(down);
+    flux.transmitted = flux_weights(directions_.back(), rows).dot(down) + flux.unscattered;
+  }
+  return flux;
+}
+
+LateralFlux LateralStack::at(double q, const AzimuthRule& azimuths) const {
+  const AzimuthRule mean = AzimuthRule::mean();
+  const LateralRows rows{azimuths, along_normal() ? mean : azimuths, directions_.front().nodes};
+  return joined(rows, [&](const LateralMedium& medium) { return medium.at(q, rows); });
+}
+
+LateralFlux LateralStack::at_infinity() const {
+  const AzimuthRule mean = AzimuthRule::mean();
+  // A beam that is not along the normal has left the point of entry where it comes out of a medium.
+  const AzimuthRule other(along_normal() ? 1 : 2, 0.0, 1);
+  const LateralRows rows{mean, other, directions_.front().nodes};
+  return joined(rows, [&](const LateralMedium& medium) { return medium.at_infinity(rows); });
+}
+
+}  // namespace lamina

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A stack with lengths, solved at a lateral frequency by adding.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "lateral/lateral_layer.hpp"
+#include "matter/stack.hpp"
+#include "numeric/thread_pool.hpp"
+#include "rough/rough_surface.hpp"
+
+namespace lamina {
+
+/// One channel of a stack of homogeneous layers with its lengths in millimetres, by layer.
+struct MeasuredStack {
+  Stack stack;
+  std::vector<double> extinction;  ///< of a medium, 1/mm
+  std::vector<double> thickness;   ///< of a medium, mm; infinite for a half-space
+};
+
+/// How finely lateral light is discretised.
+struct LateralResolution {
+  int nodes = 12;              ///< of a range of cosines from 0 to 1
+  Eigen::Index azimuths = 12;  ///< the most that any frequency takes
+  double bend = 0.2;           ///< of the azimuths' path
+  int moments() const { return 2 * nodes; }
+};
+
+/// The flux that leaves a stack for a beam from above, at one lateral frequency.
+struct LateralFlux {
+  double reflected = 0.0;
+  double transmitted = 0.0;
+  double mirrored = 0.0;     ///< of the reflected flux, what only mirrors have turned
+  double unscattered = 0.0;  ///< of the transmitted flux; truncated peaks count as unscattered
+};
+
+/// A stack on directions, ready for any lateral frequency.
+class LateralStack {
+ public:
+  /// For a beam whose cosine in air is mu. Throws std::runtime_error where a rough boundary cannot be resolved.
+  LateralStack(const MeasuredStack& measured, const LateralResolution& resolution, double mu, ThreadPool& pool);
+
+  /// At the frequency q, 1/mm. Safe to be called by several threads at once.
+  LateralFlux at(double q, const AzimuthRule& azimuths) const;
+  /// The limit for high frequencies: light that leaves where the beam enters.
+  LateralFlux at_infinity() const;
+
+  const MeasuredStack& measured() const { return measured_; }
+  const LateralResolution& resolution() const { return resolution_; }
+  double mu() const { return mu_; }
+  bool along_normal() const { return mu_ == 1.0; }
+  /// The index of refraction and the directions above each layer, then below the last; the beam is their target.
+  const std::vector<Directions>& directions() const { return directions_; }
+  /// By layer; empty where there is no medium or one of no thickness.
+  const std::vector<std::optional<LateralMedium>>& media() const { return media_; }
+
+ private:
+  /// A rough boundary by azimuth orders, over nodes and the target.
+  struct Lobes {
+    std::vector<Eigen::MatrixXd> reflect_above;
+    std::vector<Eigen::MatrixXd> down;
+    std::vector<Eigen::MatrixXd> reflect_below;
+    std::vector<Eigen::MatrixXd> up;
+  };
+
+  Lobes lobes(const RoughSurface& surface, std::size_t layer, ThreadPool& pool) const;
+  LateralFunction boundary(std::size_t layer, const LateralRows& rows) const;
+  Eigen::MatrixXd base(const LateralRows& rows) const;
+  template <typename LayerOf>
+  LateralFlux joined(const LateralRows& rows, const LayerOf& layer_of) const;
+
+  MeasuredStack measured_;
+  LateralResolution resolution_;
+  double mu_;
+  std::vector<Directions> directions_;
+  std::vector<std::optional<LateralMedium>> media_;
+  std::vector<std::optional<Lobes>> lobes_;  // by layer, the base last
+};
+
+}  // namespace lamina

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The classical photon walk of a pencil beam's light.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "lateral_walks/depth_scale.hpp"
+#include "lateral_walks/lateral_walk.hpp"
+#include "matter/stack.hpp"
+
+namespace lamina {
+
+/// Photons of the equation of transfer through any stack, for a pencil beam of cosine `mu_i` in air that enters above.
+/// A photon begins where the beam is first scattered; it leaves where chance lets it leave. Absorption by weights,
+/// with Russian roulette; facets by visible normals. `scales`: lengths in millimetres, one a layer. Throws
+/// std::invalid_argument.
+std::unique_ptr<LateralWalk> make_photon_walk(const Stack& stack, const std::vector<DepthScale>& scales, double mu_i);
+
+}  // namespace lamina

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lateral_walks/plane_scattering_walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "lateral_walks/term_guide.hpp"
+#include "matter/graded_medium.hpp"
+#include "matter/joined_media.hpp"
+#include "walks/slab_ray.hpp"
+#include "walks/survival.hpp"
+
+namespace lamina {
+namespace {
+
+using std::numbers::pi;
+using Place = DepthScale::Place;
+
+/// S of what lies below an optical depth, waiting to be walked: between directions a, up, and b, down.
+struct Branch {
+  double depth = 0.0;
+  Place place;
+  SlabRay a;
+  SlabRay b;
+
+  double slowness() const { return 1.0 / a.mu + 1.0 / b.mu; }
+};
+
+/// Branches that wait, without allocation for the usual few.
+using Waiting = std::vector<Branch>;
+
+struct Displacement {
+  double x = 0.0;
+  double y = 0.0;
+
+  void add(const SlabRay& ray, double length) {
+    x += ray.x * length;
+    y += ray.y * length;
+  }
+  double distance() const { return std::hypot(x, y); }
+};
+
+/// Share of directions drawn uniformly over a hemisphere, where `forward` is the mean cosine with its side of the
+/// layer: all where light is scattered evenly, few where most lands there anyway, half where little does.
+double uniform_share(double forward) {
+  constexpr double kHalf = 0.5;
+  return forward > 0.0 ? (1.0 - forward) * (1.0 - forward) : std::max(kHalf, 1.0 + forward);
+}
+
+SlabRay any_direction(Rng& rng) { return SlabRay::of(rng.uniform(), 2.0 * pi * rng.uniform()); }
+
+class PlaneScatteringWalk final : public LateralWalk {
+ public:
+  PlaneScatteringWalk(GradedMedium medium, DepthScale scale, bool has_base, double mu_i)
+      : medium_(std::move(medium)),
+        scale_(std::move(scale)),
+        has_base_(has_base),
+        in_(SlabRay::of(mu_i, 0.0)),
+        guide_(medium_),
+        uniform_on_(uniform_share(medium_.sharpest_phase().moment(1))),
+        uniform_back_(uniform_share(-medium_.sharpest_phase().moment(1))) {
+    const double optical = medium_.tau() / mu_i;
+    unscattered = has_base ? 0.0 : std::exp(-optical);
+    if (unscattered > 0.0) {
+      straight_ = in_.x * scale_.length(scale_.top(), scale_.bottom(), optical, mu_i);
+    }
+  }
+
+  Leaving sample(Rng& rng, std::uint64_t& events) const override {
+    Leaving leaving;
+    if (unscattered > 0.0) {
+      leaving.add(false, straight_, unscattered);
+    }
+    reflect(leaving, rng, events);
+    if (!has_base_ && unscattered < 1.0) {
+      transmit(leaving, rng, events);
+    }
+    return leaving;
+  }
+
+ private:
+  /// Flux: S / (4 pi mu_b) over all directions a, which are drawn in proportion to their cosines.
+  void reflect(Leaving& leaving, Rng& rng, std::uint64_t& events) const {
+    const SlabRay out = SlabRay::of(std::sqrt(rng.uniform()), 2.0 * pi * rng.uniform());
+    Displacement moved;
+    double weight = 1.0 / (4.0 * out.mu * in_.mu);
+    if (walk({0.0, scale_.top(), out, in_}, weight, moved, rng, events)) {
+      leaving.add(true, moved.distance(), weight);
+    }
+  }
+
+  void transmit(Leaving& leaving, Rng& rng, std::uint64_t& events) const {
+    double weight = 1.0 - unscattered;
+    double depth = 0.0;
+    Place place = scale_.top();
+    SlabRay ray = in_;
+    Displacement moved;
+    for (bool first = true;; first = false) {
+      const double left = (medium_.tau() - depth) / ray.mu;
+      const double optical = first ? -std::log1p(std::expm1(-left) * rng.uniform()) : -std::log(rng.uniform());
+      if (!first && optical >= left) {
+        moved.add(ray, scale_.length(place, scale_.bottom(), left, ray.mu));
+        leaving.add(false, moved.distance(), weight);
+        return;
+      }
+      depth = std::min(depth + ray.mu * optical, medium_.tau());
+      const Place next = scale_.at(depth);
+      moved.add(ray, scale_.length(place, next, optical, ray.mu));
+      place = next;
+      ++events;
+      const LocalScattering scattering = medium_.at_depth(depth);
+      const double chance = guide_.before(ray.mu, depth, scattering.albedo());
+      const bool from_below = rng.uniform() < chance;
+      if (from_below) {
+        // Light goes into what lies below and comes back to be scattered here.
+        const SlabRay back = any_direction(rng);
+        weight *= 1.0 / (2.0 * back.mu * chance);
+        if (!walk({depth, place, back, ray}, weight, moved, rng, events)) {
+          return;
+        }
+        ray = back;
+      } else {
+        weight /= 1.0 - chance;
+      }
+      ray = turned(ray, from_below, scattering, weight, rng);
+      if (!(ray.mu > 0.0) || !survives(weight, rng)) {
+        return;
+      }
+    }
+  }
+
+  /// Multiplies the weight by a sample of S of the branch, and adds its displacement; false when the sample is 0.
+  bool walk(Branch branch, double& weight, Displacement& moved, Rng& rng, std::uint64_t& events) const {
+    Waiting waiting;
+    // 1/s of a branch is in the value as soon as the branch is there, and that of the first apart, so that roulette
+    // sees what the branches are worth.
+    weight /= branch.slowness();
+    double value = 1.0;
+    for (;;) {
+      ++events;
+      const double s = branch.slowness();
+      const double left = medium_.tau() - branch.depth;
+      if (medium_.ground() > 0.0) {
+        const double from_ground = 4.0 * (branch.a.mu + branch.b.mu) * medium_.ground() * std::exp(-s * left);
+        const double odds = guide_.ground(branch.a.mu, branch.b.mu, branch.depth, from_ground);
+        if (rng.uniform() < odds) {
+          value *= from_ground / odds;
+          move(branch, scale_.bottom(), left, moved);
+          if (!take(waiting, branch)) {
+            break;
+          }
+          continue;
+        }
+        value /= 1.0 - odds;
+      }
+      const double span = -std::expm1(-s * left);
+      const double fall = -std::log1p(-span * rng.uniform()) / s;
+      const double depth = std::min(branch.depth + fall, medium_.tau());
+      const Place place = scale_.at(depth);
+      move(branch, place, fall, moved);
+      const LocalScattering scattering = medium_.at_depth(depth);
+      const double once = scattering.evaluate(turned_back(branch.a, branch.b));
+      const TermGuide::Shares shares = guide_.terms(branch.a.mu, branch.b.mu, depth, once, scattering.albedo());
+      const double choice = rng.uniform();
+      const bool on_a = choice < shares.on_a + shares.on_both;
+      const bool on_b = choice >= shares.on_a && choice < shares.on_a + shares.on_both + shares.on_b;
+      const double one_side = on_a ? shares.on_a : shares.on_b;
+      value *= span / (on_a && on_b ? shares.on_both : on_a || on_b ? one_side : shares.none());
+      if (on_a && on_b) {
+        // Up along q, scattered here, down along p.
+        const SlabRay q = any_direction(rng);
+        const SlabRay p = turned(q, true, scattering, value, rng);
+        if (!(p.mu > 0.0)) {
+          return false;
+        }
+        value *= 0.5 / (p.mu * q.mu);
+        waiting.push_back({depth, place, q, branch.b});
+        branch = {depth, place, branch.a, p};
+        value /= waiting.back().slowness() * branch.slowness();
+      } else if (on_a || on_b) {
+        const SlabRay next = turned(on_a ? branch.a : branch.b, false, scattering, value, rng);
+        if (!(next.mu > 0.0)) {
+          return false;
+        }
+        branch = on_a ? Branch{depth, place, next, branch.b} : Branch{depth, place, branch.a, next};
+        value /= next.mu * branch.slowness();
+      } else {
+        value *= once;
+        if (!take(waiting, branch)) {
+          break;
+        }
+      }
+      if (!survives(value, rng)) {
+        return false;
+      }
+    }
+    weight *= value;
+    return value != 0.0;
+  }
+
+  /// Down along b and up along a, to where the optical depth has grown by `fall`.
+  void move(const Branch& branch, const Place& to, double fall, Displacement& moved) const {
+    for (const SlabRay& ray : {branch.a, branch.b}) {
+      moved.add(ray, scale_.length(branch.place, to, fall / ray.mu, ray.mu));
+    }
+  }
+
+  static bool take(Waiting& waiting, Branch& branch) {
+    if (waiting.empty()) {
+      return false;
+    }
+    branch = waiting.back();
+    waiting.pop_back();
+    return true;
+  }
+
+  /// A direction that scatters to `from` or out of it, on the same side of the layer or `back` on the other; beyond the
+  /// horizon its cosine is negative. Drawn from the phase function or uniformly; the value is multiplied by k / (4 pi)
+  /// over the density of both.
+  SlabRay turned(const SlabRay& from, bool back, const LocalScattering& scattering, double& value, Rng& rng) const {
+    const double uniform = back ? uniform_back_ : uniform_on_;
+    SlabRay ray;
+    if (rng.uniform() < uniform) {
+      ray = any_direction(rng);
+    } else {
+      ray = SlabFrame(from).turned(scattering.sample(rng.uniform()), 2.0 * pi * rng.uniform());
+      ray.mu = back ? -ray.mu : ray.mu;
+    }
+    const double k = scattering.evaluate(back ? turned_back(from, ray) : passed_on(from, ray));
+    value *= k > 0.0 ? k / ((1.0 - uniform) * k / scattering.albedo() + 2.0 * uniform) : 0.0;
+    return ray;
+  }
+
+  GradedMedium medium_;
+  DepthScale scale_;
+  bool has_base_;
+  SlabRay in_;
+  TermGuide guide_;
+  double uniform_on_;      ///< share of directions drawn uniformly on the same side of the layer
+  double uniform_back_;    ///< the same on the other side
+  double straight_ = 0.0;  ///< mm by which unscattered light is displaced
+};
+
+}  // namespace
+
+std::unique_ptr<LateralWalk> make_plane_scattering_walk(const Stack& stack, const std::vector<DepthScale>& scales,
+                                                        double mu_i) {
+  GradedMedium medium = joined_media(stack, true);
+  const bool endless = std::isinf(medium.tau());
+  if (endless && medium.knots().back().albedo == 1.0) {
+    throw std::invalid_argument("the scattering equation's walk of a conservative medium without end does not end");
+  }
+  // Interfaces that are none have no length.
+  std::vector<DepthScale> lengths;
+  for (std::size_t k = 0; k < stack.layers.size(); ++k) {
+    if (!std::holds_alternative<Interface>(stack.layers[k])) {
+      lengths.push_back(scales.at(k));
+    }
+    if (lengths.size() > 0 && std::isinf(lengths.back().thickness())) {
+      break;
+    }
+  }
+  const bool has_base = endless || stack.base.kind != Base::Kind::kNone;
+  return std::make_unique<PlaneScatteringWalk>(std::move(medium), DepthScale::joined(lengths), has_base, mu_i);
+}
+
+}  // namespace lamina

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stacks with lengths: what the core needs of one channel where light moves sideways, in millimetres."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+from .. import _core
+from ..kinds.bases import HalfSpace
+from ..kinds.boundaries import Interface
+from ..kinds.fields import channel
+from ..material.layers import Medium
+from ..material.millimetres import require_millimetres, sigma_t
+from ..material.profile import coefficients_at, mixed
+from ..material.stack import Stack
+from ..solver.solve import core_stack
+
+# Of an interval of a graded medium over its distance from the nearer face; and the distance, in optical thickness,
+# within which intervals no longer shrink.
+COARSENESS = {"final": 0.5, "preview": 1.0}
+FACE = 0.05
+
+
+def measured_layers(stack: Stack, index: int, quality: str) -> tuple[tuple, tuple]:
+    """(layers, base) of one channel, hashable. A layer is (kind, arguments, extinction, thickness), with the core's
+    type and its arguments; media with a profile are homogeneous slices. A base is (factory, arguments).
+
+    Raises StackError for a medium without lengths."""
+    require_millimetres(stack)
+    (entries, base), _, _ = core_stack(stack, index)
+    layers = []
+    for number, layer in enumerate(stack.layers):
+        kind, arguments = entries[number]
+        if isinstance(layer, Interface):
+            layers.append((kind, arguments, 0.0, 0.0))
+            continue
+        thickness = channel(layer.thickness, index)
+        if layer.profile is not None:
+            layers += _slices(layer, index, thickness, COARSENESS[quality])
+            continue
+        layers.append((kind, arguments, sigma_t(layer, index), thickness))
+    if isinstance(stack.base, HalfSpace):
+        layers.append((*entries[-1], sigma_t(stack.base, index), math.inf))
+    return tuple(layers), base
+
+
+def measured_stack(layers: tuple, base: tuple) -> _core.MeasuredStack:
+    """The core's stack of what measured_layers returned."""
+    make, arguments = base
+    core = _core.Stack([kind(*values) for kind, values, _, _ in layers], make(*arguments))
+    return _core.MeasuredStack(core, [extinction for _, _, extinction, _ in layers], [last for *_, last in layers])
+
+
+def _slices(medium: Medium, index: int, thickness: float, coarseness: float) -> list[tuple]:
+    """Homogeneous slices that stand for a medium whose coefficients are linear in depth between knots.
+
+    Over an interval of depth, two slices of half its length with the coefficients at 1/6 and 5/6 of the interval are
+    right to fourth order (commutator-free Magnus integrators: Blanes and Moan 2006). Intervals grow with the distance
+    from the nearer face."""
+    whole = medium.optics(index)[1]
+    slices = []
+    before = 0.0
+    for above, below in itertools.pairwise(medium.profile):
+        length = (below.depth - above.depth) * thickness
+        ends = [coefficients_at(knot, medium, index) for knot in (above, below)]
+        tau = 0.5 * length * (ends[0][1] + ends[1][1])
+        if length == 0.0:
+            continue
+        constant = ends[0] == ends[1]
+        count = 1 if constant else max(1, math.ceil((_steps(before + tau, whole) - _steps(before, whole)) / coarseness))
+        before += tau
+        for k in range(count):
+            for place in (0.5,) if constant else (1.0 / 6.0, 5.0 / 6.0):
+                scattering, extinction, phase = _between(*ends, (k + place) / count)
+                share = length / count * (1.0 if constant else 0.5)
+                albedo = scattering / extinction if extinction > 0.0 else 0.0
+                slices.append((_core.Medium, (albedo, extinction * share, *phase), extinction, share))
+    return slices
+
+
+def _steps(tau: float, whole: float) -> float:
+    """Intervals of coarseness 1 above the optical depth tau."""
+    half = math.log1p(0.5 * whole / FACE)
+    upper = math.log1p(max(0.0, min(tau, whole - tau)) / FACE)
+    return upper if tau <= 0.5 * whole else 2.0 * half - upper
+
+
+def _between(above: tuple, below: tuple, way: float) -> tuple[float, float, tuple]:
+    (s0, e0, p0), (s1, e1, p1) = above, below
+    part0, part1 = (1.0 - way) * s0, way * s1
+    return part0 + part1, (1.0 - way) * e0 + way * e1, mixed(p0, part0, p1, part1)

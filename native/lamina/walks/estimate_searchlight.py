@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Monte Carlo estimates of what a pencil beam becomes on a stack: walks that carry positions in millimetres."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _core
+from ..common.arguments import LEAST_COSINE, check_choice, check_number, check_seed, finite_list
+from ..common.errors import ArgumentError, StackError
+from ..common.progress import Progress, stepper
+from ..kinds.bases import HalfSpace
+from ..kinds.fields import channel
+from ..material.layers import Medium
+from ..material.millimetres import depth_knots, require_millimetres
+from ..material.stack import Stack
+from ..solver.solve import check_stack, core_stack, thread_pool
+from .estimate import blocks_of, chunks_in, each_chunk, each_problem
+from .searchlight_moments import DISTANCE, FIRST_FREQUENCY, SQUARE, WEIGHT, Measured, SideMoments
+
+MOST_RADII, MOST_FREQUENCIES = 4096, 64
+WALKS = {"transfer": _core.photon_walk, "scattering": _core.plane_scattering_walk}
+
+
+@dataclass(frozen=True)
+class SearchlightQuery:
+    """What is estimated for a pencil beam of cosine `mu_i` in air, (0, 1], by which `walk` ("transfer" or
+    "scattering"): the flux within the radii `r` (mm) and the transform at the lateral frequencies `q` (1/mm), each a
+    number or a list, from 0. Raises ArgumentError, a ValueError."""
+
+    mu_i: float = 1.0
+    walk: str = "transfer"
+    r: tuple[float, ...] = ()
+    q: tuple[float, ...] = ()
+
+    def __post_init__(self):
+        check_choice(self.walk, "walk", WALKS)
+        cosine = check_number(self.mu_i, "mu_i", "must be one number in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
+        object.__setattr__(self, "mu_i", max(cosine, LEAST_COSINE))
+        for name, most, unit in (("r", MOST_RADII, "mm"), ("q", MOST_FREQUENCIES, "1/mm")):
+            values = finite_list(getattr(self, name), name)
+            if values.size > most:
+                raise ArgumentError(f"{name} has {values.size} values: must be at most {most}")
+            if np.any(values < 0.0):
+                raise ArgumentError(f"{name} = {values[values < 0.0][0]:g}: must be at least 0 {unit}")
+            object.__setattr__(self, name, tuple(map(float, values)))
+
+    @property
+    def radii(self) -> list[float]:
+        """The radii ascending, each once."""
+        return sorted(set(self.r))
+
+
+@dataclass(frozen=True)
+class SearchlightEstimate:
+    """Estimates for a pencil beam of unit flux, each with `value` and `stderr`. Fluxes and mean distances have the
+    shape (channels,). What is asked at distances or frequencies has the shape of these, and a last axis of channels
+    when there are several. For a beam at a slant, all is the mean over azimuths about the point of entry.
+
+    `reflectance` and `transmittance`: the flux that leaves above and below, light included that was never scattered;
+    `mirrored` and `unscattered`: the latter alone, exact. `reflected_inside`, `transmitted_inside`: the flux that
+    leaves within each radius `r` (mm) of the point where the beam enters. `reflected_at`, `transmitted_at`: the
+    integral of the flux density times J0(q r) for each `q` (1/mm). `mean_distance` (mm) and `mean_square_distance`
+    (mm^2) of all reflected light; infinite for a conservative medium without end, NaN where nothing is reflected.
+    `reflected_covariance`, `transmitted_covariance`: of (the flux, the transform at each q), two axes.
+    `seconds` all took; `samples` and scattering `events` of each channel."""
+
+    r: np.ndarray
+    q: np.ndarray
+    reflectance: Measured
+    transmittance: Measured
+    mirrored: Measured
+    unscattered: Measured
+    reflected_inside: Measured
+    transmitted_inside: Measured
+    reflected_at: Measured
+    transmitted_at: Measured
+    mean_distance: Measured
+    mean_square_distance: Measured
+    reflected_covariance: np.ndarray
+    transmitted_covariance: np.ndarray
+    seconds: float
+    samples: np.ndarray
+    events: np.ndarray
+
+
+def estimate_searchlight(stack: Stack, mu_i: float = 1.0, samples: int | None = None, seed: int = 0, threads: int = 0,
+                         walk: str = "transfer", r=(), q=(), progress: Progress | None = None,
+                         cancel: Callable[[], bool] | None = None) -> SearchlightEstimate:
+    """What becomes of a pencil beam that enters a stack from above at one point, at the cosine `mu_i` in air: how much
+    light leaves above and below, and how far from that point, in millimetres.
+
+    Every medium must be given by sigma_s and sigma_a (1/mm) and a thickness (mm), a half-space by the first two.
+    `walk`: "transfer", photons of the equation of transfer, for any stack; "scattering", the walk of the integral
+    scattering equation, for media, with profiles or without, over nothing, black, a Lambert surface or a medium without
+    end that absorbs. They share no more than random numbers, phase functions and the media.
+    `r` (mm): up to 4096 radii; `q` (1/mm): up to 64 lateral frequencies. `samples` are rounded up to blocks of 4096,
+    2^20 if left out. The same seed gives the same numbers, whatever `threads` (0: all).
+    A conservative medium without end is walked to a depth of 30 transport lengths; a surface that returns light as the
+    P1 equations have it stands for the rest, and puts the transform off by less than 1e-5.
+    `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled raised when it says yes.
+    Raises ValueError, StackError, Cancelled.
+    Source: Pharr and Hanrahan (2000) for the scattering equation."""
+    started = time.perf_counter()
+    check_stack(stack)
+    query = SearchlightQuery(mu_i, walk, r, q)
+    blocks = blocks_of(samples)
+    check_seed(seed)
+    pool = thread_pool(threads)
+    step = stepper("the estimate", progress, cancel)
+    channels = run_beams(stack, query, seed, 0, chunks_in(blocks), blocks, pool, step)
+    return summary(query, channels, time.perf_counter() - started)
+
+
+def run_beams(stack: Stack, query: SearchlightQuery, seed: int, first: int, last: int, blocks: int, pool,
+              step: Progress) -> list[dict]:
+    """For each channel the tallies (above, below, count, events) of chunks [first, last) of a run of so many blocks;
+    above and below are (within, within_squares, moments, products). Beside them: what light was `mirrored` and
+    `unscattered`, and whether the medium is `endless` and conservative. Raises as estimate_searchlight does."""
+    require_millimetres(stack)
+
+    def problem(index):
+        key, layers, base = core_stack(stack, index)
+        knots = depth_knots(stack, index)
+        return (key, tuple(knots)), layers, base, knots, _is_endless(stack, index)
+
+    def run(layers, base, knots, endless, within):
+        try:
+            walk = WALKS[query.walk](_core.Stack(layers, base), knots, query.mu_i)
+        except ValueError as error:
+            raise StackError(f"walk = {query.walk!r}: {error}") from None
+        tallies = each_chunk(lambda *between: _core.run_lateral_walk(walk, query.radii, query.q, seed, *between, pool),
+                             first, last, blocks, within)
+        return {"mirrored": walk.mirrored, "unscattered": walk.unscattered, "endless": endless, "tallies": tallies}
+
+    return each_problem(stack.channels, step, problem, run)
+
+
+def _is_endless(stack: Stack, index: int) -> bool:
+    """Whether the stack ends in a medium without end that absorbs nothing."""
+    media = [layer for layer in (*stack.layers, stack.base) if isinstance(layer, Medium | HalfSpace)]
+    ends = [m for m in media if isinstance(m, HalfSpace) or channel(m.thickness, index) == math.inf]
+    return bool(ends) and channel(ends[0].sigma_a, index) == 0.0 < channel(ends[0].sigma_s, index)
+
+
+def summary(query: SearchlightQuery, channels: list[dict], seconds: float) -> SearchlightEstimate:
+    """From what run_beams gives, whose tallies may be in any sequence."""
+    found: dict = {}
+    for one in channels:
+        for name, value in _of_channel(query, one).items():
+            found.setdefault(name, []).append(value)
+
+    def columns(values):
+        return values[0] if len(values) == 1 and np.ndim(values[0]) else np.stack(values, axis=-1)
+
+    measured = {}
+    for name, values in found.items():
+        measured[name] = Measured(*map(columns, zip(*values, strict=True))) if isinstance(values[0], tuple) else \
+            columns(values)
+    counts = {name: np.array([sum(tally[place] for tally in one["tallies"]) for one in channels])
+              for name, place in (("samples", 2), ("events", 3))}
+    return SearchlightEstimate(np.array(query.r), np.array(query.q), **measured, seconds=seconds, **counts)
+
+
+def _of_channel(query: SearchlightQuery, one: dict) -> dict:
+    """Of one channel every quantity's (value, stderr), and the covariances."""
+    tallies = one["tallies"]
+    samples = sum(tally[2] for tally in tallies)
+    above, below = (SideMoments.of([tally[side] for tally in tallies], samples) for side in (0, 1))
+    within = [query.radii.index(radius) for radius in query.r]
+    scores = [WEIGHT, *range(FIRST_FREQUENCY, FIRST_FREQUENCY + len(query.q))]
+    found = {}
+    for side, flux, word in ((above, "reflectance", "reflected"), (below, "transmittance", "transmitted")):
+        found[flux] = side.mean[WEIGHT], side.error[WEIGHT]
+        found[f"{word}_inside"] = side.inside[within], side.inside_error[within]
+        found[f"{word}_at"] = side.mean[FIRST_FREQUENCY:], side.error[FIRST_FREQUENCY:]
+        found[f"{word}_covariance"] = side.covariance[np.ix_(scores, scores)]
+    for name in ("mirrored", "unscattered"):
+        found[name] = np.float64(one[name]), np.float64(0.0)
+    for name, power in (("mean_distance", DISTANCE), ("mean_square_distance", SQUARE)):
+        found[name] = (np.float64(math.inf), np.float64(0.0)) if one["endless"] else above.mean_power(power)
+    return found

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all parts of split estimates have in common: a job, the part's number, and the sums of its chunks."""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..common.arguments import check_whole
+from ..common.errors import ArgumentError, ShardError, quoted
+from .estimate import BLOCK, CHUNK, MOST_SAMPLES, chunks_in
+
+SCHEMA = 1
+MOST_PARTS = 1 << 20
+
+
+@dataclass(frozen=True)
+class PartKind:
+    """One kind of estimate that can be split. A part is an object with `keys` beside schema, job, shard and channels;
+    its job has the entries `job`. `check_rest(part, name)` checks what is the kind's own;
+    `check_channel(channel, part, samples, path)` one entry of `channels`, which has sums of as many `samples` for each
+    chunk; both raise ShardError. `summary(parts)` is the estimate from all parts in order."""
+
+    keys: frozenset[str]
+    job: frozenset[str]
+    check_rest: Callable
+    check_channel: Callable
+    summary: Callable
+
+    def fits(self, part) -> bool:
+        """Whether it looks like a part of this kind; without its job it may be a damaged one."""
+        return isinstance(part, dict) and set(part) == {"schema", "job", "shard", "channels", *self.keys}
+
+
+def checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
+    """(i, n) with 1 <= i <= n. Raises ArgumentError."""
+    if not isinstance(shard, tuple | list) or len(shard) != 2:
+        raise ArgumentError(f"shard = {quoted(shard)}: must be a pair (i, n)")
+    try:
+        count = check_whole(shard[1], "n", 1, MOST_PARTS)
+        return check_whole(shard[0], "i", 1, count), count
+    except ArgumentError:
+        where = "/".join(map(quoted, shard))
+        raise ArgumentError(f"shard = {where}: must be i/n with 1 <= i <= n <= 2^20") from None
+
+
+def chunks_of(shard: tuple[int, int], blocks: int) -> tuple[int, int]:
+    """First chunk and the one after the last of part (i, n) of a run of so many blocks."""
+    number, count = shard
+    chunks = chunks_in(blocks)
+    return (number - 1) * chunks // count, number * chunks // count
+
+
+def check_part(part, name: str, kinds: tuple[PartKind, ...]) -> PartKind:
+    """The kind of a part. Raises ShardError unless it is a whole one."""
+    kind = next((kind for kind in kinds if kind.fits(part)), None)
+    if kind is None:
+        raise ShardError(f"{name}: not a part of an estimate")
+    if not isinstance(part["schema"], int) or part["schema"] != SCHEMA:
+        raise ShardError(f"{name}: schema = {quoted(part['schema'])}: must be {SCHEMA}")
+    if not isinstance(part["job"], dict) or set(part["job"]) != kind.job:
+        raise ShardError(f"{name}: not a whole part of an estimate")
+    for key, value in part["job"].items():
+        plain = all(map(is_finite, value)) if isinstance(value, list) else is_finite(value)
+        if value is not None and not isinstance(value, str) and not plain:
+            raise ShardError(f"{name}: job.{key} = {quoted(value)}: must be a text or a finite number")
+    try:
+        shard = checked_shard(part["shard"])
+        blocks = check_whole(part["job"]["blocks"], "job.blocks", 1, -(-MOST_SAMPLES // BLOCK))
+    except ArgumentError as error:
+        raise ShardError(f"{name}: {error}") from None
+    kind.check_rest(part, name)
+    first, last = chunks_of(shard, blocks)
+    samples = [BLOCK * (min((chunk + 1) * CHUNK, blocks) - chunk * CHUNK) for chunk in range(first, last)]
+    if not isinstance(part["channels"], list) or not part["channels"]:
+        raise ShardError(f"{name}: channels = {quoted(part['channels'])}: must be a list of at least one channel")
+    for index, channel in enumerate(part["channels"]):
+        kind.check_channel(channel, part, samples, f"{name}: channels[{index}]")
+    return kind
+
+
+def check_together(part: dict, name: str, first: dict, first_name: str) -> None:
+    """Raises ShardError unless both are parts of one job."""
+    if set(part["job"]) != set(first["job"]):
+        raise ShardError(f"{name}: not of the kind of {first_name}: parts of different jobs cannot be merged")
+    for key, value in first["job"].items():
+        if part["job"][key] != value:
+            raise ShardError(f"{name}: {key} = {quoted(part['job'][key])} but {first_name} has {quoted(value)}: parts "
+                             "of different jobs cannot be merged")
+    number, of = part["shard"]
+    if of != first["shard"][1]:
+        raise ShardError(f"{name}: part {number} of {of}, but {first_name} is one of {first['shard'][1]}")
+    if len(part["channels"]) != len(first["channels"]):
+        raise ShardError(f"{name} has {len(part['channels'])} channels: must have {len(first['channels'])} like "
+                         f"{first_name}")
+
+
+def check_list(tallies, count: int, path: str) -> None:
+    """Raises ShardError unless it is a list of so many tallies."""
+    if not isinstance(tallies, list) or len(tallies) != count:
+        raise ShardError(f"{path}: must be a list of {count} tallies")
+
+
+def check_counts(count, events, samples: int, path: str, places: tuple[int, int]) -> None:
+    """Raises ShardError unless a tally has so many samples, and a number of events; `places` of both in the tally."""
+    if count != samples:
+        raise ShardError(f"{path}[{places[0]}] = {quoted(count)}: must be {samples}, the number of samples")
+    if not isinstance(events, int) or isinstance(events, bool) or events < 0:
+        raise ShardError(f"{path}[{places[1]}] = {quoted(events)}: must be a whole number of events from 0")
+
+
+def is_finite(value) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool) and abs(value) <= 1e300  # type: ignore[operator]  # numbers.Real
