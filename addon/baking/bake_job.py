@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes: blocking as a plain function, or in a worker thread that the main thread polls.
+"""Bakes: by a blocking function, or in a worker thread that the main thread polls.
 
-The worker sees a stack and numbers, never Blender data. What runs, and why the last bake of a
-material failed, lives here for the session and is never written to the .blend.
+The worker gets a stack and numbers, never Blender data. The running job and the last failure of each material
+are kept here for the session, and not in the .blend.
 """
 
 import json
@@ -20,7 +20,7 @@ from ..stack_json import stack_check
 log = logging.getLogger(__name__)
 
 LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # what live editing bakes, whatever the material's choice
-COARSE = "coarse"  # quality of a live bake that leaves rows or nodes out
+COARSE = "coarse"  # quality of a live bake with fewer rows or nodes
 
 _place = Place()
 running, forget, stop = _place.running, _place.forget, _place.stop
@@ -46,7 +46,7 @@ class Job(Worker):
 
 
 class MaterialJob(Job):
-    """A job that knows which material its LUT is for, even when that is renamed meanwhile."""
+    """A job for one material, which is found again even if it is renamed meanwhile."""
 
     def __init__(self, material, quality, threads, stack=None, **more):
         self.uid, self.quality = material.session_uid, quality
@@ -94,8 +94,8 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
 def apply(material, lut, in_place=False, coarse=False):
     """Build the material's node group from a finished LUT and note its report.
 
-    With `in_place`, a group of the same layout just gets a new picture. `coarse`: the LUT leaves rows or
-    nodes out, and is noted as of quality COARSE.
+    With `in_place`, a group of the same layout gets a new image only. `coarse`: the LUT has fewer rows or
+    nodes, and its quality is stored as COARSE.
     """
     if not (in_place and node_group.update(material, lut)):
         had_input = thickness.has_input(material)
@@ -138,7 +138,7 @@ def clear_failure(material):
 
 
 def state(material):
-    """How the material's bake stands to its layers and settings:
+    """The state of the material's bake relative to its layers and settings:
 
     'none' before the first bake; 'invalid', the layers cannot be baked; 'stale', the layers have changed
     since; 'fresh', a bake of these layers at the chosen quality and basis; 'live', live editing's preview of

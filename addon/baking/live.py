@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live editing: a changed layer bakes again at preview quality, and the picture follows.
+"""Live editing: after each change of a layer, the material is baked again at preview quality.
 
-Property callbacks only note which material has changed. A timer looks at the notes: it starts one bake at a
-time in a worker thread, always of the newest state, and puts a finished one in its place. So typing never
-waits, a slow stack shows fewer pictures, and once editing rests the timer ends. What runs lives here for the
-session and is never written to the .blend.
+Property callbacks only note which material has changed. A timer reads the notes. It starts one bake at a time
+in a worker thread, always of the newest state, and applies a finished one. So typing never waits, and a slow
+stack is updated less often. The timer ends some time after the last change. Nothing of this is written to the
+.blend.
 """
 
 import time
@@ -19,12 +19,13 @@ from ..properties import migration
 from ..stack_json import stack_check
 from . import bake_job
 
-WORKING, WAITING = 0.004, 0.05  # seconds to the next look: while a bake runs, while editing may go on
-REST = 1.0  # seconds without a change, after which things are tidied up
-PATIENCE = 0.5  # a bake of an outdated state may run this long before the newest state takes its place
-# A stack whose bake takes longer than this many seconds has just some rows and nodes solved while edited.
+WORKING, WAITING = 0.004, 0.05  # seconds to the timer's next call: while a bake runs, while editing may go on
+REST = 1.0  # seconds without a change, after which coarse results are refined
+PATIENCE = 0.5  # a bake of an outdated state is cancelled after this many seconds
+# A stack whose bake takes longer than this many seconds is solved with fewer rows and nodes while edited.
 SLOW, ROW_STRIDE, NODES = 0.08, 4, 32
-# Closures are kept while editing; at rest others are chosen if the fit has become this much worse, visibly.
+# Closures are kept while editing. At rest others are chosen if the fit error has grown by the factor WORSE
+# and is above NOTICED.
 WORSE, NOTICED = 1.5, 0.02
 
 _followed = {}  # uid -> _Material
@@ -32,19 +33,19 @@ _job = None
 
 
 class _Material:
-    """What is known of a material that is edited live."""
+    """The state of a material that is edited live."""
 
     def __init__(self, material):
         self.changed = False  # since the last bake was started
         self.touched = time.monotonic()  # when something last happened
         self.seconds, self.nodes = 0.0, 0  # of the last whole bake
-        self.coarse = False  # what is shown leaves something out
+        self.coarse = False  # the shown bake is coarse
         self.error = 0.0  # the fit error now, and when the closures were chosen
         self.chosen_error = material.lamina.result.fit_error
 
 
     def coarse_options(self, material):
-        """What a bake leaves out while this material is edited; nothing when it is quick."""
+        """Options that make a bake of this material coarser while it is edited; none if it is quick."""
         options = {}
         if self.seconds > SLOW:
             if any(layer.varying for layer in material.lamina.layers):
@@ -55,13 +56,13 @@ class _Material:
 
 
 class LiveJob(bake_job.MaterialJob):
-    """A bake that keeps the closures of the one before, unless new ones are to be chosen."""
+    """A bake with the closures of the last one, or with a new choice."""
 
     def __init__(self, material, closures, coarse):
         self.started, self.kept, self.coarse = time.monotonic(), bool(closures), bool(coarse)
         more = {"closures": closures} if closures else {}
         text = stack_io.to_text(material)
-        # A colour takes a solve to be understood: not while somebody types.
+        # A colour needs a solve, so the thread makes the stack.
         super().__init__(material, bake_job.LIVE_QUALITY, preferences.threads(), lambda: _stack(text),
                          basis=bake_job.LIVE_BASIS, **more, **coarse)
 
@@ -83,16 +84,16 @@ def switch(material):
 
 
 def leave(material):
-    """End what runs for this material; what it shows stays. The next change begins anew."""
+    """End the material's running bake and forget its state; the shown bake stays."""
     global _job
     if _job is not None and _job.uid == material.session_uid:
-        _job.cancel()  # its thread ends on its own: nobody waits for it
+        _job.cancel()  # its thread ends by itself; do not wait for it
         _job = None
     _followed.pop(material.session_uid, None)
 
 
 def poll():
-    """One look, the timer's body. Returns the seconds until the next; None when nothing is left to do."""
+    """The timer's function. Returns the seconds until the next call; None if nothing is left to do."""
     _finish_job()
     if _job is None and bake_job.running() is None:
         _start_next()
@@ -123,7 +124,7 @@ def _can_follow(material):
 
 
 def _needs_bake(material):
-    """Whether live editing has something to show that the last bake does not."""
+    """True if the last bake does not show the present layers, or is coarse."""
     state = bake_job.state(material)
     return state in ("none", "stale", "invalid") or material.lamina.result.quality == bake_job.COARSE
 
@@ -135,7 +136,7 @@ def _follow(material):
 
 
 def _finish_job():
-    """Show the job's picture if it is done; give it up if it has become a hindrance."""
+    """Apply the job's result if it is done; cancel the job if it is outdated and slow."""
     global _job
     if _job is None:
         return
@@ -143,7 +144,7 @@ def _finish_job():
     if not _job.done:
         if followed is None or (followed.changed and time.monotonic() - _job.started > PATIENCE):
             _job.cancel()
-            if followed is not None and not _job.coarse:  # it would have taken longer still
+            if followed is not None and not _job.coarse:  # the whole bake takes even longer
                 followed.seconds = max(followed.seconds, PATIENCE, 2.0 * SLOW)
                 followed.nodes = followed.nodes or NODES + 1
         return
@@ -154,7 +155,7 @@ def _finish_job():
     followed.touched = time.monotonic()
     try:
         _show(job, material, followed)
-    except Exception as error:  # One sentence in the panel; the last good picture stays.
+    except Exception as error:  # The panel shows one sentence; the last good bake stays.
         if not followed.changed:
             bake_job.note_failure(material, error)
     redraw.properties()
@@ -204,7 +205,7 @@ def _start(material, closures, coarse=None):
 
 
 def _tidy():
-    """At rest: all rows, better closures where the kept ones do badly; then nothing more."""
+    """At rest: bake with all rows, and with new closures where the kept ones fit badly."""
     resting = True
     for uid, followed in list(_followed.items()):
         material = _material(uid)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers as people write them. Blender keeps float32: .9 becomes 0.89999998, and back it must be .9."""
+"""Short decimals of float32 numbers. Blender stores .9 as the float32 0.89999998, which must be read back as
+.9."""
 
 import functools
 import struct
@@ -17,7 +18,7 @@ def shortest(value):
 
 
 def same(left, right):
-    """Whether Blender keeps two lists of numbers as the same float32."""
+    """True if two lists of numbers are equal as float32."""
     return len(left) == len(right) and all(
         struct.pack("f", one) == struct.pack("f", other) for one, other in zip(left, right, strict=True)
     )

@@ -23,16 +23,16 @@ _FIELD = r"(?:\.((?:[\w.]|\[\d+\](?=\.))+))?(\[(\d)\])?(.*)$"
 _LAYER = re.compile(r"^layers\[(\d+)\]" + _FIELD, re.DOTALL)
 _BASE = re.compile(r"^base" + _FIELD, re.DOTALL)
 _KNOT = re.compile(r"profile\[(\d+)\]\.?(.*)$")
-_ENDS = {"0": "top", "1": "bottom"}  # an imported profile of more depths was valid as it came
+_ENDS = {"0": "top", "1": "bottom"}  # of the panel's profiles; imported ones are valid
 _CHANNELS = ("red", "green", "blue")
 
 
 class RefusedError(ValueError):
-    """Something that Lamina will not do; str() is one sentence for the user."""
+    """A request that Lamina refuses; str() is one sentence for the user."""
 
 
 def expected(error):
-    """Whether `error` is one of those whose text is already a sentence for the user."""
+    """True if the text of `error` is already a sentence for the user."""
     if isinstance(error, RefusedError | native.NativeMissingError | OSError):
         return True
     if not native.available():
@@ -74,14 +74,14 @@ def unusual_channels(values, where):
 
 
 def percent(share, digits=1):
-    """'4.1 %', or '< 0.1 %' for what would round to nothing."""
+    """'4.1 %', or '< 0.1 %' for a value that would be rounded to 0."""
     number = 100.0 * share
     smallest = 10.0**-digits
     return f"< {smallest:g} %" if 0.0 < number < 0.5 * smallest else f"{number:.{digits}f} %"
 
 
 def layer_index(text):
-    """Which layer a sentence of lamina speaks of, or None."""
+    """Index of the layer that a sentence of lamina names, or None."""
     match = _LAYER.match(text)
     return int(match.group(1)) if match else None
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The door to the `lamina` package: either the imported package or one sentence that says why not.
+"""Access to the `lamina` package: the imported package, or one sentence that says why it is missing.
 
 Nothing else in the add-on imports `lamina`, so that enabling the add-on works without it.
 """
@@ -24,7 +24,8 @@ class NativeMissingError(RuntimeError):
 
 
 def load():
-    """Import `lamina`, or keep the reason. Called at every enabling, so that a new wheel is picked up."""
+    """Import `lamina`, or store the reason of the failure. Called whenever the add-on is enabled, so that a
+    new wheel is found."""
     global _package, _reason
     importlib.invalidate_caches()
     try:
@@ -32,7 +33,7 @@ def load():
         package.lobes = importlib.import_module("lamina.lobes")
         for name in REQUIRED:
             getattr(package, name)
-    except Exception as error:  # A broken wheel may raise anything; enabling must survive it.
+    except Exception as error:  # A broken wheel may raise any error; the add-on must still be enabled.
         _package, _reason = None, _explain(error)
     else:
         _package, _reason = package, ""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is set once per user: threads and the quality and basis that new materials start with."""
+"""Preferences of the user: threads, and the quality and basis of new materials."""
 
 import bpy
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Has the Properties editors drawn again: something they show has changed without the user's doing."""
+"""Redraws the Properties editors after a change that the user did not make."""
 
 import bpy
 

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Long work in a thread of its own, that the main thread polls. It never sees Blender data."""
+"""Long work in a thread that the main thread polls. The thread never touches Blender data."""
 
 import threading
 
 
 class Worker:
-    """Runs work(progress, cancel) in a thread: `fraction` and `text` follow it, `result` or `error` is there
-    at its end.
+    """Runs work(progress, cancel) in a thread. `fraction` and `text` hold its progress; at its end `result`
+    or `error` is set.
     """
 
     def __init__(self, work, name):
@@ -34,7 +34,7 @@ class Worker:
     def _run(self):
         try:
             self.result = self._work(self._progress, self._stop.is_set)
-        except BaseException as error:  # Whatever happened is told on the main thread.
+        except BaseException as error:  # The main thread reports the error.
             self.error = error
 
     def _progress(self, fraction, text=""):
@@ -42,7 +42,7 @@ class Worker:
 
 
 class Place:
-    """Where one worker at a time runs."""
+    """Holds the one worker that runs."""
 
     def __init__(self):
         self._job = None
@@ -56,7 +56,7 @@ class Place:
         return self._job
 
     def forget(self):
-        """The running worker has been dealt with."""
+        """Drop the worker: its result has been used."""
         self._job = None
 
     def stop(self):

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plain functions that edit the layer list of a material. The top layer is first, as light meets it."""
+"""Functions that edit the layer list of a material. The top layer is first."""
 
 from ..base import changes, preferences
 from ..nodes import node_group
 from ..properties import migration
 from ..stack_json.stack_read import FIRST_NAMES
 
-NOT_COPIED = ("name", "varying", "roughness")  # roughness is another face of alpha
+NOT_COPIED = ("name", "varying", "roughness")  # roughness is computed from alpha
 
 
 def add_stack(material):
-    """Give `material` a first stack: a thin layer over the colour that the material already shows."""
+    """Give `material` a first stack: a thin layer over the present colour of the material."""
     settings = material.lamina
     migration.start(material)
     if not settings.layers:
@@ -68,7 +68,8 @@ def remove_layer(material):
 
 
 def duplicate_layer(material):
-    """Put a copy of the active layer below it, select it and return it. The copy does not vary: one may."""
+    """Put a copy of the active layer below it, select it and return it. The copy does not vary, because one
+    layer at most may."""
     settings = material.lamina
     index = settings.active_index
     copy, source = settings.layers.add(), settings.layers[index]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Metals by name: `lamina` knows their colours, facing and grazing."""
+"""Metals by name, with the two colours that `lamina` has of them."""
 
 from ..base import decimals, native
 from ..base.messages import RefusedError

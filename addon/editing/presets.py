@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets: the library that comes with `lamina`, and stacks that the user has saved.
 
-A preset of the user is a stack's JSON file, named like the preset, in the folder that Blender gives to the
-extension. The menu only lists files; one is read when it is chosen, so a broken one cannot hide the rest.
+A preset of the user is a stack's JSON file, named like the preset, in the extension's user folder. The menu
+lists the files without reading them, so a broken file does not hide the others.
 """
 
 from pathlib import Path
@@ -101,7 +101,7 @@ def _read(what):
 
 
 def _existing(name):
-    """The file of a listed preset: names come from operators, and must not lead elsewhere."""
+    """The file of a listed preset: names come from operators and must not point to other folders."""
     if name not in user_names():
         raise RefusedError(f"preset = {name}: you have no preset of this name")
     return user_folder() / (name + SUFFIX)

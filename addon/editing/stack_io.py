@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A material's layers <-> stacks and their JSON files.
+"""Conversion of a material's layers to stacks and back, and their JSON files.
 
-`to_dict` and `assign` need no native module; whatever judges or hashes a stack asks `lamina`.
+`to_dict` and `assign` need no native module. Checks and hashes of a stack need `lamina`.
 """
 
 import json

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group that a bake makes, and what feeds its thickness input."""
+"""The node group of a baked material, and the nodes that feed its thickness input."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The inside of a material's node group: from the view angle to a sum of weighted closures.
+"""The nodes inside a material's group: from the view angle to a sum of weighted closures.
 
 u = (theta_o / (pi/2) * 63 + .5) / 64 and v = (strip * rows + t * (rows - 1) + .5) / height address the
 texel centres of the LUT (see lamina.Lut). Every closure reads its own strip; the strips of a sheet's
@@ -25,17 +25,18 @@ BASE_COLOUR = (0.34, 0.20, 0.16)
 CLOSURE_COLOUR = (0.30, 0.24, 0.16)
 
 # Where N = I, the plane of incidence is undefined and directions in it would be zero vectors. The cross
-# product of I with this vector is added to them: far above the rounding of single precision, far below what
-# any lobe shows. The vector is parallel to no likely normal.
+# product of I with this vector is added to them: far above the rounding of single precision, and too small to
+# change any lobe visibly. The vector is parallel to no likely normal.
 ASIDE = (0.61e-5, 1.07e-5, 1.57e-5)
 
 
 class UnknownClosureError(RefusedError):
-    """A recipe that this Blender cannot follow; str() is one sentence."""
+    """A recipe that this Blender cannot build; str() is one sentence."""
 
 
 def used_closures(lut):
-    """Indices of the closures that weigh something anywhere; at least one, so that the group has a shader."""
+    """Indices of the closures with a weight above 0 anywhere; at least one, so that the group has a
+    shader."""
     used = np.flatnonzero(np.any(np.asarray(lut.weights) != 0.0, axis=(0, 2, 3, 4)))
     return [int(index) for index in used if lut.header["closures"][index] != THROWN_BACK] or [0]
 
@@ -57,7 +58,7 @@ def largest_tau(lut):
 def draw(tree, lut, image, recipe_of):
     """Add the whole graph of `lut` to `tree`. `recipe_of(closure id)` -> NodeRecipe. Returns the Graph.
 
-    Takes back what it has added when it fails. Raises UnknownClosureError.
+    Removes all added nodes if it fails. Raises UnknownClosureError.
     """
     graph = Graph(tree)
     try:
@@ -196,7 +197,7 @@ def rescale(tree, lut):
 
 
 class _Directions:
-    """The directions that recipes ask for, each made once: see lamina.lobes.NodeRecipe."""
+    """The directions of the recipes, each built once: see lamina.lobes.NodeRecipe."""
 
     def __init__(self, graph, incoming, normal, cosine, angle):
         self.graph = graph

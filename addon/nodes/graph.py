@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small words to write a shader graph with: nodes placed on a grid, in labelled frames."""
+"""Helpers that build a shader graph: nodes on a grid, in labelled frames."""
 
 import bpy
 
@@ -19,7 +19,7 @@ def tree_of(owner):
 
 
 class Graph:
-    """Adds nodes to a node tree and remembers them, so that a half-built graph can be taken back."""
+    """Adds nodes to a node tree and remembers them, so that an incomplete graph can be removed."""
 
     def __init__(self, tree):
         self.tree = tree
@@ -79,7 +79,7 @@ class Graph:
             target.default_value = value
 
     def remove_created(self):
-        """Take back everything that was added, frames last."""
+        """Remove all added nodes, frames last."""
         for node in reversed(self.created):
             self.tree.nodes.remove(node)
         self.created.clear()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One node group per material, kept up to date in place.
 
-Artists wire the group, add their own nodes, use it in other materials: a rebuild changes what is
-inside the group and its image, and nothing else. The old content stays until the new one stands.
+Artists link the group, add their own nodes and use the group in other materials. So a rebuild changes the
+content of the group and its image only. The old content stays until the new one is complete.
 """
 
 import json
@@ -74,7 +74,7 @@ def build(material, lut):
 
 
 def update(material, lut):
-    """Give the material's own group the picture of `lut`, with nodes and links untouched.
+    """Replace the image in the material's own group by that of `lut`, without changing nodes or links.
 
     Returns False, with nothing changed, when there is no such group or it was drawn for another layout.
     """
@@ -171,7 +171,8 @@ def remove(material):
 
 
 def _own_group(material):
-    """(group, whether it is new). A group that a copied material still shares is left to its first owner."""
+    """(group, whether it is new). If a copied material shares its group with the original, the copy gets a
+    new one."""
     group = material.lamina.node_group
     if group is not None and group.is_editable and not _is_shared(material, group):
         return group, False
@@ -183,7 +184,8 @@ def _is_shared(material, group):
 
 
 def _layout(lut):
-    """What the group's nodes depend on, as text: a table of the same layout needs new pixels only."""
+    """Everything that the group's nodes depend on, as text: a table of the same layout needs a new image
+    only."""
     axes = lut.header["axes"]
     layout = {
         "closures": lut.header["closures"],
@@ -262,7 +264,8 @@ def _settle_thickness(group, tau):
 
 
 def _follow_thickness(group, old, new):
-    """A new Thickness input starts at the baked maximum, and one left there moves with it; others stay."""
+    """A new Thickness input starts at the baked maximum. An unchanged input follows a new maximum; others
+    stay."""
     if new is None:
         return
     for material in bpy.data.materials:

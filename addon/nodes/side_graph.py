@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust on two sides of a face: which thickness a side shows, and which side of the table.
+"""Dust on two sides of a face: which thickness, and which side of the table, each side of the face reads.
 
 An opaque stack has a thickness of its own on either side. The table of a sheet has dust on the sheet's top
 only; its bottom side is what the sheet shows from below, with the dust behind it. Where dust lies on back

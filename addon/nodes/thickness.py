@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What feeds the varying layer's thickness: the input's own value, an attribute of the mesh, or an image.
+"""The source of the varying layer's thickness: the input's own value, an attribute of the mesh, or an image.
 
-Plain nodes beside the baked group, so that the file renders without the add-on. Nodes made here carry a mark:
-they may be replaced, an artist's own may not unless that is asked for.
+Sources are plain nodes beside the baked group, so that the file renders without the add-on. Nodes made here
+are marked and may be replaced. The artist's own nodes are replaced only on request.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..base.messages import RefusedError
-from ..properties.dust_properties import ATTRIBUTE, BACK_ATTRIBUTE
+from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 from . import node_group
 from .side_graph import BACK, FRONT
 
@@ -151,8 +151,8 @@ def _feed(sockets, output):
 
 
 def _remove_marked(tree):
-    """Takes the nodes made here away, but not those that the artist uses for something else as well."""
-    while True:  # what feeds a node goes after it
+    """Removes the nodes made here, except those that the artist uses for something else as well."""
+    while True:  # a node is removed after those that it feeds
         idle = [node for node in tree.nodes
                 if node.get(_MARK) and not any(output.is_linked for output in node.outputs)]
         for node in idle:
@@ -186,7 +186,7 @@ def _texture(tree, beside, image, uv_map):
 
 
 def _image(material, wanted):
-    """The image to be used, made fit to hold numbers. Raises RefusedError."""
+    """The image to be used, set up to hold numbers. Raises RefusedError."""
     if not wanted:
         image = bpy.data.images.new(f"{material.name} thickness", IMAGE_SIZE, IMAGE_SIZE, alpha=False,
                                     float_buffer=True, is_data=True)

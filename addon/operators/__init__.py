@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The operators, one per file. Each is thin over a plain function that scripts can call."""
+"""The operators, one per file. Each calls a plain function that scripts can call too."""
 
 import bpy
 

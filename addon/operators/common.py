@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When an operator may act on the material that the context shows."""
+"""Conditions under which an operator may run."""
 
 from ..baking import bake_job
 from ..base import native

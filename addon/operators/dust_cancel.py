@@ -9,7 +9,7 @@ from ..settling import dust_job
 class LAMINA_OT_dust_cancel(bpy.types.Operator):
     bl_idname = "lamina.dust_cancel"
     bl_label = "Cancel Dust"
-    bl_description = "Stop; the last dust is kept"
+    bl_description = "Stop settling; the earlier dust is kept"
     bl_options = {"INTERNAL"}
 
     @classmethod

@@ -10,7 +10,7 @@ from . import common
 class LAMINA_OT_dust_clear(bpy.types.Operator):
     bl_idname = "lamina.dust_clear"
     bl_label = "Clear Dust"
-    bl_description = "Take the settled dust of this object away"
+    bl_description = "Remove the settled dust from this object"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

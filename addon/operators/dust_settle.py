@@ -20,7 +20,7 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
     jobs = dust_job
 
     selected: bpy.props.BoolProperty(
-        name="All Selected", description="On each selected mesh, with settings of its own"
+        name="All Selected", description="Every selected mesh, each with its own settings"
     )
 
     @classmethod

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What modal operators around a worker share: a timer that looks at it, ESC that cancels, a status line."""
+"""Base of modal operators with a worker: a timer that checks it, ESC to cancel, a status line."""
 
 from ..base import redraw
 
-INTERVAL = 0.1  # seconds between two looks at the worker
+INTERVAL = 0.1  # seconds between two checks of the worker
 
 _signs = []  # those that are up
 

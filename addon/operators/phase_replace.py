@@ -11,7 +11,7 @@ from . import common
 class LAMINA_OT_phase_replace(bpy.types.Operator):
     bl_idname = "lamina.phase_replace"
     bl_label = "Replace Phase Function"
-    bl_description = "Let go of the imported phase function and choose another here"
+    bl_description = "Discard the imported phase function and choose another one here"
     bl_options = {"REGISTER", "UNDO"}
 
     base: bpy.props.BoolProperty(name="Of the Base", options={"SKIP_SAVE"})

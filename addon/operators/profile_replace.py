@@ -11,7 +11,7 @@ from . import common
 class LAMINA_OT_profile_replace(bpy.types.Operator):
     bl_idname = "lamina.profile_replace"
     bl_label = "Replace Profile"
-    bl_description = "Let go of the imported depth profile; its top and bottom stay as numbers"
+    bl_description = "Discard the imported depth profile; its top and bottom stay as numbers"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

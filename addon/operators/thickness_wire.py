@@ -22,14 +22,14 @@ class LAMINA_OT_thickness_wire(bpy.types.Operator):
 
     source: bpy.props.EnumProperty(name="Source", items=ITEMS, options={"SKIP_SAVE"})
     name: bpy.props.StringProperty(
-        name="Name", description="Of the attribute or the image; empty: the usual one, a new one",
+        name="Name", description="Name of the attribute or image; empty: the usual attribute, a new image",
         options={"SKIP_SAVE"},
     )
     uv_map: bpy.props.StringProperty(
-        name="UV Map", description="That the image is read by; empty: the active one", options={"SKIP_SAVE"}
+        name="UV Map", description="UV map of the image; empty: the active one", options={"SKIP_SAVE"}
     )
     replace: bpy.props.BoolProperty(
-        name="Replace", description="Take the place of a link of your own", options={"SKIP_SAVE"}
+        name="Replace", description="Replace a link of your own", options={"SKIP_SAVE"}
     )
 
     @classmethod

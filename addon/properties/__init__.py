@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What materials and objects keep in the .blend."""
+"""Properties that materials and objects store in the .blend."""

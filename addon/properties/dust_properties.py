@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an object keeps of its dust: how the dust falls, what stays, where it goes, facts of the last time.
+"""Properties of an object's dust: how it falls, how much stays, where it is stored, and the last report.
 
 The options of the settling come from `kinds.dust`. A .blend file keeps the number of a choice: numbers and
 defaults never change, new ones are only added.
@@ -31,18 +31,14 @@ TARGETS = (
     ("image", "Image", "A packed float image over a UV map, for a material of this object alone", 1),
 )
 
-ATTRIBUTE = "lamina_dust"
-BACK_ATTRIBUTE = "lamina_dust_back"  # what lies on back faces, where dust lies on both sides
-
-
 _DEFAULTS = {member.name: member.default for member in dataclasses.fields(dust.Settling)}
 
 
 @having({one.name: dust_number(one, _DEFAULTS[one.name]) for one in dust.OPTIONS if one.panel})
 class LaminaDust(bpy.types.PropertyGroup):
-    form: EnumProperty(name="Given By", description="What says how much falls", items=FORMS, options=set())
+    form: EnumProperty(name="Given By", description="How the amount is given", items=FORMS, options=set())
     substance: EnumProperty(
-        name="Dust", description="What falls: its mass extinction", items=SUBSTANCES, options=set()
+        name="Dust", description="The kind of dust: its mass extinction", items=SUBSTANCES, options=set()
     )
     wind_from: FloatProperty(
         name="Wind From",
@@ -54,7 +50,7 @@ class LaminaDust(bpy.types.PropertyGroup):
         description="Speed of the wind over that of the fall: 1 tilts the fall by 45 degrees",
         default=0.0, min=0.0, max=dust.MOST_WIND, soft_max=3.0, step=10, options=set(),
     )  # fmt: skip
-    seed: IntProperty(name="Seed", description="Another seed, other noise and patches", min=0, options=set())
+    seed: IntProperty(name="Seed", description="Seed of the noise and the patches", min=0, options=set())
     others: BoolProperty(
         name="Other Objects",
         description="Objects that are rendered and cast shadows keep dust from this one",
@@ -62,7 +58,7 @@ class LaminaDust(bpy.types.PropertyGroup):
     )  # fmt: skip
     stops: BoolProperty(
         name="Keeps Dust Off Others",
-        description="Off for domes, backdrops and all else that dust should fall through",
+        description="Turn off for domes, backdrops and other objects that dust should fall through",
         default=True, options=set(),
     )  # fmt: skip
     target: EnumProperty(name="To", description="Where the dust is kept", items=TARGETS, options=set())
@@ -71,9 +67,9 @@ class LaminaDust(bpy.types.PropertyGroup):
         options=set(),
     )  # fmt: skip
     uv_map: StringProperty(name="UV Map", description="Empty: the active one for rendering", options=set())
-    image: PointerProperty(type=bpy.types.Image, description="What the dust was last kept in, if an image")
-    # The facts of the last time
-    told: StringProperty(description="The facts in words; empty before the first time")
+    image: PointerProperty(type=bpy.types.Image, description="The image that holds the dust, if any")
+    # The last report
+    told: StringProperty(description="The report in words; empty before the first settling")
     largest: FloatProperty(description="The largest optical thickness")
     largest_back: FloatProperty(description="The largest optical thickness on back faces")
 

@@ -104,7 +104,7 @@ class LaminaDepth(MediumProperties, bpy.types.PropertyGroup):
 
 class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     name: StringProperty(
-        name="Name", description="Name of this layer, for you", default="Layer", options=set()
+        name="Name", description="Name of this layer", default="Layer", options=set()
     )
     kind: choice("Kind", LAYER_KINDS, "What this layer is", update=_kind_changed)
     # An interface

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a material keeps in the .blend: its layers, its base, and the facts of its last bake.
+"""Properties of a material: its layers, its base, and the report of its last bake.
 
-Whether a bake is running, and why the last one failed, is not kept here: see bake_job.
+The running bake and the last failure are not stored in the .blend: see bake_job.
 """
 
 import bpy
@@ -23,11 +23,11 @@ SCHEMA = 2  # 1: media of three phase functions on four bases
 
 
 class LaminaResult(bpy.types.PropertyGroup):
-    """The facts of the last finished bake, copied from the LUT's report."""
+    """The last finished bake, copied from the LUT's report."""
 
     stack_hash: StringProperty(description="Hash of the stack that was baked; empty before the first bake")
     quality: StringProperty()
-    basis: StringProperty(description="Empty for a bake of before there was a choice: standard")
+    basis: StringProperty(description="Empty in older files, whose basis is standard")
     fit_error: FloatProperty(description="Mean over slices of the relative L2 error, reflection")
     fit_error_transmission: FloatProperty(description="For transmission; negative when there is none")
     worst_error: FloatProperty(description="Relative L2 error of the worst slice")
@@ -61,7 +61,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     layers: CollectionProperty(type=LaminaLayer)
     active_index: IntProperty(name="Active Layer", options=set())
     base: PointerProperty(type=LaminaBase)
-    about: StringProperty(description="JSON of what else an imported stack says of itself: name, source")
+    about: StringProperty(description="JSON of an imported stack's texts: name, category, source")
     quality: EnumProperty(
         name="Quality", description="How exactly to bake", items=QUALITIES, default="final", options=set()
     )
@@ -79,7 +79,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         options=set(),
     )
     result: PointerProperty(type=LaminaResult)
-    node_group: PointerProperty(type=bpy.types.NodeTree, description="What the bake keeps up to date")
+    node_group: PointerProperty(type=bpy.types.NodeTree, description="The node group that bakes update")
 
 
 CLASSES = (LaminaDepth, LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)

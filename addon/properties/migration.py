@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Brings the properties of older files up to this version.
+"""Migration of older files' properties to this version.
 
 Each step takes a material from schema n to n + 1. Steps are never edited, only added.
 """
@@ -21,7 +21,7 @@ def start(material):
 
 
 def is_from_the_future(material):
-    """True when a newer Lamina wrote the material: it is shown, and left alone."""
+    """True if a newer Lamina wrote the material, which is then shown but not changed."""
     return material.lamina.schema > material_properties.SCHEMA
 
 
@@ -54,7 +54,7 @@ def _on_load(*_):
 
 
 def _once():
-    """The file that is open while the add-on is being enabled; bpy.data cannot be read earlier."""
+    """Migrates the file that is open while the add-on is enabled; bpy.data cannot be read earlier."""
     migrate_all()
 
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settled dust as attributes of an object's own mesh: of its vertices, or of its face corners where a vertex
-at a hard edge has several values.
+"""Settled dust as attributes of an object's own mesh: of its vertices, or of its face corners if vertices at
+sharp edges have several values.
 """
 
 import numpy as np
 from mathutils import kdtree
 
 from ..base.messages import RefusedError
-from ..properties.dust_properties import ATTRIBUTE, BACK_ATTRIBUTE
+from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 
-NEAR = 8  # rendered vertices that are looked at for a corner that modifiers have left without one
+NEAR = 8  # nearest rendered vertices that are tried for a corner without one of its own behind modifiers
 ALIKE = 0.1  # by which the cosines of normals may differ
 
 
@@ -59,7 +59,7 @@ def _loose(own):
 
 
 def _places(surface, own, dust):
-    """Which of the dust's values each corner of the own mesh has, and then each of its loose vertices."""
+    """Indices of the dust's values: for each corner of the own mesh, then for each of its loose vertices."""
     loose = _loose(own)
     if own.loops is not None:
         found = np.zeros(len(own.corners) + len(loose), np.int64)
@@ -91,15 +91,15 @@ def _places(surface, own, dust):
 
 
 def _choose(found, asking, asked, cosine, tau):
-    """Of all that are asked, those whose normal is nearly the most alike, and the most dust of these: both
-    sides of a shell stand for one vertex.
+    """For each asking point, of the candidates with nearly the most similar normal, the one with the most
+    dust: both sides of a shell belong to one vertex.
     """
     best = np.full(len(found), -2.0)
     np.maximum.at(best, asking, cosine)
     alike = cosine >= best[asking] - ALIKE
     asking, asked = asking[alike], asked[alike]
     order = np.lexsort((-asked, tau[asked], asking))
-    found[asking[order]] = asked[order]  # the last of each stays
+    found[asking[order]] = asked[order]  # the last assignment of each wins
 
 
 def _neighbours(surface, places, numbers, vertex_of_point):

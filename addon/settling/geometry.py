@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Evaluated objects as plain arrays in world space, metres: what long work in a thread may see."""
+"""Evaluated objects as plain arrays in world space, in metres, for work in a thread."""
 
 from dataclasses import dataclass
 
@@ -78,8 +78,8 @@ def of_object(context, obj, uv_map=None):
 
 
 def others(context, obj):
-    """What is in the way of dust on `obj`: all that is rendered and casts shadows, instances too.
-    Raises RefusedError.
+    """The occluders of dust on `obj`: all objects that are rendered and cast shadows, also instances. Raises
+    RefusedError.
     """
     scale = context.scene.unit_settings.scale_length
     found, count = [], 0
@@ -127,7 +127,7 @@ def _arrays(mesh, matrix, scale):
     triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles)
     triangles = triangles.reshape(-1, 3)
-    # A mirrored object keeps its outside: its faces turn the other way round.
+    # Mirroring turns faces inside out; the reversed order of vertices corrects that.
     return vertices, triangles[:, ::-1] if matrix.determinant() < 0.0 else triangles
 
 
@@ -169,7 +169,8 @@ def _uvs(obj, mesh, name):
 
 
 def _tag(mesh):
-    """Marks each vertex with numbers that no blend of others equals, to be known again behind modifiers."""
+    """Gives each vertex random numbers that no blend of other vertices equals, so that it can be recognised
+    behind modifiers."""
     tags = np.random.default_rng(len(mesh.vertices)).random((len(mesh.vertices), 3), np.float32)
     if _TAG in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[_TAG])

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust on objects: what is asked of `lamina`, and where the answer goes.
+"""Dust on objects: input for `lamina`, and where its result is stored.
 
-`gather` reads the scene, `settle_gathered` sees arrays only and may run in a thread, `apply` writes. Nothing
-is written before all of an object's dust is there.
+`gather` reads the scene, `settle_gathered` works on arrays only and may run in a thread, `apply` writes.
+Nothing is written before all of an object's dust is known.
 """
 
 import math
@@ -15,12 +15,12 @@ from mathutils import Vector
 from ..base import float_image, native
 from ..base.messages import RefusedError
 from ..kinds import dust as kinds
+from ..kinds.dust import ATTRIBUTE
 from ..nodes import thickness
-from ..properties.dust_properties import ATTRIBUTE
 from . import dust_attribute, geometry
 
-FINER = 3  # times the mesh's own vertices, behind modifiers, are worth a word
-MARGIN = 4  # texels by which an image's islands grow, so that filtering finds dust at their borders
+FINER = 3  # a note is added if modifiers make the mesh finer by this factor
+MARGIN = 4  # texels by which an image's islands are extended, so that filtering finds dust at their borders
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Answer:
-    """`dust`: lamina's; of an image where the task has a size for one."""
+    """`dust`: lamina's Dust; an image if the task has a size."""
 
     dust: object
 
@@ -77,7 +77,7 @@ def unavailable():
 
 
 def gather(context, obj):
-    """What the dust of an object depends on. Raises RefusedError."""
+    """The input of the settling, read from the scene. Raises RefusedError."""
     sentence = problem(obj)
     if sentence:
         raise RefusedError(sentence)
@@ -117,13 +117,13 @@ def settle_gathered(task, progress=None, cancel=None, threads=0):
 
 
 def apply(obj, task, answer):
-    """Keep an Answer on its object, and feed the thickness of its materials from there where nothing
-    else does. Raises RefusedError when the mesh has changed meanwhile.
+    """Store an Answer on its object, and link the thickness of its materials to it where nothing else is
+    linked. Raises RefusedError when the mesh has changed meanwhile.
     """
     if (len(obj.data.vertices), len(obj.data.loops)) != (len(task.own.vertices), len(task.own.corners)):
         raise RefusedError(f"{obj.name} has been edited while dust settled: let it settle again")
     if not task.size:
-        if obj.data.users > 1:  # dust depends on where an object is: a shared mesh becomes its own
+        if obj.data.users > 1:  # dust depends on the object's place, so a shared mesh is copied first
             obj.data = obj.data.copy()
         dust_attribute.write(obj.data, task.surface, task.own, answer.dust)
         source, name = "attribute", ATTRIBUTE
@@ -176,14 +176,14 @@ def _value(option, settings, scene):
 
 
 def _switches(statistics):
-    """Where the artist lets dust fall through what keeps it off."""
+    """A note on how to let dust fall through objects that stop it."""
     if statistics.keepers:
         names = " and ".join(statistics.keepers)
         yield f"switch off Keeps Dust Off Others in the panel of {names} to let it through"
 
 
 def _coarseness(task):
-    """What an attribute loses where modifiers make the surface finer than its mesh."""
+    """A note on an attribute that is coarser than the rendered surface."""
     own, rendered = len(task.own.vertices), len(task.surface.vertices)
     if not task.size and rendered > FINER * own:
         yield (
@@ -193,8 +193,8 @@ def _coarseness(task):
 
 
 def _write_image(obj, dust):
-    """Colour is what lies on front faces, alpha on back faces. A new image takes the place of the last one:
-    renders do not look again at pixels that they know.
+    """Colour is dust on front faces, alpha on back faces. A new image replaces the last one, because Cycles
+    does not reload the pixels of a known image.
     """
     texels = np.zeros((*dust.tau.shape, 4), np.float32)
     texels[..., :3] = dust.tau[..., None]
@@ -213,5 +213,5 @@ def _write_image(obj, dust):
 
 
 def _is_free(material):
-    """Whether a material's thickness is an unused input, or fed by what we made."""
+    """True if a material's thickness input is unlinked, or linked to nodes made by Lamina."""
     return thickness.wiring(material).source in ("value", "attribute", "image")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties to stack JSON and back, and what `lamina` says of that JSON."""
+"""Conversion of properties to stack JSON and back, and checks of that JSON by `lamina`."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""JSON that a material keeps word for word, because the panel has no numbers for what it says."""
+"""Imported JSON that a material stores unchanged, because the panel cannot edit it."""
 
 import functools
 import json
@@ -9,9 +9,9 @@ UNREADABLE = "unreadable"
 
 @functools.lru_cache(64)
 def parsed(text, kind):
-    """The dict or list that the text holds; for a damaged one something that `lamina` refuses.
+    """The dict or list in the text; for damaged JSON, a value that `lamina` refuses.
 
-    It is shared: read it only.
+    The value is shared and must not be changed.
     """
     try:
         data = json.loads(text)

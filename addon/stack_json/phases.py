@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions: properties <-> JSON, and what the panel says of one that it cannot edit.
+"""Phase functions: conversion of properties and JSON, and a short text for one that the panel cannot edit.
 
-Such a one (a table, a mixture, an anisotropy per channel) is kept word for word as text, so nothing is lost.
+Such a phase function (a table, a mixture, an anisotropy per channel) is stored unchanged as text.
 """
 
 import json
@@ -36,7 +36,8 @@ def values(phase, where):
 
 
 def imported(owner):
-    """'mixture of 2': what the text holds, in a few words; '' when the panel edits the phase function."""
+    """The stored phase function in a few words, such as 'mixture of 2'; '' if the panel edits the phase
+    function."""
     if not owner.phase_text:
         return ""
     try:
@@ -46,7 +47,7 @@ def imported(owner):
 
 
 def replace(owner):
-    """Let go of an imported phase function: the panel's own takes its place."""
+    """Discard an imported phase function; the panel's own replaces it."""
     owner.phase_text = ""
 
 

@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Media that change with depth.
 
-The panel has numbers for a top and a bottom; a profile of more depths is kept word for word as text, so
-nothing is lost.
+The panel edits a top and a bottom. A profile of more depths is stored unchanged as text.
 """
 
 from . import kept_json
 
 
 def is_graded(layer):
-    """Whether a medium changes with depth."""
+    """True if a medium changes with depth."""
     return layer.graded or bool(layer.profile_text)
 
 
 def imported(layer):
-    """'5 depths': what the text holds; '' when the panel edits the profile."""
+    """The stored profile in short, such as '5 depths'; '' if the panel edits the profile."""
     if not layer.profile_text:
         return ""
     held = knots(layer)
@@ -22,10 +21,10 @@ def imported(layer):
 
 
 def knots(layer):
-    """The imported knots, as JSON data. A damaged text gives what `lamina` refuses."""
+    """The imported knots, as JSON data. Damaged JSON gives a value that `lamina` refuses."""
     return kept_json.parsed(layer.profile_text, list)
 
 
 def replace(layer):
-    """Let go of an imported profile: the panel's own top and bottom, which are its ends, take its place."""
+    """Discard an imported profile; the panel's top and bottom, which equal its ends, replace it."""
     layer.profile_text = ""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The other number of a medium: the albedo behind its colour, or the colour behind its albedo.
+"""The albedo of a medium given by its colour, and the colour of a medium given by its albedo.
 
-Both take a solve, and so does it to check a stack with colours in it. The panel asks while it draws and gets
-what is known; what is not is worked out in a thread, and the panel is drawn again. Nothing of it is written
-to the .blend.
+Both need a solve, and so does the check of a stack with colours. The panel asks while it is drawn and gets a
+known answer or None. Unknown answers are computed in a thread, and then the panel is redrawn. Nothing is
+written to the .blend.
 """
 
 import json
@@ -14,49 +14,51 @@ import threading
 import bpy
 
 from ..base import messages, native, redraw
+from ..kinds.limits import STACK_SCHEMA
 from . import stack_check, stack_write
 
 log = logging.getLogger(__name__)
 
-LOOK = 0.03  # seconds between two looks at the worker
+LOOK = 0.03  # seconds between two checks of the worker
 KEPT = 256  # answers
 
-_answers = {}  # (what, JSON) -> what `answer` said
-_latest = {}  # what was last shown for a layer: it stays until the new answer is there, and nothing flickers
+_answers = {}  # (what, JSON) -> the result of `answer`
+_latest = {}  # the last answer for each layer, shown until the new one is known, to avoid flicker
 _wanted = {}  # layer -> its newest question
 _worker = None
 
 
 def albedo(end):
-    """The albedo of a medium, or of its bottom, that is given by its colour: three numbers, () when none
-    shows that colour, or None while unknown."""
+    """The albedo of a medium, or of its bottom, that is given by its colour: three numbers, () if no albedo
+    gives this colour, None while unknown."""
     return _ask("albedo", _text(end, "albedo"), (end.id_data.session_uid, end.path_from_id()))
 
 
 def thick_colour(end):
-    """What a medium, or its bottom, shows when infinitely thick, under diffuse light; as `albedo`."""
+    """The colour of a medium, or of its bottom, when infinitely thick, under diffuse light; returned like
+    `albedo`."""
     return _ask("colour", _text(end, "colour"), (end.id_data.session_uid, end.path_from_id()))
 
 
 def is_checked(material, text):
-    """Whether `lamina` has looked at the material's stack, this JSON, or will do so in no time."""
+    """True if `lamina` has checked the material's stack, this JSON, or can do so at once."""
     if stack_check.is_quick(text):
         return True
     if _answers.get(("stack", text)):
-        del _answers["stack", text]  # long ago, and no longer kept there
+        del _answers["stack", text]  # long ago, and no longer in the cache of stack_check
     _ask("stack", text, material.session_uid)
     return False
 
 
 def answer(what, text):
-    """Works one question out: 'albedo' or 'colour' of the layer with this JSON, () for an invalid one; or
-    True once the 'stack' with this JSON has been looked at."""
+    """Computes one answer: the 'albedo' or 'colour' of the layer with this JSON, () for an invalid layer; or
+    True once the 'stack' with this JSON has been checked."""
     if what == "stack":
         stack_check.of(text)
         return True
     lamina, colours = native.require(), native.part("colours")
     try:
-        stack = lamina.Stack.from_json({"schema": stack_write.JSON_SCHEMA, "layers": [json.loads(text)]})
+        stack = lamina.Stack.from_json({"schema": STACK_SCHEMA, "layers": [json.loads(text)]})
         albedos = tuple(stack.optics(0, channel)[0] for channel in range(stack.channels))
         if what == "albedo":
             return _triple(albedos)
@@ -67,7 +69,8 @@ def answer(what, text):
 
 
 def look():
-    """The timer's body: takes what is finished, starts the next. Returns the seconds until the next look."""
+    """The timer's function: takes a finished answer, starts the next. Returns the seconds until the next
+    call."""
     global _worker
     if _worker is not None:
         if _worker.is_alive():
@@ -86,7 +89,7 @@ def look():
 
 
 def _ask(what, text, place):
-    """The answer; meanwhile the latest one of the same place, or None."""
+    """The answer if known, else the last one for the same place, or None."""
     if not native.available():
         return None
     question, place = (what, text), (what, place)
@@ -114,7 +117,7 @@ def _text(end, what):
 def _work(question):
     try:
         _answers[question] = answer(*question)
-    except Exception as error:  # Whatever it is, the panel does without.
+    except Exception as error:  # The panel then shows no number.
         log.warning("no colour for a layer", exc_info=None if messages.expected(error) else error)
         _answers[question] = ()
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `lamina` says of a stack's JSON: a stack, or an error.
+"""Checks of a stack's JSON by `lamina`: a stack, or an error.
 
-The panel asks about the same stack many times a second, and a colour takes a solve to be understood, so the
-latest answers are kept. A thread may ask as well.
+The panel asks about the same stack many times a second, and a colour needs a solve, so the latest answers are
+cached. Threads may ask too.
 """
 
 import json
@@ -27,7 +27,7 @@ def of(text):
 
 
 def is_quick(text):
-    """Whether `of` will answer at once. Raises NativeMissingError."""
+    """True if `of` answers without a solve. Raises NativeMissingError."""
     return '"color"' not in text or (native.require(), text) in _answers
 
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The JSON of a valid stack -> property values. What the panel cannot hold is refused in a sentence.
+"""Conversion of a valid stack's JSON to property values. Values that no property can hold are refused with a
+sentence.
 
-Needs no native module, and changes nothing: the values are written by stack_io once all have been read.
+Needs no native module and changes nothing: stack_io writes the values after all have been read.
 """
 
 import json
@@ -17,7 +18,7 @@ FIRST_NAMES = {"medium": "Layer", "interface": "Interface"}
 
 
 def about(data):
-    """What the stack says of itself: its name, category, source."""
+    """The texts of the stack as JSON: name, category, source."""
     others = {key: value for key, value in data.items() if key not in ("schema", "layers", "base")}
     return json.dumps(others) if others else ""
 
@@ -62,13 +63,13 @@ def _interface(layer, where):
 
 
 def _number(field, entry, where):
-    """The value of a field's property; what the entry leaves out has its default."""
+    """The value of a field's property; the default if the entry lacks the field."""
     value = entry.get(field.name, field.panel.default)
     return (_triple if field.panel.rgb else _single)(value, f"{where}.{field.name}")
 
 
 def _options(cls, entry, where):
-    """Values of the choices of a kind; what the entry leaves out has its usual value."""
+    """Values of the options of a kind; the usual value if the entry lacks an option."""
     values = {option.name: entry.get(option.name, option.values[0]) for option in cls.options}
     for option in cls.options:
         if values[option.name] not in option.values:
@@ -84,7 +85,7 @@ def _medium(layer, where):
 
 
 def _profile(layer, where):
-    """One from top to bottom has numbers in the panel; any other is kept word for word."""
+    """A profile with two knots of one form becomes properties; any other is stored unchanged."""
     knots = layer["profile"]
     mode = _mode(knots[0])
     all_values = [_medium_at(knot, layer, f"{where}.profile[{index}]") for index, knot in enumerate(knots)]
@@ -101,7 +102,7 @@ def _mode(entry):
 
 
 def _medium_at(entry, layer, where):
-    """What scatters in a medium, or at a knot of its profile."""
+    """The scattering quantities of a medium, or of a knot."""
     form = next(form for form in media.FORMS if form.item.id == _mode(entry))
     values = {field.prop: _triple(entry[field.name], f"{where}.{field.name}") for field in form.local}
     return values | phases.values(entry.get("phase", layer.get("phase")), f"{where}.phase")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties -> the stack JSON of DESIGN's contract 1. Needs no native module.
+"""Conversion of properties to a stack's JSON. Needs no native module.
 
 Numbers are written as the shortest decimal that is the same float32, so that .9 typed in the panel, .9 in a
-file and .9 in Python make one and the same hash. What has its usual value is left out, as `lamina` does.
+file and .9 in Python give the same hash. Usual values are left out, as in `lamina`.
 """
 
 import json
@@ -10,16 +10,15 @@ import json
 from ..base.decimals import shortest
 from ..kinds import boundaries, media
 from ..kinds.bases import BASES
+from ..kinds.limits import STACK_SCHEMA
 from . import phases, profiles
-
-JSON_SCHEMA = 1
 
 
 def stack(settings):
     """The stack of a material's settings as plain JSON data, top layer first."""
     return {
         **_about(settings.about),
-        "schema": JSON_SCHEMA,
+        "schema": STACK_SCHEMA,
         "layers": [layer(one) for one in settings.layers],
         "base": base(settings.base),
     }
@@ -50,12 +49,13 @@ def layer(layer):
 
 
 def homogeneous(layer, end):
-    """The medium of a layer as if it were everywhere as at one `end`: the layer itself, or its bottom."""
+    """The layer as a homogeneous medium with the values of one `end`: the layer itself (its top), or its
+    bottom."""
     return {"kind": "medium", **medium_at(layer, end), **_amount(layer)}
 
 
 def medium_at(layer, end):
-    """What scatters at the top, the layer itself, or at its bottom."""
+    """The scattering quantities at one end: the layer itself (its top), or its bottom."""
     form = next(form for form in media.FORMS if form.item.id == layer.mode)
     numbers = {field.name: _channels(getattr(end, field.prop)) for field in form.local}
     return {**numbers, "phase": phases.to_json(end)}
@@ -74,7 +74,7 @@ def base(base):
 
 
 def _amount(layer):
-    """How much of the medium there is."""
+    """The thickness of the medium."""
     infinite = layer.infinite and not profiles.is_graded(layer)
     if layer.mode == "coefficients":
         return {"thickness": "inf" if infinite else shortest(layer.thickness)}
@@ -90,12 +90,12 @@ def _number(field, owner):
 
 
 def _options(cls, owner):
-    """The choices that are not the usual ones."""
+    """The options without their usual value."""
     chosen = {option.name: getattr(owner, option.name) for option in cls.options}
     return {one.name: chosen[one.name] for one in cls.options if chosen[one.name] != one.values[0]}
 
 
 def _channels(values):
-    """One number when the channels agree (a grey stack bakes in a third of the time), else three."""
+    """One number if the channels are equal (a grey stack bakes in a third of the time), else three."""
     numbers = [shortest(value) for value in values]
     return numbers[0] if numbers[0] == numbers[1] == numbers[2] else numbers

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws the numbers of one layer, and of the base.
+"""Draws the properties of one layer, and of the base.
 
 Labels are short because the editor is narrow; tooltips say the rest.
 """
@@ -13,7 +13,7 @@ from ..stack_json import phases, profiles, solved_colours
 
 
 def draw_layer(layout, layer):
-    """`layout` is the panel's own: a folded part needs its full width."""
+    """`layout` is that of the panel: a folded part needs its full width."""
     column = split(layout.column())
     column.prop(layer, "kind")
     if layer.kind == "interface":
@@ -183,7 +183,7 @@ def _metal_name(base):
 
 
 def _labelled(column, name, text):
-    """A line of text, lined up with the properties above and below; its row, for more."""
+    """A label and a text, aligned with the properties above and below. Returns the row of the text."""
     parts = column.split(factor=0.4)
     parts.use_property_split = False
     label = parts.row()
@@ -196,7 +196,7 @@ def _labelled(column, name, text):
 
 
 def _with_infinity(column, layer, name, text):
-    """A number with its infinity switch; what changes with depth has an end."""
+    """A number and its infinity switch; a medium that changes with depth has no such switch."""
     row = _labelled(column, text, None)
     value = row.row(align=True)
     value.active = not _is_infinite(layer)

@@ -195,7 +195,7 @@ def _place(result, prefix):
 
 
 def draw_progress(layout, job, cancel):
-    """How far a worker is, and the operator that cancels it."""
+    """A worker's progress bar, and the operator that cancels it."""
     row = layout.row(align=True)
     row.scale_y = 1.4
     text = "Cancelling" if job.cancelling else f"{job.fraction:.0%}  {job.text}"
@@ -228,7 +228,7 @@ def _bake_label(material):
 
 
 def _is_checked(material):
-    """Whether the stack can be judged while the panel draws. If not, the panel is drawn again when it can."""
+    """True if the stack can be checked while the panel is drawn. If not, the panel is drawn again later."""
     return solved_colours.is_checked(material, stack_io.to_text(material))
 
 
@@ -252,7 +252,7 @@ def _error_layer(material):
 
 
 def draw_sentence(context, layout, text, icon="INFO", alert=False):
-    """A sentence on as many lines as the panel's width asks for."""
+    """A sentence, wrapped to the panel's width."""
     scale = context.preferences.system.ui_scale
     width = max(int((context.region.width / scale - 70.0) / 6.4), 20)
     column = layout.column(align=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of the varying layer's thickness: what feeds it, and how good the bake is there."""
+"""The panel of the varying layer's thickness: its source, and the fit error there."""
 
 import json
 
@@ -62,7 +62,7 @@ def _draw_source(context, layout, now):
 
 
 def _has_attribute(context, name):
-    """Of the active object as its modifiers leave it; others are not looked at."""
+    """True if the evaluated active object has the attribute; other objects are not checked."""
     thing = context.object
     if thing is None or thing.type != "MESH":
         return True

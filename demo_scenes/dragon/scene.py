@@ -69,7 +69,7 @@ def material(stack, quality, row_stride):
     group = next(node for node in tree.nodes if node.type == "GROUP")
     product = tree.nodes.new("ShaderNodeMath")
     product.operation = "MULTIPLY"
-    for k, (kind, name) in enumerate((("GEOMETRY", settling.ATTRIBUTE), ("OBJECT", SHARE))):
+    for k, (kind, name) in enumerate((("GEOMETRY", lamina.dust.ATTRIBUTE), ("OBJECT", SHARE))):
         attribute = tree.nodes.new("ShaderNodeAttribute")
         attribute.attribute_type, attribute.attribute_name = kind, name
         tree.links.new(attribute.outputs["Fac"], product.inputs[k])

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-ATTRIBUTE = "lamina_dust"
 SEED = 1
 # Fine grains in a room's air, that stay on slopes which sand slides off.
 HOW = {"spread": 1.0, "repose": 1.25, "repose_width": 0.7, "concavity": 0.6}
@@ -15,8 +14,8 @@ HOW = {"spread": 1.0, "repose": 1.25, "repose_width": 0.7, "concavity": 0.6}
 def settle_on(thing, amount, occluders=(), rays=64):
     """Let dust of the optical thickness `amount` (on an open plate) settle; returns its statistics as plain data.
 
-    The object's mesh gets the float attribute ATTRIBUTE of its vertices. occluders: objects that keep dust off; rays:
-    of each vertex. Raises DustError, and DustUnavailable without a working Embree layer."""
+    The object's mesh gets the float attribute dust.ATTRIBUTE of its vertices. occluders: objects that keep dust off;
+    rays: of each vertex. Raises DustError, and DustUnavailable without a working Embree layer."""
     from lamina import dust  # the extension's wheel: not there before the extension is installed
 
     settings = dust.Settling(amount=float(amount), rays=rays, **HOW)
@@ -28,7 +27,9 @@ def settle_on(thing, amount, occluders=(), rays=64):
 
 def write(mesh, tau):
     """tau: (vertices,) optical thickness."""
-    attribute = mesh.attributes.get(ATTRIBUTE) or mesh.attributes.new(ATTRIBUTE, "FLOAT", "POINT")
+    from lamina import dust
+
+    attribute = mesh.attributes.get(dust.ATTRIBUTE) or mesh.attributes.new(dust.ATTRIBUTE, "FLOAT", "POINT")
     attribute.data.foreach_set("value", np.ascontiguousarray(tau, np.float32))
 
 

@@ -13,7 +13,7 @@ using Eigen::ArrayXd;
 using Eigen::ArrayXXd;
 using std::numbers::pi;
 
-/// Fresnel's reflectance for light at cosine c in a medium of relative index 1 against `ratio`.
+/// Fresnel reflectance for light at cosine c in a medium, against one of relative index `ratio`.
 ArrayXd dielectric_fresnel(const ArrayXd& c, double ratio) {
   const ArrayXd refracted2 = 1.0 - (1.0 - c.square()) / (ratio * ratio);
   const ArrayXd t = refracted2.max(0.0).sqrt();
@@ -22,8 +22,8 @@ ArrayXd dielectric_fresnel(const ArrayXd& c, double ratio) {
   return (refracted2 > 0.0).select(0.5 * (s.square() + p.square()), 1.0);
 }
 
-/// Born and Wolf, Principles of Optics, 13.2; real arithmetic so that it runs on whole arrays.
-template <typename Array>  // an array of fixed size needs no memory from the heap
+/// Born and Wolf, Principles of Optics, 13.2, in real arithmetic for whole arrays.
+template <typename Array>  // an array of fixed size avoids heap memory
 Array conductor_fresnel_array(const Array& c, std::complex<double> ratio) {
   const std::complex<double> square = ratio * ratio;
   const Array sine2 = 1.0 - c.square();
@@ -52,7 +52,7 @@ ArrayXd masking(const Facets& facets, double mu, const ArrayXd& others) {
 template <typename Mu, typename Fresnel>
 ArrayXd reflection(const Facets& facets, double mu_o, const Mu& mu_i, const Mu& mask, const ArrayXd& cosines,
                    const Fresnel& fresnel) {
-  // Directions from the surface: forward light comes from the azimuth opposite to the viewer's.
+  // Both directions point away from the surface: forward light comes from the azimuth opposite to the viewer.
   const Mu sine_i = sine(mu_i);
   const ArrayXd between = mu_o * mu_i - sine(mu_o) * sine_i * cosines;
   // Cosines of the half vector with either direction and with the normal.
@@ -68,21 +68,21 @@ ArrayXd transmission(const Facets& facets, double ior, double beyond, double mu,
   const double s = sine(mu);
   const Mu s_beyond = sine(mu_beyond);
   // Light comes from (-s, 0, mu) and leaves to (s_beyond cos, s_beyond sin, -mu_beyond).
-  // The product of the two, and the half vector n w + n' w', turned towards the thinner medium.
+  // Their scalar product, and the half vector n w + n' w', turned towards the less dense medium.
   const ArrayXd between = -s * s_beyond * cosines - mu * mu_beyond;
   const double turn = ior > beyond ? 1.0 : -1.0;
   const ArrayXd length = (ior * ior + beyond * beyond + 2.0 * ior * beyond * between).max(1e-24).sqrt();
   const ArrayXd normal = turn * (ior * mu - beyond * mu_beyond) / length;
   const ArrayXd ray = turn * (ior + beyond * between) / length;
   const ArrayXd ray_beyond = turn * (ior * between + beyond) / length;
-  // Facets that face the wrong way, or that the ray would have to pass from behind, carry nothing.
+  // Facets that face down, or that the ray would hit from behind, do not contribute.
   const auto possible = normal > 0.0 && ray > 0.0 && ray_beyond < 0.0;
   const ArrayXd jacobian = (ray * ray_beyond).abs() / (mu * mu_beyond * length.square());
   const ArrayXd passed = 1.0 - dielectric_fresnel(ray.max(1e-9), beyond / ior);
   return possible.select(facets.density(normal.max(1e-9)) * passed * jacobian * mask, 0.0);
 }
 
-/// `one` of each column of azimuths, with the masking.
+/// Calls `one` for each column of azimuths, with the masking.
 template <typename One>
 ArrayXXd of_pairs(const Facets& facets, double mu, const FacetPairs& pairs, const One& one) {
   const ArrayXd mask = masking(facets, mu, pairs.mu);

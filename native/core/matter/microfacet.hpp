@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Facet distributions of rough boundaries and their shadowing.
+// Microfacet distributions of rough boundaries, masking, and single scattering by the facets.
 #pragma once
 #include <Eigen/Core>
 #include <complex>
 
 namespace lamina {
 
-/// How the facets of a rough boundary are distributed and shadow each other.
+/// The distribution of the facets of a rough boundary, and their masking.
 struct Facets {
   enum class Distribution { kGgx, kBeckmann };
   double alpha = 0.1;  ///< width, (0, 1]
@@ -21,31 +21,31 @@ struct Facets {
   /// Smith's Lambda.
   double lambda(double mu) const;
   double masking(double mu_o, double mu_i) const;
-  /// The same for Lambda known at both directions.
+  /// Masking from Lambda at both directions.
   double masked(double lambda_o, double lambda_i) const {
     return correlated ? 1.0 / (1.0 + lambda_o + lambda_i) : 1.0 / ((1.0 + lambda_o) * (1.0 + lambda_i));
   }
 };
 
-/// Single reflection by dielectric facets between two media, both directions in the medium of index
-/// `ior` with `beyond` on the other side; BRDF at all azimuths, `cosines` = cos(dphi), 1 forward.
+/// The BRDF of single reflection by dielectric facets, both directions in the medium of index `ior`, with index
+/// `beyond` on the other side. At all azimuths, `cosines` = cos(dphi), 1 forward.
 Eigen::ArrayXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu_o, double mu_i,
                                      const Eigen::ArrayXd& cosines);
 
-/// The same by a conductor of relative complex index `ratio` = (n + ik) / ior.
+/// The BRDF of single reflection by the facets of a conductor of relative complex index `ratio` = (n + ik) / ior.
 Eigen::ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu_o, double mu_i,
                                     const Eigen::ArrayXd& cosines);
 
-/// Fresnel's reflectance of a smooth conductor, and its mean over uniform diffuse light.
+/// Fresnel reflectance of a smooth conductor, and its mean for uniform diffuse light.
 double conductor_fresnel(double mu, std::complex<double> ratio);
 double mean_conductor_fresnel(std::complex<double> ratio);
 
-/// Single transmission between two media: the BTDF from above to below divided by the square of the index
-/// below, which makes it the same in both senses (Walter et al. 2007, eq. 21).
+/// Single transmission between two media: the BTDF from above to below divided by the square of the index below, which
+/// is the same in both senses (Walter et al. 2007, eq. 21).
 Eigen::ArrayXd dielectric_transmission(const Facets& facets, double ior_above, double ior_below, double mu_above,
                                        double mu_below, const Eigen::ArrayXd& cosines);
 
-/// Directions on one side of a boundary against one fixed direction, at azimuths from it.
+/// Directions on one side of a boundary, by their azimuths from one fixed direction.
 struct FacetPairs {
   Eigen::ArrayXd mu;        ///< cosines, in (0, 1]
   Eigen::ArrayXXd cosines;  ///< cos(dphi), 1 forward: [direction, azimuth]

@@ -91,7 +91,7 @@ Resolution Solution::finer() const {
 Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& pool) const {
   const std::size_t begin = sublayers_.first.at(layer);
   const std::size_t end = sublayers_.first.at(layer + 1);
-  if (!std::holds_alternative<Medium>(stack().layers[begin])) {
+  if (begin == end || !std::holds_alternative<Medium>(stack().layers[begin])) {
     throw std::invalid_argument("with_thickness: layer " + std::to_string(layer) + " is not a medium");
   }
   Solution other = *this;

@@ -7,8 +7,15 @@ namespace lamina {
 
 SublayerStack::SublayerStack(const Stack& given, const std::vector<double>& coarseness) {
   stack.base = given.base;
+  double ior = 1.0;
   for (std::size_t layer = 0; layer < given.layers.size(); ++layer) {
     first.push_back(stack.layers.size());
+    if (const auto* interface = std::get_if<Interface>(&given.layers[layer])) {
+      if (interface->ior == ior) {
+        continue;
+      }
+      ior = interface->ior;
+    }
     const auto* graded = std::get_if<GradedMedium>(&given.layers[layer]);
     if (graded == nullptr) {
       stack.layers.push_back(given.layers[layer]);

@@ -12,10 +12,10 @@ namespace {
 using std::numbers::inv_sqrtpi;
 using std::numbers::pi;
 
-/// Slope towards a ray of this cosine and sine among facets of width 1: density (cosine - x sine)+ exp(-x^2),
-/// normalised.
+/// Samples the slope x in the plane of a ray of this cosine and sine, for facets of width 1: density in proportion to
+/// (cosine - x sine)+ exp(-x^2).
 double beckmann_slope(double cosine, double sine, double u) {
-  constexpr double kSteepest = 6.0;  // beyond, exp(-x^2) is below rounding
+  constexpr double kSteepest = 6.0;  // exp(-x^2) of steeper slopes is below rounding
   const double steepest = std::min(kSteepest, cosine / std::max(sine, 1e-9));
   const auto share = [&](double x) {
     return 0.5 * cosine * (1.0 + std::erf(x)) + 0.5 * inv_sqrtpi * sine * std::exp(-x * x);
@@ -42,7 +42,7 @@ Ray visible_normal(const Facets& facets, const Ray& view, double u, double v) {
   const double sine = std::hypot(stretched.x, stretched.y);
   const double x = sine > 0.0 ? stretched.x / sine : 1.0;
   const double y = sine > 0.0 ? stretched.y / sine : 0.0;
-  // u serves twice: its first bits choose the slope along the ray, the rest that across it.
+  // u is used twice: its first bits choose the slope along the ray, the other bits the slope across.
   constexpr double kSplit = 0x1.0p26;
   const double whole = std::floor(u * kSplit);
   const double along = beckmann_slope(stretched.z, sine, (whole + 0.5) / kSplit);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Density and sampling of facet normals for single rays.
+// Sampling of visible facet normals.
 #pragma once
 #include "matter/microfacet.hpp"
 #include "numeric/rng.hpp"
@@ -7,9 +7,9 @@
 
 namespace lamina {
 
-/// A facet normal among those that a ray sees that leaves the surface along `view` (view.z > 0), in proportion to
-/// the area it sees: density D G1 (view . normal)+ / view.z, from two uniform numbers. GGX: Dupuy and Benyoub (2023);
-/// Beckmann: Heitz and d'Eon (2014), the slope in the plane of the ray found by iteration to rounding.
+/// Samples a facet normal that is visible along `view` (view.z > 0), with density D G1 (view . normal)+ / view.z, from
+/// two uniform numbers. GGX: Dupuy and Benyoub (2023). Beckmann: Heitz and d'Eon (2014), where the slope in the plane
+/// of the ray is found by iteration to rounding.
 Ray visible_normal(const Facets& facets, const Ray& view, double u, double v);
 
 }  // namespace lamina

@@ -197,13 +197,13 @@ def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: d
 
 
 def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
-    """Given closures by kind. Raises ArgumentError for one that is not in the dictionary, twice there, or too many."""
+    """Given closures by kind. Raises ArgumentError for a closure that is unknown or given twice, and for too many."""
     if isinstance(ids, str) or not isinstance(ids, Sequence) or not all(isinstance(name, str) for name in ids):
         raise ArgumentError(f"closures = {quoted(ids)}: must be a list of lobe ids")
     given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": []}
     for name in ids:
         if name in ("transparent", THROWN_BACK) or name.startswith("mirror:"):
-            continue  # has its strip whether asked for or not
+            continue  # always has a strip
         try:
             lobe = lobes.by_id(name.removeprefix(PREFIX))
             given["base" if name.startswith(PREFIX) else lobe.side].append(lobe.id)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Lambert base whose reflectance is a texture: exact for any value, from one bake.
+"""A Lambert base whose reflectance is a texture: one bake is exact for any reflectance.
 
-All that a base of reflectance rho adds to a stack is rho A / (1 - rho r): A(o, i) = T(o) T(i) / pi, light that
-comes through to the base and out again, and r, the share of diffuse light from the base that the layers throw
-back to it (the geometric series of van de Hulst 1963). The table holds closures for the stack over black, others
-for A, and r; a node computes rho / (1 - rho r)."""
+A base of reflectance rho adds rho A / (1 - rho r) to a stack over black. A(o, i) = T(o) T(i) / pi is light that reaches
+the base and leaves again; r is the share of diffuse light from the base that the layers reflect back to it (the
+geometric series of van de Hulst 1963). The table holds closures for the stack over black, others for A, and r; a node
+computes rho / (1 - rho r)."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ class TexturedBase:
     grid: LightGrid
 
     def gain(self, reflectance: list[float]) -> np.ndarray:
-        """What multiplies the weights of A for a reflectance, one a channel: [side, row, channel, column]."""
+        """The factor of the weights of A for a reflectance, one per channel: [side, row, channel, column]."""
         rho = np.array(reflectance)[:, None]
         return rho / (1.0 - rho * self.thrown_back)
 
     def parts(self, reflectance: list[float], black: Slices, dark: Mixture, fitted: Mixture) -> dict[str, Mixture]:
-        """Parts of the table, of the fits over black and of A. Their errors are for the reflectance that the stack
-        states, one a channel: at most what both fits add up to."""
+        """The table's parts from the fits over black and of A. Their errors, for the stack's own reflectance, one per
+        channel, are upper bounds: the sum of both fits' errors."""
         gain = self.gain(reflectance)
         whole = norms(black.values + gain[..., None] * self.slices.values, self.grid)
         errors = np.nan_to_num(dark.errors) * norms(black.values, self.grid)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Row 0 of a varying layer's table: the stack without that layer, as its own bake would show it.
+"""Row 0 of a varying layer's table: the stack without that layer, as good as in a bake of its own.
 
-Closures are chosen for the whole material, and so would show a clean base only as well as the rest. Those that the
-clean stack would get are chosen first, and are part of the choice for all rows; at row 0 they are alone."""
+Closures chosen for the whole material fit the clean stack no better than other rows. So closures for the clean stack
+are chosen first. They are part of the choice for all rows, and row 0 has these alone."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .slices import Slices
 
 @dataclass(frozen=True)
 class Boundaries:
-    """What of a stack decides which closures are made to measure, see narrow_lobes.closures; may lack layers."""
+    """The layers and base from which narrow_lobes.closures makes closures; unlike a Stack it may be empty."""
 
     layers: tuple
     base: object
@@ -33,8 +33,8 @@ def without_varying(stack: Stack) -> Boundaries:
 
 def mix_rows(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *,
              made: Sequence[str], made_clean: Sequence[str], given: Sequence[str], mixed: bool) -> Mixture:
-    """As mixture.mix, of slices whose row 0 is the clean stack; `made_clean`: closures made to measure for that.
-    With `given` closures row 0 is that stack's own as far as these hold what it would get."""
+    """Like mixture.mix, for slices whose row 0 is the clean stack; `made_clean`: closures made for the clean stack.
+    With `given` closures, row 0 has its own choice only if that choice is among them."""
     if not np.any(wanted.albedo[:, 0]):
         return mix(kind, wanted, grid, effort, pool, step, made=made, given=given, mixed=mixed)
     clean = mix(kind, _first_row(wanted), grid, effort, pool, portion(step, 0.0, 0.3), made=made_clean, mixed=mixed)

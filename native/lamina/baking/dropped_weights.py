@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closures that weigh too little for Cycles.
+"""Weights that are too small for Cycles.
 
-Cycles leaves a closure out where the mean of its weight over R, G and B is below 1e-5.  Such weights are folded into
-the other closures of the same view, so that the directional albedo of what is shown stays exact."""
+Cycles leaves a closure out where the mean of its weight over R, G and B is below 1e-5. Such weights are moved to the
+other closures of the same view, so that the directional albedo of the rendered mixture stays exact."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..closures.closure_table import LightGrid, only
 from .mixture import Mixture, reweighted
 from .slices import Slices
 
-# Cycles' CLOSURE_WEIGHT_CUTOFF is 1e-5. Between two texels, of which one has no weight, a weight passes through all
-# smaller values: the larger the least weight, the sooner it has passed those that are dropped.
+# Cycles' CLOSURE_WEIGHT_CUTOFF is 1e-5. Between a texel with a weight and one without, interpolation passes through all
+# smaller values. The larger the least weight, the shorter the range in which Cycles drops the closure.
 LEAST_WEIGHT = 2e-5
 
 
@@ -38,14 +38,14 @@ def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool,
 
 
 def _too_small(weights: np.ndarray) -> np.ndarray:
-    """[side, closure, row, column]: where Cycles would drop a closure, and another one is there to take its light."""
+    """[side, closure, row, column]: true where Cycles would drop a closure and another closure can take its light."""
     mean = weights.mean(axis=3)
     return (mean > 0.0) & (mean < LEAST_WEIGHT) & ((mean > 0.0).sum(axis=1, keepdims=True) > 1)
 
 
 def _fold(weights: np.ndarray, goes: np.ndarray, albedo: np.ndarray) -> None:
-    """Takes out the closures `goes` [side, closure, row, column], in place. The others grow in proportion; in a channel
-    where they are black, the one that shows most light takes all."""
+    """Sets the weights of the closures `goes` [side, closure, row, column] to 0, in place. The others grow in
+    proportion; in a channel where they are black, the strongest closure takes all."""
     before = (weights * albedo).sum(axis=1, keepdims=True)
     weights[np.broadcast_to(goes[:, :, :, None], weights.shape)] = 0.0
     light = weights * albedo

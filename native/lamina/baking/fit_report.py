@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake says of its own accuracy."""
+"""The report of a bake on its own accuracy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .mixture import Mixture
 from .slices import Slices, SolvedRows
 from .strayed_light import strayed_report
 
-# Errors are stated for view cosines from here on; nearer to grazing, closures are extrapolated.
+# Errors are reported for view cosines from this one on; nearer to grazing, closures are extrapolated.
 STATED_COSINE = 0.05
 
 
@@ -44,7 +44,7 @@ def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: Solve
 
 
 def all_rows(values: np.ndarray, solved: SolvedRows, axis: int) -> np.ndarray:
-    """Values of the solved rows as values of all rows, linear in between."""
+    """Values of all rows, interpolated linearly between solved rows."""
     wanted = np.arange(len(solved.axis))
     if len(solved.rows) >= len(wanted):
         return values

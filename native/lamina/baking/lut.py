@@ -15,7 +15,7 @@ from . import lut_header
 
 @dataclass(frozen=True, eq=False)
 class Lut:
-    """Closure weights over the view angle, and the header that says what they are.
+    """Closure weights over the view angle, and the header that describes them.
 
     `weights`: float32, shape (sides, closures, tau rows, 64 columns, 3). `header`: a JSON object with
     schema, stack, stack_hash, quality, basis, seed, sides, axes, closures (lobe ids, see lamina.lobes, and
@@ -28,8 +28,8 @@ class Lut:
     @property
     def report(self) -> dict:
         """How good the table is: fit_error (mean relative L2 error of the slices), worst_slice,
-        albedo_error, energy_error and more, see lamina.bake; and the `seconds` that the bake took, which
-        are not saved, so that equal bakes are equal bytes."""
+        albedo_error, energy_error and more, see lamina.bake; and the `seconds` that the bake took, which are not saved,
+        so that equal bakes have equal bytes."""
         return {**self.header["report"], "seconds": self.seconds}
 
     @property
@@ -50,8 +50,8 @@ class Lut:
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Lut:
-        """Reads a table. Raises LutError for a file that is truncated, foreign, of a newer schema, or with a header
-        that does not hold together, and OSError when it cannot be opened."""
+        """Reads a table. Raises LutError for a file that is truncated, foreign, of a newer schema, or has an
+        inconsistent header, and OSError when it cannot be opened."""
         try:
             header, (weights,) = load_archive(path, "weights")
         except Damaged:

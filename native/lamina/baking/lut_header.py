@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the header of a lookup table must hold, so that all who read the table can rely on its header."""
+"""Validation of a lookup table's header, so that readers can rely on it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SCHEMA = 1
 _MISSING = object()
 _TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
 _NUMBERS = "a list of numbers from 0"
-# What every table tells, and what some do, by the place in the header.
+# Required entries and optional ones, by their place in the header.
 _ALWAYS = {
     "stack.layers": "a list", "stack_hash": _TEXT, "quality": _TEXT, "seed": _COUNT, "sides": "a list",
     "closures": "a list", "axes.view.count": _COUNT, "axes.tau.count": _COUNT, "axes.tau.values": _NUMBERS,

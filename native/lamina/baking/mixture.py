@@ -18,9 +18,9 @@ from ..closures.closure_table import Closures, LightGrid, only, with_more
 from ..common.progress import Progress
 from .slices import Slices
 
-# The objective's factor for a closure made of a Principled BSDF: slow, and noisier than the rest.
+# The objective's factor for a Principled BSDF, which renders slower and noisier than the other closures.
 PRINCIPLED_PENALTY = 1.1
-# No more closures are added once slices are fitted so well on average.
+# No more closures are added once the mean error of the slices is below this.
 ACCURATE = 5e-3
 # Closures that are available at every view.
 EVERYWHERE = {"reflection": "diffuse", "transmission": "translucent"}
@@ -32,8 +32,9 @@ LOBES_BESIDE_FIXED, BESIDE_FIXED, LEAST_REST = 1, 3, 2
 
 @dataclass(frozen=True)
 class Effort:
-    """How much a fit spends: closures for lobes at most, for the rest, and for both; how many more before some are
-    dropped, rounds of exchange, and at which columns and rows the choice looks (the fit that follows uses all)."""
+    """The effort of a fit. `lobes`, `rest`, `all`: closures at most for lobes, for the rest, and for both. `overshoot`:
+    closures that are added beyond these limits and then dropped. `exchanges`: rounds of exchange. The choice uses every
+    `column_stride`-th column and `row_stride`-th row; the fit uses all."""
 
     lobes: int
     rest: int
@@ -179,7 +180,7 @@ def _fit(names: Sequence[str], values, albedo, grid: LightGrid, mixed: bool, poo
 
 
 def _serves_all_views(names: Sequence[str], grid: LightGrid, mixed: bool) -> bool:
-    """Whether there are closures, and one for each view: in sheets not all are available everywhere."""
+    """True if each view has a closure: in sheets not all closures are available at every view."""
     return bool(names) and bool(np.all(only(grid, mixed, tuple(names)).albedo.max(axis=1) > 1e-3))
 
 
@@ -192,7 +193,7 @@ def _targets(basis: Closures, values: np.ndarray, albedo: np.ndarray, pool):
 
 def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candidates, fixed, pool,
             accurate) -> list[str]:
-    """The closures that together serve all slices best, `fixed` among them: the same for the whole material."""
+    """The closures, `fixed` among them, that together fit all slices best: one choice for the whole material."""
     rows = albedo.shape[1]
     kept = sorted({*range(0, rows, effort.row_stride), rows - 1})
     stride = effort.column_stride

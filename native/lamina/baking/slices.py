@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The slices of a scattering function that a lookup table holds: for each side, row of thickness, channel
-and view cosine, what light from each direction contributes."""
+"""The slices that a lookup table fits: for each side, row of thickness, channel and view cosine, the cosine-weighted
+scattering function over the light's directions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..solver.solve import ScatteringFunction, solve
 
 SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
 PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
-# Between two looks at whether to stop; enough to keep all threads busy.
+# Rows between two calls of `step`; enough to keep all threads busy.
 ROWS_AT_ONCE = 4
 
 
@@ -54,7 +54,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     to stop."""
     step(0.0, "Solving the stack")
     full = solve(stack, quality, threads, nodes)
-    # Seen from below, the sheet is the reversed stack; where that is the same stack, one side serves both.
+    # Seen from below, the sheet is the reversed stack; if that is the same stack, one side serves both.
     symmetric = stack.turned().canonical() == stack.canonical()
     is_sheet = stack.base is None
     sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
@@ -68,7 +68,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     for count, row in enumerate(rows):
         step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
         share = axis[row] / largest if largest > 0.0 else 0.0
-        # The clean stack shows the lobes of its boundaries most sharply: its resolution serves all other rows.
+        # The lobes of boundaries are sharpest in the clean stack, so its resolution serves all other rows.
         known = functions[0] if functions else full
         functions.append(known.with_thickness(stack.varying, [share * t for t in taus]))
     return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)

@@ -27,12 +27,12 @@ from ..closures.lobes import directional_albedo, fresnel_ggx, ggx
 from .mixture import Mixture, reweighted
 from .slices import Slices
 
-# Strayed light is smooth but for its rise towards the horizon, ahead of the viewer.
+# Strayed light is smooth apart from its rise towards the horizon, ahead of the viewer.
 NODES = (12, 12)
-# Each round leaves a share of what was off before it: about the share of the light that strays.
+# Each round leaves a share of the previous error, about the share of light that strays.
 ROUNDS, NEGLIGIBLE = 10, 1e-6
-# By how much a transmitted slice may be weighed otherwise than it fits best. More is asked for only where the sheet
-# transmits far less of a colour than it reflects.
+# Largest relative change of a transmitted slice's weights. More is needed only where the sheet transmits far less of a
+# colour than it reflects.
 MOST_CHANGE = 0.25
 # Cycles reads the mean Fresnel factor of a Principled closure's facets from a table: so many nodes each in the view
 # cosine and in the square root of (n - 1) / (n + 1).
@@ -40,8 +40,8 @@ FRESNEL_NODES = 16
 
 
 def compensated(reflected: Mixture, through: Mixture, wanted: Slices, grid: LightGrid) -> Mixture:
-    """The transmitted mixture, weighed so that a white sky shows the exact albedo of both sides together. Where that
-    would change a slice by more than MOST_CHANGE, some of the gain remains."""
+    """The transmitted mixture, scaled so that a white sky shows the exact sum of both sides' albedos. Where that would
+    change a slice by more than MOST_CHANGE, part of the error remains."""
     above, weights, before = _reflected(reflected.weights, reflected.closures), through.weights, 1.0
     whole = np.where(wanted.albedo > 0.0, wanted.albedo, np.inf)
     for _ in range(ROUNDS):

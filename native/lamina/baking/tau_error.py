@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a table loses between its rows of thickness: slices half-way between two rows, solved for themselves, against
-the mean of both rows, which is what a linear texture lookup shows."""
+"""The error of interpolation between rows of thickness: slices half-way between two rows, solved exactly, against the
+mean of both rows, as a linear texture lookup gives it."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ..closures.closure_table import LightGrid, view_cosines
 from .mixture import norms
 from .slices import SolvedRows, evaluated, shares_of_thickness
 
-# Rows after which a half row is looked at, as shares of all: thin layers change fastest.
+# Rows (of 33) after which the half-way slices are tested; denser where layers are thin.
 LOOKED_AT = (0, 1, 2, 3, 5, 8, 12, 16, 20, 24, 28, 31)
-# Columns at which it is done, up to the last for which errors are stated.
+# Columns of the test, up to the last for which errors are reported.
 COLUMNS = slice(4, 61, 8)
 
 
@@ -48,7 +48,7 @@ def tau_error(solved: SolvedRows, largest: list[float], layer: int, grid: LightG
     light = wanted.albedo + wanted.direct
     mirror = np.abs(between(known.direct) - wanted.direct) / np.where(light > 0.0, light, np.inf)
     by_row = np.moveaxis(errors, 1, 0).reshape(len(after), -1)
-    # Half rows are looked at more densely where layers are thin: the mean is over all of them alike.
+    # Half rows are tested more densely where layers are thin; the mean gives each half row the same weight.
     mean = np.interp(np.arange(len(axis) - 1), after, by_row.mean(axis=1)).mean()
     _, row, _, column = np.unravel_index(int(errors.argmax()), errors.shape)
     taus = [float(share * axis[-1]) for share in middle]

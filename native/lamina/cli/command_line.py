@@ -59,7 +59,7 @@ def main(argv: list[str] | None = None) -> int:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says in one sentence what is wrong with the words of a call."""
+    """A parser whose errors are one sentence."""
 
     def error(self, message: str):
         words = " ".join(clipped(word) for word in message.split())
@@ -164,7 +164,7 @@ def _merge(arguments: argparse.Namespace) -> int:
 
 
 def _print_estimate(found: Estimate, as_json: bool) -> None:
-    """Without times: the same samples are the same bytes."""
+    """Prints no times, so that equal estimates print equal bytes."""
     if as_json:
         print(json.dumps({"value": found.value.tolist(), "stderr": found.stderr.tolist(),
                           "samples": found.samples.tolist(), "events": found.events.tolist(),
@@ -218,7 +218,7 @@ def _presets(arguments: argparse.Namespace) -> int:
 
 
 def _layers(stack: Stack) -> str:
-    """What a stack is made of in a few words, top first."""
+    """Names of the layers and the base, top first."""
     words = [layer.name or layer.kind for layer in stack.layers]
     words.append("sheet" if stack.base is None else stack.base.kind)
     return " / ".join(words)
@@ -277,7 +277,7 @@ def _dust(arguments: argparse.Namespace) -> int:
 
 
 def _unwritable(output: Path) -> str:
-    """Why a file cannot be written there, better said before the work than after it, or ''."""
+    """Why a file cannot be written there, or ''; checked before the work starts."""
     if output.is_dir():
         return f"{output}: is a folder, must be a file's name"
     if not os.access(output.parent, os.W_OK):
@@ -306,7 +306,7 @@ def _numbers(text: str) -> list[float]:
 
 
 class _Progress:
-    """A line on standard error, rewritten on a terminal and otherwise repeated now and then."""
+    """A line of progress on standard error: rewritten on a terminal, otherwise repeated every two seconds."""
 
     EVERY = 2.0
 

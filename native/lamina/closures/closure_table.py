@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closures on the bake's grid of view and light directions, made once per process."""
+"""Values of closures on the bake's grid of view and light directions, computed once per process."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .narrow_lobes import BROAD_ALPHA
 
 # Nodes of the light grid (cosines, azimuths): the smallest whose fit error is within 2 % of its true value.
 SMOOTH_NODES = {"preview": (16, 12), "final": (24, 16)}
-# For lobes of alpha .03 and more, of which the azimuths need to be dense near the mirror direction.
+# For lobes of alpha .03 and more: azimuths are dense near the mirror direction.
 SHARP_NODES = {"preview": (40, 32), "final": (64, 48)}
 DENSITY = 5.0
 # Grazing columns are sampled a little above the horizon, where slices are still defined.
 LOWEST_COSINE = 6e-3
-# Share of a leaning lobe that may lie beyond the horizon in a sheet: little where Cycles loses it, more where it
-# goes on as light on the other side.
+# Largest share of a tilted lobe beyond the horizon, in a sheet: small where Cycles loses that light, larger where it
+# stays as light on the other side.
 MOST_LOST, MOST_STRAYED = 0.04, 0.1
 
 
@@ -35,7 +35,7 @@ def view_cosines() -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class LightGrid:
-    """A product grid over the light's hemisphere; the azimuth's other half is its mirror image.
+    """A product grid over the light's hemisphere, for azimuths from 0 to pi; the other half is symmetric.
 
     `solid_angle` is flat, cosines major, and integrates over the whole hemisphere."""
 
@@ -58,7 +58,7 @@ def light_grid(cosines: int, azimuths: int, density: float = 0.0) -> LightGrid:
 
 @functools.lru_cache(maxsize=4)
 def grid_for(quality: str, narrowest: float | None) -> LightGrid:
-    """The light grid for slices whose narrowest lobe has that alpha, if any."""
+    """The light grid for slices whose narrowest lobe has this alpha, or None without lobes."""
     if narrowest is None or narrowest >= BROAD_ALPHA:
         return light_grid(*SMOOTH_NODES[quality])
     return light_grid(*SHARP_NODES[quality], density=DENSITY)
@@ -66,8 +66,8 @@ def grid_for(quality: str, narrowest: float | None) -> LightGrid:
 
 @dataclass(frozen=True, eq=False)
 class Closures:
-    """Closures of one kind on a grid, at every so many view columns: the core's table of them, their values
-    [column, closure, light] and directional albedos [column, closure]."""
+    """Closures of one kind on a grid and some view columns: their values [column, closure, light], their directional
+    albedos [column, closure], and the core's table of both."""
 
     ids: list[str]
     grid: LightGrid
@@ -85,14 +85,14 @@ def dictionary(kind: str, grid: LightGrid, mixed: bool, stride: int) -> Closures
 
 @functools.lru_cache(maxsize=4)
 def with_more(kind: str, grid: LightGrid, mixed: bool, stride: int, more: tuple[str, ...]) -> Closures:
-    """The dictionary's closures and more, made to measure."""
+    """The dictionary's closures and those made for one stack."""
     whole = dictionary(kind, grid, mixed, stride)
     return _tabulated(more, grid, mixed, stride, whole) if more else whole
 
 
 @functools.lru_cache(maxsize=16)
 def only(grid: LightGrid, mixed: bool, ids: tuple[str, ...]) -> Closures:
-    """Just these, in that order, at all columns, to be fitted."""
+    """These closures only, in this order, at all columns, for the fit."""
     return _tabulated(ids, grid, mixed, 1)
 
 
@@ -102,7 +102,7 @@ def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
     values, albedo = _sample(ids, grid, mu_o), _albedos(tuple(ids), stride)
     if mixed:
         available = _available(ids, albedo)
-        # What strays beyond the horizon is light all the same: the sum of both sides stays exact.
+        # Light that strays beyond the horizon is counted: the sum of both sides stays exact.
         strays = np.array([lobes.by_id(name).strays for name in ids])
         values, albedo = values * available[..., None], np.where(strays, 1.0, albedo) * available
     if first is not None:
@@ -114,9 +114,9 @@ def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
 
 @functools.lru_cache(maxsize=16)
 def _albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
-    """Directional albedos [column, closure] of what lies on the closure's own side of the horizon, on grids of
-    their own: closures with edges need a finer one, narrow lobes a denser one. Cones that keep clear of the horizon
-    are integrated in closed form: narrow ones have edges too fine for any grid."""
+    """Directional albedos [column, closure] on the closure's own side of the horizon. They have their own grids: finer
+    for closures with edges, denser near the mirror direction for narrow lobes. Cones wholly above the horizon are
+    integrated in closed form, because the edges of narrow ones are too fine for a grid."""
     dense, mu_o = light_grid(96, 64, DENSITY), view_cosines()[::stride]
     narrow = [name for name in ids if lobes.by_id(name).narrow]
     values = _sample(narrow, dense, mu_o) @ dense.solid_angle if narrow else None
@@ -138,10 +138,11 @@ def _albedo(lobe: Lobe, mu_o: np.ndarray) -> np.ndarray:
 
 
 def _available(ids: Sequence[str], albedo: np.ndarray) -> np.ndarray:
-    """1 where a closure may be mixed in a sheet, [column, closure]. Lobes whose direction is not the normal cross
-    the horizon as the view tilts, so they are left out where more than a little would. Tilted Diffuse, Toon and
-    Translucent closures are evaluated there in Cycles 4.5, but not sampled; Hair closures the other way round. Below
-    the horizon, Hair closures are evaluated behind the viewer too, but not sampled: as little of that."""
+    """1 where a closure may be part of a sheet's mixture, [column, closure]. Lobes about another direction than the
+    normal cross the horizon at oblique views, so they are left out where too much of them would. Tilted Diffuse, Toon
+    and Translucent closures are evaluated there in Cycles 4.5, but not sampled; for Hair closures it is the other way
+    round. Below the horizon, Hair closures are evaluated behind the viewer too, but not sampled; the same limit holds
+    for that share."""
     most = np.array([(MOST_STRAYED if lobes.by_id(name).strays else MOST_LOST) if lobes.by_id(name).leans else 1.0
                      for name in ids])
     return np.where((albedo < 1.0 - most) | (albedo > 1.0 + most), 0.0, 1.0)

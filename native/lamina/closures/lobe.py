@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A closure of Cycles as Lamina sees it: a closed form and a node recipe.
+"""A closure of Cycles: its closed form, and the recipe of its node.
 
 Conventions: `mu_o`, `mu_i` in (0, 1] are the cosines of viewer and light with the normal, `dphi` in
 radians is 0 when the light keeps its azimuth (forward) and pi back towards the light.  The viewer is
@@ -48,7 +48,7 @@ class NodeRecipe:
 
 @dataclass(frozen=True)
 class Cone:
-    """All that a lobe about its recipe's normal reaches: within `reach` radians, with the integral `whole`."""
+    """The extent of a lobe about its recipe's normal: it is 0 beyond `reach` radians, and its integral is `whole`."""
 
     reach: float
     whole: float
@@ -57,9 +57,10 @@ class Cone:
 @dataclass(frozen=True)
 class Lobe:
     """One closure of unit weight: `evaluate(mu_o, mu_i, dphi)` -> f * |cos theta_i|, broadcast, 1/sr. `narrow`:
-    so much so that integrals need directions dense about the mirror direction. `cone`: where it has an edge.
-    `density`: of the directions that Cycles samples for a reflection lobe, 1/sr; None: the same as the value.
-    `strayed`: of a transmission lobe, the density of those that Cycles samples above the horizon; None: of none."""
+    integrals need directions that are dense about the mirror direction. `cone`: the extent of a lobe with an edge.
+    `density`: the density of directions that Cycles samples for a reflection lobe, 1/sr; None: equal to the value.
+    `strayed`: of a transmission lobe, the density of directions that Cycles samples above the horizon; None: it samples
+    none."""
 
     id: str
     side: str
@@ -72,19 +73,19 @@ class Lobe:
 
     @property
     def leans(self) -> bool:
-        """Whether it is about another direction than the normal or its mirror image, and can cross the horizon.
-        Such a lobe's integral over all directions is 1."""
+        """True if the lobe is about another direction than the normal or the mirror direction, and can cross the
+        horizon. Such a lobe's integral over all directions is 1."""
         return self.node.normal != GEOMETRIC or self.strays
 
     @property
     def strays(self) -> bool:
-        """Whether Cycles samples it beyond the horizon."""
+        """True if Cycles samples the lobe beyond the horizon."""
         return self.strayed is not None
 
 
 class Geometry:
-    """The two directions of a configuration in the frame whose z axis is the surface normal. Each array has the
-    shape of what it depends on: on a product grid most of them are small, and what combines them broadcasts."""
+    """The two directions of a configuration in the frame whose z axis is the surface normal. Each array has the shape
+    of the arguments it depends on; on a product grid most arrays stay small, and combinations broadcast."""
 
     def __init__(self, mu_o, mu_i, dphi, below: bool = False):
         self.mu_o, self.mu_i, dphi = (np.asarray(x, float) for x in (mu_o, mu_i, dphi))

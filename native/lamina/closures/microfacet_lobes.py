@@ -36,7 +36,7 @@ def _ggx_facets(g: Geometry, alpha_x: float, alpha_y: float):
 
 
 def _ggx_density(alpha_x: float, alpha_y: float):
-    """Of reflected directions, where facets are sampled as the viewer sees them (Heitz 2018): D G1 / (4 mu_o)."""
+    """Density of reflected directions, with sampling of visible normals (Heitz 2018): D G1 / (4 mu_o)."""
 
     def density(mu_o, mu_i, dphi):
         g = Geometry(mu_o, mu_i, dphi)
@@ -137,7 +137,7 @@ def _beckmann_lambda(cosine, alpha: float):
 
 
 def mirror(roughness: float) -> NodeRecipe:
-    """Recipe of the closure that shows a mirror's light: Glossy GGX, sharp at roughness 0."""
+    """Recipe of the closure for mirrored light: Glossy GGX, sharp at roughness 0."""
     return NodeRecipe(
         "ShaderNodeBsdfAnisotropic", inputs={"Roughness": roughness, "Anisotropy": 0.0}, enums={"distribution": "GGX"}
     )

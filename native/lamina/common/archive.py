@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Archives of arrays (.npz) beside a JSON header, whose bytes depend on nothing but their content."""
+"""Archives (.npz) of arrays and a JSON header. Equal content gives equal bytes."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ import numpy as np
 from . import json_file
 from .atomic import write_atomically
 
-# What reading a damaged archive, or one of something else, may raise.
+# What reading a damaged or foreign archive may raise.
 _DAMAGE = (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, RuntimeError, RecursionError,
            NotImplementedError, zipfile.BadZipFile, zlib.error)
 
 
 class Damaged(Exception):  # noqa: N818 - callers say in their own words what file it is
-    """The file is no whole archive with these arrays."""
+    """The file is not a complete archive of these arrays."""
 
 
 def save_archive(path, header: dict, **arrays: np.ndarray) -> None:
-    """Writes an .npz file, whole or not at all: like numpy.savez, but equal contents are equal bytes. The
-    header is JSON, held as bytes. Raises OSError."""
+    """Writes an .npz file, whole or not at all. Unlike numpy.savez, equal content gives equal bytes. The header is
+    stored as JSON in an array of bytes. Raises OSError."""
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), np.uint8)
     write_atomically(path, lambda file: _write(file, {"header": text, **arrays}))
 
@@ -45,7 +45,7 @@ def load_archive(path, *names: str) -> tuple[Any, list[np.ndarray]]:
     """(header, arrays by these names) of an .npz file. Raises Damaged, and OSError when it cannot be opened."""
     with Path(path).open("rb") as file:
         try:
-            if file.read(2) != b"PK":  # zipfile would skip what stands before the archive
+            if file.read(2) != b"PK":  # zipfile would skip bytes before the archive
                 raise ValueError("not an archive from its start")
             with zipfile.ZipFile(file) as archive:
                 header = json_file.parse(bytes(_read(archive, "header", file)))
@@ -55,8 +55,8 @@ def load_archive(path, *names: str) -> tuple[Any, list[np.ndarray]]:
 
 
 def _read(archive: zipfile.ZipFile, name: str, file) -> np.ndarray:
-    """One array. Its shape is held against the size of the file before memory is taken for it: numpy.load would take
-    the memory first. Raises one of _DAMAGE."""
+    """One array. Its shape is compared with the size of the file before memory is allocated; numpy.load would allocate
+    first. Raises one of _DAMAGE."""
     entry = archive.getinfo(f"{name}.npy")
     if entry.compress_type != zipfile.ZIP_STORED or entry.file_size > os.fstat(file.fileno()).st_size:
         raise ValueError("not stored as it is")
@@ -75,5 +75,5 @@ def _shape_of(member) -> tuple:
     read_header = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
     try:
         return read_header[version](member)
-    except (SyntaxError, tokenize.TokenError, MemoryError):  # Python's parser, asked for a literal that is none
+    except (SyntaxError, tokenize.TokenError, MemoryError):  # Python's parser, given something other than a literal
         raise ValueError("the header is no literal") from None

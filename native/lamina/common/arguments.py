@@ -13,26 +13,28 @@ import numpy as np
 from ..kinds.limits import MOST_SEED, MOST_THREADS, SEED, THREADS
 from .errors import ArgumentError, quoted
 
-# BRDFs have reached their limit at grazing incidence here, to nine digits; below 1e-150 squares of a cosine vanish.
+# At this cosine, BRDFs equal their limit at grazing incidence to nine digits. Below 1e-150 the square of a cosine
+# underflows.
 LEAST_COSINE = 1e-9
 
 
 def check_whole(value, name: str, low: int, high: int, rule: str = "") -> int:
-    """`value` as an int in [low, high]; `rule` says so in other words. Raises ArgumentError."""
+    """`value` as an int in [low, high]; `rule` replaces the words of the error for that range. Raises ArgumentError."""
     if isinstance(value, numbers.Integral) and not isinstance(value, bool) and low <= int(value) <= high:
         return operator.index(value)
     raise ArgumentError(f"{name} = {quoted(value)}: {rule or f'must be a whole number from {low} to {high}'}")
 
 
 def check_choice(value, name: str, choices: Iterable[str], words: str = "") -> str:
-    """`value` if it is one of the choices, which `words` may list otherwise. Raises ArgumentError."""
+    """`value` if it is one of the choices; `words` replaces their list in the error. Raises ArgumentError."""
     if isinstance(value, str) and value in choices:
         return value
     raise ArgumentError(f"{name} = {quoted(value)}: must be {words or 'one of ' + ', '.join(choices)}")
 
 
 def check_number(value, name: str, rule: str, fits) -> float:
-    """`value`, one finite number for which `fits(value)` holds, as a float. Raises ArgumentError with the rule."""
+    """`value` as a float, if it is one finite number and `fits(value)` is true. Raises ArgumentError, which ends with
+    `rule`."""
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
         try:
             number = float(value)
@@ -44,7 +46,7 @@ def check_number(value, name: str, rule: str, fits) -> float:
 
 
 def check_kind(value, name: str, kind: type, words: str):
-    """`value` if it is of that kind. Raises ArgumentError, with the kind in words."""
+    """`value` if it is an instance of `kind`, which `words` describes in the error. Raises ArgumentError."""
     if isinstance(value, kind):
         return value
     raise ArgumentError(f"{name} = {quoted(value)}: must be {words}")
@@ -62,7 +64,7 @@ def check_threads(threads: int) -> int:
 
 
 def check_seed(seed: int) -> int:
-    """Raises ArgumentError unless it is a seed."""
+    """A seed. Raises ArgumentError."""
     return check_whole(seed, "seed", 0, MOST_SEED, SEED)
 
 
@@ -78,7 +80,7 @@ def finite_array(values, name: str) -> np.ndarray:
 
 
 def finite_list(values, name: str) -> np.ndarray:
-    """The values as an array of shape (count,), a single one as a list of one. Raises ArgumentError."""
+    """The values as an array of shape (count,), also of a single value. Raises ArgumentError."""
     array = np.atleast_1d(finite_array(values, name))
     if array.ndim != 1:
         raise ArgumentError(f"{name} has the shape {array.shape}: must be a number or a list of numbers")
@@ -86,7 +88,7 @@ def finite_list(values, name: str) -> np.ndarray:
 
 
 def cosines(values: np.ndarray, name: str) -> np.ndarray:
-    """Cosines in (0, 1]; those below LEAST_COSINE become LEAST_COSINE. `values`: of finite_array. Raises
+    """Cosines in (0, 1]; those below LEAST_COSINE become LEAST_COSINE. `values`: an array from finite_array. Raises
     ArgumentError."""
     outside = (values <= 0.0) | (values > 1.0)
     if np.any(outside):

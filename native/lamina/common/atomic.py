@@ -11,9 +11,9 @@ from typing import BinaryIO
 
 
 def write_atomically(path: str | os.PathLike, write: Callable[[BinaryIO], object]) -> None:
-    """Calls `write` with a temporary file beside `path` and puts it in its place when all is written.
+    """Calls `write` with a temporary file beside `path`, and renames that file to `path` when all is written.
 
-    On any failure, an interruption included, the earlier file stays as it was. Raises OSError."""
+    After any failure, also an interruption, the earlier file is unchanged. Raises OSError."""
     path = Path(path)
     descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
     try:
@@ -21,7 +21,7 @@ def write_atomically(path: str | os.PathLike, write: Callable[[BinaryIO], object
             write(file)
             file.flush()
             os.fsync(file.fileno())
-        # mkstemp makes files that only their owner can read; give what open() would have given.
+        # mkstemp makes files that only their owner can read; set the mode that open() would have set.
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(temporary, 0o666 & ~mask)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The errors that Lamina raises on purpose. Each message is one sentence, fit to be shown to a user."""
+"""The errors that Lamina raises on purpose. Each message is one sentence that can be shown to a user."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ __all__ = ["ArgumentError", "Cancelled", "DustError", "DustUnavailable", "Export
 
 
 class ArgumentError(ValueError):
-    """An argument of a function that cannot be: names the argument, its value and the allowed range."""
+    """A bad argument of a function: names the argument, its value and the allowed range."""
 
 
 class UnknownName(StackError, KeyError):  # noqa: N818 - reads as what it says
-    """A preset or metal that is not in the library; names those nearest to it."""
+    """A preset or metal that is not in the library; lists the most similar names."""
 
     __str__ = Exception.__str__  # a KeyError would quote the sentence
 
 
 def unknown(what: str, name, known: list[str]) -> UnknownName:
-    """The error that says so, for a `what` called `name`."""
+    """The error for an unknown `what` called `name`."""
     nearest = difflib.get_close_matches(str(name)[:LONGEST], known, n=3, cutoff=0.0)
     return UnknownName(f"{what} = {quoted(name)}: unknown; the nearest of {len(known)} are {', '.join(nearest)}")
 
@@ -36,7 +36,7 @@ class ExportError(ValueError):
 
 
 class SolveError(RuntimeError):
-    """A solve that missed its tolerance at the finest resolution; carries the numbers."""
+    """A solve missed its tolerance at the finest resolution; the message holds the numbers."""
 
 
 class ShardError(ValueError):
@@ -44,7 +44,7 @@ class ShardError(ValueError):
 
 
 class DustUnavailable(RuntimeError):  # noqa: N818 - reads as what it says
-    """There is no working layer of rays in this installation; says why."""
+    """This installation cannot trace rays; says why."""
 
 
 class MeshFileError(ValueError):
@@ -52,4 +52,4 @@ class MeshFileError(ValueError):
 
 
 class Cancelled(Exception):  # noqa: N818 - an outcome that the caller asked for, not an error
-    """The caller's `cancel` said yes; nothing was written."""
+    """The caller's `cancel` returned true; nothing was written."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""JSON texts that say each thing once."""
+"""Strict JSON: no key twice in an object."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from .errors import quoted
 
 
 def parse(text: str | bytes):
-    """The value of a JSON text. Raises ValueError, in words, for what is no JSON, nests too deeply, or gives a key
-    twice in one object."""
+    """The value of a JSON text. Raises ValueError, with a sentence, for invalid JSON, too deep nesting, and a key that
+    an object holds twice."""
     try:
         return json.loads(text, object_pairs_hook=_object)
     except RecursionError:

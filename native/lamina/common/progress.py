@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long work tells its caller how far it is, and asks whether it shall stop."""
+"""Progress reports and cancellation of long work."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ Progress = Callable[[float, str], None]
 
 
 def stepper(work: str, progress: Progress | None, cancel: Callable[[], bool] | None) -> Progress:
-    """A function of a fraction from 0 to 1 and a text, that raises Cancelled when `cancel` says yes; `work` names
-    what was cancelled. Raises ArgumentError for what cannot be called."""
+    """A function step(fraction, text), fraction from 0 to 1, that calls `progress` and raises Cancelled when `cancel`
+    returns true; `work` names the work in that error. Raises ArgumentError if one of them cannot be called."""
     check_callable(progress, "progress")
     check_callable(cancel, "cancel")
 
@@ -27,5 +27,5 @@ def stepper(work: str, progress: Progress | None, cancel: Callable[[], bool] | N
 
 
 def portion(step: Progress, first: float, last: float) -> Progress:
-    """A stepper for one part of the work."""
+    """A step function for one part of the work: its 0 to 1 is [first, last] of the whole."""
     return lambda fraction, text: step(first + (last - first) * fraction, text)

@@ -3,7 +3,7 @@
 
 Format: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering".
 A file holds f cos(theta_o) of reflection on half vectors, and a density that renderers sample by. It has no
-place for mirror reflection nor for transmission: save_bsdf tells how much of the light it leaves out."""
+place for mirror reflection nor for transmission: save_bsdf returns how much of the light it leaves out."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, quoted
 from ..solver.solve import ScatteringFunction
 
-# A ray that the tables still hold; the plane itself has no cosine.
+# The most grazing angle of the tables; at the horizon itself the cosine is 0.
 GRAZING = math.radians(89.9)
 # Nodes of the product grid in theta_o and dphi that the half vectors are looked up in.
 TABLE = (256, 181)
@@ -43,7 +43,7 @@ def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 6
     [4, 512]. Readers interpolate linearly between them: errors fall with the squares of both.
 
     Channels: three are red, green and blue (linear sRGB), in a file for RGB renderers; one is grey, written
-    thrice. With `wavelengths` (nm, one a channel, in any order) the file is for spectral renderers instead.
+    thrice. With `wavelengths` (nm, one per channel, in any order) the file is for spectral renderers instead.
 
     Returns the largest share of a beam that is mirrored and so left out, over theta_i and channels. Raises
     ValueError and OSError."""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a stack and settled dust are described by: kinds, and for each its fields with name, range, default and words.
+"""The kinds of things in a stack, and their fields: name, range, unit, default and words for the panel. Also of dust.
 
-`lamina` checks its input by these descriptions. The add-on builds its properties and its panel from the same files,
-also where the compiled modules are missing: this room imports the standard library alone, and nothing outside itself.
+`lamina` checks its input against these descriptions. The add-on builds its properties and panel from the same files,
+also where the wheel is missing. So this room imports nothing but itself and the standard library.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lies below the layers. No base at all is a thin sheet.
+"""Bases: what lies below the layers. A stack without a base is a thin sheet.
 
 A new base is a class here, with its name in __all__, KINDS and IN_PANEL, and its reflection in the core."""
 
@@ -30,14 +30,14 @@ class Base:
     form_prop = ""  # the add-on's property that says which form is given
 
     def in_channel(self, index: int) -> tuple:
-        """(name, parameters...) of one channel, as the core makes a base of them."""
+        """(name, parameters...) of one channel: the core's factory of the base and its arguments."""
         return (self.kind, *(channel(getattr(self, quantity.name), index) for quantity in self.fields))
 
 
 @dataclass(frozen=True)
 class Lambert(Base):
-    """An ideally diffuse surface of the given reflectance, [0, 1]. `textured`: the baked material takes it as an
-    input, of which this is the usual value."""
+    """An ideally diffuse surface of the given reflectance, [0, 1]. `textured`: the baked material has an input for the
+    reflectance, and this is the input's default."""
 
     reflectance: Channels
     textured: bool = False
@@ -54,7 +54,7 @@ class Lambert(Base):
 class Conductor(Base):
     """A metal: its complex refractive index `eta` + i `k`, or the two colours from which the stack finds it,
     `facing`, the reflectance at normal incidence, and `grazing`, that at 82 degrees from the normal, both in
-    [0, 1] and in air. Numbers, or one a channel; facets as of an Interface."""
+    [0, 1] and in air. Numbers, or one per channel. For the facets see Interface."""
 
     eta: Channels | None = None
     k: Channels | None = None
@@ -66,7 +66,7 @@ class Conductor(Base):
     grazing: Channels | None = None
 
     kind = "conductor"
-    # Defaults of the panel: what a metal's numbers are in a file that never set them.
+    # The panel's defaults are the values of .blend files that never set them: they never change.
     forms = (
         Form((
             Field("eta", 1e-3, 100.0, panel=Panel(
@@ -104,7 +104,7 @@ class Black(Base):
 
 @dataclass(frozen=True)
 class HalfSpace(Base):
-    """A medium without end."""
+    """An infinitely thick medium."""
 
     albedo: Channels
     phase: PhaseFunction = member(default_factory=Isotropic)
@@ -115,7 +115,7 @@ class HalfSpace(Base):
     item = Item(kind, "Deep Medium", "A medium without bottom: soil, snow, thick paint", 3)
 
     def in_channel(self, index: int) -> tuple:
-        """Of the surface below the endless medium, which no light reaches."""
+        """The black surface below the infinite medium, which no light reaches."""
         return Lambert.kind, 0.0
 
 

@@ -15,6 +15,8 @@ from .errors import DustError
 from .panel import Panel
 from .substances import extinction_of
 
+# Attributes of a Blender mesh that hold settled dust; the second is dust on back faces, where dust lies on both sides.
+ATTRIBUTE, BACK_ATTRIBUTE = "lamina_dust", "lamina_dust_back"
 MOST_SPREAD = 1.5  # radians: grains that fall level never land
 MOST_WIND = 20.0  # over the speed of the fall
 
@@ -105,7 +107,7 @@ class Settling:
     two_sided: dust lies on either side of a face (leaves, cloth, normals not to be trusted): on both as a sum, and on
         the back alone. Otherwise only on the side that the normal points to. Any face stops grains, whichever side
         they meet.
-    rays: rays a point, 1 to 65536. From two on, what arrives is a ratio of sums over rays, exact where all is open.
+    rays: rays per point, 1 to 65536. From two on, what arrives is a ratio of sums over rays, exact where all is open.
         Where a slope is partly hidden, the mean of such ratios over many seeds is off: on slopes of 40 to 80 degrees
         with one half of the sky hidden by at most .004 of the amount with 2 rays, .002 with 4, .0004 with 8. A single
         ray has no such bias, but is noisy on open slopes too."""

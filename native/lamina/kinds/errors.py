@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The errors of bad descriptions, and how a sentence quotes a value."""
+"""The errors of bad input, and how their sentences quote a value."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ LONGEST = 60  # characters of one value in a sentence
 
 
 class StackError(ValueError):
-    """A stack that cannot be: names the field, its value and the allowed range."""
+    """A bad stack: names the field, its value and the allowed range."""
 
 
 class DustError(ValueError):
-    """Dust that cannot settle: names the field, its value and the allowed range."""
+    """Bad options or meshes for dust: names the field, its value and the allowed range."""
 
 
 class _Short(reprlib.Repr):
-    """Python's own form of a value, with the middle left out where that is long."""
+    """repr() of a value, without the middle if it is long."""
 
     def __init__(self):
         super().__init__()
@@ -36,7 +36,7 @@ def quoted(value) -> str:
 
 
 def clipped(text: str) -> str:
-    """A text on one line, with the middle left out where it is long."""
+    """A text on one line, without the middle if it is long."""
     if len(text) > 2 * LONGEST:
         text = f"{text[:LONGEST]}...{text[-LONGEST // 2:]}"
     return " ".join(text.split())

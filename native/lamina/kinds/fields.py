@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checked numbers: every physical quantity of a stack is one number or one a channel, within a range.
+"""Fields: every physical quantity of a stack is one number, or one per channel, within a range.
 
-A Field is a quantity, a Form a set of quantities that together describe a thing, an Option a choice."""
+A Field is a quantity. A Form is a set of quantities that together describe a thing. An Option is a choice."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ Channels = float | Sequence[float]
 @dataclass(frozen=True)
 class Field:
     """A quantity: its name, its range [low, high] and its unit. `open_ended`: the ends do not belong to the range.
-    `infinite`: infinity is allowed as well. `optional`: a form is whole without it. `rule`: the range in words, if
-    others than those made of the numbers. `panel`: how the panel shows it, None where it does not."""
+    `infinite`: infinity is allowed as well. `optional`: a form is whole without it. `rule`: the range in words, if not
+    made from the numbers. `panel`: how the panel shows it, None where it does not."""
 
     name: str
     low: float
@@ -45,7 +45,7 @@ class Field:
         return self.panel.prop or self.name if self.panel else self.name
 
     def check(self, value, path: str) -> float | tuple[float, ...]:
-        """`value` as a float or a tuple of floats, one a channel.
+        """`value` as a float or a tuple of floats, one per channel.
 
         Raises StackError, naming `path`, for anything else or out of range."""
         if isinstance(value, str) and value == "inf":
@@ -132,16 +132,15 @@ def channel(value: Channels | None, index: int) -> float:
 
 
 def all_fields(thing) -> list[Field]:
-    """Every quantity that a layer or base can have, each once: those of its forms, then its others."""
+    """Every quantity of a layer or base, each once: those of its forms, then the others."""
     named = {quantity.name: quantity for form in getattr(thing, "forms", ()) for quantity in form}
     return [*named.values(), *thing.fields]
 
 
 def check_forms(thing, path: str) -> dict[str, float | tuple[float, ...]]:
-    """The checked values of the one form (a set of quantities that together say what `thing` is) in which it
-    is given.
+    """The checked values of the one form in which `thing` is given.
 
-    Raises StackError for no form, two, or an incomplete one."""
+    Raises StackError if no form, two forms or an incomplete form is given."""
     names = [{quantity.name for quantity in form} for form in thing.forms]
     present = {quantity.name for quantity in all_fields(thing) if getattr(thing, quantity.name) is not None}
     present &= set().union(*names)
@@ -169,7 +168,7 @@ def to_plain(value: Channels):
 
 
 def check_table(value, path: str, low: float, high: float, rule: str, most: int):
-    """A list of 1 to `most` numbers in [low, high] as a tuple of floats, or a list of such lists, one a channel,
+    """A list of 1 to `most` numbers in [low, high] as a tuple of floats, or a list of such lists, one per channel,
     as a tuple of tuples.
 
     Raises StackError, naming `path`, for anything else."""

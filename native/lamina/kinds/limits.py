@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ranges of the arguments that several commands share."""
+"""Numbers that lamina and the add-on share: the schema of a stack's JSON, and ranges of arguments."""
 
 from __future__ import annotations
+
+STACK_SCHEMA = 1
 
 MOST_THREADS = 1024
 THREADS = f"must be a whole number from 0 (all) to {MOST_THREADS}"

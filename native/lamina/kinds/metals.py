@@ -8,7 +8,7 @@ import math
 from functools import cache, lru_cache
 from importlib.resources import files
 
-GRAZING = math.cos(math.radians(82.0))  # the angle at which Hoffman (2019) gives a metal its second colour
+GRAZING = math.cos(math.radians(82.0))  # of the angle of a metal's second colour (Hoffman 2019)
 
 
 @cache
@@ -32,8 +32,8 @@ def _extinction(facing: float, eta: float) -> float:
 
 @lru_cache(maxsize=1024)
 def _ends(facing: float) -> tuple[float, float, float]:
-    """(facing, least eta, largest eta): those with a real k, inside what a Conductor may have. A perfect
-    mirror is no metal of finite index; it is taken as one that lacks a millionth."""
+    """(facing, least eta, largest eta): the range of eta with a real k, inside the range of a Conductor. A perfect
+    mirror has no finite index, so a facing colour of 1 is lowered by 1e-6."""
     facing = min(facing, 1.0 - 1e-6)
     root = math.sqrt(facing)
     low, high = max((1.0 - root) / (1.0 + root), 1e-3), min((1.0 + root) / (1.0 - root), 100.0)

@@ -70,12 +70,12 @@ class Isotropic(PhaseFunction):
     """Equal scattering into all directions."""
 
     kind = "isotropic"
-    item = Item(kind, "Isotropic", "Light leaves a particle in all directions alike", 0)
+    item = Item(kind, "Isotropic", "Equal scattering in all directions", 0)
 
 
 @dataclass(frozen=True)
 class HenyeyGreenstein(PhaseFunction):
-    """Henyey and Greenstein (1941). `g`, the mean cosine, in (-1, 1), a number or one a channel."""
+    """Henyey and Greenstein (1941). `g`, the mean cosine, in (-1, 1), a number or one per channel."""
 
     g: Channels
 
@@ -87,7 +87,7 @@ class HenyeyGreenstein(PhaseFunction):
 @dataclass(frozen=True)
 class DoubleHenyeyGreenstein(PhaseFunction):
     """Two Henyey-Greenstein lobes, weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965): most often one forward
-    and a weak one back. `g1`, `g2` in (-1, 1), `weight` in [0, 1]; numbers or one a channel."""
+    and a weak one back. `g1`, `g2` in (-1, 1), `weight` in [0, 1]; numbers or one per channel."""
 
     g1: Channels
     g2: Channels
@@ -114,7 +114,7 @@ class Rayleigh(PhaseFunction):
 @dataclass(frozen=True)
 class CornetteShanks(PhaseFunction):
     """Cornette and Shanks (1992): turns from Rayleigh scattering at g = 0 into a forward lobe. `g` in (-1, 1),
-    a number or one a channel; the mean cosine is 3 g (4 + g^2) / (5 (2 + g^2))."""
+    a number or one per channel; the mean cosine is 3 g (4 + g^2) / (5 (2 + g^2))."""
 
     g: Channels
 
@@ -126,7 +126,7 @@ class CornetteShanks(PhaseFunction):
 @dataclass(frozen=True)
 class Draine(PhaseFunction):
     """Draine (2003): Henyey-Greenstein times 1 + alpha cos^2, normalised. `g` in (-1, 1), `alpha` in [0, 1000];
-    numbers or one a channel. alpha 0 is Henyey-Greenstein, alpha 1 Cornette-Shanks; droplets of fog and cloud
+    numbers or one per channel. alpha 0 is Henyey-Greenstein, alpha 1 Cornette-Shanks; droplets of fog and cloud
     are well served by a Mixture of this and Henyey-Greenstein (Jendersie and d'Eon 2023)."""
 
     g: Channels

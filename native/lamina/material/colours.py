@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colours that artists mean: the albedo with which a medium shows a colour, and the colour that an albedo shows.
+"""The colour that a medium shows, and the albedo that gives a wanted colour.
 
 A medium's colour is its hemispherical reflectance under a white sky (uniform diffuse light from above),
-without interfaces: as a layer without end, or, *over* a Lambert surface, as a layer of its own thickness.
-It rises steadily with the albedo, so that one albedo shows it, found here by the solver that bakes."""
+without interfaces. The layer is infinitely thick, or has its own thickness and lies *over* a Lambert surface. The
+colour rises strictly with the albedo, so one albedo gives each colour. It is found with the solver that bakes use."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ ALBEDOS = (0.05, 0.6, 0.95)  # where it is estimated
 
 
 def shown(medium: Medium, over: Channels | None = None) -> list[float]:
-    """The colour, one a channel, that `medium` shows as a layer without end, or, with `over` (the reflectance
-    of a Lambert surface, [0, 1]), as a layer of its own thickness on that. Raises StackError and ArgumentError."""
+    """The colour, one value per channel, of an infinitely thick layer of `medium`; or, with `over` (the reflectance of
+    a Lambert surface, [0, 1]), of a layer of its own thickness on that surface. Raises StackError and ArgumentError."""
     medium = check_kind(medium, "medium", Medium, "a lamina.Medium").checked("medium")
     over = None if over is None else _field("over").check(over, "over")
     count = _channels(medium, "medium", ("over", over))
@@ -41,17 +41,17 @@ def shown(medium: Medium, over: Channels | None = None) -> list[float]:
 
 def albedo_of(color: Channels, phase: Phase | None = None, tau: Channels = math.inf,
               over: Channels | None = None) -> list[float]:
-    """The albedo, one a channel, with which a medium of that phase function (isotropic if none is named) shows
-    `color`: as a layer without end, or, with `over`, as one of optical thickness `tau` on a Lambert surface of
-    that reflectance. Colours 0 and 1 of a layer without end are albedo 0 and 1. Raises StackError, with the
-    range that can be shown, for a colour outside."""
+    """The albedo, one value per channel, with which a medium of this phase function (default: isotropic) shows `color`:
+    as an infinitely thick layer, or, with `over`, as a layer of optical thickness `tau` on a Lambert surface of that
+    reflectance. Colours 0 and 1 of an infinitely thick layer have albedo 0 and 1. Raises StackError for a colour that
+    no albedo gives, with the possible range."""
     phase = Isotropic() if phase is None else phase
     medium = Medium(color=color, tau=tau, over=over, phase=phase).checked("medium")
     return list(albedos_of(medium, _channels(medium, "medium"), "medium"))
 
 
 def albedos_of(medium: Medium, channels: int, path: str) -> tuple[float, ...]:
-    """The same for a checked Medium that is given by its colour. Raises StackError, naming `path`."""
+    """albedo_of for a checked Medium that is given by its colour. Raises StackError, naming `path`."""
     albedos = []
     for index in range(channels):
         wanted = channel(medium.color, index)
@@ -61,7 +61,7 @@ def albedos_of(medium: Medium, channels: int, path: str) -> tuple[float, ...]:
         low, high = _range(*situation)
         if not low - 1e-9 <= wanted <= high + 1e-9:
             where = f"{path}.color" + (f"[{index}]" if isinstance(medium.color, tuple) else "")
-            # Rounded inwards, so that what the sentence names can be asked for.
+            # Rounded inwards, so that the ends named in the sentence are allowed.
             least, most = math.ceil(low * 1e4) / 1e4, math.floor(high * 1e4) / 1e4
             between = f"between {least:g} and {most:g}" if least < most else f"{round(low, 6):g}"
             raise StackError(f"{where} = {wanted:g}: a layer of tau {tau:g} over {over:g} shows {between}")
@@ -70,7 +70,7 @@ def albedos_of(medium: Medium, channels: int, path: str) -> tuple[float, ...]:
 
 
 def _situation(phase: Phase, index: int, tau: float, over: float | None) -> tuple:
-    """(phase, tau, over) of one channel, for the core; without a surface below the layer has no end."""
+    """(phase, tau, over) of one channel, for the core; without a surface below, tau is infinite."""
     known = phase.in_channel(index)
     return (known, math.inf, 0.0) if over is None or tau == math.inf else (known, tau, over)
 
@@ -90,8 +90,8 @@ def _pool() -> _core.ThreadPool:
 
 
 def _reflectance(albedo: float, phase: tuple, tau: float, over: float, nodes: int) -> float:
-    """Under a white sky, on that many nodes. Fluxes need but the azimuthal mean, hence the wide tolerance of
-    azimuth orders."""
+    """Reflectance under a white sky, with that many nodes. Fluxes need the azimuthal mean only, so the tolerance of
+    azimuth orders is wide."""
     stack = _core.Stack([_core.Medium(albedo, tau, *phase)], _core.Base.lambert(over))
     solution = _core.solve_at(stack, nodes, 1.0, _pool(), min(tau, 1.0) or 1.0)
     fluxes = solution.diffuse_fluxes(_core.Side.top, _pool())
@@ -120,7 +120,7 @@ def _shown_by(albedo: float, phase: tuple, tau: float, over: float) -> float:
 
 
 def _range(phase: tuple, tau: float, over: float) -> tuple[float, float]:
-    """The colours that albedo 0 and 1 show."""
+    """The colours of albedo 0 and 1."""
     return _shown_by(0.0, phase, tau, over), _shown_by(1.0, phase, tau, over)
 
 
@@ -128,8 +128,8 @@ def _range(phase: tuple, tau: float, over: float) -> tuple[float, float]:
 def _albedo(wanted: float, phase: tuple, tau: float, over: float) -> float:
     """The albedo that shows `wanted`, to 12 digits.
 
-    Few nodes find the place, and the slope there; what is still missing on all the
-    nodes that the colour needs is made good along that slope."""
+    A search with few nodes finds the approximate albedo and the slope there. Steps along that slope then correct the
+    error that is left with as many nodes as the colour needs."""
     low, high = _range(phase, tau, over)
     if wanted <= low:
         return 0.0
@@ -152,8 +152,8 @@ def _albedo(wanted: float, phase: tuple, tau: float, over: float) -> float:
 
 
 class _Variable:
-    """In this variable colours are nearly straight lines: the similarity parameter s = sqrt((1 - albedo) /
-    (1 - g albedo)) of a thick layer (van de Hulst 1980), turning into its square in a thin one."""
+    """A variable in which colours are nearly linear: the similarity parameter s = sqrt((1 - albedo) / (1 - g albedo))
+    of a thick layer (van de Hulst 1980), turning into its square in a thin one."""
 
     def __init__(self, phase: tuple, tau: float):
         self._g = float(_core.PhaseFunction(*phase).moment(1))

@@ -16,16 +16,15 @@ from .profile import Knot, check_profile, optical_thickness, turned
 
 @dataclass(frozen=True)
 class Medium:
-    """A scattering layer, homogeneous unless it has a `profile`. Every quantity is a number or one a channel.
+    """A scattering layer, homogeneous unless it has a `profile`. Every quantity is a number or one per channel.
 
     Either `albedo` (single scattering, sigma_s / sigma_t, in [0, 1]) and `tau` (optical thickness, from 0
-    to infinity), or `sigma_s`, `sigma_a` (1/mm) and `thickness` (mm), or `color` and `tau`. `color`, in
-    [0, 1], is what the medium shows, without interfaces, under a white sky: the share of uniform diffuse
-    light that it returns as a layer without end, or, when `over` is given, as a layer of its own tau on a
-    Lambert surface of that reflectance. The stack finds the albedo that shows it. `varying` marks the one
-    layer whose thickness becomes an input of the baked material; its tau is then the largest thickness, and
-    the one that shows the colour. Or `profile`, two knots or more from top to bottom, and `tau` or `thickness`,
-    both finite: see Knot. Values are checked when the layer becomes part of a Stack."""
+    to infinity), or `sigma_s`, `sigma_a` (1/mm) and `thickness` (mm), or `color` and `tau`. `color`, in [0, 1], is the
+    medium's reflectance for uniform diffuse light, without interfaces: of an infinitely thick layer, or, with `over`,
+    of a layer of its own tau on a Lambert surface of that reflectance. The stack finds the albedo that gives this
+    colour. Or `profile`, two or more knots from top to bottom, and `tau` or `thickness`, both finite: see Knot.
+    `varying` marks the one layer whose thickness becomes an input of the baked material. Its tau is then the largest
+    thickness, for which the colour is meant. Values are checked when the layer becomes part of a Stack."""
 
     albedo: Channels | None = None
     tau: Channels | None = None
@@ -51,7 +50,7 @@ class Medium:
         return replace(self, phase=check_phase(self.phase, f"{path}.phase"), **values)
 
     def optics(self, index: int) -> tuple[float | None, float]:
-        """(albedo, tau) of one channel; the albedo is None where a colour or a profile says it."""
+        """(albedo, tau) of one channel; the albedo is None if a colour or a profile is given instead."""
         if self.profile is not None:
             return None, optical_thickness(self, index)
         if self.tau is not None:

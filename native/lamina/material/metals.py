@@ -40,7 +40,7 @@ def _entry(name: str) -> dict:
 
 def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
     """(facing, grazing) colours of a conductor, given in either form: its reflectances in air at 0 and 82 degrees,
-    one a channel. Raises StackError."""
+    one per channel. Raises StackError."""
     values: dict = check_forms(check_kind(metal, "metal", Conductor, "a lamina.Conductor"), "conductor")
     channels = channel_count([(f"conductor.{name}", value) for name, value in values.items()])
     eta, k = indices_of(replace(metal, **values), channels, "conductor")
@@ -49,9 +49,9 @@ def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
 
 
 def indices_of(metal: Conductor, channels: int, path: str) -> tuple:
-    """(eta, k) of a checked conductor, found from its two colours where it is given by these.
+    """(eta, k) of a checked conductor, computed from its two colours if it is given by these.
 
-    Raises StackError, naming `path` and the range, when no metal of its facing colour has its grazing one."""
+    Raises StackError, with `path` and the possible range, if no metal with its facing colour has its grazing colour."""
     if metal.facing is None:
         return metal.eta, metal.k
     found = []

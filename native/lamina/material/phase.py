@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions that are more than a few numbers: tables and mixtures; and all of them read and checked."""
+"""Tabulated phase functions and mixtures; reading and checking of all phase functions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Phase = PhaseFunction
 
 @dataclass(frozen=True)
 class Tabulated(PhaseFunction):
-    """A phase function by numbers, as a Mie code prints them; lists, or one list a channel.
+    """A phase function as a table, as a Mie code prints it. Lists, or one list per channel.
 
     Either `moments`, the Legendre moments chi_0 = 1, chi_1 (the mean cosine) ... without the factor 2 l + 1,
     each in [-1, 1], at most 2048, of a function that is nowhere negative; or samples: `values` (any unit, not
@@ -31,7 +31,7 @@ class Tabulated(PhaseFunction):
 
     kind = "tabulated"
     names = ("moments", "cosines", "values")
-    NEGATIVE = 1e-3  # what rounded moments may leave below zero, relative to the mean
+    NEGATIVE = 1e-3  # the most negative value that rounded moments may cause, relative to the mean
     MOST_MOMENTS, MOST_SAMPLES = 2048, 20000
 
     def checked(self, path: str) -> Tabulated:
@@ -107,8 +107,8 @@ class Tabulated(PhaseFunction):
 
 @dataclass(frozen=True)
 class Mixture(PhaseFunction):
-    """Several sorts of particles in one medium: `parts` are pairs (share, phase function). A share is that
-    sort's part of the scattering coefficient, in [0, 1], a number or one a channel; they sum to 1."""
+    """A medium of several kinds of particles: `parts` are pairs (share, phase function). A share is that kind's part of
+    the scattering coefficient, in [0, 1], a number or one per channel; they sum to 1."""
 
     parts: Sequence[tuple[Channels, Phase]]
 

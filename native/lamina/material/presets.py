@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The library of stacks that comes with Lamina: JSON files in the folder `presets`, one a material."""
+"""The library of stacks that comes with Lamina: JSON files in the folder `presets`, one per material."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def names() -> list[str]:
 
 
 def load(id: str) -> Stack:
-    """A preset's stack. Raises UnknownName, a KeyError and StackError, when there is none of that id, and OSError
-    when the files of the library are gone."""
+    """A preset's stack. Raises UnknownName, a KeyError and StackError, for an unknown id, and OSError if the library's
+    files are missing."""
     if not isinstance(id, str) or id not in _texts():
         raise unknown("preset", id, names())
     return _load(id)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a medium varies with depth: the knots of its profile, and what they are to the core."""
+"""Media that vary with depth: the knots of a profile, and their form for the core."""
 
 from __future__ import annotations
 
@@ -18,19 +18,20 @@ THICKNESS = {
     "tau": Field("tau", 0.0, 1e9, rule="must lie in [0, 1e9] for a medium with a profile"),
     "thickness": Field("thickness", 0.0, 1e12, rule="must lie in [0, 1e12] mm for a medium with a profile"),
 }
-# Of the lines in optical depth that stand for coefficients linear in millimetres, and of the two ends' shares in them.
+# Largest errors where lines in optical depth replace coefficients linear in millimetres: of the albedo, and of the
+# share of either end's phase function.
 ALBEDO_ERROR, SHARE_ERROR = 1e-4, 1e-3
 
 
 @dataclass(frozen=True)
 class Knot:
-    """What a medium is at one depth, 0 (top) to 1 (bottom). Quantities are numbers or one a channel.
+    """What a medium is at one depth, 0 (top) to 1 (bottom). Quantities are numbers or one per channel.
 
-    Either `albedo`, [0, 1], or `color`, [0, 1], the one that a homogeneous layer as thick would show, in a medium with
-    `tau`: the depth is a share of the optical thickness, and albedo times phase function is linear in it between
-    knots. Or `sigma_s` and `sigma_a`, 1/mm, in a medium with `thickness`: the depth is a share of that, and the
-    coefficients, with the phase function in proportion to what it scatters, are linear in it. `phase` is the
-    medium's where none is given. Two knots of one depth are a jump."""
+    Either `albedo`, [0, 1], or `color`, [0, 1], of a homogeneous layer of the same thickness, in a medium with `tau`:
+    the depth is a share of the optical thickness, and albedo times phase function is linear in it between knots. Or
+    `sigma_s` and `sigma_a`, 1/mm, in a medium with `thickness`: the depth is a share of that, and the coefficients,
+    with the phase function in proportion to what it scatters, are linear in it. `phase` is the medium's where none is
+    given. Two knots of one depth are a jump."""
 
     depth: float
     albedo: Channels | None = None
@@ -132,7 +133,7 @@ def _check_depths(knots: list[Knot], path: str) -> None:
         if depths[index] < depths[index - 1]:
             raise StackError(f"{path}[{index}].depth = {depths[index]:g}: must be at least {depths[index - 1]:g}, "
                              "that of the knot above")
-        # A jump is two knots, and lies inside.
+        # A jump consists of two knots and lies inside the medium.
         if depths[index] == depths[index - 1] and (
                 depths[index] in (0.0, 1.0) or (index > 1 and depths[index] == depths[index - 2])):
             raise StackError(f"{path}[{index}].depth = {depths[index]:g}: must be larger than that of the knot above")
@@ -152,11 +153,11 @@ def optical_thickness(medium, index: int) -> float:
 
 def optical_knots(medium, albedos, index: int) -> list[tuple[float, float, tuple]]:
     """Knots (optical depth, albedo, phase) of one channel, as the core's GradedMedium takes them; `albedos`: by knot
-    and channel, those of knots that have none themselves.
+    and channel, of the knots that are given by a colour.
 
-    Of coefficients that are linear in millimetres, knots between which the albedo is right to ALBEDO_ERROR, and what
-    scatters by either end's phase function to SHARE_ERROR: with e = sigma_t both are A + B / e, and knots at equal
-    steps of e^-1/2 spread the chords' error evenly."""
+    For coefficients linear in millimetres, more knots are inserted, so that linear interpolation between them is right
+    to ALBEDO_ERROR in the albedo and to SHARE_ERROR in the share of either end's phase function. With e = sigma_t both
+    have the form A + B / e, and knots at equal steps of e^-1/2 distribute the interpolation error evenly."""
     knots = medium.profile
     if not knots[0].has_coefficients:
         tau = channel(medium.tau, index)
@@ -196,7 +197,7 @@ def _chords(above: tuple, below: tuple, tau: float, depth: float):
     """Knots of one piece, its ends included."""
     (s0, e0, p0), (s1, e1, p1) = above, below
     if e0 == 0.0 or e1 == 0.0:
-        # Where one end is empty, all is in proportion to the other.
+        # If one end is empty, the medium is everywhere like the other end.
         s, e, p = (s1, e1, p1) if e0 == 0.0 else (s0, e0, p0)
         return [(depth, s / e, p), (depth + tau, s / e, p)]
     u0, u1 = e0**-0.5, e1**-0.5
@@ -215,7 +216,7 @@ def _chords(above: tuple, below: tuple, tau: float, depth: float):
 
 
 def _mixed(p0: tuple, part0: float, p1: tuple, part1: float) -> tuple:
-    """Two phase functions, as the core takes them, in these proportions; mixtures do not nest."""
+    """A mixture of two phase functions, as the core takes it; mixtures do not nest."""
     if p0 == p1 or part1 == 0.0:
         return p0
     if part0 == 0.0:

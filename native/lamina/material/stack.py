@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layer stack: what the panel edits, batches read, the solver solves, and a bake is named after."""
+"""The layer stack: edited in the panel, read by the batch, solved by the solver; its hash names a bake."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from ..common.errors import StackError, quoted
 from ..kinds.bases import BASES, Base, Conductor
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
+from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from .colours import albedos_of
 from .layers import Medium
 from .metals import indices_of
 from .phase import check_phase, read_phase
 from .profile import optical_knots, read_profile
 
-SCHEMA = 1
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
 
@@ -32,10 +32,10 @@ MOST_LAYERS = 64
 @dataclass(frozen=True)
 class Stack:
     """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom. `name`,
-    `category` and `source` (where the numbers come from) are texts for people; the hash leaves them out.
+    `category` and `source` (where the numbers come from) are texts for the user and not part of the hash.
 
-    A stack has at most 64 layers. Raises StackError when a value is out of range, channels disagree, or there is
-    nothing in it."""
+    A stack has at most 64 layers. Raises StackError if a value is out of range, channels disagree, or the stack is
+    empty."""
 
     layers: Sequence[Medium | Interface]
     base: Base | None = None
@@ -106,8 +106,8 @@ class Stack:
         return derived
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
-        """(albedo, tau) of a layer in one channel; the albedo that shows the layer's colour where that is given, and
-        its mean over the optical depth where the layer has a profile."""
+        """(albedo, tau) of a layer in one channel. Of a layer given by a colour, the albedo with that colour; of a
+        profile, the mean albedo over the optical depth."""
         albedo, tau = self.layers[layer].optics(channel_index)
         if self.layers[layer].profile is not None:
             knots = self.knots(layer, channel_index)
@@ -121,21 +121,21 @@ class Stack:
         return optical_knots(self.layers[layer], self._albedos[layer], channel_index)
 
     def indices(self, channel_index: int) -> tuple[float, float]:
-        """(eta, k) of a conductor base in one channel; those that show its two colours where these are given."""
+        """(eta, k) of a conductor base in one channel; computed from its two colours if these are given."""
         eta, k = self._indices
         return channel(eta, channel_index), channel(k, channel_index)
 
     def require_air_below(self) -> None:
-        """Raises StackError for a sheet whose last boundary does not lead into air: directions below it are taken in
-        air, in which light that is totally reflected there has none."""
+        """Raises StackError for a sheet that does not end in air. Directions below a sheet are directions in air, and
+        light beyond the critical angle has none."""
         indices = [layer.ior for layer in self.layers if isinstance(layer, Interface)]
         if self.base is None and indices and any(channel(indices[-1], c) != 1.0 for c in range(self.channels)):
             raise StackError(f"layers end at index {to_plain(indices[-1])}: a sheet that is baked, or whose directions "
                              "below are asked for, must end with an Interface of ior 1")
 
     def canonical(self) -> str:
-        """The one text for all stacks that are optically the same layer by layer: albedo and tau of each
-        channel, names left out, keys sorted."""
+        """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, names left
+        out, keys sorted."""
         channels = range(self.channels)
         layers = []
         for index, layer in enumerate(self.layers):
@@ -182,7 +182,7 @@ class Stack:
 
     @classmethod
     def from_json(cls, data) -> Stack:
-        """Reads what to_json wrote, or what a person did. Raises StackError."""
+        """Reads a plain object, written by to_json or by hand. Raises StackError."""
         check_keys(data, {"schema", "layers", "base", *cls.texts}, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
@@ -244,8 +244,8 @@ class Stack:
                 yield from self.base.phase.quantities("base.phase")
 
     def _find_albedos(self) -> tuple:
-        """Those that show the colours of the layers that have one, by layer and channel; of a profile by layer, knot
-        and channel."""
+        """The albedos of layers that are given by colours, by layer and channel; of a profile, by layer, knot and
+        channel."""
         found, count = [], self.channels
         for index, layer in enumerate(self.layers):
             path = f"layers[{index}]"
@@ -328,7 +328,7 @@ def _given(thing) -> dict:
 
 
 def _plain(thing) -> dict:
-    """JSON form of a base or an interface; choices that are the usual ones are left out."""
+    """JSON form of a base or an interface, without options that have their usual value."""
     entry = {"kind": thing.kind, **_given(thing), **_unusual(thing)}
     if thing.has_phase:
         entry["phase"] = thing.phase.to_json()
@@ -336,7 +336,7 @@ def _plain(thing) -> dict:
 
 
 def _unusual(thing) -> dict:
-    """Choices that are not the usual ones: what is new stays out of the hashes of what was before."""
+    """Options without their usual value. Usual ones are left out, so that a new option changes no earlier hash."""
     return {one.name: getattr(thing, one.name) for one in thing.options if getattr(thing, one.name) != one.values[0]}
 
 
@@ -373,7 +373,7 @@ def _read_base(entry, path: str):
 
 
 def _read(cls, entry, path: str, optional: set[str] = frozenset()):
-    """An interface or a base from its JSON object; what has a usual value may be left out."""
+    """An interface or a base from its JSON object; members with a default may be missing."""
     names = {quantity.name for quantity in all_fields(cls)}
     usual = {field.name for field in fields(cls) if field.default is not MISSING}
     allowed = {"kind", *names, *(option.name for option in cls.options), *optional}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The other way round: grains traced from above, to check by independent rays how much dust a surface gets."""
+"""Mass balance: grains traced down from above, an independent check of how much dust a surface gets."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 GRAINS = 1 << 18
-LIFT = 0.01  # of the rectangle that grains pass through, above the surface: half of its diagonal is 1
-_STREAM = 0x6772_6169_6E73_0000  # random numbers of their own
+LIFT = 0.01  # height above the surface of the rectangle that grains pass through; half of the surface's diagonal is 1
+_STREAM = 0x6772_6169_6E73_0000  # separate random numbers
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hard edges: which corners of a vertex share a normal, and so a point for dust to settle on."""
+"""Sharp edges: which corners of a vertex share a normal, and so a point of dust."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from . import embree
 from .mesh import Corners, Mesh, Points, unit_normals
 
 SAME = math.radians(0.1)  # normals that are closer are one
-# An angle limit that a regular body meets exactly (a cylinder of twelve sides, at 30 degrees) leaves its edges smooth,
-# whatever the rounding of its faces' normals.
+# An edge whose angle equals the limit (a cylinder of twelve sides, at 30 degrees) is smooth, also if rounding of the
+# normals makes the angle slightly larger.
 SLACK = 1e-5
 BLOCK = 1 << 20
 
@@ -37,7 +37,7 @@ def moved_off_edges(mesh: Mesh, points: Points, corners: Corners, distance: floa
     """`points`, those of `corners`, with the points of split vertices moved by `distance` (in metres; less where the
     face is small) into one of their faces.
 
-    Where walls meet in a groove, their common vertex lies in the plane of either, and a ray that starts off one wall
+    Where walls meet in a groove, their common vertex lies in the planes of both, and a ray that starts off one wall
     along its normal may start behind the other. Of a point's faces the one with the widest corner is taken, and the
     middle of this corner."""
     several = np.bincount(corners.vertex, minlength=len(mesh.vertices)) > 1

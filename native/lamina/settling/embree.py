@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The compiled layer of rays (Embree, in the module `_mesh`), which is loaded when it is first needed: without it, or
-with a broken one, all that traces no rays works as ever."""
+"""The compiled ray tracing module `_mesh` (Embree), loaded when it is first needed. If it is missing or broken,
+everything that traces no rays still works."""
 
 from __future__ import annotations
 
@@ -31,5 +31,5 @@ def layer():
 
 
 def why_not() -> str:
-    """Empty, or one sentence that says why no rays can be traced."""
+    """One sentence that says why no rays can be traced, or ''."""
     return _load()[1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes that dust falls on: checked, brought into one frame that floats resolve, with normals and areas."""
+"""Meshes that dust falls on: checks, a frame in which floats resolve them, normals and areas."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ import numpy as np
 from ..common.errors import DustError
 from ..common.progress import Progress
 
-FARTHEST = 1e12  # metres; beyond it not even doubles resolve what dust needs
+FARTHEST = 1e12  # metres; beyond it not even doubles resolve a surface well enough
 MOST = 1 << 31  # vertices, triangles: what 32-bit indices of the core can count
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Triangles in world space. vertices: (n, 3) metres; triangles: (m, 3) indices, counter-clockwise seen from
-    outside. Need not be closed or manifold; faces without area take part in nothing.
+    outside. A mesh need not be closed or manifold; faces without area are ignored.
 
-    normals: of any length; (n, 3), one a vertex; or (m, 3, 3), one for each corner of each triangle; or None:
+    normals: of any length; (n, 3), one per vertex; or (m, 3, 3), one for each corner of each triangle; or None:
         angle-weighted means of the faces' normals (they do not depend on how a flat face is cut), taken across all
         edges but the sharp ones.
     sharp_angle: without given normals, an edge is sharp where the normals of its two faces are farther apart than
         this, in radians, [0, pi]; pi: no edge is sharp. The default, 30 degrees, is that of Blender's automatic
         smoothing.
-    name: what messages call the mesh, or ""."""
+    name: the mesh's name in messages, or ""."""
 
     vertices: np.ndarray
     triangles: np.ndarray
@@ -193,8 +193,8 @@ def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Frame:
-    """Where single precision is spent: coordinates are (world - centre) / scale, so that the surface lies within
-    the unit sphere, wherever it is and however large."""
+    """The frame of single-precision coordinates, (world - centre) / scale: the surface lies within the unit sphere for
+    any position and size."""
 
     centre: np.ndarray
     scale: float

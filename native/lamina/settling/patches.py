@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Patches: where dust was left and where it was wiped off, as a smooth random field in space."""
+"""Patches of dust: where it was left and where it was wiped off, as a smooth random field in space."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def patches(positions: np.ndarray, coverage: float, size: float, seed: int) -> n
     """(n,) float64 in [0, 1]: the share of dust left at (n, 3) positions; its mean over space is `coverage`.
 
     A sum of plane waves of random direction and phase, wavelengths about `size`, is nearly normal; its
-    quantile is thus even in [0, 1], and a ramp on that has the wanted mean exactly."""
+    quantile is then uniform in [0, 1], and a ramp of the quantile has exactly the wanted mean."""
     edge = min(EDGE, 2.0 * coverage, 2.0 * (1.0 - coverage))
     if edge <= 0.0:
         return np.full(len(positions), coverage)

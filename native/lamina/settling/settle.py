@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Dust that settles: the optical thickness of what falls from above and stays, at each point of a surface.
 
-Grains fall with directions spread over a cone, and wind is added to their velocity. What passes through an open
-horizontal plane is the amount; a surface with normal n gets, of grains that come from direction d = up + t (t across
-gravity), the share n.d where nothing is in their way. They slide off beyond the angle of repose, and hold in
-concavities. The factors are those of Hsu and Wong, "Simulating Dust Accumulation" (1995): exposure to the source,
-inclination, stickiness; here with the flux of the grains in place of tuned functions, so that mass is conserved."""
+Grains fall with directions spread over a cone, and wind is added to their velocity. The amount is what falls through an
+open horizontal plane. A surface with normal n gets the share n.d of grains that come from direction d = up + t (t
+across gravity), if nothing is in their way. Grains slide off beyond the angle of repose, and stay in concavities. The
+factors are those of Hsu and Wong, "Simulating Dust Accumulation" (1995): exposure to the source, inclination,
+stickiness; here with the flux of the grains in place of tuned functions, so that mass is conserved."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from .sky import OFFSET, Laid, Sky
 from .statistics import Statistics, Sums
 from .texels import TexelMap, spread
 
-BLOCK = 1 << 18  # points at a time: memory for a block only
-INSET = 16.0 * OFFSET  # of points at sharp edges into their face, relative to the surface's size
+BLOCK = 1 << 18  # points at a time, to limit memory
+INSET = 16.0 * OFFSET  # how far points at sharp edges are moved into their face, relative to the surface's size
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +68,9 @@ def settle(surface: Mesh, points: Points | tuple | None = None, occluders: Itera
     `points`: where; None: the surface's vertices, in their sequence, and after them further values for the vertices
     that have several normals (see Mesh.sharp_angle, Dust.corners). Otherwise Points, or (positions, normals), each
     (n, 3), such as `texel_points` makes. Vertices of no face get none. The same seed gives the same bytes, whatever
-    `threads` (0: all). `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled
-    raised when it says yes. Raises DustError, ValueError, and DustUnavailable without a working Embree layer."""
+    `threads` (0: all). `progress(fraction, text)` is called with the share done; `cancel()` is called often, and
+    Cancelled is raised when it returns true. Raises DustError, ValueError, and DustUnavailable without a working Embree
+    layer."""
     run = _Run(surface, occluders, settings, seed, progress, cancel, threads)
     corners = None
     if points is None:
@@ -93,8 +94,8 @@ def settle_image(surface: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[in
                  settings: Settling | None = None, seed: int = 0, progress: Progress | None = None,
                  cancel: Callable[[], bool] | None = None, threads: int = 0, margin: int = 4) -> Dust:
     """Dust on a surface as an image over a UV map: `texel_points`, `settle` and `dilate` in one, a band of rows at a
-    time, so that a large image needs little memory beyond its own. tau, arrived and back are (height, width), rows
-    from the bottom; around the islands the dust is spread over `margin` texels, arrived is not.
+    time, so that a large image needs little extra memory. tau, arrived and back are (height, width), rows from the
+    bottom; around the islands the dust is spread over `margin` texels, arrived is not.
 
     Raises as those do, and DustError when no texel lies on the surface. Notes of the statistics tell when the UV map
     leaves some of the surface out."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sky over a surface: what falls on points among triangles, and what of it stays."""
+"""The sky over a surface: how much dust falls on points among triangles, and how much stays."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from .balance import FallFrame
 from .mesh import Mesh, Points, common_frame, unit_normals, used_vertices
 from .patches import patches
 
-CHUNK_RAYS = 1 << 21  # between two looks at `cancel`
-# Rays start this far off the surface, relative to its size: a hundred roundings of single precision, and less than a
-# hundredth of an edge of a mesh of a million faces.
+CHUNK_RAYS = 1 << 21  # between two calls of `cancel`
+# Rays start this far off the surface, relative to its size: 100 times the rounding of single precision, and less than 1
+# % of an edge in a mesh of a million faces.
 OFFSET = 2.0**-17
-_SHELTER_STREAM = 0x7368_656C_7465_7200  # random numbers of their own
+_SHELTER_STREAM = 0x7368_656C_7465_7200  # separate random numbers
 
 
 @dataclass(frozen=True, eq=False)

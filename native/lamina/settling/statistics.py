@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the settling of dust amounts to, summed over blocks of points."""
+"""Statistics of settled dust, summed over blocks of points."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Statistics:
 
     arrived = deposited + slid + wiped, summed over the points. By other rays, traced from above along `grains`
     grains: launched = fell + behind + stopped + missed, `fell` on faces from the side that takes dust and `behind` on
-    their other side, `stopped` by occluders; `fell_stderr` is the standard error of `fell`. arrived and fell are the
-    same thing, found twice: they differ by that error and by how coarse the mesh is. `keepers`: names of occluders
-    that alone stop nearly all grains, as a closed dome does."""
+    their other side, `stopped` by occluders; `fell_stderr` is the standard error of `fell`. arrived and fell are two
+    estimates of one quantity; they differ by that error and by the coarseness of the mesh. `keepers`: names of
+    occluders that alone stop nearly all grains, as a closed dome does."""
 
     points: int
     rays: int

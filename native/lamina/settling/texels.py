@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a UV map to points for dust to settle on, and back to an image with a margin."""
+"""Points of dust from a UV map, and images of dust with a margin."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .mesh import Mesh, Points, checked_mesh, vertex_points
 
 LARGEST = 16384
 BAND = 1 << 19  # texels at a time
-LOST = 0.02  # share of the surface without texels that is worth a note
+LOST = 0.02  # share of the surface without texels from which a note is added
 
 
 def texel_points(mesh: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int]) -> tuple[Points, np.ndarray]:

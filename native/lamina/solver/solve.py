@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The deterministic road: a stack's scattering function by adding solved layers."""
+"""The deterministic solver: a stack's scattering function by adding solved layers."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ _PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
 def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | None = None) -> ScatteringFunction:
     """The scattering function of a stack, to a relative pointwise tolerance (cosines >= .05) of .1 %
     ("final") or 1 % ("preview"). `threads` 0 uses every hardware thread; results do not depend on it.
-    Where there are boundaries, values below 1e-3 per steradian, or below 1e-3 of their mean over azimuths, are only
-    promised to that share of these. At most 200 azimuth orders are tried.
-    `nodes` takes that many nodes per hemisphere as they are, without a promise: for a quick look.
+    In stacks with boundaries, values below 1e-3 per steradian, or below 1e-3 of their mean over azimuths, have this
+    tolerance relative to these limits instead of themselves. At most 200 azimuth orders are tried. `nodes` sets the
+    number of nodes per hemisphere, without a check of the tolerance: for a quick look.
 
     Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
     ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
@@ -75,7 +75,7 @@ def thread_pool(threads: int) -> _core.ThreadPool:
 
 
 def tolerance_of(quality: str) -> float:
-    """The relative pointwise error that a quality's name promises. Raises ArgumentError."""
+    """The relative pointwise tolerance of a quality. Raises ArgumentError."""
     return TOLERANCE[check_choice(quality, "quality", TOLERANCE)]
 
 
@@ -114,7 +114,7 @@ def _solve_channel(core: _core.Stack, tolerance: float, pool, nodes: int | None)
 
 
 def _or_solve_error(call):
-    """What `call` returns. Raises SolveError for what the core refuses."""
+    """The result of `call`. Raises SolveError for the core's RuntimeError."""
     try:
         return call()
     except RuntimeError as error:
@@ -122,17 +122,16 @@ def _or_solve_error(call):
 
 
 class ScatteringFunction:
-    """A solved stack. Cosines are positive, in (0, 1], and those of directions in air, above and below the stack;
-    results end with an axis of channels. Cosines below 1e-9 count as 1e-9, where BRDFs have reached their limit at
-    grazing.
+    """A solved stack. Cosines lie in (0, 1] and belong to directions in air, above and below the stack. The last axis
+    of every result is that of channels. Cosines below 1e-9 count as 1e-9, where BRDFs have their limit at grazing.
 
     A sheet may end in another medium than air (its last Interface has another ior than 1). Then `brdf`, `reflectance`
     and `transmittance` answer for light from the top, whose directions are in air; the flux into the medium below is
-    the transmittance. What needs a direction in that medium raises StackError: `btdf`, and all with side "bottom", for
-    light beyond the critical angle has no direction in air. End such a sheet with an Interface of ior 1.
+    the transmittance. `btdf` and everything with side "bottom" need a direction in that medium and raise StackError,
+    because light beyond the critical angle has no direction in air. End such a sheet with an Interface of ior 1.
 
-    `nodes` and `orders` tell what the solver chose, `checks` what its always-on checks found (the worst of
-    all channels, a dict of errors)."""
+    `nodes` and `orders` are the solver's choices; `checks` is a dict of the errors that its checks found, the worst of
+    all channels."""
 
     def __init__(self, stack: Stack, channels: list, pool):
         self.stack = stack
@@ -154,11 +153,11 @@ class ScatteringFunction:
 
     @property
     def solutions(self) -> list:
-        """The core's solutions, one a channel."""
+        """The core's solutions, one per channel."""
         return list(self._channels)
 
     def with_thickness(self, layer: int, taus) -> ScatteringFunction:
-        """The same stack with layer number `layer` of optical thickness `taus`, a number or one a channel, in
+        """The same stack with layer number `layer` of optical thickness `taus`, a number or one per channel, in
         [0, infinity], or in [0, 1e9] where the layer has a profile; much faster than a new solve. Raises
         StackError, ArgumentError and SolveError."""
         layer = check_whole(layer, "layer", 0, len(self.stack.layers) - 1)
@@ -180,8 +179,8 @@ class ScatteringFunction:
         return ScatteringFunction(self.stack, channels, self._pool)
 
     def with_base_reflectance(self, reflectance: float) -> ScatteringFunction:
-        """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; costs next
-        to nothing. Raises ArgumentError, also for another kind of base."""
+        """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; takes hardly
+        any time. Raises ArgumentError, also for another kind of base."""
         if not isinstance(self.stack.base, Lambert):
             raise ArgumentError("reflectance: the base of the stack must be a Lambert surface")
         reflectance = check_number(reflectance, "reflectance", "must lie in [0, 1]", lambda r: 0.0 <= r <= 1.0)
@@ -237,7 +236,7 @@ class ScatteringFunction:
         return values.reshape(*arrays[0].shape, len(self._channels))
 
     def _check_below(self, path, side: str) -> None:
-        """Raises StackError where directions below a sheet are meant that does not end in air."""
+        """Raises StackError for directions below a sheet that does not end in air."""
         if side_of(side) == _core.Side.bottom or path == _core.Path.transmit:
             self.stack.require_air_below()
 

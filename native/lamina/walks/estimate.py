@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Monte Carlo estimates of single values of a stack's scattering function, by walks of three equations."""
+"""Monte Carlo estimates of single values of a stack's scattering function, by random walks of three equations."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from ..solver.solve import check_stack, core_stack, path_of, side_of, thread_poo
 SAMPLES = 1 << 20
 MOST_SAMPLES = 1 << 40
 BLOCK = _core.WALK_BLOCK
-CHUNK = 16  # blocks that are summed apart: what shards are made of, whoever runs them
+CHUNK = 16  # blocks whose sums are kept apart: a shard is made of whole chunks
 
 
 @dataclass(frozen=True)
 class Query:
-    """What is estimated: BRDF or BTDF for cosines in air and an azimuth, or with `mu_o` None the hemispherical
-    reflectance or transmittance of a beam. Cosines lie in (0, 1], and below 1e-9 count as 1e-9; `dphi` is in
-    radians. `side` "bottom", and a BTDF, need a sheet that ends in air, see ScatteringFunction. Raises
-    ArgumentError, a ValueError."""
+    """The estimated quantity: BRDF or BTDF for cosines in air and an azimuth; with `mu_o` None, the hemispherical
+    reflectance or transmittance of a beam. Cosines lie in (0, 1], and below 1e-9 count as 1e-9; `dphi` is in radians.
+    `side` "bottom", and a BTDF, need a sheet that ends in air, see ScatteringFunction. Raises ArgumentError, a
+    ValueError."""
 
     mu_o: float | None
     mu_i: float
@@ -47,7 +47,7 @@ class Query:
         object.__setattr__(self, "dphi", check_number(self.dphi, "dphi", "must be one finite number", math.isfinite))
 
     def check(self, stack: Stack) -> None:
-        """Raises StackError where a direction is asked for below a sheet that does not end in air."""
+        """Raises StackError for a direction below a sheet that does not end in air."""
         if self.side == "bottom" or (self.path == "transmit" and self.mu_o is not None):
             stack.require_air_below()
 
@@ -59,9 +59,9 @@ class Query:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Estimates, one a channel, with their standard errors; the seconds all took, and for each channel how many
-    samples and scattering events there were. `table_error`: by how much the tables that the walk takes its
-    layers from may be off, relative; 0 for a walk without tables."""
+    """Estimates, one per channel, and their standard errors; the seconds in all; and the number of samples and
+    scattering events of each channel. `table_error`: relative error of the layer tables that the walk uses; 0 for a
+    walk without tables."""
 
     value: np.ndarray
     stderr: np.ndarray
@@ -72,7 +72,7 @@ class Estimate:
 
     @property
     def looked_up(self) -> np.ndarray:
-        """Whether each channel's value was known before any walk. The method "adding" reads the value of a single
+        """True for each channel whose value was known before any walk. The method "adding" reads the value of a single
         layer from the solver's table of that layer: `stderr` is 0, and `table_error` is the whole error."""
         return self.events == 0
 
@@ -101,17 +101,16 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
     mirror and unscattered light included; light enters on `side`.
 
     `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the
-    adding series as a walk between solved layers (it is off by its tables' error, which is reported; the BRDF or BTDF
-    of a single layer takes no walk, but is read from its table: see Estimate.looked_up); "scattering",
-    the integral scattering equation guided by coarse tables, for the BRDF from above of media, with profiles or
-    without, over nothing, black or a Lambert surface; where a pilot, whose samples are discarded, finds a transfer
-    walk to do better, plain or guided by such tables, that one takes its place.
-    `samples` are rounded up to blocks of 4096; 2^20 without a target.
-    With `target_error`, a standard error relative to the value, a channel's samples are doubled until it is
-    reached or `samples`, then the most that are drawn, are; to stop at a favourable error biases the value by
-    a small part of that error. The same seed gives the same numbers, whatever `threads` (0: all).
-    `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled raised when it says
-    yes. Raises ValueError, StackError, SolveError."""
+    adding series as a walk between solved layers (biased by the error of their tables, which is reported; the BRDF or
+    BTDF of a single layer is read from its table without a walk: see Estimate.looked_up); "scattering", the integral
+    scattering equation guided by coarse tables, for the BRDF from above of media, with profiles or without, over
+    nothing, black or a Lambert surface; a pilot, whose samples are discarded, may find that a transfer walk, plain or
+    guided by such tables, has the smaller error, and then that walk is used. `samples` are rounded up to blocks of
+    4096; 2^20 without a target. With `target_error`, a standard error relative to the value, a channel's samples are
+    doubled until the error is reached, or until there are `samples` of them. To stop at a favourable error biases the
+    value by a small part of that error. The same seed gives the same numbers, whatever `threads` (0: all).
+    `progress(fraction, text)` is called with the share done; `cancel()` is called often, and Cancelled is raised when
+    it returns true. Raises ValueError, StackError, SolveError."""
     started = time.perf_counter()
     check_stack(stack)
     query = Query(mu_o, mu_i, dphi, side, path)
@@ -125,8 +124,8 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
 
 
 def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, run) -> tuple[list, float]:
-    """(what `run(walk, step)` gives for each channel, the largest error of the walks' tables); channels that are the
-    same problem share one run. Raises as estimate does."""
+    """(result of `run(walk, step)` for each channel, the largest error of the walks' tables); equal channels share one
+    run. Raises as estimate does."""
     query.check(stack)
     done: dict = {}
     channels, error = [], 0.0
@@ -175,7 +174,8 @@ def chunks_in(blocks: int) -> int:
 
 
 def summary(channels: list, seconds: float, table_error: float) -> Estimate:
-    """From the tallies of each channel's chunks, in any sequence: the sums are exact before they are rounded."""
+    """The Estimate from the tallies of each channel's chunks, in any order: math.fsum gives the same sum for each
+    order."""
     columns = zip(*(_total(tallies) for tallies in channels), strict=True)
     value, stderr, samples, events = (np.array(column) for column in columns)
     return Estimate(value, stderr, seconds, samples, events, table_error)
@@ -187,13 +187,13 @@ def _total(tallies: list) -> tuple[float, float, int, int]:
     events = sum(tally[4] for tally in tallies)
     mean = math.fsum(tally[0] for tally in tallies) / count
     squares = math.fsum(tally[1] for tally in tallies) / count
-    # Without events all samples are the same, and what rounding leaves is no error.
+    # Without scattering events all samples are equal, and the variance left by rounding is not an error.
     variance = max(0.0, squares - mean * mean) if events > 0 else 0.0
     return mean, math.sqrt(variance / (count - 1)), count, events
 
 
 def _run(walk, seed: int, blocks: int, target_error: float | None, pool, step) -> list:
-    """Tallies of all chunks; with a target error in rounds of twice as many."""
+    """Tallies of all chunks; with a target error, in rounds that double the samples."""
     last = chunks_in(blocks)
     if target_error is None:
         return run_chunks(walk, seed, 0, last, blocks, pool, step)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimates in parts that any machines may run: each part holds sums, squares and counts, merging adds them."""
+"""Estimates in parts that different machines may run. Each part holds sums, squares and counts; merging adds them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MOST_PARTS = 1 << 20
 def run_shard(stack: Stack, query: Query, method: str, samples: int, seed: int, shard: tuple[int, int],
               progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0) -> dict:
     """Part i of n, `shard` = (i, n) with i from 1, of an estimate with that many samples, as a plain object for
-    json.dump. It holds no times: the same part is the same bytes, whoever runs it. Raises as estimate does."""
+    json.dump. It holds no times: the same part has the same bytes on any machine. Raises as estimate does."""
     check_stack(stack)
     check_kind(query, "query", Query, "a lamina.Query")
     number, count = _checked_shard(shard)
@@ -61,8 +61,8 @@ def load_part(path: str | os.PathLike) -> dict:
 
 
 def merge(parts: Sequence[dict], names: Sequence[str] | None = None) -> Estimate:
-    """The estimate of all parts of a job, in any sequence; `seconds` is not known (NaN). Parts and names go
-    together. Raises ShardError when parts are missing, twice there, damaged, or of different jobs."""
+    """The estimate of all parts of a job, in any order; `seconds` is not known (NaN). Parts and names go together.
+    Raises ShardError if parts are missing, given twice, damaged, or of different jobs."""
     if not isinstance(parts, Sequence) or isinstance(parts, str) or not parts:
         raise ShardError(f"parts = {quoted(parts)}: must be a list of at least one part")
     names = [f"parts[{k}]" for k in range(len(parts))] if names is None else names

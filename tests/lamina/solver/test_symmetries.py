@@ -82,6 +82,21 @@ def test_a_layer_of_no_thickness_is_not_there(position):
     assert_same(grids(Stack(layers)), grids(Stack([COAT, BODY])), rel=1e-12)
 
 
+@pytest.mark.parametrize("alpha", [0.0, 0.3])
+@pytest.mark.parametrize("base", [None, lamina.Lambert(0.3), lamina.Conductor(0.2, 3.0, 0.2)])
+def test_an_interface_between_media_of_one_index_is_not_there(base, alpha):
+    """To the last bit, in values and in a bake: the same work is done with it and without it."""
+    dust = Medium(albedo=0.9, tau=0.5, phase=HenyeyGreenstein(0.5))
+    nothing = lamina.Interface(1.0, alpha)
+    bare, hidden = Stack([dust], base), Stack([nothing, dust, nothing], base)
+    with_it, without = lamina.solve(hidden, "preview"), lamina.solve(bare, "preview")
+    mu, dphi = np.array([0.1, 0.5, 0.9]), np.array([0.0, 1.0, np.pi])
+    assert np.array_equal(with_it.grid("reflect", mu, mu, dphi), without.grid("reflect", mu, mu, dphi))
+    thinner, bare_thinner = with_it.with_thickness(1, 0.2), without.with_thickness(0, 0.2)
+    assert np.array_equal(thinner.reflectance(mu), bare_thinner.reflectance(mu))
+    assert np.array_equal(lamina.bake(hidden, "preview").weights, lamina.bake(bare, "preview").weights)
+
+
 def test_nothing_at_all_lets_all_through():
     solved = lamina.solve(Stack([Medium(albedo=1.0, tau=0.0)]))
     assert np.all(solved.reflectance(MU) == 0.0) and np.all(solved.transmittance(MU) == 1.0)
