@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake time by quality, wall clock, all threads: what a slider costs."""
+"""Bake time by quality, wall clock, all threads."""
 
 import statistics
 import time
@@ -25,7 +25,8 @@ STACKS = {
 
 
 def measure(repeats=7):
-    """A list of {stack, quality, ms, fit_error}; the first bake, which makes the closures' table, apart."""
+    """A list of {stack, quality, ms, fit_error}. The first bake of the process, which computes the table of closures,
+    has a row of its own."""
     start = time.perf_counter()
     lamina.bake(STACKS["slab"], "preview")
     rows = [{"stack": "first bake of a process", "quality": "preview", "ms": 1e3 * (time.perf_counter() - start)}]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same slab by two discrete-ordinate codes that share nothing with Lamina: CDISORT (nanodisort) and
+"""The same slab by two discrete-ordinate codes that share no code with Lamina: CDISORT (nanodisort) and
 PythonicDISORT. Each returns (R, T): BRDF and diffuse BTDF, [mu_o, mu_i, dphi]."""
 
 import nanodisort

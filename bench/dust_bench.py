@@ -87,7 +87,7 @@ def measure():
             rows.append({"name": f"{name}, {len(surface.triangles):,} faces, {threads or 'all'} threads",
                          "settling, Mrays/s": found["dust"] * 1e-6, "bare Embree, Mrays/s": found["bare"] * 1e-6,
                          "settling/bare": found["ratio"], "rays that hit": found["hit"]})
-    # Memory is a whole process's: in one of its own.
+    # Peak memory is measured for a whole process, so this measurement has a process of its own.
     done = subprocess.run([sys.executable, __file__], check=True, capture_output=True, text=True)
     return [*rows, json.loads(done.stdout)]
 

@@ -23,7 +23,7 @@ def load():
 
 
 def measure(qualities=("preview", "final"), bases=tuple(CLOSURE_BASES)):
-    """A row for each stack, and those that sum up each group of them, per basis and quality."""
+    """One row per stack, basis and quality, then one row per group of stacks."""
     stacks, rows = load(), []
     for basis in bases:
         for quality in qualities:

@@ -71,7 +71,7 @@ def measure_in_blender(repeats=40):
             start = time.perf_counter()
             material.lamina.layers[0].g = 0.3 + 0.001 * step
             addon.baking.live.poll()
-            # In Blender the main thread is free meanwhile.
+            # In Blender, the main thread does not wait here.
             addon.baking.live.running().wait()
             before = time.perf_counter()
             addon.baking.live.poll()

@@ -32,7 +32,7 @@ def measure(paths: int, rr_depths: tuple[int, ...], repeats: int) -> list[dict]:
 
 
 def _fastest(variant: str, paths: int, rr_depths: tuple[int, ...], repeats: int) -> dict | None:
-    """The run of least variance per unit of time; none when the variant does not work here."""
+    """The run with the least variance per unit of time, or None if the variant does not work here."""
     for library in _llvm_libraries() if variant == LLVM else [None]:
         runs = []
         for depth in rr_depths:
@@ -62,7 +62,7 @@ def _run(variant: str, library: Path | None, *numbers: int) -> tuple[dict | None
 
 
 def _llvm_libraries() -> list[Path]:
-    """The one that the environment names, else those of the system, the newest first."""
+    """The library that the environment names, otherwise those of the system, newest first."""
     if os.environ.get(LIBRARY):
         return [Path(os.environ[LIBRARY])]
     found: dict = {}
@@ -87,7 +87,7 @@ def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
 
     stack = lamina.Stack([lamina.Medium(albedo=SLAB[0], tau=SLAB[1], phase=lamina.HenyeyGreenstein(SLAB[2]))])
     shapes, bottom = slab(stack)
-    # The other half of the light is hidden.
+    # The other hemisphere is black.
     black = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}}}
     below = mi.ScalarTransform4f().translate([0.0, 0.0, bottom - 1.0]).scale(1e5)
     place = mi.ScalarTransform4f().look_at(origin=[5.0 * (1.0 - MU * MU) ** 0.5, 0.0, 5.0 * MU],

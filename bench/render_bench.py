@@ -72,7 +72,7 @@ def scenes(stack):
 
 
 def prepare(stage, size):
-    """Unbiased settings and a picture cropped to the slab: sky pixels would cost next to nothing."""
+    """Unbiased settings, and a picture that is cropped to the slab because sky pixels take almost no time."""
     from slab import scene, view
 
     scene.set_quality(stage, size, MANY)
@@ -165,7 +165,7 @@ def main(argv=None):
 
 
 def _facts(lut):
-    """What a table says of itself; nothing for a material that is not baked."""
+    """The columns that describe a table; empty for a material that is not baked."""
     if lut is None:
         return {}
     return {"closures": lut.report["closures"], "fit_error": lut.report["fit_error"], "ids": lut.closures}

@@ -56,7 +56,7 @@ def dust():
 
 
 def render():
-    # In a process of its own: bpy neither likes company nor leaves politely.
+    # In a process of its own, because bpy may hang when the interpreter exits.
     subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
     return None
 

@@ -13,7 +13,7 @@ from lamina import _core
 
 SLAB = (0.9, 2.0, 0.75)
 NODES = 32
-# Where accuracy is judged: off everybody's nodes, mu >= .05, forward and back included.
+# Directions at which errors are measured: between the nodes of all codes, mu >= .05, forward and backward included.
 MU_O = np.array([0.05, 0.12, 0.3, 0.55, 0.8, 0.97])
 MU_I = np.array([0.06, 0.2, 0.45, 0.7, 0.99])
 DPHI = np.linspace(0.0, np.pi, 9)

@@ -57,7 +57,7 @@ def _rates(stack, method: str, repeats: int) -> dict:
             total, squares, _, samples, events = _core.run_walk(walk, turn, 0, BLOCKS, pool)
             if turn > 0:
                 rates[count].append(samples / (time.perf_counter() - started))
-    # The fastest turn of each: other work beside it only ever slows one down.
+    # The fastest round of each, because other work on the machine can only slow a round down.
     one, two = (max(rates[count]) for count in (1, THREADS))
     mean = total / samples
     return {"samples_per_second": two, "events_per_second": two * events / samples,

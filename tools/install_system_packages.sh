@@ -1,8 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs the Debian packages that Lamina builds with and that bpy needs without an X server, and the optional
-# packages that are named after the Python, where this Debian has them.
-# Does nothing when all are there; otherwise needs root or sudo.
+# Installs the Debian packages that the build needs, those that bpy needs without an X server, and the optional packages
+# among the arguments if Debian has them. Does nothing if all are installed; otherwise needs root or sudo.
 #     tools/install_system_packages.sh PYTHON [OPTIONAL PACKAGE ...]
 set -eu
 
