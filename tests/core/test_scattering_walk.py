@@ -205,7 +205,7 @@ def test_blocks_and_threads():
 
 
 @pytest.mark.parametrize("knots, words", [
-    ([(0.0, 0.5, ("isotropic",))], "must be two at least"),
+    ([(0.0, 0.5, ("isotropic",))], "must be at least two"),
     ([(0.1, 0.5, ("isotropic",)), (1.0, 0.5, ("isotropic",))], "the first at tau = 0"),
     ([(0.0, 0.5, ("isotropic",)), (0.0, 0.5, ("isotropic",))], "must ascend"),
 ])
