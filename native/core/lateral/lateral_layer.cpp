@@ -7,6 +7,8 @@
 #include <complex>
 #include <utility>
 
+#include "solve/normalising_share.hpp"
+
 namespace lamina {
 namespace {
 

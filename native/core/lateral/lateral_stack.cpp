@@ -16,17 +16,27 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// By refractive index, the thickness of the thinnest layer that scatters repeatedly.
-std::map<double, double> thinnest_layers(const Stack& stack, const std::vector<double>& indices) {
-  std::map<double, double> thinnest;
-  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
-    const auto* medium = std::get_if<Medium>(&stack.layers[layer]);
-    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > kThinnestRepeated) {
-      double& known = thinnest.try_emplace(indices[layer], 1.0).first->second;
-      known = std::min(known, std::max(kThinnestResolved, medium->tau));
+/// By refractive index, the least cosine that nodes must resolve: the thickness of the thinnest layer that scatters
+/// repeatedly, and where a layer is almost clear, one at which light runs far along it.
+std::map<double, double> least_cosines(const MeasuredStack& measured, const std::vector<double>& indices) {
+  constexpr double kClear = 0.3;
+  constexpr double kGrazing = 0.02;
+  std::map<double, double> least;
+  for (std::size_t layer = 0; layer < measured.stack.layers.size(); ++layer) {
+    const auto* medium = std::get_if<Medium>(&measured.stack.layers[layer]);
+    if (medium == nullptr || !(measured.thickness[layer] > 0.0)) {
+      continue;
     }
+    double cosine = 1.0;
+    if (medium->albedo > 0.0 && medium->tau > kThinnestRepeated) {
+      cosine = std::max(kThinnestResolved, medium->tau);
+    } else if (medium->tau < kClear) {
+      cosine = kGrazing;
+    }
+    double& known = least.try_emplace(indices[layer], 1.0).first->second;
+    known = std::min(known, cosine);
   }
-  return thinnest;
+  return least;
 }
 
 /// The flux that leaves along the nodes of a medium, for radiance by rows: the mean over azimuths times C.
@@ -47,7 +57,7 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
     : measured_(measured), resolution_(resolution), mu_(mu) {
   const Stack& stack = measured_.stack;
   const std::vector<double> indices = refractive_indices(stack);
-  const DirectionSet set(indices, resolution.nodes, thinnest_layers(stack, indices));
+  const DirectionSet set(indices, resolution.nodes, least_cosines(measured_, indices));
   for (const double ior : indices) {
     directions_.push_back(set.in_medium(ior, VectorXd::Constant(1, mu)));
   }

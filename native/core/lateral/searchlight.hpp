@@ -34,8 +34,8 @@ struct LeavingLight {
 struct SearchlightQuality {
   double resolution = 4e-6;  ///< largest change of a flux by finer directions
   /// Of spectra over frequencies, relative: low ones, of which the tail of a profile is made, and high ones.
-  std::array<double, 2> interpolation{3e-8, 1e-5};
-  int nodes = 10;
+  std::array<double, 2> interpolation{2e-7, 2e-5};
+  int nodes = 12;
   int nodes_with_boundary = 8;  ///< the range of total reflection has nodes of its own
   Eigen::Index azimuths = 12;
   int intervals = 16;  ///< between frequencies of a piece, at first
@@ -97,6 +97,7 @@ class Searchlight {
   double decay_ = 1.0;       // of light that spreads sideways, 1/mm: the nearest singularity of the spectra
   double extinction_ = 1.0;  // the least of a medium that scatters
   bool spreads_ = false;     // whether the mean distances are infinite
+  bool runs_along_ = false;  // whether light runs along a clear layer, and mean squares are infinite
   bool sharp_ = false;       // whether a phase function has a peak
   std::unique_ptr<LateralStack> stack_;
   std::optional<ForwardPeaks> peaks_down_;

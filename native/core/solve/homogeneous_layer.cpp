@@ -11,6 +11,7 @@
 
 #include "matter/single_scattering_shape.hpp"
 #include "numeric/legendre.hpp"
+#include "solve/normalising_share.hpp"
 
 namespace lamina {
 namespace {
@@ -57,16 +58,6 @@ Eigen::PermutationMatrix<Eigen::Dynamic> ascending_order(const Eigen::VectorXd& 
 }
 
 }  // namespace
-
-Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen::VectorXd& root) {
-  const double whole = root.squaredNorm();
-  const Eigen::VectorXd missing = (root - scattered * root).cwiseQuotient(root) / whole;
-  const double mean = missing.dot(root.cwiseAbs2()) / whole;
-  const Eigen::Index n = root.size();
-  return root.asDiagonal() *
-         (missing.replicate(1, n) + missing.transpose().replicate(n, 1) - Eigen::MatrixXd::Constant(n, n, mean)) *
-         root.asDiagonal();
-}
 
 HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions) {
   const Eigen::Index n = directions.live;

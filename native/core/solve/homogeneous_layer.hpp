@@ -35,10 +35,6 @@ class HomogeneousModes {
   Eigen::VectorXd rate_;  // k
 };
 
-/// Nodes shared by several media integrate the phase function not quite exactly. The residual of the normalisation,
-/// r = 1 - p w, is added as the smooth symmetric kernel r_i + r_j - r.w.
-Eigen::MatrixXd normalising_share(const Eigen::MatrixXd& scattered, const Eigen::VectorXd& root);
-
 /// The kernels pi f of multiple scattering (all orders but the first), divided by the angular shape of single
 /// scattering and by the sines that make odd azimuth orders vanish at normal incidence. They are smooth in both cosines
 /// for any thickness, so polynomials through the nodes interpolate them.

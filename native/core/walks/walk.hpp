@@ -7,7 +7,6 @@
 
 #include "numeric/rng.hpp"
 #include "numeric/thread_pool.hpp"
-#include "walks/walk_blocks.hpp"
 
 namespace lamina {
 
@@ -41,6 +40,9 @@ struct Tally {
   }
   void add(const Tally& other);
 };
+
+/// Number of samples in a block, the unit of a run. Blocks are summed in order.
+inline constexpr std::uint64_t kWalkBlock = 4096;
 
 /// Runs blocks [first, last) of a walk with this seed: the same bytes for any number of threads.
 Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,

@@ -8,11 +8,9 @@
 
 #include "numeric/rng.hpp"
 #include "numeric/thread_pool.hpp"
+#include "walks/walk.hpp"
 
 namespace lamina {
-
-/// Number of samples in a block, the unit of a run. Blocks are summed in order.
-inline constexpr std::uint64_t kWalkBlock = 4096;
 
 /// The sum of blocks [first, last) of a walk with this seed: the same bytes for any number of threads.
 /// `draw(rng, tally)` adds one sample to a tally, `empty` is a tally without any.

@@ -27,7 +27,9 @@ class Base:
     options: tuple[Option, ...] = ()
     item: Item
     has_phase = False
-    form_prop = ""  # the add-on's property that says which form is given; without one the panel offers the first alone
+    # The add-on's property that says which form is given. Without one the panel offers the first form alone, which then
+    # has no item.
+    form_prop = ""
 
     @classmethod
     def panel_forms(cls) -> tuple[Form, ...]:
@@ -38,7 +40,7 @@ class Base:
     def panel_fields(cls, given) -> tuple[Field, ...]:
         """The quantities of a base whose properties `given` has: those of its form, then the others."""
         for form in cls.panel_forms():
-            if not cls.form_prop or form.item.id == getattr(given, cls.form_prop):
+            if form.item is None or form.item.id == getattr(given, cls.form_prop):
                 return *form, *cls.fields
         return cls.fields
 

@@ -61,18 +61,18 @@ def _slices(medium: Medium, index: int, thickness: float, coarseness: float) -> 
     whole = medium.optics(index)[1]
     slices = []
     before = 0.0
-    for above, below in itertools.pairwise(medium.profile):
+    for above, below in itertools.pairwise(medium.profile or ()):
         length = (below.depth - above.depth) * thickness
-        ends = [coefficients_at(knot, medium, index) for knot in (above, below)]
-        tau = 0.5 * length * (ends[0][1] + ends[1][1])
+        first, last = (coefficients_at(knot, medium, index) for knot in (above, below))
+        tau = 0.5 * length * (first[1] + last[1])
         if length == 0.0:
             continue
-        constant = ends[0] == ends[1]
+        constant = first == last
         count = 1 if constant else max(1, math.ceil((_steps(before + tau, whole) - _steps(before, whole)) / coarseness))
         before += tau
         for k in range(count):
             for place in (0.5,) if constant else (1.0 / 6.0, 5.0 / 6.0):
-                scattering, extinction, phase = _between(*ends, (k + place) / count)
+                scattering, extinction, phase = _between(first, last, (k + place) / count)
                 share = length / count * (1.0 if constant else 0.5)
                 albedo = scattering / extinction if extinction > 0.0 else 0.0
                 slices.append((_core.Medium, (albedo, extinction * share, *phase), extinction, share))

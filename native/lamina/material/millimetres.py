@@ -91,7 +91,7 @@ def _profile_knots(layer: Medium, index: int) -> tuple[DepthKnot, ...]:
     thickness = channel(layer.thickness, index)
     found: list[DepthKnot] = []
     tau = 0.0
-    for knot in layer.profile:
+    for knot in layer.profile or ():
         here = DepthKnot(tau, knot.depth * thickness, sigma_t(knot, index))
         if found:
             above = found[-1]

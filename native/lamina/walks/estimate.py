@@ -171,7 +171,7 @@ def blocks_of(samples: int | None, target_error: float | None = None) -> int:
 
 def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step) -> list:
     """Tallies (sum, squares, largest, count, events) of chunks [first, last) of a run of so many blocks."""
-    return each_chunk(lambda *between: _core.run_walk(walk, seed, *between, pool), first, last, blocks, step)
+    return each_chunk(lambda start, end: _core.run_walk(walk, seed, start, end, pool), first, last, blocks, step)
 
 
 def each_chunk(tally, first: int, last: int, blocks: int, step: Progress) -> list:

@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -134,8 +135,8 @@ def run_beams(stack: Stack, query: SearchlightQuery, seed: int, first: int, last
             walk = WALKS[query.walk](_core.Stack(layers, base), knots, query.mu_i)
         except ValueError as error:
             raise StackError(f"walk = {query.walk!r}: {error}") from None
-        tallies = each_chunk(lambda *between: _core.run_lateral_walk(walk, query.radii, query.q, seed, *between, pool),
-                             first, last, blocks, within)
+        tallies = each_chunk(lambda start, end: _core.run_lateral_walk(
+            walk, query.radii, list(query.q), seed, start, end, pool), first, last, blocks, within)
         return {"mirrored": walk.mirrored, "unscattered": walk.unscattered, "endless": endless, "tallies": tallies}
 
     return each_problem(stack.channels, step, problem, run)
@@ -150,7 +151,7 @@ def _is_endless(stack: Stack, index: int) -> bool:
 
 def summary(query: SearchlightQuery, channels: list[dict], seconds: float) -> SearchlightEstimate:
     """From what run_beams gives, whose tallies may be in any sequence."""
-    found: dict = {}
+    found: dict[str, list] = {}
     for one in channels:
         for name, value in _of_channel(query, one).items():
             found.setdefault(name, []).append(value)
@@ -158,11 +159,11 @@ def summary(query: SearchlightQuery, channels: list[dict], seconds: float) -> Se
     def columns(values):
         return values[0] if len(values) == 1 and np.ndim(values[0]) else np.stack(values, axis=-1)
 
-    measured = {}
+    measured: dict[str, Any] = {}
     for name, values in found.items():
         measured[name] = Measured(*map(columns, zip(*values, strict=True))) if isinstance(values[0], tuple) else \
             columns(values)
-    counts = {name: np.array([sum(tally[place] for tally in one["tallies"]) for one in channels])
+    counts: dict[str, Any] = {name: np.array([sum(tally[place] for tally in one["tallies"]) for one in channels])
               for name, place in (("samples", 2), ("events", 3))}
     return SearchlightEstimate(np.array(query.r), np.array(query.q), **measured, seconds=seconds, **counts)
 
@@ -174,7 +175,7 @@ def _of_channel(query: SearchlightQuery, one: dict) -> dict:
     above, below = (SideMoments.of([tally[side] for tally in tallies], samples) for side in (0, 1))
     within = [query.radii.index(radius) for radius in query.r]
     scores = [WEIGHT, *range(FIRST_FREQUENCY, FIRST_FREQUENCY + len(query.q))]
-    found = {}
+    found: dict[str, Any] = {}
     for side, flux, word in ((above, "reflectance", "reflected"), (below, "transmittance", "transmitted")):
         found[flux] = side.mean[WEIGHT], side.error[WEIGHT]
         found[f"{word}_inside"] = side.inside[within], side.inside_error[within]

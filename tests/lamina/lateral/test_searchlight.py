@@ -151,6 +151,20 @@ def test_oblique_light_at_no_frequency():
     assert np.allclose(beam.transmittance, plane.transmittance(0.4), atol=1e-5)
 
 
+def test_clear_layer_over_a_lambert_surface():
+    """Light that a diffuse surface sends through a clear layer of thickness h: q h K1(q h) of it, in closed form; the
+    mean distance is pi / 2 h, and the mean square is infinite."""
+    thickness, q = 0.5, np.array([0.4, 2.0, 8.0])
+    beam = lamina.searchlight(Stack([Medium(sigma_s=0.0, sigma_a=0.0, thickness=thickness)], Lambert(0.8)))
+    t = np.linspace(0.0, 12.0, 4001)
+    weight = np.where(t == 0.0, 0.5, 1.0) * (t[1] - t[0])
+    exact = [0.8 * x * np.sum(weight * np.exp(-x * np.cosh(t)) * np.cosh(t)) for x in q * thickness]
+    assert np.allclose(beam.reflected_at(q), exact, atol=2e-3)
+    assert beam.reflectance[0] == pytest.approx(0.8, abs=1e-9)
+    assert beam.mean_distance[0] == pytest.approx(0.25 * math.pi, rel=5e-3)
+    assert beam.mean_square_distance[0] == math.inf
+
+
 def test_graded_medium():
     """Linear coefficients against many homogeneous layers."""
     graded = Medium(thickness=1.0, phase=HenyeyGreenstein(0.5), profile=[
