@@ -47,7 +47,14 @@ def test_photons_at_frequencies(name):
             assert abs(value - mean) < LARGEST_Z * error, (q, value, mean, error)
 
 
-@pytest.mark.parametrize("name", SLABS)
+# Near the beam, light that forward peaks have scattered several times is transmitted in too few discrete directions:
+# 9 % of the peaked slab's light within .05 mm is missing, 2.4 % of the two layers' within .2 mm. See docs/limits.md.
+TOO_FEW_DIRECTIONS = pytest.mark.xfail(strict=True, reason="forward peaks near the beam are not resolved")
+BY_DISTANCE = [pytest.param(name, marks=TOO_FEW_DIRECTIONS) if name in ("peaked", "two layers") else name
+               for name in SLABS]
+
+
+@pytest.mark.parametrize("name", BY_DISTANCE)
 def test_photons_by_distance(name):
     slab, beam = SLABS[name], lamina.searchlight(stack_of(SLABS[name]))
     mirrored = fresnel(slab.ior, 1.0) if slab.ior != 1.0 else 0.0
