@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'MAX_CLOSURES', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'ScatteringWalk', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'guided_transfer_walk', 'joined_media', 'run_walk', 'scattering_ode', 'scattering_walk', 'slices', 'solve', 'solve_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'ScatteringWalk', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'guided_transfer_walk', 'joined_media', 'lateral_flux', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slices', 'solve', 'solve_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -382,6 +382,63 @@ class ScatteringWalk:
         """
         For run_walk.
         """
+class MeasuredStack:
+    def __init__(self, stack: Stack, extinction: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], thickness: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+        """
+        A stack of homogeneous layers with, by layer, extinction (1/mm) and thickness (mm).
+        """
+class LeavingLight:
+    def at(self, q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def density(self, r: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def inside(self, r: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @property
+    def at_entry(self) -> float:
+        ...
+    @property
+    def direct(self) -> float:
+        ...
+    @property
+    def distance(self) -> float:
+        ...
+    @property
+    def flux(self) -> float:
+        ...
+    @property
+    def square_distance(self) -> float:
+        ...
+class Searchlight:
+    def __init__(self, stack: MeasuredStack, mu: typing.SupportsFloat | typing.SupportsIndex, preview: bool) -> None:
+        ...
+    def advance(self, pool: ThreadPool) -> None:
+        ...
+    @property
+    def done(self) -> bool:
+        ...
+    @property
+    def frequencies(self) -> int:
+        ...
+    @property
+    def nodes(self) -> int:
+        ...
+    @property
+    def progress(self) -> float:
+        ...
+    @property
+    def reflected(self) -> LeavingLight:
+        ...
+    @property
+    def transmitted(self) -> LeavingLight:
+        ...
+class LateralWalk:
+    @property
+    def mirrored(self) -> float:
+        ...
+    @property
+    def unscattered(self) -> float:
+        ...
 def adding_walk(stack: Stack, target: WalkTarget, pool: ThreadPool) -> tuple[Walk, float]:
     """
     The walk and the error of its tables.
@@ -397,6 +454,18 @@ def guided_transfer_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typi
 def joined_media(stack: Stack) -> GradedMedium:
     """
     The media of a stack and its Lambert base as one graded medium.
+    """
+def lateral_flux(stack: MeasuredStack, mu: typing.SupportsFloat | typing.SupportsIndex, q: typing.SupportsFloat | typing.SupportsIndex, nodes: typing.SupportsInt | typing.SupportsIndex, azimuths: typing.SupportsInt | typing.SupportsIndex, bend: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> tuple[float, float]:
+    """
+    (reflected, transmitted) at one lateral frequency and a stated resolution; truncated peaks count as unscattered.
+    """
+def photon_walk(stack: Stack, depth_knots: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]], mu_i: typing.SupportsFloat | typing.SupportsIndex) -> LateralWalk:
+    ...
+def plane_scattering_walk(stack: Stack, depth_knots: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]], mu_i: typing.SupportsFloat | typing.SupportsIndex) -> LateralWalk:
+    ...
+def run_lateral_walk(walk: LateralWalk, radii: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], frequencies: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], seed: typing.SupportsInt | typing.SupportsIndex, first_block: typing.SupportsInt | typing.SupportsIndex, last_block: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> tuple[tuple, tuple, int, int]:
+    """
+    (above, below, count, events) of blocks of WALK_BLOCK samples; a side is (within, within_squares, moments, products).
     """
 def run_walk(walk: Walk, seed: typing.SupportsInt | typing.SupportsIndex, first_block: typing.SupportsInt | typing.SupportsIndex, last_block: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> tuple[float, float, float, int, int]:
     """
