@@ -14,7 +14,7 @@ from ..material.layers import Medium
 from ..material.millimetres import require_millimetres, sigma_t
 from ..material.profile import coefficients_at, mixed
 from ..material.stack import Stack
-from ..solver.solve import core_stack
+from ..solver.solve import core_base, core_stack
 
 # Of an interval of a graded medium over its distance from the nearer face; and the distance, in optical thickness,
 # within which intervals no longer shrink.
@@ -24,7 +24,7 @@ FACE = 0.05
 
 def measured_layers(stack: Stack, index: int, quality: str) -> tuple[tuple, tuple]:
     """(layers, base) of one channel, hashable. A layer is (kind, arguments, extinction, thickness), with the core's
-    type and its arguments; media with a profile are homogeneous slices. A base is (factory, arguments).
+    type and its arguments; media with a profile are homogeneous slices. A base is (name, parameters...).
 
     Raises StackError for a medium without lengths."""
     require_millimetres(stack)
@@ -47,8 +47,7 @@ def measured_layers(stack: Stack, index: int, quality: str) -> tuple[tuple, tupl
 
 def measured_stack(layers: tuple, base: tuple) -> _core.MeasuredStack:
     """The core's stack of what measured_layers returned."""
-    make, arguments = base
-    core = _core.Stack([kind(*values) for kind, values, _, _ in layers], make(*arguments))
+    core = _core.Stack([kind(*values) for kind, values, _, _ in layers], core_base(base))
     return _core.MeasuredStack(core, [extinction for _, _, extinction, _ in layers], [last for *_, last in layers])
 
 

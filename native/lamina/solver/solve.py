@@ -98,8 +98,13 @@ def core_stack(stack: Stack, index: int):
         base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index), stack.base.compensate)
     elif stack.base is not None:
         base = stack.base.in_channel(index)
+    return (tuple(entries), base), [kind(*values) for kind, values in entries], core_base(base)
+
+
+def core_base(base: tuple) -> _core.Base:
+    """The core's base of the (name, parameters...) in the key of core_stack."""
     name, *parameters = base
-    return (tuple(entries), base), [kind(*values) for kind, values in entries], getattr(_core.Base, name)(*parameters)
+    return getattr(_core.Base, name)(*parameters)
 
 
 def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
