@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lateral/beam_paths.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -133,10 +134,14 @@ double passing_once(const std::vector<double>& indices, double mu) {
 
 std::vector<OnceScatteredBeam> deeper_scattered(const LateralStack& stack, bool top) {
   std::vector<OnceScatteredBeam> found;
-  if (!stack.along_normal()) {
+  const std::vector<Layer>& layers = stack.measured().stack.layers;
+  // The sublayers of a graded medium are too many for fine quadratures of each.
+  constexpr std::ptrdiff_t kMostMedia = 4;
+  const auto media =
+      std::count_if(stack.media().begin(), stack.media().end(), [](const auto& m) { return m.has_value(); });
+  if (!stack.along_normal() || media > kMostMedia) {
     return found;
   }
-  const std::vector<Layer>& layers = stack.measured().stack.layers;
   const std::vector<Directions>& directions = stack.directions();
   const DeltaField field(delta_layers(stack));
   const Index beam = directions.front().nodes;

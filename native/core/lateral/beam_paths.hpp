@@ -15,7 +15,8 @@ std::optional<OnceScatteredBeam> once_scattered_upward(const LateralStack& stack
 std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& stack);
 
 /// Light that deeper media scatter once on its way to a face, see OnceScatteredBeam: all that scatter, up to the first
-/// rough boundary, but the one next to the face. Empty for beams at a slant. Keeps references into the stack.
+/// rough boundary, but the one next to the face. Empty for beams at a slant and for more than four media. Keeps
+/// references into the stack.
 std::vector<OnceScatteredBeam> deeper_scattered_upward(const LateralStack& stack);
 std::vector<OnceScatteredBeam> deeper_scattered_downward(const LateralStack& stack);
 

@@ -337,9 +337,10 @@ void Searchlight::finish() {
   faces_[1].rings = rings.transmitted;
   faces_[0].at_entry = limit_.reflected;
   faces_[1].at_entry = limit_.transmitted;
+  faces_[0].direct = limit_.mirrored;
+  faces_[1].direct = limit_.unscattered;
   for (std::size_t face = 0; face < faces_.size(); ++face) {
     LeavingLight& light = faces_[face];
-    light.direct = light.at_entry;
     for (const Ring& ring : light.rings) {
       light.direct += ring.direct;
     }

@@ -17,7 +17,7 @@ namespace lamina {
 struct LeavingLight {
   double flux = 0.0;                      ///< all
   double at_entry = 0.0;                  ///< at r = 0: mirrored, or straight through
-  double direct = 0.0;                    ///< all that no medium has scattered: at r = 0 and in rings
+  double direct = 0.0;                    ///< what neither media nor facets have scattered: at r = 0 and in rings
   std::vector<Ring> rings;                ///< unscattered light of a beam at a slant
   std::optional<OnceScatteredBeam> once;  ///< what is singular near the beam
   Spectrum rest;

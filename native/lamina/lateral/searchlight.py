@@ -74,8 +74,7 @@ class Searchlight:
 
     @property
     def mirrored(self) -> np.ndarray:
-        """The reflected flux that no medium has scattered and that spreads nowhere: what boundaries send back at the
-        point of entry, and what mirrors below send back along the beam."""
+        """The reflected flux that neither media nor facets have scattered: what smooth boundaries and metals mirror."""
         return self._each(lambda light: light.direct)
 
     @property
