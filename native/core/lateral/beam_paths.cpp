@@ -115,7 +115,85 @@ std::optional<OnceScatteredBeam> once_scattered(const LateralStack& stack, bool 
       [indices = next->indices](double mu) { return passing(indices, mu); }, critical);
 }
 
+/// The share of light that passes the smooth boundaries on its way from the first of these indices to the last, without
+/// what returns after reflections between them.
+double passing_once(const std::vector<double>& indices, double mu) {
+  double passed = 1.0;
+  double cosine = mu;
+  for (std::size_t k = 0; k + 1 < indices.size(); ++k) {
+    const double next = refracted_cosine(mu, indices.front(), indices[k + 1]);
+    if (next <= 0.0) {
+      return 0.0;
+    }
+    passed *= 1.0 - fresnel(cosine, next, indices[k], indices[k + 1]);
+    cosine = next;
+  }
+  return passed;
+}
+
+std::vector<OnceScatteredBeam> deeper_scattered(const LateralStack& stack, bool top) {
+  std::vector<OnceScatteredBeam> found;
+  if (!stack.along_normal()) {
+    return found;
+  }
+  const std::vector<Layer>& layers = stack.measured().stack.layers;
+  const std::vector<Directions>& directions = stack.directions();
+  const DeltaField field(delta_layers(stack));
+  const Index beam = directions.front().nodes;
+  std::vector<std::size_t> crossed;  // media between a layer and the face
+  std::vector<double> indices{top ? directions.front().ior : directions.back().ior};
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    const std::size_t layer = top ? k : layers.size() - 1 - k;
+    const double ior = directions[layer].ior;
+    if (const auto* interface = std::get_if<Interface>(&layers[layer])) {
+      if (interface->is_rough(ior)) {
+        break;
+      }
+      indices.insert(indices.begin(), top ? directions[layer + 1].ior : ior);
+      continue;
+    }
+    if (!stack.media()[layer]) {
+      continue;
+    }
+    const LateralMedium& medium = *stack.media()[layer];
+    if (medium.scatters() && !crossed.empty()) {
+      const double down = field.from_above[layer].down[beam];
+      const double up = field.from_above[layer].up[beam];
+      double critical = 0.0;
+      for (const double other : indices) {
+        if (other < ior) {
+          critical = std::max(critical, refracted_cosine(0.0, other, ior));
+        }
+      }
+      std::vector<OnceScatteredBeam::Crossed> others;
+      for (const std::size_t other : crossed) {
+        const LateralMedium& between = *stack.media()[other];
+        others.push_back({between.extinction(), between.thickness(), directions[other].ior / ior});
+      }
+      found.emplace_back(
+          medium, directions[layer], top ? OnceScatteredBeam::Beam{down, up} : OnceScatteredBeam::Beam{up, down},
+          [indices](double mu) { return passing_once(indices, mu); }, critical, std::move(others));
+    }
+    if (std::isinf(medium.thickness())) {
+      break;
+    }
+    crossed.push_back(layer);
+  }
+  return found;
+}
+
 }  // namespace
+
+std::vector<OnceScatteredBeam> deeper_scattered_upward(const LateralStack& stack) {
+  return deeper_scattered(stack, true);
+}
+
+std::vector<OnceScatteredBeam> deeper_scattered_downward(const LateralStack& stack) {
+  if (stack.measured().stack.base.kind != Base::Kind::kNone) {
+    return {};
+  }
+  return deeper_scattered(stack, false);
+}
 
 std::optional<OnceScatteredBeam> once_scattered_upward(const LateralStack& stack) {
   return once_scattered(stack, true);

@@ -14,6 +14,11 @@ namespace lamina {
 std::optional<OnceScatteredBeam> once_scattered_upward(const LateralStack& stack);
 std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& stack);
 
+/// Light that deeper media scatter once on its way to a face, see OnceScatteredBeam: all that scatter, up to the first
+/// rough boundary, but the one next to the face. Empty for beams at a slant. Keeps references into the stack.
+std::vector<OnceScatteredBeam> deeper_scattered_upward(const LateralStack& stack);
+std::vector<OnceScatteredBeam> deeper_scattered_downward(const LateralStack& stack);
+
 /// Light that comes out of a stack without having been scattered, where a beam at a slant has left its point of entry:
 /// a ring of this radius, in the mean over azimuths.
 struct Ring {

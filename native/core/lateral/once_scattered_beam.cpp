@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "lateral/fine_quadrature.hpp"
+#include "operators/directions.hpp"
 
 namespace lamina {
 namespace {
@@ -63,12 +64,14 @@ double truncated_phase(const TruncatedMedium& medium, double cosine) {
 }
 
 OnceScatteredBeam::OnceScatteredBeam(const LateralMedium& medium, const Directions& directions, Beam beam,
-                                     std::function<double(double)> passing, double critical)
+                                     std::function<double(double)> passing, double critical,
+                                     std::vector<Crossed> crossed)
     : medium_(&medium),
       directions_(&directions),
       beam_(beam),
       passing_(std::move(passing)),
       critical_(critical),
+      crossed_(std::move(crossed)),
       tau_(medium.medium().tau) {
   const TruncatedMedium& truncated = medium.medium();
   const Nodes fine = between_cosines(critical);
@@ -84,6 +87,17 @@ OnceScatteredBeam::OnceScatteredBeam(const LateralMedium& medium, const Directio
   }
 }
 
+OnceScatteredBeam::Crossing OnceScatteredBeam::crossing(double mu) const {
+  Crossing crossing;
+  for (const Crossed& other : crossed_) {
+    const double cosine = refracted_cosine(mu, 1.0, other.ior);
+    const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+    crossing.optical += other.extinction * other.thickness / cosine;
+    crossing.aside += other.thickness * sine / cosine;
+  }
+  return crossing;
+}
+
 double OnceScatteredBeam::spectrum(double q, const Phases& phases) const {
   const AzimuthRule& azimuths = fine_azimuths();
   const double slant = q / medium_->extinction();
@@ -92,10 +106,12 @@ double OnceScatteredBeam::spectrum(double q, const Phases& phases) const {
     const double sine = std::sqrt(1.0 - mu_[k] * mu_[k]);
     const double turned = beam_.away * phases.turned[k];
     const double forward = beam_.towards * phases.forward[k];
+    const Crossing crossed = crossing(mu_[k]);
     double mean = 0.0;
     for (Eigen::Index j = 0; j < azimuths.cosines.size(); ++j) {
       const Attenuation attenuation((1.0 + Complex(0.0, slant * sine) * azimuths.cosines[j]) / mu_[k], tau_);
-      mean += (azimuths.weights[j] * (turned * attenuation.turned + forward * attenuation.forward)).real();
+      const Complex on_the_way = std::exp(-crossed.optical - Complex(0.0, q * crossed.aside) * azimuths.cosines[j]);
+      mean += (azimuths.weights[j] * on_the_way * (turned * attenuation.turned + forward * attenuation.forward)).real();
     }
     sum += weight_[k] * mean;
   }
@@ -117,9 +133,11 @@ double OnceScatteredBeam::discretised(double q, const AzimuthRule& azimuths) con
     const double sine = std::sqrt(1.0 - mu * mu);
     const double turned = beam_.away * medium.albedo * truncated_phase(medium, -mu);
     const double forward = beam_.towards * medium.albedo * truncated_phase(medium, mu);
+    const Crossing crossed = crossing(mu);
     const auto scattered = [&](Complex cosine) {
       const Attenuation attenuation((1.0 + Complex(0.0, slant * sine) * cosine) / mu, tau_);
-      return turned * attenuation.turned + forward * attenuation.forward;
+      const Complex on_the_way = std::exp(-crossed.optical - Complex(0.0, q * crossed.aside) * cosine);
+      return on_the_way * (turned * attenuation.turned + forward * attenuation.forward);
     };
     double mean = azimuths.count == 1 ? scattered(0.0).real() : 0.0;
     for (Eigen::Index j = 0; j < azimuths.cosines.size(); ++j) {

@@ -181,6 +181,9 @@ Searchlight::Faces Searchlight::rest_at(double q) const {
     if (const std::optional<OnceScatteredBeam>& once = faces_[face].once) {
       rest[face] += once->at(q) - once->discretised(q, azimuths) - once->whole_at(q);
     }
+    for (const OnceScatteredBeam& deeper : deeper_[face]) {
+      rest[face] += deeper.at(q) - deeper.discretised(q, azimuths);
+    }
   }
   return rest;
 }
@@ -233,6 +236,7 @@ void Searchlight::advance(ThreadPool& pool) {
     } while (refine(pool));
     faces_[0].once = once_scattered_upward(*stack_);
     faces_[1].once = once_scattered_downward(*stack_);
+    deeper_ = {deeper_scattered_upward(*stack_), deeper_scattered_downward(*stack_)};
     if (stack_->along_normal()) {
       peaks_down_.emplace(*stack_, 1);
       peaks_back_.emplace(*stack_, 2);

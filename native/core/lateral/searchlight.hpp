@@ -104,8 +104,9 @@ class Searchlight {
   std::optional<ForwardPeaks> peaks_back_;
   LateralFlux limit_;
   std::array<LeavingLight, 2> faces_;
-  std::array<Piece, 2> pieces_{};  // of low and of high frequencies
-  std::vector<double> small_;      // frequencies near 0
+  std::array<std::vector<OnceScatteredBeam>, 2> deeper_;  // by face
+  std::array<Piece, 2> pieces_{};                         // of low and of high frequencies
+  std::vector<double> small_;                             // frequencies near 0
   std::array<std::vector<double>, 2> small_rest_;
   bool small_solved_ = false;
   std::vector<Wanted> waiting_;

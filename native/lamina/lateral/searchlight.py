@@ -99,8 +99,7 @@ class Searchlight:
         return self._at("r", r, lambda light, places: light.inside(places, self._pool))
 
     def transmitted_inside(self, r) -> np.ndarray:
-        """Flux transmitted within the distance `r`, mm, from the point below that of entry. With a forward peak it is
-        off by up to a tenth where `r` is below about a third of the thickness. Raises ArgumentError."""
+        """Flux transmitted within the distance `r`, mm, from the point below that of entry. Raises ArgumentError."""
         return self._at("r", r, lambda light, places: light.inside(places, self._pool), "transmitted")
 
     def reflected_at(self, q) -> np.ndarray:
