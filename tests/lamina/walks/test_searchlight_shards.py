@@ -96,7 +96,7 @@ def test_the_command_line(tmp_path, capsys):
     found = lamina.estimate_searchlight(VARNISHED, 0.7, 140000, 4, r=[1.0, 0.3], q=[0.5])
     assert shown["reflected_inside"] == {"value": found.reflected_inside.value.tolist(),
                                          "stderr": found.reflected_inside.stderr.tolist()}
-    assert shown["mirrored"]["stderr"] == 0.0 and shown["samples"] == [143360]
+    assert shown["mirrored"]["stderr"] == [0.0] and shown["samples"] == [143360]
     for number in (1, 2):
         assert main([*call, "--shard", f"{number}/2", "-o", str(tmp_path / f"part{number}.json")]) == 0
     assert main(["merge", str(tmp_path / "part2.json"), str(tmp_path / "part1.json"), "--json"]) == 0
