@@ -48,7 +48,7 @@ def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 6
     Returns the largest share of a beam that is mirrored and so left out, over theta_i and channels. Raises
     ValueError and OSError."""
     for name, value, low, high in (("size", size, 8, 1024), ("angles", angles, 4, 512)):
-        check_whole(value, name, low, high, f"in [{low}, {high}]")
+        check_whole(value, name, low, high, f"must be a whole number in [{low}, {high}]")
     check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returns")
     check_callable(progress, "progress")
     spectral = check_wavelengths(wavelengths, solved.stack.channels)

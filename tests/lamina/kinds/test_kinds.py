@@ -71,7 +71,7 @@ def test_numbers_of_choices_are_their_own():
     """A .blend file keeps the number of a choice."""
     lists = [[cls.item for cls in phases.IN_PANEL], [bases.NONE, *(cls.item for cls in bases.IN_PANEL)],
              [form.item for form in media.FORMS]]
-    lists += [[form.item for form in cls.forms] for cls in bases.KINDS if cls.forms]
+    lists += [[form.item for form in cls.forms] for cls in bases.KINDS if cls.form_prop]
     for items in lists:
         assert len({item.number for item in items}) == len({item.id for item in items}) == len(items)
     assert set(phases.IN_PANEL) == set(phases.KINDS) and set(bases.IN_PANEL) == set(bases.KINDS)
