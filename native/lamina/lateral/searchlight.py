@@ -22,7 +22,7 @@ def searchlight(stack: Stack, mu_i: float = 1.0, quality: str = "final", threads
 
     Every medium needs lengths: `sigma_s` and `sigma_a` (1/mm) and `thickness` (mm), a half-space the first two.
     `quality` "final" is good to about 1e-6 of the incident flux at a frequency and .1 % in a profile, "preview" to
-    1e-4 and 1 %. Under clear layers it is 2e-3 of the flux, and 1 % of the mean distance. `threads` 0 uses every
+    1e-4 and 3 %. Under clear layers it is 2e-3 of the flux, and 1 % of the mean distance. `threads` 0 uses every
     hardware thread; results do not depend on it. `progress(fraction, text)` is told how far it is, 0 to 1; `cancel()`
     is asked often, and Cancelled is raised when it says yes.
 
