@@ -92,6 +92,24 @@ double passing(const std::vector<double>& indices, double mu) {
   return passed;
 }
 
+/// Light of lower cosines in the first of these media does not reach the last: one of them reflects it totally.
+double critical_cosine(const std::vector<double>& indices) {
+  double critical = 0.0;
+  for (const double ior : indices) {
+    if (ior < indices.front()) {
+      critical = std::max(critical, refracted_cosine(0.0, ior, indices.front()));
+    }
+  }
+  return critical;
+}
+
+/// The beam at the faces of a layer, for light that leaves through the top or the bottom of the stack.
+OnceScatteredBeam::Beam arriving(const DeltaField& field, std::size_t layer, Index beam, bool top) {
+  const double down = field.from_above[layer].down[beam];
+  const double up = field.from_above[layer].up[beam];
+  return top ? OnceScatteredBeam::Beam{down, up} : OnceScatteredBeam::Beam{up, down};
+}
+
 std::optional<OnceScatteredBeam> once_scattered(const LateralStack& stack, bool top) {
   if (!stack.along_normal()) {
     return std::nullopt;
@@ -102,18 +120,9 @@ std::optional<OnceScatteredBeam> once_scattered(const LateralStack& stack, bool 
   }
   const DeltaField field(delta_layers(stack));
   const Index beam = stack.directions().front().nodes;
-  const double down = field.from_above[next->layer].down[beam];
-  const double up = field.from_above[next->layer].up[beam];
-  double critical = 0.0;
-  for (const double ior : next->indices) {
-    if (ior < next->indices.front()) {
-      critical = std::max(critical, refracted_cosine(0.0, ior, next->indices.front()));
-    }
-  }
-  const OnceScatteredBeam::Beam arrived = top ? OnceScatteredBeam::Beam{down, up} : OnceScatteredBeam::Beam{up, down};
   return OnceScatteredBeam(
-      *stack.media()[next->layer], stack.directions()[next->layer], arrived,
-      [indices = next->indices](double mu) { return passing(indices, mu); }, critical);
+      *stack.media()[next->layer], stack.directions()[next->layer], arriving(field, next->layer, beam, top),
+      [indices = next->indices](double mu) { return passing(indices, mu); }, critical_cosine(next->indices));
 }
 
 /// The share of light that passes the smooth boundaries on its way from the first of these indices to the last, without
@@ -162,22 +171,14 @@ std::vector<OnceScatteredBeam> deeper_scattered(const LateralStack& stack, bool 
     }
     const LateralMedium& medium = *stack.media()[layer];
     if (medium.scatters() && !crossed.empty()) {
-      const double down = field.from_above[layer].down[beam];
-      const double up = field.from_above[layer].up[beam];
-      double critical = 0.0;
-      for (const double other : indices) {
-        if (other < ior) {
-          critical = std::max(critical, refracted_cosine(0.0, other, ior));
-        }
-      }
       std::vector<OnceScatteredBeam::Crossed> others;
       for (const std::size_t other : crossed) {
         const LateralMedium& between = *stack.media()[other];
         others.push_back({between.extinction(), between.thickness(), directions[other].ior / ior});
       }
       found.emplace_back(
-          medium, directions[layer], top ? OnceScatteredBeam::Beam{down, up} : OnceScatteredBeam::Beam{up, down},
-          [indices](double mu) { return passing_once(indices, mu); }, critical, std::move(others));
+          medium, directions[layer], arriving(field, layer, beam, top),
+          [indices](double mu) { return passing_once(indices, mu); }, critical_cosine(indices), std::move(others));
     }
     if (std::isinf(medium.thickness())) {
       break;
