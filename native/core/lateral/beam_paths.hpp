@@ -20,8 +20,8 @@ std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& sta
 std::vector<OnceScatteredBeam> deeper_scattered_upward(const LateralStack& stack);
 std::vector<OnceScatteredBeam> deeper_scattered_downward(const LateralStack& stack);
 
-/// Light that comes out of a stack without having been scattered, where a beam at a slant has left its point of entry:
-/// a ring of this radius, in the mean over azimuths.
+/// Unscattered light of an oblique beam, which leaves beside the point of entry: a ring of this radius, in the mean
+/// over azimuths.
 struct Ring {
   double radius;  ///< mm
   double flux;    ///< truncated peaks count as unscattered

@@ -163,7 +163,7 @@ AzimuthRule Searchlight::azimuths_for(double q) const {
   return AzimuthRule(count, resolution_.bend, count);
 }
 
-/// What is left at a frequency when light at r = 0, in rings and scattered once are taken off.
+/// The spectrum at q without light at r = 0, without rings and without the closed form of single scattering.
 Searchlight::Faces Searchlight::rest_at(double q) const {
   const AzimuthRule azimuths = azimuths_for(q);
   const LateralFlux flux = stack_->at(q, azimuths);

@@ -19,7 +19,7 @@ struct LateralWalkStack {
   /// a distance of density spread / (2 pi (r^2 + spread^2)^(3/2)), whose transform exp(-spread q) has that slope.
   double spread = 0.0;
 
-  /// `scales`: one a layer, no matter what for an interface. Throws std::invalid_argument.
+  /// `scales`: one per layer; those of interfaces are ignored. Throws std::invalid_argument.
   LateralWalkStack(const Stack& stack, std::vector<DepthScale> layer_scales);
 };
 

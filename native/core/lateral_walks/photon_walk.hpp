@@ -11,7 +11,7 @@
 namespace lamina {
 
 /// Photons of the equation of transfer through any stack, for a pencil beam of cosine `mu_i` in air that enters above.
-/// A photon begins where the beam is first scattered; it leaves where chance lets it leave. Absorption by weights,
+/// The first scattering of the beam is forced; exits are analog, without next-event estimation. Absorption by weights,
 /// with Russian roulette; facets by visible normals. `scales`: lengths in millimetres, one a layer. Throws
 /// std::invalid_argument.
 std::unique_ptr<LateralWalk> make_photon_walk(const Stack& stack, const std::vector<DepthScale>& scales, double mu_i);
