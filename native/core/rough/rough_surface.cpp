@@ -17,19 +17,19 @@ using Eigen::ArrayXXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// C = n scale of all directions, 1 at targets, 0 where there is none.
+/// C = n scale of all directions: 1 at targets, 0 where the direction does not exist in the medium.
 VectorXd common_scale(const Directions& directions) { return directions.ior * directions.spread(directions.scale); }
 
-/// For each incoming direction the flux that leaves into all directions: sum over nodes of C_j M_ji.
+/// The flux that leaves into all directions, for each incoming direction i: sum over nodes of C_j M_ji.
 VectorXd leaving_flux(const MatrixXd& matrix, const Directions& out) {
   return matrix.topRows(out.nodes).transpose() * common_scale(out).head(out.nodes);
 }
 
-/// What of the incident flux, C_i, is missing; rounding does not count as a gain.
+/// The missing part of the incident flux C_i; a gain by rounding counts as 0.
 VectorXd lost_flux(const Directions& in, const VectorXd& kept) { return (common_scale(in) - kept).cwiseMax(0.0); }
 
-/// The largest share of flux that is gained, by the nodes together or by any target that is not grazing: facets
-/// cannot gain, only too coarse a quadrature can.
+/// The largest relative gain of flux, over all nodes together and over each target that is not grazing. Facets cannot
+/// gain flux, so a gain means that the quadrature is too coarse.
 double gain(const Directions& in, const VectorXd& kept) {
   constexpr double kGrazing = 0.04;
   const VectorXd gained = kept - common_scale(in);
@@ -57,7 +57,7 @@ void require_no_gain(double gained) {
   }
 }
 
-/// Polynomials orthonormal in flux on each range of a medium's live nodes, as columns, and their degrees.
+/// Polynomials that are orthonormal in flux on each range of a medium's live nodes, as columns, and their degrees.
 struct Modes {
   MatrixXd basis;
   Eigen::VectorXi degree;
@@ -81,8 +81,9 @@ struct Modes {
   }
 };
 
-/// The same map discretised from both of its ends. Sums over facets are least sure of the highest polynomials on
-/// the side where light leaves: between two of them, that one counts which found the lower at that side.
+/// Merges two discretisations of one operator: `one` sums over rays that leave on the side `out`, `other` is its
+/// reverse. Sums over rays are least accurate for high polynomials on the side where light leaves. For each pair of
+/// polynomials, the result takes the sum whose outgoing polynomial has the lower degree.
 MatrixXd merged(const MatrixXd& one, const MatrixXd& other, const Modes& out, const Modes& in) {
   MatrixXd modes = out.basis.transpose() * one * in.basis;
   const MatrixXd back = in.basis.transpose() * other * out.basis;
@@ -100,10 +101,10 @@ MatrixXd merged(const MatrixXd& one, const MatrixXd& other, const Modes& out, co
 
 MatrixXd merged(const MatrixXd& reflection, const Modes& modes) {
   const MatrixXd once = merged(reflection, reflection, modes, modes);
-  return 0.5 * (once + once.transpose());  // rounding
+  return 0.5 * (once + once.transpose());  // removes the asymmetry of rounding
 }
 
-/// Puts back on the diagonal of a reflection what merging took from the flux out of each node.
+/// Restores on the diagonal of a reflection the flux out of each node that merging changed.
 void restore(MatrixXd& reflection, const VectorXd& exact, const VectorXd& kept, const VectorXd& common) {
   reflection.diagonal() += (exact - kept).cwiseQuotient(common);
 }
@@ -115,13 +116,13 @@ MatrixXd merged_keeping_flux(const MatrixXd& one, const Modes& modes, const Dire
   return reflection;
 }
 
-/// Cosines in a medium at which ranges of nodes end.
+/// Cosines in a medium where ranges of nodes end.
 std::vector<double> ends(const DirectionSet& set, double ior) {
   std::vector<double> cosines{0.0};
   for (const DirectionSet::Range& range : set.ranges()) {
     const double own = range.nodes.high();
     const double cosine = refracted_cosine(own, range.ior, ior);
-    // The end of a denser medium's ranges is the beginning of the next thinner one's.
+    // The end of a range in a denser medium is the beginning of the next range, of a less dense medium.
     if (range.ior <= ior && cosine > 0.0 && cosine < 1.0) {
       cosines.push_back(cosine);
     }
@@ -138,8 +139,8 @@ FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int
   return {static_cast<int>(degree), ends(set, ior), beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
 }
 
-/// Writes one part of an operator: its block on live nodes, and columns and rows of targets. `arriving` is light
-/// that comes in along targets, `leaving` what goes out along them, by incoming live nodes.
+/// Writes one part of an operator: its block on live nodes, and the columns and rows of targets. `arriving`: light that
+/// comes in along targets; `leaving`: light that goes out along targets, by incoming live nodes.
 void fill(MatrixXd& kernel, const Directions& out, const Directions& in, const MatrixXd& nodes,
           const MatrixXd& arriving, const MatrixXd& leaving) {
   kernel.topLeftCorner(out.live, in.live) = nodes;
@@ -234,7 +235,7 @@ RoughSurface::Operators RoughSurface::on(const Directions& above, const Directio
       const VectorXd lost = lost_flux(above, kept);
       const double loss = node_sum(lost, above);
       if (loss > 0.0) {
-        // Reflected again and again, each time with the mean reflectance, until it gets out.
+        // Lost light is reflected repeatedly, each time with the mean reflectance, until it leaves (Kulla and Conty).
         const double share = loss / node_sum(common_scale(above), above);
         const double again = mean_fresnel_ * mean_fresnel_ * (1.0 - share) / (1.0 - mean_fresnel_ * share);
         mean_above += again / loss * lost * lost.transpose();

@@ -90,9 +90,9 @@ int nodes_for(const PhaseFunction& phase, double albedo, double tolerance) {
 /// A boundary that reflects light, smooth or rough.
 struct Reflector {
   double alpha;
-  double refracted;  ///< width of a refracted lobe in n sin(theta); infinite: there is none
-  double reflected;  ///< of a reflected lobe
-  double depth;      ///< optical thickness above
+  double refracted;  ///< width of a refracted lobe in n sin(theta); infinite if there is none
+  double reflected;  ///< width of a reflected lobe in n sin(theta)
+  double depth;      ///< optical thickness above the boundary
 };
 
 std::vector<Reflector> reflectors_of(const Stack& stack) {
@@ -163,7 +163,7 @@ LobeChain slowest_chain(const Stack& stack, double tolerance) {
   return chain;
 }
 
-/// Throws if the lobes need more azimuth orders than allowed, with a factor 2 of doubt in the estimate.
+/// Throws if the lobes need more azimuth orders than allowed. The estimate may be too large by a factor of 2.
 void refuse_needles(const Stack& stack, double tolerance) {
   const LobeChain chain = slowest_chain(stack, tolerance);
   if (chain.orders > 2.0 * kMostOrders) {
@@ -200,7 +200,7 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
       scatter(medium->albedo, medium->phase);
       add_medium(medium->tau);
     }
-    // For a graded layer the total thickness counts: single sublayers need not be resolved.
+    // The total thickness of a graded layer counts: single sublayers need not be resolved.
     const auto* graded = std::get_if<GradedMedium>(&layer);
     if (graded != nullptr && graded->largest_albedo() > 0.0) {
       for (const GradedMedium::Knot& knot : graded->knots()) {

@@ -16,11 +16,11 @@ struct Resolution {
   int moments() const { return 2 * nodes; }
 };
 
-/// Thinner layers scatter only once. The relative error is about the thickness times its logarithm.
+/// Layers thinner than this scatter only once. The relative error is about the thickness times its logarithm.
 inline constexpr double kThinnestRepeated = 1e-9;
 
-/// Ranges of nodes are divided down to cosines like this thickness. In thinner layers, part of the multiple scattering
-/// of grazing light is missed; its share is about the thickness times its logarithm.
+/// Ranges of nodes are divided down to cosines similar to the thickness, but not below this. In thinner layers part of
+/// the multiple scattering of grazing light is missed; its share is about the thickness times its logarithm.
 inline constexpr double kThinnestResolved = 1e-5;
 
 /// The resolution for the stack's phase functions. n Gauss nodes per hemisphere integrate products of the first 2n
@@ -28,14 +28,14 @@ inline constexpr double kThinnestResolved = 1e-5;
 /// cosines >= .05. Throws std::runtime_error if the largest number of nodes is not enough.
 Resolution choose_resolution(const Stack& stack, double tolerance);
 
-/// Azimuth orders for three successive lobes, to that relative error; 0 if light cannot get from lobe to lobe. Two
-/// successive lobes are integrated separately, see FacetMeetings.
+/// Number of azimuth orders for three successive lobes at the relative error `tolerance`; 0 if light cannot pass from
+/// lobe to lobe. Two successive lobes are integrated separately, see FacetMeetings.
 int orders_for_lobes(const Stack& stack, double tolerance);
 
 /// The largest number of azimuth orders that a solve tries.
 inline constexpr int kMostOrders = 200;
 
-/// Number of nodes whose resolution in the cosine matches that of so many orders in the azimuth.
+/// Number of nodes whose resolution in the cosine matches the resolution of `orders` in the azimuth.
 inline int nodes_beside(int orders) { return 8 * ((3 * orders + 79) / 80); }
 
 /// The next finer resolution, or the same if there is none.

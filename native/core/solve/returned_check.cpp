@@ -17,12 +17,13 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 using std::numbers::pi;
 
-/// What a smaller value counts as: of the mean over azimuths, and in 1/sr.
+/// Errors are relative to the value, but at least to this share of the mean over azimuths and to this value in 1/sr.
 constexpr double kFaint = 1e-3;
 constexpr double kLeast = 1e-3;
 
-/// What the orders that follow may add at these azimuths. They decay geometrically: the last four against the four
-/// before. Where they keep their sign, or change it each time, their waves cancel but near azimuth 0, or pi.
+/// Bounds the contribution of the truncated orders at these azimuths. Orders are assumed to decay geometrically, at the
+/// ratio of the last four to the four before. If their signs are all equal, or alternate, the cosines cancel except
+/// near azimuth 0, or pi, and summation by parts gives a smaller bound.
 ArrayXd rest_of(const ArrayXd& orders, const ArrayXd& dphi) {
   constexpr Index kFew = 4;
   constexpr double kSlowest = 0.9;

@@ -10,10 +10,10 @@
 namespace lamina {
 namespace {
 
-/// Orders solved between two checks of convergence; fixed, so that results do not depend on the number of threads.
+/// Number of orders solved between two checks of convergence; fixed, so results do not depend on the number of threads.
 constexpr int kBlock = 4;
 
-/// True if multiple scattering exceeds rounding errors.
+/// True if the multiple scattering of the medium exceeds rounding errors.
 bool scatters_repeatedly(const TruncatedMedium& medium) {
   constexpr double kFaintest = 1e-7;  // albedo below which the difference from single scattering is rounding
   return medium.albedo > kFaintest && medium.tau > kThinnestRepeated;
@@ -29,7 +29,7 @@ double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double 
   return least;
 }
 
-/// By refractive index, the thickness of the thinnest layer with multiple scattering, at least `least`.
+/// The thickness of the thinnest layer with multiple scattering, by refractive index; at least `least`.
 std::map<double, double> thinnest_layers(const Stack& stack, double least) {
   const std::vector<double> indices = refractive_indices(stack);
   std::map<double, double> thinnest;
@@ -182,7 +182,7 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
 /// The largest ratio of an order to the least scattering of a medium in any direction, estimated as single scattering
 /// plus a part of the mean of multiple scattering.
 double Solution::share_of_order(int order) const {
-  constexpr double kGrazing = 0.04;  // the tolerance holds above .05 only
+  constexpr double kGrazing = 0.04;  // the tolerance holds for cosines above .05 only
   // Cosines of the nodes in the least dense medium: light that is grazing there may be steep in a denser medium.
   std::vector<double> outside;
   for (const DirectionSet::Range& range : set_->ranges()) {
@@ -223,8 +223,8 @@ std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) con
   return all;
 }
 
-/// The least number of orders. Behind rough boundaries, single scattering needs as many orders as its phase function
-/// has; lobes that meet lobes need orders by their width.
+/// The least number of azimuth orders. Behind rough boundaries, single scattering needs as many orders as its phase
+/// function. Successive lobes need orders by their width.
 int Solution::fewest_orders() const {
   const std::vector<double> indices = refractive_indices(stack());
   bool rough = stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0;
@@ -266,7 +266,7 @@ void Solution::add_boundaries(ThreadPool& pool) {
     boundaries_.push_back({stack().layers.size(), std::make_shared<RoughSurface>(stack().base, *set_, indices.back(),
                                                                                  orders(), pool, fineness)});
   }
-  // Evaluate once, so that lobes that are too narrow throw here, and not when values are evaluated.
+  // Evaluate once, so that lobes that are too narrow throw here and not in a later evaluation.
   const std::vector<Directions> here = directions(Eigen::VectorXd());
   for (const Boundary& boundary : boundaries_) {
     boundary.surface->on(here[boundary.layer], here[std::min(boundary.layer + 1, here.size() - 1)], pool);
