@@ -168,8 +168,8 @@ SUFFIX = sysconfig.get_config_var("EXT_SUFFIX")
 WITHOUT = {
     "missing": (None, "this build of Lamina was made without"),
     "rubbish": (b"rubbish", "cannot be loaded: "),
-    "other Embree": ("raise ImportError('Embree of version 40303 answers where 31305 is expected')",
-                     "cannot be loaded: Embree of version 40303 answers where 31305 is expected"),
+    "other Embree": ("raise ImportError('Embree has version 40303, but version 31305 is expected')",
+                     "cannot be loaded: Embree has version 40303, but version 31305 is expected"),
 }
 SCRIPT = """
 import numpy as np, lamina
