@@ -73,8 +73,8 @@ def _add_flag(command: argparse.ArgumentParser, option: DustOption) -> None:
         degrees = math.degrees(default)
         command.add_argument(flag, type=float, default=degrees, help=f"{option.help} in degrees ({degrees:g})")
     else:
-        command.add_argument(flag, type=int if option.whole else float, default=default,
-                             help=f"{option.help} ({default:g})")
+        usual = "" if default is None else f" ({default:g})"
+        command.add_argument(flag, type=int if option.whole else float, default=default, help=option.help + usual)
 
 
 def _settled(arguments: argparse.Namespace, progress) -> Dust:
