@@ -32,6 +32,9 @@ SAMPLE := material solver/test_published_values.py solver/test_symmetries.py bak
 	test_one_version.py test_stubs.py
 WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 
+# For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
+ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
+
 .PHONY: demo check test lint docs bench study study-hard figures stubs sanitize fuzz wheel extension clean
 .DEFAULT_GOAL := demo
 
@@ -49,7 +52,7 @@ else
 endif
 
 test: lint docs build/stamps/extension
-	$(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
+	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest tests/addon
 	$(RUN) -m pytest tests/cycles
 
@@ -59,7 +62,7 @@ check: build/stamps/wheel build/stamps/develop
 	PYTHONPATH=native $(VENV)/bin/lint-imports --no-cache
 	$(RUN) -m mypy
 	tools/lint_cpp.sh $(VENV)/bin changed
-	$(RUN) -m pytest -n 2 --durations=10 tests/core $(addprefix tests/lamina/,$(SAMPLE))
+	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --durations=10 tests/core $(addprefix tests/lamina/,$(SAMPLE))
 
 lint: build/stamps/wheel build/stamps/develop
 	$(RUN) -m ruff check .
