@@ -197,6 +197,10 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
   multiple = multiple_scattering(solved, medium, phase, order, directions);
   if (order == 0) {
     checks = check_layer(solved, multiple, phase, medium, directions, *set_);
+    if (medium.tau <= resolution_.thinnest_resolved()) {
+      checks.resolution = 0.0;
+      checks.negativity = 0.0;
+    }
   }
 }
 

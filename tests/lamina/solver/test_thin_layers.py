@@ -82,3 +82,11 @@ def test_a_layer_that_needs_no_nodes_keeps_the_tolerance(g, quality, tolerance):
     mu = MU[:, None]
     assert found.brdf(mu, MU, 1.0) == pytest.approx(exact.brdf(mu, MU, 1.0), rel=tolerance)
     assert found.btdf(mu, MU, 2.0) == pytest.approx(exact.btdf(mu, MU, 2.0), rel=tolerance)
+
+
+def test_a_thin_layer_in_dense_glass_is_not_resolved_in_vain():
+    """More nodes do not help a layer that needs none; its light between total reflections is faint."""
+    stack = Stack([Interface(2.567, 0.3), Medium(albedo=0.316, tau=1.2e-8, phase=HenyeyGreenstein(-0.5)),
+                   Interface(1.002), Medium(albedo=0.5, tau=0.01), Interface(1.134)], Lambert(0.5))
+    solved = lamina.solve(stack, "preview", threads=1)
+    assert solved.nodes == 16
