@@ -27,9 +27,9 @@ class Lut:
 
     @property
     def report(self) -> dict:
-        """How good the table is: fit_error (mean relative L2 error of the slices), worst_slice,
-        albedo_error, energy_error and more, see lamina.bake; and the `seconds` that the bake took, which are not saved,
-        so that equal bakes have equal bytes."""
+        """The accuracy of the table: fit_error (mean relative L2 error of the slices), worst_slice, albedo_error,
+        energy_error and more, see lamina.bake. Also the `seconds` of the bake, which are not saved, so equal bakes have
+        equal bytes."""
         return {**self.header["report"], "seconds": self.seconds}
 
     @property

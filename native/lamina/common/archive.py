@@ -17,7 +17,7 @@ import numpy as np
 from . import json_file
 from .atomic import write_atomically
 
-# What reading a damaged or foreign archive may raise.
+# Exceptions from reading a damaged or foreign archive.
 _DAMAGE = (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, RuntimeError, RecursionError,
            NotImplementedError, zipfile.BadZipFile, zlib.error)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The errors that Lamina raises on purpose. Each message is one sentence that can be shown to a user."""
+"""The errors that Lamina raises. Each message is one sentence that can be shown to a user."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class ShardError(ValueError):
 
 
 class DustUnavailable(RuntimeError):  # noqa: N818 - reads as what it says
-    """This installation cannot trace rays; says why."""
+    """This installation cannot trace rays; the message gives the reason."""
 
 
 class MeshFileError(ValueError):
