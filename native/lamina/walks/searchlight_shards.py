@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimates of searchlights in parts that any machines may run; shards.merge adds them up."""
+"""Estimates of searchlights in parts that different machines may run; shards.merge adds them."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from .shard_parts import SCHEMA, PartKind, check_counts, check_list, checked_sha
 def run_searchlight_shard(stack: Stack, query: SearchlightQuery, samples: int, seed: int, shard: tuple[int, int],
                           progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
                           threads: int = 0) -> dict:
-    """Part i of n, `shard` = (i, n) with i from 1, of an estimate of a searchlight with that many samples, as a plain
-    object for json.dump. It holds no times: the same part is the same bytes, whoever runs it. Raises as
+    """Part i of n, `shard` = (i, n) with i from 1, of a searchlight's estimate with `samples` samples, as a plain
+    object for json.dump. It holds no times: the same part has the same bytes on any machine. Raises as
     estimate_searchlight does."""
     check_stack(stack)
     check_kind(query, "query", SearchlightQuery, "a lamina.SearchlightQuery")

@@ -103,7 +103,7 @@ def changed(path, value):
 LAYER = ("layers", 0)
 PHASE = (*LAYER, "phase")
 FORMS = "must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"
-MUST_BE_NUMBER = "must be a number or one number a channel"
+MUST_BE_NUMBER = "must be a number or one number per channel"
 BAD = [
     (("schema",), 2, "schema = 2: must be at most 1; this stack needs a newer Lamina"),
     (("schema",), 0, "schema = 0: must be 1"),
