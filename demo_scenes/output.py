@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of results, which appear whole or not at all."""
+"""Files of results, which are written completely or not at all."""
 
 import json
 import os

@@ -10,7 +10,7 @@ DATA = ROOT / "docs/study"
 
 
 def write(name: str, rows: list[dict], folder: Path = DATA) -> Path:
-    """The file appears whole or not at all. Numbers are rounded to five digits, values to ten."""
+    """The file is written completely or not at all. Numbers are rounded to five digits, values to ten."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.csv"
     fresh = path.with_suffix(".new")

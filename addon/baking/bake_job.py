@@ -19,7 +19,8 @@ from ..stack_json import stack_check
 
 log = logging.getLogger(__name__)
 
-LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # what live editing bakes, whatever the material's choice
+LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # quality and basis of live bakes, independent of the
+                                                  # material's choice
 COARSE = "coarse"  # quality of a live bake with fewer rows or nodes
 
 _place = Place()

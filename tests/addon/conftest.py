@@ -93,7 +93,7 @@ def lamina(addon):
 def material(addon):
     """A new material with nodes and a first stack: one layer of dust over grey, preview quality."""
     material = bpy.data.materials.new("Bronze")
-    addon.nodes.graph.tree_of(material)
+    addon.nodes.node_tree.of(material)
     addon.editing.layer_list.add_stack(material)
     material.lamina.quality = "preview"
     return material

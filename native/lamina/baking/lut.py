@@ -45,7 +45,7 @@ class Lut:
         return texels
 
     def save(self, path: str | os.PathLike) -> None:
-        """Writes the table as .npz, whole or not at all. Raises OSError."""
+        """Writes the table as .npz, completely or not at all. Raises OSError."""
         save_archive(path, self.header, weights=self.weights)
 
     @classmethod
@@ -55,7 +55,7 @@ class Lut:
         try:
             header, (weights,) = load_archive(path, "weights")
         except Damaged:
-            raise LutError(f"{path}: not a whole Lamina lookup table") from None
+            raise LutError(f"{path}: not a complete Lamina lookup table") from None
         problem = lut_header.problem(header, weights)
         if problem:
             raise LutError(f"{path}: {problem}")

@@ -27,7 +27,7 @@ class Damaged(Exception):  # noqa: N818 - callers say in their own words what fi
 
 
 def save_archive(path, header: dict, **arrays: np.ndarray) -> None:
-    """Writes an .npz file, whole or not at all. Unlike numpy.savez, equal content gives equal bytes. The header is
+    """Writes an .npz file, completely or not at all. Unlike numpy.savez, equal content gives equal bytes. The header is
     stored as JSON in an array of bytes. Raises OSError."""
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), np.uint8)
     write_atomically(path, lambda file: _write(file, {"header": text, **arrays}))

@@ -124,7 +124,7 @@ def load_npz(path: str | os.PathLike) -> Export:
         names = _names(header.get("sides"))
         _, arrays = load_archive(path, *names)
     except Damaged:
-        raise ExportError(f"{path}: not a whole scattering function exported by Lamina") from None
+        raise ExportError(f"{path}: not a complete scattering function exported by Lamina") from None
     export = Export(header, dict(zip(names, arrays, strict=True)))
     problem = _problem(export)
     if problem:

@@ -37,7 +37,7 @@ def incident_angles(count: int) -> np.ndarray:
 def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 64, angles: int = 32,
               wavelengths: Sequence[float] | None = None,
               progress: Callable[[float, str], object] | None = None) -> float:
-    """Writes the reflection from the top as a .bsdf file, whole or not at all.
+    """Writes the reflection from the top as a .bsdf file, completely or not at all.
 
     `size`: nodes of the half vector in elevation and in azimuth, [8, 1024]; `angles`: slices in theta_i, [4, 512].
     Readers interpolate linearly between them, so errors fall with the squares of both. Three channels are red, green

@@ -56,7 +56,7 @@ def load(path: str | os.PathLike) -> Mesh:
     except _BadFileError as error:
         raise MeshFileError(f"{path}: {error}") from None
     except (ValueError, IndexError, OverflowError):
-        raise MeshFileError(f"{path}: is not a whole PLY file") from None
+        raise MeshFileError(f"{path}: is not a complete PLY file") from None
     if not columns:
         raise MeshFileError(f"{path}: has no vertices")
     vertices = np.column_stack([columns[name] for name in "xyz"]).astype(np.float64)
@@ -108,7 +108,7 @@ def _header(data: bytes) -> tuple[str | None, list[_Element], bytes]:
         else:
             raise _BadFileError(f"has a header line that is not understood: {line.strip()[:60]!r}")
     if order == "":
-        raise _BadFileError("does not tell its format")
+        raise _BadFileError("has no format line")
     return order, elements, data[start:]
 
 

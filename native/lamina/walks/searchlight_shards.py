@@ -56,7 +56,7 @@ def _check_rest(part: dict, name: str) -> None:
 
 def _check_channel(channel, part: dict, samples: list[int], path: str) -> None:
     if not isinstance(channel, dict) or set(channel) != {"mirrored", "unscattered", "endless", "tallies"}:
-        raise ShardError(f"{path}: not a whole channel of a searchlight")
+        raise ShardError(f"{path}: not a complete channel of a searchlight")
     for name in ("mirrored", "unscattered"):
         if not is_finite(channel[name]) or not 0.0 <= channel[name] <= 1.0 + 1e-9:
             raise ShardError(f"{path}.{name} = {quoted(channel[name])}: must lie in [0, 1]")

@@ -60,7 +60,7 @@ def check_part(part, name: str, kinds: tuple[PartKind, ...]) -> PartKind:
     if not isinstance(part["schema"], int) or part["schema"] != SCHEMA:
         raise ShardError(f"{name}: schema = {quoted(part['schema'])}: must be {SCHEMA}")
     if not isinstance(part["job"], dict) or set(part["job"]) != kind.job:
-        raise ShardError(f"{name}: not a whole part of an estimate")
+        raise ShardError(f"{name}: not a complete part of an estimate")
     for key, value in part["job"].items():
         plain = all(map(is_finite, value)) if isinstance(value, list) else is_finite(value)
         if value is not None and not isinstance(value, str) and not plain:

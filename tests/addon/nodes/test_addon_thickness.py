@@ -141,7 +141,7 @@ def test_an_images_colour_space(addon, dusty):
     mine, others = image("Mine"), image("Others")
     for one in (mine, others):
         one.colorspace_settings.name = "sRGB"
-    addon.nodes.graph.tree_of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = others
+    addon.nodes.node_tree.of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = others
     addon.nodes.thickness.wire_thickness(dusty, "image", mine)
     assert mine.colorspace_settings.name == "Non-Color"
     with pytest.raises(addon.base.messages.RefusedError, match="sRGB"):
@@ -224,7 +224,7 @@ def test_an_image_keeps_no_texel_that_is_not_finite(addon, dusty, tmp_path, stor
 
 def test_an_image_that_others_read_keeps_its_texels(addon, dusty, tmp_path):
     made = odd_image(tmp_path, "generated")
-    addon.nodes.graph.tree_of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = made
+    addon.nodes.node_tree.of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = made
     with pytest.raises(addon.base.messages.RefusedError, match="“Map” holds texels that are not finite"):
         addon.nodes.thickness.wire_thickness(dusty, "image", "Map")
     assert made.pixels[0] == np.inf and addon.nodes.thickness.wiring(dusty).source == "value"

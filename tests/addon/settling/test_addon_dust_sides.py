@@ -53,7 +53,7 @@ def scene(addon, below):
     made.collection.objects.link(eye)
     made.camera = eye
     made.world = bpy.data.worlds.new("Sky")
-    addon.nodes.graph.tree_of(made.world).nodes["Background"].inputs[0].default_value = (1.0, 1.0, 1.0, 1.0)
+    addon.nodes.node_tree.of(made.world).nodes["Background"].inputs[0].default_value = (1.0, 1.0, 1.0, 1.0)
     made.render.engine = "CYCLES"
     made.render.threads_mode, made.render.threads = "FIXED", 1
     made.render.resolution_x = made.render.resolution_y = 24
