@@ -6,7 +6,7 @@ import os
 
 
 def place(path, write):
-    """Calls `write` with the name of a file beside `path`, and gives that its place."""
+    """Calls `write` with the name of a temporary file beside `path`, then renames this file to `path`."""
     partial = f"{path}.part"
     write(partial)
     os.replace(partial, path)
