@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One Blender for all add-on tests: its own user folder, the add-on enabled from this clone.
 
-Blender reads its user folder when bpy is imported, so it is set before. bpy may hang at interpreter
-exit; the process ends by os._exit once pytest has said all that it has to say.
+Blender reads its user folder when bpy is imported, so it is set before. bpy may hang when the interpreter exits, so the
+process ends by os._exit after pytest's report.
 """
 
 import atexit

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What holds for every stack, whatever is in it: each function returns sentences about what does not hold."""
+"""Invariants of all stacks: each function returns sentences about violations."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ QUALITY = "preview"
 TOLERANCE = tolerance_of(QUALITY)
 MU = np.array([0.05, 0.13, 0.37, 0.62, 0.88, 1.0])
 DPHI = np.array([0.0, 0.4, 1.3, 2.4, math.pi])
-# Of a slice's largest value: fainter light is not promised (flanks of lobes, see lamina.solve).
+# Relative to a slice's largest value: the tolerance does not hold for fainter light (flanks of lobes, see
+# lamina.solve).
 FAINT = 3e-3
-ENERGY = 1e-4  # what the solver allows a rough boundary to gain
+ENERGY = 1e-4  # largest gain of a rough boundary that the solver allows
 WALK_SAMPLES = 1 << 16
 WALK_POINTS = 3
 
@@ -58,7 +59,7 @@ def of_values(found: dict) -> list[str]:
 
 
 def of_energy(solved) -> list[str]:
-    """No more leaves than arrives, and all of it where nothing absorbs."""
+    """Not more light leaves than arrives, and all of it without absorption."""
     wrong = []
     for side in ("top", "bottom") if solved.stack.base is None and ends_in_air(solved.stack) else ("top",):
         for mu0 in (MU, "diffuse"):
@@ -121,7 +122,7 @@ def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> li
 
 
 def of_table(lut) -> list[str]:
-    """A baked table holds finite weights, none of them negative, and sane errors."""
+    """A baked table holds finite weights, none of them negative, and plausible errors."""
     wrong = []
     if not np.all(np.isfinite(lut.weights)) or lut.weights.min() < 0.0:
         wrong.append("table: weights negative or not finite")
@@ -136,7 +137,7 @@ def _by_slice(f: np.ndarray) -> np.ndarray:
 
 
 def _difference(a: np.ndarray, b: np.ndarray) -> float:
-    """Largest difference relative to the value and to what is faint beside the largest of its slices."""
+    """Largest difference, relative to the value and to a faint share of the largest value of its slices."""
     scale = np.abs(b) + FAINT / TOLERANCE * np.minimum(_by_slice(b), np.abs(b).max(axis=(0, 2), keepdims=True))
     return float((np.abs(a - b) / (scale + 1e-300)).max())
 

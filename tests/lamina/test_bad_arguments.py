@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bad arguments, files and parts get one sentence each, and values are cut short in it."""
+"""Bad arguments, files and parts give one sentence each, in which long values are shortened."""
 
 import copy
 import io

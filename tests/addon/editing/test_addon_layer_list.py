@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Editing the layer list: every operator does what its plain function does, and can be undone."""
+"""Editing the layer list: every operator has the effect of its plain function, and can be undone."""
 
 import bpy
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group and its image: contents, settings, and what a re-bake leaves alone."""
+"""The node group and its image: contents, settings, and the parts that a new bake does not change."""
 
 import bpy
 import numpy as np

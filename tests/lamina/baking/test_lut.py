@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lookup table as a file: it comes back as it was, and nothing else is taken for one."""
+"""The lookup table as a file: it is read back unchanged, and no other file is accepted."""
 
 import io
 import json

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exported scattering functions: the archive says what the solver says, is refused when damaged, and the
-command line writes it completely or not at all."""
+"""Exported scattering functions: the archive agrees with the solver, is refused when damaged, and the command line
+writes it completely or not at all."""
 
 import json
 import math
@@ -64,7 +64,7 @@ def test_deltas_are_fresnels_and_beers(sheet):
 
 
 def test_brdf_integrates_to_the_albedo(tmp_path):
-    """What a reader gets without any other knowledge than the header: axes, units and conventions."""
+    """A reader that uses the header alone: axes, units and conventions."""
     save_npz(COAT, tmp_path / "coat.npz", theta_o=np.radians(np.arange(0.0, 90.0, 0.25)))
     export = load_npz(tmp_path / "coat.npz")
     assert "btdf" not in export.arrays and export.header["sides"] == ["top"]

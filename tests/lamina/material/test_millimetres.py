@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lengths in millimetres: how optical depth becomes depth, and what tells no length."""
+"""Lengths in millimetres: conversion of optical depth to depth, and stacks without lengths."""
 
 import math
 

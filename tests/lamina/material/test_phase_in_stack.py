@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions in stacks: what is read, refused, written, hashed and handed to the core."""
+"""Phase functions in stacks: reading, refusal, writing, hashes and values for the core."""
 
 import json
 import math
@@ -70,7 +70,7 @@ def test_names_of_other_matter_differ():
 
 
 def test_the_names_of_simple_stacks_stay():
-    """Hashes name bakes that people keep."""
+    """Hashes identify bakes that users store."""
     slab = Medium(albedo=[0.9, 0.8, 0.7], tau=1.0, phase=HenyeyGreenstein(0.5))
     text = Stack([slab], base=HalfSpace(0.5)).canonical()
     assert text == (

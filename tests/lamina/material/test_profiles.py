@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Profiles of media: what knots mean, and what bad ones get."""
+"""Profiles of media: the meaning of knots, and errors of bad ones."""
 
 import numpy as np
 import pytest

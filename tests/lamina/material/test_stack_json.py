@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stacks as JSON: round trips, canonical form and hash, and what bad files get."""
+"""Stacks as JSON: round trips, canonical form and hash, and errors of bad files."""
 
 import copy
 import json
