@@ -54,7 +54,7 @@ class Comparison:
                 "allowed_rms": self.allowed_rms}
 
     def verdict(self, truth="volume"):
-        """One sentence with the numbers; `truth`: what was path traced."""
+        """One sentence with the numbers; `truth`: name of the path-traced body."""
         word = "agree" if self.agree else "DO NOT AGREE"
         mean = self.mean_truth
         geometry = f", geometry {self.geometry_error:.2%}" if self.geometry_error else ""

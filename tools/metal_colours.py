@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computes the colours of the metals that lamina knows by name, and writes native/lamina/kinds/metals.json.
+"""Computes the colours of lamina's metals by name, and writes native/lamina/kinds/metals.json.
 
     python tools/metal_colours.py
 

@@ -61,7 +61,7 @@ class MaterialJob(Job):
     def finish(self):
         """Put the finished LUT into its material; main thread only. Returns the material or None.
 
-        Raises what the bake raised; then, and after a cancel, the material is as it was.
+        Raises the errors of the bake; then, and after a cancel, the material is unchanged.
         """
         material = self.material()
         if self.error is not None:

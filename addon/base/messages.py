@@ -11,7 +11,7 @@ _FIELDS = (
     *boundaries.Interface.fields,
     *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.panel_forms()) for field in form),
 )
-# Names of fields in the sentences of `lamina`, and what the panel calls them.
+# Names of fields in the messages of `lamina`, and the panel's names for them.
 WORDS = {
     "phase": "phase function",
     "phase.kind": "phase function",

@@ -6,7 +6,7 @@ from ..base.messages import RefusedError
 
 
 def names():
-    """All metals that `lamina` knows. Raises NativeMissingError."""
+    """All metals of `lamina` by name. Raises NativeMissingError."""
     return list(native.part("metals").names())
 
 

@@ -16,7 +16,7 @@ from . import exact, scene
 
 @dataclasses.dataclass(frozen=True)
 class Quality:
-    """A square picture of `size` pixels; each seed is a render of its own."""
+    """A square picture of `size` pixels; each seed is a separate render."""
 
     size: int
     seeds: int
@@ -38,7 +38,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def run(out, quality, stack_path, say):
-    """Render, compare, write coat.png and coat.json into `out`. Returns (files, verdict, whether they agree).
+    """Render, compare, write coat.png and coat.json into `out`. Returns (files, verdict, True if they agree).
 
     quality: a key of QUALITIES; stack_path: a stack JSON of one interface on a Lambert base, in place of both coats.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A turned plinth with a moulded edge, a closed surface fine enough for dust to show what stood over it."""
+"""A turned plinth with a moulded edge, a closed surface with a mesh fine enough for the dust shadow of the figure."""
 
 import numpy as np
 

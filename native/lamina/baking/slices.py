@@ -53,7 +53,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     cancel."""
     step(0.0, "Solving the stack")
     full = solve(stack, quality, threads, nodes)
-    # Seen from below, the sheet is the reversed stack; if both are equal, one side serves for both.
+    # Seen from below, the sheet is the reversed stack; if both are equal, one side is used for both.
     symmetric = stack.turned().canonical() == stack.canonical()
     is_sheet = stack.base is None
     sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]

@@ -126,7 +126,7 @@ def _refracted_share(stack: Stack) -> float:
 
 
 def _mean(value) -> float:
-    """A quantity's mean over channels: one closure serves all channels."""
+    """A quantity's mean over channels: all channels share one closure."""
     return value if isinstance(value, int | float) else float(np.mean([channel(value, c) for c in range(len(value))]))
 
 

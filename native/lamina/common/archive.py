@@ -22,7 +22,7 @@ _DAMAGE = (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, R
            NotImplementedError, zipfile.BadZipFile, zlib.error)
 
 
-class Damaged(Exception):  # noqa: N818 - callers say in their own words what file it is
+class Damaged(Exception):  # noqa: N818 - callers raise their own error with a description of the file
     """The file is not a complete archive of these arrays."""
 
 

@@ -14,7 +14,7 @@ from ..kinds.metals import GRAZING, grazing_range, indices, reflectance, table
 
 
 def names() -> list[str]:
-    """The metals that conductor() knows."""
+    """The names of metals that conductor() accepts."""
     return sorted(table())
 
 
