@@ -98,8 +98,8 @@ def test_channels(phase):
     (Tabulated(), "layers[0].phase has no numbers: must have either moments, or cosines and values"),
     (Tabulated(moments=[1.0], values=[1.0]),
      "layers[0].phase has moments and values: must have either moments, or cosines and values"),
-    (Tabulated(moments=[]), "layers[0].phase.moments has 0 entries: must be a list of 1 to 2048 numbers, or one list a "
-     "channel"),
+    (Tabulated(moments=[]), "layers[0].phase.moments has 0 entries: must be a list of 1 to 2048 numbers, or one list "
+     "per channel"),
     (Tabulated(moments=0.5),
      "layers[0].phase.moments = 0.5: must be a list of 1 to 2048 numbers, or one list per channel"),
     (Tabulated(moments=[0.9, 0.5]), "layers[0].phase.moments[0] = 0.9: must be 1"),
