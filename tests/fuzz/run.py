@@ -49,7 +49,7 @@ def examine(seed: int, number: int, comparisons: int, walked: bool, baked: bool 
         found["solve"] = cpu() - started
         values = invariants.grids(solved)
         found["megabytes"] = peak_megabytes()
-        found["wrong"] += invariants.of_values(values) + invariants.of_energy(solved)
+        found["wrong"] += invariants.of_values(stack, values) + invariants.of_energy(solved)
         if baked:
             started = cpu()
             table = lamina.bake(stack, invariants.QUALITY, threads=1)
@@ -57,6 +57,7 @@ def examine(seed: int, number: int, comparisons: int, walked: bool, baked: bool 
             found["megabytes"] = peak_megabytes()
             found["wrong"] += invariants.of_table(table)
         found["wrong"] += invariants.of_splitting(stack, values, chance)
+        found["wrong"] += invariants.of_thickness(solved, chance)
         if walked:
             found["wrong"] += invariants.of_walks(solved, values, chance, comparisons)
     except (lamina.SolveError, lamina.StackError) as error:
@@ -150,7 +151,8 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     # Tables that all bakes share are made once, before the clock runs.
     for warm in (lamina.Stack([lamina.Medium(albedo=0.5, tau=1.0)]),
-                 lamina.Stack([lamina.Interface(1.5, 0.1)], lamina.Lambert(0.5))):
+                 lamina.Stack([lamina.Interface(1.5, 0.1)], lamina.Lambert(0.5)),
+                 lamina.Stack([lamina.Interface(1.5, 0.1), lamina.Interface(1.0, 0.1)])):
         lamina.bake(warm, invariants.QUALITY, threads=1)
     numbers = range(given.first, given.first + given.count)
     every = given.walk_every
