@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What holds for every stack, whatever is in it: each function returns sentences about what does not hold."""
+"""Invariants of all stacks: each function returns sentences about violations."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ QUALITY = "preview"
 TOLERANCE = tolerance_of(QUALITY)
 MU = np.array([0.05, 0.13, 0.37, 0.62, 0.88, 1.0])
 DPHI = np.array([0.0, 0.4, 1.3, 2.4, math.pi])
-# What lamina.solve promises of stacks with boundaries: the tolerance is relative to the value, or to this much of the
-# value's mean over azimuths, or to this many 1/sr, whichever is largest.
+# In stacks with boundaries, the tolerance of lamina.solve is relative to the largest of the value, this share of its
+# mean over azimuths, and this value in 1/sr.
 FAINT = 1e-3
-ENERGY = 1e-4  # what the solver allows a rough boundary to gain
+ENERGY = 1e-4  # largest gain of a rough boundary that the solver allows
 WALK_SAMPLES = 1 << 16
 WALK_POINTS = 3
 
@@ -57,7 +57,7 @@ def of_values(stack: Stack, found: dict) -> list[str]:
 
 
 def of_energy(solved) -> list[str]:
-    """No more leaves than arrives, and all of it where nothing absorbs."""
+    """Not more light leaves than arrives, and all of it without absorption."""
     wrong = []
     for side in ("top", "bottom") if solved.stack.base is None and ends_in_air(solved.stack) else ("top",):
         for mu0 in (MU, "diffuse"):
@@ -146,7 +146,7 @@ def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> li
 
 
 def of_table(lut) -> list[str]:
-    """A baked table holds finite weights, none of them negative, and sane errors."""
+    """A baked table holds finite weights, none of them negative, and plausible errors."""
     wrong = []
     if not np.all(np.isfinite(lut.weights)) or lut.weights.min() < 0.0:
         wrong.append("table: weights negative or not finite")

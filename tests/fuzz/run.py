@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solves and bakes random stacks and checks what holds for all of them; each runs in a process of its own, which
-tells its CPU time and memory. A refusal in one sentence is counted and listed.
+"""Solves and bakes random stacks and checks invariants of all stacks. Each runs in a separate process, which reports
+its CPU time and memory. A refusal in one sentence is counted and listed.
 
 python tests/fuzz/run.py --count 3000 --seed 1 [--first 0] [--results FILE]
 
-With --results each finding is a line of JSON in that file as soon as the stack is done. Stacks that the file already
-holds are not examined again: an interrupted run goes on where it stopped."""
+With --results each finding is written as a line of JSON as soon as the stack is done. Stacks that are already in the
+file are skipped, so an interrupted run can be continued."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LARGEST = 6 << 30  # bytes of address space
 
 
 def examine(seed: int, number: int, comparisons: int, walked: bool, baked: bool = True) -> dict:
-    """What is found of one stack: `wrong`, sentences; or `refused`, one; CPU seconds of solve and bake."""
+    """The findings for one stack: `wrong`, sentences; or `refused`, one sentence; CPU seconds of solve and bake."""
     stack = random_stack(seed, number)
     chance = random.Random(f"points {seed}:{number}")
     found = {"number": number, "wrong": [], "refused": "", "solve": 0.0, "bake": 0.0}
@@ -104,7 +104,7 @@ def apart(work) -> dict:
 
 
 def read_results(path: Path | None, seed: int) -> dict[int, dict]:
-    """Findings of an earlier run by number; a last line that was cut short is left out."""
+    """Findings of an earlier run by number; an incomplete last line is ignored."""
     found = {}
     if path and path.exists():
         for line in path.read_text().splitlines():
@@ -118,7 +118,7 @@ def read_results(path: Path | None, seed: int) -> dict[int, dict]:
 
 
 def summary(results: list[dict]) -> str:
-    """What was found, with the worst by time and by memory."""
+    """A summary of the findings, with the worst by time and by memory."""
     wrong = [r for r in results if r["wrong"]]
     refused = [r for r in results if r["refused"]]
     slow = [r for r in results if seconds(r) > MOST_SECONDS]

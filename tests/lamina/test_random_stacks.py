@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A share of `make fuzz`: the first random stacks, solved; a refusal has to be one short sentence."""
+"""A part of `make fuzz`: the first random stacks, solved; a refusal must be one short sentence."""
 
 import random
 import sys

@@ -42,8 +42,8 @@ FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Runs one command; returns the exit code: 0, 1 when the work failed, 2 for bad input, 130 after
-    Ctrl-C. Errors are one sentence on standard error."""
+    """Runs one command. Returns the exit code: 0, 1 if the work failed, 2 for bad input, 130 after Ctrl-C. Errors are
+    one sentence on standard error."""
     arguments = _parser().parse_args(argv)
     try:
         check(arguments)
@@ -134,7 +134,7 @@ def _estimate(arguments: argparse.Namespace) -> int:
 
 
 def _estimated(arguments: argparse.Namespace, progress) -> Estimate | dict:
-    """The estimate, or with --shard the part. Raises ValueError, SolveError, OSError."""
+    """Runs the estimate, or with --shard one part. Raises ValueError, SolveError, OSError."""
     stack = Stack.load(arguments.stack)
     where = (arguments.mu_o, arguments.mu_i, arguments.dphi)
     if arguments.shard is None:
@@ -173,7 +173,7 @@ def _merge(arguments: argparse.Namespace) -> int:
 
 
 def _print_estimate(found: Estimate | SearchlightEstimate, as_json: bool) -> None:
-    """Prints no times, so that equal estimates print equal bytes."""
+    """Prints no times, so equal estimates print equal bytes."""
     if isinstance(found, SearchlightEstimate):
         searchlight_command.show(found, as_json)
         return
@@ -289,7 +289,7 @@ def _dust(arguments: argparse.Namespace) -> int:
 
 
 def _unwritable(output: Path) -> str:
-    """Why a file cannot be written there, or ''; checked before the work starts."""
+    """The reason why a file cannot be written there, or ''; checked before the work starts."""
     if output.is_dir():
         return f"{output}: is a folder, must be a file's name"
     if not os.access(output.parent, os.W_OK):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers so thin that light meets them once: between boundaries, where what they scatter may be trapped, against the
-limit in closed form; beside others, where they change nothing."""
+"""Layers so thin that light meets them once: between boundaries, where scattered light may be trapped, against the
+limit in closed form; beside other layers, where they have no effect."""
 
 import math
 
