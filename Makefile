@@ -35,13 +35,13 @@ WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 .PHONY: demo check test lint docs bench study study-hard figures stubs sanitize fuzz wheel extension clean
 .DEFAULT_GOAL := demo
 
-# The slab needs no dust and so no Embree: the slab is rendered first, then Embree is built for the other scenes.
+# In a fresh clone the slab is rendered as soon as the solver is compiled: the slab needs neither walks nor dust.
 demo:
-ifeq ($(SCENE),all)
-	@$(MAKE) --no-print-directory -j 2 build/stamps/blender build/stamps/native
-	@$(MAKE) --no-print-directory build/stamps/extension-native
-	$(RUN) demo_scenes/make_demo.py slab --quality $(QUALITY)
-	@$(MAKE) --no-print-directory build/stamps/extension
+ifeq ($(SCENE)$(wildcard build/stamps/extension),all)
+	@$(MAKE) --no-print-directory -j 2 build/stamps/blender build/stamps/first
+	@$(RUN) tools/build_extension.py build/first/*.whl --output build/first
+	$(RUN) demo_scenes/make_demo.py slab --quality $(QUALITY) --extension build/first/lamina-$(VERSION).zip
+	@$(MAKE) --no-print-directory -j 2 build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py all --except slab --quality $(QUALITY) $(OPTIONS)
 else
 	@$(MAKE) --no-print-directory -j 2 build/stamps/extension
@@ -129,21 +129,20 @@ build/stamps/embree: tools/build_embree.sh build/stamps/system
 	@tools/build_embree.sh build/embree
 	@touch $@
 
-# Incremental: CMake compiles what has changed since the last wheel.
-define build_wheel
-rm -f $(WHEEL) && $(RUN) $(PIP) wheel --no-deps --no-build-isolation -w build/wheels . \
-  && $(RUN) $(PIP) install --no-deps --force-reinstall $(WHEEL)
-endef
-
-# The wheel without dust's rays, unless Embree is there already.
-build/stamps/native: build/stamps/venv $(NATIVE_SOURCES)
-	@echo "Building Lamina's native wheel (two to three minutes the first time)"
-	@$(build_wheel)
+# The wheel of the demo's first picture: without walks, searchlight and dust. It stays in build/first: it is neither
+# installed nor part of any archive in dist.
+build/stamps/first: build/stamps/venv $(NATIVE_SOURCES)
+	@echo "Building what the first picture needs of Lamina's native wheel (two minutes)"
+	@rm -rf build/first
+	@$(RUN) $(PIP) wheel --no-deps --no-build-isolation -C cmake.define.LAMINA_WALKS=OFF -w build/first .
 	@touch $@
 
-build/stamps/wheel: build/stamps/embree build/stamps/native
-	@if [ build/stamps/embree -nt build/stamps/native ]; then \
-	  echo "Adding dust's rays to the wheel"; $(build_wheel); fi
+# Incremental: CMake compiles what has changed since the last wheel.
+build/stamps/wheel: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
+	@echo "Building Lamina's native wheel (two to three minutes the first time)"
+	@rm -f $(WHEEL)
+	@$(RUN) $(PIP) wheel --no-deps --no-build-isolation -w build/wheels .
+	@$(RUN) $(PIP) install --no-deps --force-reinstall $(WHEEL)
 	@touch $@
 
 build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)
@@ -154,10 +153,6 @@ build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)
 	@touch $@
 
 EXTENSION_SOURCES := $(ADDON_SOURCES) tools/build_extension.py LICENSE THIRD_PARTY.md
-build/stamps/extension-native: build/stamps/native build/stamps/blender $(EXTENSION_SOURCES)
-	@$(RUN) tools/build_extension.py $(WHEEL) --output dist
-	@touch $@
-
 build/stamps/extension: build/stamps/wheel build/stamps/blender $(EXTENSION_SOURCES)
 	@echo "Building the Blender extension"
 	@$(RUN) tools/build_extension.py $(WHEEL) --output dist

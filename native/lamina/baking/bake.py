@@ -27,7 +27,7 @@ from .dropped_weights import folded
 from .fit_report import all_rows, fit_report
 from .lut import Lut
 from .lut_header import SCHEMA
-from .mixture import Effort, Mixture, mix
+from .mixture import Effort, FittedMixture, Mixture, mix
 from .slices import Slices, SolvedRows, slices, solve_rows
 from .strayed_light import compensated
 from .tau_error import tau_error
@@ -118,7 +118,7 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
                                              seen["transmission"], grid)
     parts: dict[str, Mixture] = {}
     for kind, wanted in seen.items():
-        parts[kind] = folded(fitted[kind], wanted, grid, solved.is_sheet)
+        parts[kind] = fitted[kind] = folded(fitted[kind], wanted, grid, solved.is_sheet)
         if np.any(wanted.direct):
             name = narrow_lobes.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])
@@ -129,7 +129,7 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
         below = fit("reflection", base.slices, limits.textured_base, given["base"], portion(step, 0.95, 0.97), False)
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
         below = folded(below, base.slices, grid, False, factor=base.gain(reflectance))
-        parts |= base.parts(reflectance, seen["reflection"], parts["reflection"], below)
+        parts |= base.parts(reflectance, seen["reflection"], fitted["reflection"], below)
 
     # Measure the error of interpolation between rows
     between = None
@@ -154,7 +154,7 @@ class _Fit:
         self._made_clean = narrow_lobes.closures(without_varying(stack)) if self._varies else []
 
     def __call__(self, kind: str, wanted: Slices, counts: tuple[int, int, int], given: list[str], step: Progress,
-                 at_boundaries: bool) -> Mixture:
+                 at_boundaries: bool) -> FittedMixture:
         """`counts`: largest numbers of closures, see Basis; `at_boundaries`: with closures made for the stack's
         boundaries."""
         effort = Effort(*counts, **SEARCH[self._quality])

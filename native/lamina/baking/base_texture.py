@@ -15,7 +15,7 @@ import numpy as np
 from ..closures.closure_table import LightGrid
 from ..common.progress import Progress, portion
 from ..kinds.table import PREFIX, THROWN_BACK
-from .mixture import Mixture, norms
+from .mixture import FittedMixture, Mixture, norms
 from .slices import Slices, SolvedRows, slices
 
 
@@ -32,7 +32,8 @@ class TexturedBase:
         rho = np.array(reflectance)[:, None]
         return rho / (1.0 - rho * self.thrown_back)
 
-    def parts(self, reflectance: list[float], black: Slices, dark: Mixture, fitted: Mixture) -> dict[str, Mixture]:
+    def parts(self, reflectance: list[float], black: Slices, dark: FittedMixture,
+              fitted: FittedMixture) -> dict[str, Mixture]:
         """The table's parts, made of the fits over black and of A. The errors are for the stack's own reflectance, one
         per channel, and are upper bounds: the sum of the errors of both fits."""
         gain = self.gain(reflectance)
@@ -41,7 +42,7 @@ class TexturedBase:
         errors = errors + np.nan_to_num(fitted.errors) * gain * norms(self.slices.values, self.grid)
         errors = np.where(whole > 0.0, errors / np.where(whole > 0.0, whole, 1.0), np.nan)
         return {
-            "reflection": Mixture(dark.closures, dark.weights, errors, dark.albedo_errors),
+            "reflection": FittedMixture(dark.closures, dark.weights, errors, dark.albedo_errors),
             "base": Mixture([PREFIX + name for name in fitted.closures], fitted.weights),
             "thrown back": Mixture([THROWN_BACK], self.thrown_back[:, None]),
         }

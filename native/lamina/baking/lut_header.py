@@ -39,7 +39,7 @@ _IF_ANY = {
 def problem(header, weights: np.ndarray) -> str:
     """The first problem of a table, in words, or ''."""
     schema = header.get("schema") if isinstance(header, dict) else None
-    if not _is_whole(schema):
+    if not isinstance(schema, int) or isinstance(schema, bool):
         return "not a Lamina lookup table"
     if schema > SCHEMA:
         return f"schema {quoted(schema)} needs a newer Lamina, which reads up to {SCHEMA}"

@@ -47,17 +47,23 @@ class Effort:
 
 @dataclass(frozen=True)
 class Mixture:
-    """`weights` [side, closure, row, channel, column]; `errors`, relative to each slice's norm and nan where
-    it is black, and `albedo_errors`, relative, [side, row, channel, column]; None where nothing was fitted."""
+    """`weights` [side, closure, row, channel, column]."""
 
     closures: list[str]
     weights: np.ndarray
-    errors: np.ndarray | None = None
-    albedo_errors: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class FittedMixture(Mixture):
+    """`errors`, relative to each slice's norm and nan where the slice is black, and `albedo_errors`, relative: both
+    [side, row, channel, column]."""
+
+    errors: np.ndarray
+    albedo_errors: np.ndarray
 
 
 def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *, made: Sequence[str] = (),
-        given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = ()) -> Mixture:
+        given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = ()) -> FittedMixture:
     """Chooses closures of a kind, from the dictionary and from those `made` for the lobes of boundaries, and fits them
     to all slices. `given` closures are fitted without a choice; all of them are ignored if one was made for other
     lobes, or if they leave a view without a closure. `mixed`: the material both reflects and transmits. `fixed`
@@ -65,7 +71,8 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
     given = list(given) if all(":" not in name or name in made for name in given) else []
     choice = _Choice(kind, grid, effort, pool, step, tuple(made), mixed, fixed)
     values, albedo = wanted.values, wanted.albedo
-    parts, errors, share = [], None, 1.0
+    parts, share = [], 1.0
+    left = errors = np.ones(albedo.shape)
 
     # Fit the lobes of rough boundaries
     if made and wanted.lobes is not None and np.any(wanted.lobes):
@@ -92,13 +99,12 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         step(0.5, "Fitting closures")
         found, errors = _fit(names, values, albedo, grid, mixed, pool)
         parts.append(found)
-    if taken:
-        errors = left if errors is None else errors * left
+    errors = errors * left
 
     # Join both parts, and compare their directional albedo with the exact one
     reached = sum(part.albedo() for part in parts)
     exact = wanted.albedo > 0.0
-    return Mixture(
+    return FittedMixture(
         [name for part in parts for name in part.closures],
         np.concatenate([part.weights for part in parts], axis=1),
         np.where(exact, errors, np.nan),
@@ -145,7 +151,8 @@ def _fit_lobes(wanted: Slices, choice: _Choice, own: list[str]) -> _Fitted:
     return found
 
 
-def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid, mixed: bool) -> Mixture:
+def reweighted(mixture: FittedMixture, weights: np.ndarray, wanted: Slices, grid: LightGrid,
+               mixed: bool) -> FittedMixture:
     """The mixture with other weights and their errors. The albedo errors of the fit are kept."""
     fitted = _Fitted(only(grid, mixed, tuple(mixture.closures)), weights)
     whole = norms(wanted.values, grid)

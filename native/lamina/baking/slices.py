@@ -82,13 +82,15 @@ def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str
         last = min(first + ROWS_AT_ONCE, len(solved.functions))
         step(first / len(solved.functions), f"Evaluating thickness {first + 1} of {len(solved.functions)}")
         made.append(_evaluate(solved.functions[first:last], sights, view_cosines(), grid, pool))
-    values, lobes, albedo, direct = (
-        None if parts[0] is None else np.concatenate(parts, axis=1) for parts in zip(*made, strict=True))
+    values, lobes, albedo, direct = zip(*made, strict=True)
+    joined = [np.concatenate(parts, axis=1) for parts in (values, albedo, direct)]
+    all_lobes = None if lobes[0] is None else np.concatenate(lobes, axis=1)
     by_kind = {}
     for number, kind in enumerate(kinds):
         mine = slice(number * len(solved.sides), (number + 1) * len(solved.sides))
-        by_kind[kind] = Slices(values[mine], np.maximum(albedo[mine], 0.0), None if lobes is None else lobes[mine],
-                               direct[mine])
+        values_here, albedo_here, direct_here = (part[mine] for part in joined)
+        by_kind[kind] = Slices(values_here, np.maximum(albedo_here, 0.0),
+                               None if all_lobes is None else all_lobes[mine], direct_here)
     return by_kind
 
 

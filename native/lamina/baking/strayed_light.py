@@ -25,7 +25,7 @@ import numpy as np
 from ..closures import lobes
 from ..closures.closure_table import DENSITY, LightGrid, light_grid, only, view_cosines
 from ..closures.lobes import directional_albedo, fresnel_ggx, ggx
-from .mixture import Mixture, reweighted
+from .mixture import FittedMixture, Mixture, reweighted
 from .slices import Slices
 
 # Strayed light is smooth, except that it rises towards the horizon ahead of the viewer.
@@ -40,7 +40,7 @@ MOST_CHANGE = 0.25
 FRESNEL_NODES = 16
 
 
-def compensated(reflected: Mixture, through: Mixture, wanted: Slices, grid: LightGrid) -> Mixture:
+def compensated(reflected: Mixture, through: FittedMixture, wanted: Slices, grid: LightGrid) -> FittedMixture:
     """The transmitted mixture, scaled so that a white sky shows the exact sum of both sides' albedos. Where this would
     change a slice by more than MOST_CHANGE, part of the error remains."""
     above, weights, before = _reflected(reflected.weights, reflected.closures), through.weights, 1.0
@@ -121,7 +121,9 @@ def _directions():
 @functools.lru_cache(maxsize=64)
 def _strayed(name: str) -> np.ndarray:
     """Density above the horizon [column, light]."""
-    return lobes.by_id(name).strayed(*_directions()).reshape(len(view_cosines()), -1)
+    strayed = lobes.by_id(name).strayed
+    assert strayed is not None
+    return strayed(*_directions()).reshape(len(view_cosines()), -1)
 
 
 @functools.lru_cache(maxsize=8)

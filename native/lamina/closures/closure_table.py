@@ -119,9 +119,8 @@ def _albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
     is integrated in closed form, because the edge of a narrow cone is too sharp for a grid."""
     dense, mu_o = light_grid(96, 64, DENSITY), view_cosines()[::stride]
     narrow = [name for name in ids if lobes.by_id(name).narrow]
-    values = _sample(narrow, dense, mu_o) @ dense.solid_angle if narrow else None
-    return np.stack([values[:, narrow.index(name)] if name in narrow else _albedo(lobes.by_id(name), mu_o)
-                     for name in ids], axis=1)
+    known = dict(zip(narrow, (_sample(narrow, dense, mu_o) @ dense.solid_angle).T, strict=True)) if narrow else {}
+    return np.stack([known[name] if name in known else _albedo(lobes.by_id(name), mu_o) for name in ids], axis=1)
 
 
 def _albedo(lobe: Lobe, mu_o: np.ndarray) -> np.ndarray:

@@ -31,9 +31,7 @@ CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
 
 def resolved(stack: Stack) -> Stack:
     """The stack as a bake solves it: with smooth boundaries in place of facets too narrow for a table."""
-    layers = [replace(layer, alpha=0.0) if _is_sharp(layer) else layer for layer in stack.layers]
-    base = replace(stack.base, alpha=0.0) if _is_sharp(stack.base) else stack.base
-    return stack.with_facets(layers, base)
+    return stack.with_facets([_smoothed(layer) for layer in stack.layers], _smoothed(stack.base))
 
 
 def narrowest(stack: Stack) -> float | None:
@@ -67,11 +65,11 @@ def closures(stack) -> list[str]:
                     for lean in AWAY for w in (1.0, 2.0) for size, smooth in CONES]
     if rough and (_covered(stack) or len(rough) > 1 or _sees_through(stack)):
         widest = max(surface.alpha * above for surface, above, _ in rough) * STEP
-        alpha = narrowest(stack)
+        alpha = least = narrowest(stack) or widest
         while alpha < min(1.0, widest) * STEP:
             ids.append(_id("ggx", min(alpha, 1.0)))
             alpha *= STEP
-        for width in sorted({_rounded(widest / STEP), _rounded(max(narrowest(stack), 0.3 * widest))}):
+        for width in sorted({_rounded(widest / STEP), _rounded(max(least, 0.3 * widest))}):
             ids += [_cone(lean, min(1.0, width * size), min(1.0, width * smooth)) for lean in LEANS
                     for size, smooth in CONES]
     return list(dict.fromkeys(ids))
@@ -86,6 +84,10 @@ def mirror(stack: Stack) -> str:
 
 def _is_sharp(surface) -> bool:
     return isinstance(surface, Interface | Conductor) and 0.0 < surface.alpha < LEAST_ALPHA
+
+
+def _smoothed(surface):
+    return replace(surface, alpha=0.0) if _is_sharp(surface) else surface
 
 
 def _in_order(stack: Stack) -> list[tuple]:

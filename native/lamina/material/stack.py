@@ -8,8 +8,8 @@ import itertools
 import json
 import math
 import os
-from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, fields, replace
+from collections.abc import Collection, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
 from pathlib import Path
 
 from ..common import json_file
@@ -42,6 +42,8 @@ class Stack:
     name: str = ""
     category: str = ""
     source: str = ""
+    _albedos: tuple = field(init=False, repr=False, compare=False)
+    _indices: tuple = field(init=False, repr=False, compare=False)
 
     texts = ("name", "category", "source")
 
@@ -66,7 +68,7 @@ class Stack:
         varying = [i for i, layer in enumerate(checked) if layer.varying]
         if len(varying) > 1:
             raise StackError(f"layers[{varying[1]}].varying = true: only one layer may vary")
-        if varying and max(checked[varying[0]].optics(c)[1] for c in range(self.channels)) == math.inf:
+        if varying and max(self._medium(varying[0]).optics(c)[1] for c in range(self.channels)) == math.inf:
             raise StackError(f"layers[{varying[0]}].tau = inf: a varying layer needs a largest thickness")
         object.__setattr__(self, "_albedos", self._find_albedos())
         if isinstance(self.base, Conductor):
@@ -109,8 +111,9 @@ class Stack:
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
         """(albedo, tau) of a layer in one channel. For a layer given by a colour, the albedo for this colour; for a
         profile, the mean albedo over the optical depth."""
-        albedo, tau = self.layers[layer].optics(channel_index)
-        if self.layers[layer].profile is not None:
+        medium = self._medium(layer)
+        albedo, tau = medium.optics(channel_index)
+        if medium.profile is not None:
             knots = self.knots(layer, channel_index)
             parts = [0.5 * (a + b) * (below - above) for (above, a, _), (below, b, _) in itertools.pairwise(knots)]
             return (math.fsum(parts) / tau if tau > 0.0 else 0.0), tau
@@ -119,12 +122,17 @@ class Stack:
     def knots(self, layer: int, channel_index: int) -> list[tuple[float, float, tuple]]:
         """The knots of a layer with a profile in one channel: (optical depth, albedo, phase function as the core takes
         it), top first. Between knots, albedo times phase function is linear."""
-        return optical_knots(self.layers[layer], self._albedos[layer], channel_index)
+        return optical_knots(self._medium(layer), self._albedos[layer], channel_index)
 
     def indices(self, channel_index: int) -> tuple[float, float]:
         """(eta, k) of a conductor base in one channel; computed from its two colours if these are given."""
         eta, k = self._indices
         return channel(eta, channel_index), channel(k, channel_index)
+
+    def _medium(self, index: int) -> Medium:
+        layer = self.layers[index]
+        assert isinstance(layer, Medium)
+        return layer
 
     def require_air_below(self) -> None:
         """Raises StackError for a sheet that does not end in air. Directions below a sheet are given in air, where
@@ -154,19 +162,19 @@ class Stack:
                 "phase": layer.phase.canonical(self.channels),
                 "varying": layer.varying,
             })
-        base = None if self.base is None else _canonical(self.base, self.channels)
+        base: dict = {} if self.base is None else _canonical(self.base, self.channels)
         if isinstance(self.base, Conductor):
             indices = [self.indices(c) for c in channels]
             base["eta"], base["k"] = [eta for eta, _ in indices], [k for _, k in indices]
         if isinstance(self.base, HalfSpace):
             base["albedo"] = [self.base.albedo_of(c) for c in channels]
-        return json.dumps({"schema": SCHEMA, "layers": layers, "base": base}, sort_keys=True)
+        return json.dumps({"schema": SCHEMA, "layers": layers, "base": base or None}, sort_keys=True)
 
     def to_json(self) -> dict:
         """A JSON object; from_json reads it."""
         layers = []
         for layer in self.layers:
-            entry = {"kind": layer.kind}
+            entry: dict = {"kind": layer.kind}
             if layer.name:
                 entry["name"] = layer.name
             if isinstance(layer, Interface):
@@ -249,7 +257,8 @@ class Stack:
     def _find_albedos(self) -> tuple:
         """The albedos of layers that are given by colours, by layer and channel; for a profile, by layer, knot and
         channel."""
-        found, count = [], self.channels
+        found: list[tuple | None] = []
+        count = self.channels
         for index, layer in enumerate(self.layers):
             path = f"layers[{index}]"
             if isinstance(layer, Medium) and layer.profile is not None:
@@ -261,6 +270,7 @@ class Stack:
         return tuple(found)
 
     def _albedos_at(self, layer: Medium, number: int, path: str) -> tuple[float, ...] | None:
+        assert layer.profile is not None
         knot = layer.profile[number]
         if knot.color is None:
             return None
@@ -268,9 +278,9 @@ class Stack:
         return albedos_of(homogeneous, self.channels, f"{path}.profile[{number}]")
 
     def _canonical_profile(self, index: int) -> dict:
-        layer, channels = self.layers[index], range(self.channels)
+        layer, channels = self._medium(index), range(self.channels)
         knots = []
-        for number, knot in enumerate(layer.profile):
+        for number, knot in enumerate(layer.profile or ()):
             entry = {"depth": knot.depth, "phase": (knot.phase or layer.phase).canonical(self.channels)}
             if knot.has_coefficients:
                 entry["sigma_s"] = [channel(knot.sigma_s, c) for c in channels]
@@ -375,7 +385,7 @@ def _read_base(entry, path: str):
     return base if phase is None else replace(base, phase=read_phase(phase, f"{path}.phase"))
 
 
-def _read(cls, entry, path: str, optional: set[str] = frozenset()):
+def _read(cls, entry, path: str, optional: Collection[str] = ()):
     """An interface or a base from its JSON object; members with a default may be missing."""
     names = {quantity.name for quantity in all_fields(cls)}
     usual = {field.name for field in fields(cls) if field.default is not MISSING}

@@ -20,14 +20,15 @@ BLOCK = 1 << 20
 def corners_of(mesh: Mesh) -> Corners:
     """The points of a checked mesh. Raises DustUnavailable."""
     count = len(mesh.vertices)
-    by_corner = mesh.normals is not None and mesh.normals.ndim == 3
-    if not by_corner and (mesh.normals is not None or mesh.sharp_angle >= math.pi):
+    given = mesh.normals
+    by_corner = given is not None and given.ndim == 3
+    if not by_corner and (given is not None or mesh.sharp_angle >= math.pi):
         first = np.full(count, -1, np.int64)
         flat = mesh.triangles.ravel()
         first[flat[::-1]] = np.arange(flat.size, dtype=np.int64)[::-1]
         return Corners(mesh.triangles, np.arange(count, dtype=np.uint32), first)
-    if by_corner:
-        normals, cosine = unit_normals(mesh.normals.reshape(-1, 3)), math.cos(SAME)
+    if given is not None:
+        normals, cosine = unit_normals(given.reshape(-1, 3)), math.cos(SAME)
     else:
         normals, cosine = _face_normals(mesh), math.cos(mesh.sharp_angle) - SLACK
     return Corners(*embree.layer().corner_points(mesh.triangles, normals, cosine, count))

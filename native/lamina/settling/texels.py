@@ -66,7 +66,7 @@ class TexelMap:
             triangle, weights = layer.texels(self._uvs, self.width, self.height, first, count)
             mask = triangle >= 0
             points = self._points(triangle[mask], weights[mask].astype(np.float64))
-            self._painted += float(points.areas.sum())
+            self._painted += float(self._texel_areas[triangle[mask]].sum())
             yield slice(first, first + count), points, mask
 
     def _points(self, triangle: np.ndarray, weights: np.ndarray) -> Points:

@@ -25,7 +25,7 @@ from .estimate import blocks_of, chunks_in, each_chunk, each_problem
 from .searchlight_moments import DISTANCE, FIRST_FREQUENCY, SQUARE, WEIGHT, Measured, SideMoments
 
 MOST_RADII, MOST_FREQUENCIES = 4096, 64
-WALKS = {"transfer": _core.photon_walk, "scattering": _core.plane_scattering_walk}
+WALKS = {"transfer": "photon_walk", "scattering": "plane_scattering_walk"}  # the core's names
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def run_beams(stack: Stack, query: SearchlightQuery, seed: int, first: int, last
 
     def run(layers, base, knots, endless, within):
         try:
-            walk = WALKS[query.walk](_core.Stack(layers, base), knots, query.mu_i)
+            walk = getattr(_core, WALKS[query.walk])(_core.Stack(layers, base), knots, query.mu_i)
         except ValueError as error:
             raise StackError(f"walk = {query.walk!r}: {error}") from None
         tallies = each_chunk(lambda start, end: _core.run_lateral_walk(
