@@ -9,9 +9,9 @@ from . import native
 _FIELDS = (
     *(field for form in media.FORMS for field in form),
     *boundaries.Interface.fields,
-    *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
+    *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.panel_forms()) for field in form),
 )
-# Names of fields in the sentences of `lamina`, and what the panel calls them.
+# Names of fields in the messages of `lamina`, and the panel's names for them.
 WORDS = {
     "phase": "phase function",
     "phase.kind": "phase function",
@@ -67,7 +67,7 @@ def in_panel_words(text, material):
 
 
 def unusual_channels(values, where):
-    """What is wrong with the length of a list of channels, or ''."""
+    """The fault in the length of a list of channels, as a sentence, or ''."""
     if len(values) in (1, 3):
         return ""
     return f"{where} has {len(values)} channels: a Blender material takes 1 or 3"
@@ -81,7 +81,7 @@ def percent(share, digits=1):
 
 
 def layer_index(text):
-    """Index of the layer that a sentence of lamina names, or None."""
+    """Index of the layer that a message of lamina names, or None."""
     match = _LAYER.match(text)
     return int(match.group(1)) if match else None
 

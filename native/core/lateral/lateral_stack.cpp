@@ -17,8 +17,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// The least cosine that nodes must resolve, by refractive index: the optical thickness of the thinnest layer with
-/// multiple scattering; next to an almost clear layer, the cosine at which light travels far along that layer.
+/// multiple scattering; in an almost clear layer, a cosine at which light travels far along the layer.
 std::map<double, double> least_cosines(const MeasuredStack& measured, const std::vector<double>& indices) {
+  constexpr double kThinnestRepeated = 1e-9;  // thinner layers scatter light once
   constexpr double kClear = 0.3;
   constexpr double kGrazing = 0.02;
   std::map<double, double> least;
@@ -84,7 +85,9 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
 LateralStack::Lobes LateralStack::lobes(const RoughSurface& surface, std::size_t layer, ThreadPool& pool) const {
   Lobes found;
   const Directions& below = directions_[std::min(layer + 1, directions_.size() - 1)];
-  for (ScatteringFunction& order : surface.on(directions_[layer], below, pool).orders) {
+  const RoughSurface::Operators operators = surface.on(directions_[layer], below, pool);
+  for (int m = 0; m < operators.orders(); ++m) {
+    ScatteringFunction order = operators.order(m);
     found.up.emplace_back(order.transmit.kernel.transpose());
     found.reflect_above.push_back(std::move(order.reflect_above.kernel));
     found.down.push_back(std::move(order.transmit.kernel));

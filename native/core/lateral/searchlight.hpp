@@ -37,7 +37,7 @@ struct SearchlightQuality {
   /// profile, and high ones.
   std::array<double, 2> interpolation{2e-7, 2e-5};
   int nodes = 12;
-  int nodes_with_boundary = 8;  ///< boundaries have more: total reflection needs nodes of its own
+  int nodes_with_boundary = 8;  ///< smaller, because the range of total reflection adds nodes
   Eigen::Index azimuths = 12;
   int intervals = 16;  ///< first number of intervals between the frequencies of a piece
 

@@ -92,8 +92,10 @@ class Projection {
 
 }  // namespace
 
-std::shared_ptr<const LobeOperator::Columns> LobeOperator::from(const VectorXd& mu, const VectorXd& common,
-                                                                ThreadPool& pool) const {
+std::shared_ptr<const LobeOperator::Columns> LobeOperator::from_targets(const Directions& directions,
+                                                                        ThreadPool& pool) const {
+  const VectorXd mu = directions.mu.tail(directions.targets);
+  const VectorXd common = directions.ior * directions.scale.tail(directions.targets);
   {
     const std::scoped_lock guard(last_->lock);
     if (last_->columns && last_->mu.size() == mu.size() && last_->mu == mu && last_->common == common) {

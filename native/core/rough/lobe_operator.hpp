@@ -30,9 +30,9 @@ class LobeOperator {
   LobeOperator(FacetRays rays, DirectionSet set, double ior, double beyond, int orders)
       : rays_(std::move(rays)), set_(std::move(set)), ior_(ior), beyond_(beyond), orders_(orders) {}
 
-  /// The columns for incoming directions in the medium of `ior`; `common` is C of each direction, see Directions. The
-  /// last result is cached, because the rows of a lookup table use the same directions.
-  std::shared_ptr<const Columns> from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
+  /// The columns for the targets of the medium of `ior`. The last result is cached, because the rows of a lookup table
+  /// use the same directions.
+  std::shared_ptr<const Columns> from_targets(const Directions& directions, ThreadPool& pool) const;
 
   /// The columns for the nodes of the set: [live node, live node].
   Columns on_nodes(ThreadPool& pool) const;

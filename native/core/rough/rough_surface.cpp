@@ -206,59 +206,77 @@ RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, doubl
 }
 
 RoughSurface::Operators RoughSurface::on(const Directions& above, const Directions& below, ThreadPool& pool) const {
-  const auto targets = [&](const LobeOperator& rays, const Directions& in) {
-    return rays.from(in.mu.tail(in.targets), in.ior * in.scale.tail(in.targets), pool);
-  };
-  const std::shared_ptr<const LobeOperator::Columns> downward = targets(*from_above_, above);
-  const std::shared_ptr<const LobeOperator::Columns> upward = from_below_ ? targets(*from_below_, below) : nullptr;
-  std::vector<ScatteringFunction> orders;
-  for (std::size_t m = 0; m < nodes_.size(); ++m) {
-    ScatteringFunction& order = orders.emplace_back(ScatteringFunction::nothing(above.size(), above.nodes));
-    fill(order.reflect_above.kernel, above, above, nodes_[m].reflect_above, downward->reflected[m],
-         downward->reflected[m].transpose());
-    if (from_below_) {
-      fill(order.transmit.kernel, below, above, nodes_[m].transmit, downward->transmitted[m],
-           upward->transmitted[m].transpose());
-      fill(order.reflect_below.kernel, below, below, nodes_[m].reflect_below, upward->reflected[m],
-           upward->reflected[m].transpose());
+  Operators operators(*this, above, below);
+  operators.downward_ = from_above_->from_targets(above, pool);
+  if (from_below_) {
+    operators.upward_ = from_below_->from_targets(below, pool);
+  }
+  operators.compensate(pool);
+  return operators;
+}
+
+const MatrixXd& RoughSurface::Operators::from_targets(Face from, Face to, int m) const {
+  const LobeOperator::Columns& columns = from == Face::kTop ? *downward_ : *upward_;
+  return (from == to ? columns.reflected : columns.transmitted)[static_cast<std::size_t>(m)];
+}
+
+ScatteringFunction RoughSurface::Operators::lobes(int m) const {
+  const auto k = static_cast<std::size_t>(m);
+  const Nodes& nodes = surface_->nodes_[k];
+  ScatteringFunction order = ScatteringFunction::nothing(above_->size(), above_->nodes);
+  const MatrixXd& reflected = downward_->reflected[k];
+  fill(order.reflect_above.kernel, *above_, *above_, nodes.reflect_above, reflected, reflected.transpose());
+  if (upward_) {
+    const MatrixXd& returned = upward_->reflected[k];
+    fill(order.transmit.kernel, *below_, *above_, nodes.transmit, downward_->transmitted[k],
+         upward_->transmitted[k].transpose());
+    fill(order.reflect_below.kernel, *below_, *below_, nodes.reflect_below, returned, returned.transpose());
+  }
+  return order;
+}
+
+ScatteringFunction RoughSurface::Operators::order(int m) const {
+  ScatteringFunction order = lobes(m);
+  if (m == 0 && share_ > 0.0) {
+    order.reflect_above.kernel += share_ * lost_above_ * lost_above_.transpose();
+    if (upward_) {
+      order.transmit.kernel += share_ * lost_below_ * lost_above_.transpose();
+      order.reflect_below.kernel += share_ * lost_below_ * lost_below_.transpose();
     }
   }
-  ScatteringFunction lobes = orders.front();
-  MatrixXd& mean_above = orders.front().reflect_above.kernel;
-  if (!from_below_) {
-    if (perfect_) {
-      const MatrixXd whole = targets(*perfect_, above)->reflected.front();
-      MatrixXd all = MatrixXd::Zero(above.size(), above.size());
-      fill(all, above, above, perfect_nodes_, whole, whole.transpose());
-      const VectorXd kept = leaving_flux(all, above);
-      require_no_gain(gain(above, kept));
-      const VectorXd lost = lost_flux(above, kept);
-      const double loss = node_sum(lost, above);
-      if (loss > 0.0) {
-        // Lost light is reflected repeatedly, each time with the mean reflectance, until it leaves (Kulla and Conty).
-        const double share = loss / node_sum(common_scale(above), above);
-        const double again = mean_fresnel_ * mean_fresnel_ * (1.0 - share) / (1.0 - mean_fresnel_ * share);
-        mean_above += again / loss * lost * lost.transpose();
-      }
+  return order;
+}
+
+/// Finds what single scattering by facets loses in each direction. Throws std::runtime_error if it gains.
+void RoughSurface::Operators::compensate(ThreadPool& pool) {
+  if (upward_) {
+    const ScatteringFunction mean = lobes(0);
+    const MatrixXd& through = mean.transmit.kernel;
+    const VectorXd kept_above = leaving_flux(mean.reflect_above.kernel, *above_) + leaving_flux(through, *below_);
+    const VectorXd kept_below =
+        leaving_flux(mean.reflect_below.kernel, *below_) + leaving_flux(through.transpose(), *above_);
+    require_no_gain(std::max(gain(*above_, kept_above), gain(*below_, kept_below)));
+    if (surface_->compensate_) {
+      lost_above_ = lost_flux(*above_, kept_above);
+      lost_below_ = lost_flux(*below_, kept_below);
+      const double loss = node_sum(lost_above_, *above_) + node_sum(lost_below_, *below_);
+      share_ = loss > 0.0 ? 1.0 / loss : 0.0;
     }
-    return {std::move(orders), std::move(lobes)};
-  }
-  MatrixXd& through = orders.front().transmit.kernel;
-  MatrixXd& mean_below = orders.front().reflect_below.kernel;
-  const VectorXd kept_above = leaving_flux(mean_above, above) + leaving_flux(through, below);
-  const VectorXd kept_below = leaving_flux(mean_below, below) + leaving_flux(through.transpose(), above);
-  require_no_gain(std::max(gain(above, kept_above), gain(below, kept_below)));
-  if (compensate_) {
-    const VectorXd up = lost_flux(above, kept_above);
-    const VectorXd down = lost_flux(below, kept_below);
-    const double loss = node_sum(up, above) + node_sum(down, below);
+  } else if (surface_->perfect_) {
+    const MatrixXd whole = surface_->perfect_->from_targets(*above_, pool)->reflected.front();
+    MatrixXd all = MatrixXd::Zero(above_->size(), above_->size());
+    fill(all, *above_, *above_, surface_->perfect_nodes_, whole, whole.transpose());
+    const VectorXd kept = leaving_flux(all, *above_);
+    require_no_gain(gain(*above_, kept));
+    lost_above_ = lost_flux(*above_, kept);
+    const double loss = node_sum(lost_above_, *above_);
     if (loss > 0.0) {
-      mean_above += up * up.transpose() / loss;
-      through += down * up.transpose() / loss;
-      mean_below += down * down.transpose() / loss;
+      // Lost light is reflected repeatedly, each time with the mean reflectance, until it leaves (Kulla and Conty).
+      const double lost = loss / node_sum(common_scale(*above_), *above_);
+      const double fresnel = surface_->mean_fresnel_;
+      share_ = fresnel * fresnel * (1.0 - lost) / (1.0 - fresnel * lost) / loss;
     }
   }
-  return {std::move(orders), std::move(lobes)};
 }
 
 template <typename... Towards>

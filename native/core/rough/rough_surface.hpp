@@ -2,6 +2,7 @@
 // The scattering function of a rough boundary or of a rough metal.
 #pragma once
 #include <complex>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -28,13 +29,34 @@ class RoughSurface {
   RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
                double fineness = 1.0);
 
-  /// A rough boundary on directions with targets.
-  struct Operators {
-    std::vector<ScatteringFunction> orders;
-    ScatteringFunction lobes;  ///< order 0 without compensation
+  /// The boundary on directions with targets, one azimuth order at a time. Refers to the boundary and the directions.
+  class Operators {
+   public:
+    /// Lobes between two targets are left out, see LobeOperator; the compensation, which is smooth, is included.
+    ScatteringFunction order(int m) const;
+    /// One order of the lobes alone, from targets on one face to the live nodes of the medium at another:
+    /// [live node, target].
+    const Eigen::MatrixXd& from_targets(Face from, Face to, int m) const;
+    int orders() const { return static_cast<int>(surface_->nodes_.size()); }
+
+   private:
+    friend class RoughSurface;
+    Operators(const RoughSurface& surface, const Directions& above, const Directions& below)
+        : surface_(&surface), above_(&above), below_(&below) {}
+
+    ScatteringFunction lobes(int m) const;
+    void compensate(ThreadPool& pool);
+
+    const RoughSurface* surface_;
+    const Directions* above_;
+    const Directions* below_;
+    std::shared_ptr<const LobeOperator::Columns> downward_;
+    std::shared_ptr<const LobeOperator::Columns> upward_;
+    // The compensation from any direction to any other is the product of the losses there times this share.
+    double share_ = 0.0;
+    Eigen::VectorXd lost_above_;
+    Eigen::VectorXd lost_below_;
   };
-  /// The operators on these directions. Lobes between two targets are left out, see LobeOperator; the compensation,
-  /// which is smooth, is included.
   Operators on(const Directions& above, const Directions& below, ThreadPool& pool) const;
 
   /// The lobes in closed form, for light that arrives at the face `from` and leaves at the face `to`. `mu_from` and

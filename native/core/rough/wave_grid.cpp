@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using std::numbers::pi;
 
-constexpr int kWidth = 12;             // lines of the grid that a ray touches
+constexpr int kWidth = 8;              // lines of the grid that a ray touches
 constexpr Index kMargin = kWidth / 2;  // lines beyond each end of the grid that rays touch
 using KernelWeights = Eigen::Array<double, kWidth, 1>;
 constexpr double kSteepness = 2.3 * kWidth;
@@ -42,7 +42,7 @@ Eigen::MatrixXd waves_on(Index lines, int waves) {
 }
 
 /// The values of the kernel on the lines that it touches, as polynomials in the offset of its centre between two lines.
-/// Accurate to 1e-12 (Barnett, Magland and af Klinteberg 2019, section 5.3).
+/// Accurate to 1e-8 (Barnett, Magland and af Klinteberg 2019, section 5.3).
 class KernelTable {
  public:
   KernelTable() {
@@ -75,7 +75,7 @@ class KernelTable {
   }
 
  private:
-  static constexpr int kTerms = 17;
+  static constexpr int kTerms = 12;
   std::array<KernelWeights, kTerms> terms_;
 };
 

@@ -22,7 +22,7 @@ struct WaveTables {
 ///
 /// The polynomials are sums of cos(j t) with cosine = low + length (1 + cos t) / 2, so both factors are waves. Rays are
 /// spread onto a grid twice as fine as the shortest waves, and the waves are summed over the grid: the nonuniform
-/// Fourier transform of type 1, with the kernel of Barnett, Magland and af Klinteberg (2019). The error is about 1e-11
+/// Fourier transform of type 1, with the kernel of Barnett, Magland and af Klinteberg (2019). The error is about 1e-7
 /// of the sum of shares. The cost of a ray does not depend on the number of nodes and orders.
 class WaveGrid {
  public:

@@ -43,8 +43,7 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
   std::size_t scatterer = 0;
   std::size_t surface = 0;
   const auto rough = [&](const Directions& here) {
-    functions.push_back(kernels ? surfaces_[surface].orders[static_cast<std::size_t>(order)]
-                                : ScatteringFunction::bare(here.size(), here.nodes));
+    functions.push_back(kernels ? surfaces_[surface].order(order) : ScatteringFunction::bare(here.size(), here.nodes));
     ++surface;
   };
   const auto push_smooth = [&](ScatteringFunction deltas) {

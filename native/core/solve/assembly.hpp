@@ -21,11 +21,8 @@ class Assembly {
   const Solution& solution() const { return solution_; }
   /// The directions in the media between the layers, top first: one more than layers.
   const std::vector<Directions>& directions() const { return directions_; }
-  /// The lobes of a rough boundary in one azimuth order, without the compensation of lost energy.
-  const ScatteringFunction& lobes(std::size_t boundary, int order) const {
-    const RoughSurface::Operators& surface = surfaces_[boundary];
-    return order == 0 ? surface.lobes : surface.orders[static_cast<std::size_t>(order)];
-  }
+  /// A rough boundary on these directions.
+  const RoughSurface::Operators& surface(std::size_t boundary) const { return surfaces_[boundary]; }
   /// Specular light that no medium and no rough boundary has scattered; by layer, the base last.
   const DeltaField& deltas() const { return deltas_; }
 

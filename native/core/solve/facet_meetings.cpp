@@ -121,15 +121,11 @@ double FacetMeetings::cosine(std::size_t boundary, Face face, Index target) cons
 
 /// Light that one order of a boundary's lobes sends from targets on one face to nodes on another: [node, target].
 MatrixXd FacetMeetings::to_nodes(std::size_t boundary, Face from, Face to, int order) const {
-  const ScatteringFunction& lobes = assembly_.lobes(boundary, order);
   const Directions& any = assembly_.directions().front();
-  if (from == to) {
-    const MatrixXd& kernel = (from == Face::kTop ? lobes.reflect_above : lobes.reflect_below).kernel;
-    return kernel.block(0, any.nodes, any.nodes, any.targets);
-  }
-  const MatrixXd& kernel = lobes.transmit.kernel;
-  return from == Face::kTop ? MatrixXd(kernel.block(0, any.nodes, any.nodes, any.targets))
-                            : MatrixXd(kernel.block(any.nodes, 0, any.targets, any.nodes).transpose());
+  const MatrixXd& live = assembly_.surface(boundary).from_targets(from, to, order);
+  MatrixXd all = MatrixXd::Zero(any.nodes, any.targets);
+  all.topRows(live.rows()) = live;
+  return all;
 }
 
 void FacetMeetings::take_from(ScatteringFunction& rest, int order) const {

@@ -181,7 +181,7 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
   refuse_needles(stack, tolerance);
   int nodes = fewest_nodes(tolerance);
   double thinnest = 1.0;
-  const auto scatter = [&](double albedo, const PhaseFunction& phase) {
+  const auto resolve = [&](double albedo, const PhaseFunction& phase) {
     constexpr int kLast = 2 * kMostNodes;
     const double rest = albedo * std::abs(phase.moment(kLast));
     if (rest > kUnresolved && !only_noise_beyond(phase, albedo, kLast, tolerance)) {
@@ -189,26 +189,23 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
     }
     nodes = std::max(nodes, nodes_for(phase, albedo, tolerance));
   };
-  const auto add_medium = [&](double tau) {
-    if (tau > kThinnestRepeated) {
-      thinnest = std::min(thinnest, tau);
-    }
-  };
+  // Single scattering uses the phase function itself. Only multiple scattering needs nodes.
+  const double least = thinnest_resolved(tolerance);
   for (const Layer& layer : stack.layers) {
     const auto* medium = std::get_if<Medium>(&layer);
-    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > 0.0) {
-      scatter(medium->albedo, medium->phase);
-      add_medium(medium->tau);
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > least) {
+      resolve(medium->albedo, medium->phase);
+      thinnest = std::min(thinnest, medium->tau);
     }
     // The total thickness of a graded layer counts: single sublayers need not be resolved.
     const auto* graded = std::get_if<GradedMedium>(&layer);
-    if (graded != nullptr && graded->largest_albedo() > 0.0) {
+    if (graded != nullptr && graded->largest_albedo() > 0.0 && graded->tau() > least) {
       for (const GradedMedium::Knot& knot : graded->knots()) {
         if (knot.albedo > 0.0) {
-          scatter(knot.albedo, knot.phase);
+          resolve(knot.albedo, knot.phase);
         }
       }
-      add_medium(graded->tau());
+      thinnest = std::min(thinnest, graded->tau());
     }
   }
   Resolution resolution;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The resolution of a solve: numbers of nodes and azimuth orders, chosen from the stack.
 #pragma once
+#include <algorithm>
+
 #include "matter/stack.hpp"
 
 namespace lamina {
@@ -14,10 +16,18 @@ struct Resolution {
   double tolerance = 1e-3;          ///< largest admitted estimate of the relative pointwise error
 
   int moments() const { return 2 * nodes; }
+  /// Optical thickness up to which a layer needs no nodes of its own, see below.
+  double thinnest_resolved() const;
 };
 
-/// Layers thinner than this scatter only once. The relative error is about the thickness times its logarithm.
+/// Thinner layers scatter light only once.
 inline constexpr double kThinnestRepeated = 1e-9;
+
+/// Optical thickness up to which multiple scattering within a layer may be coarse: it is a share of about the thickness
+/// times its logarithm of what the layer scatters, a tenth of the tolerance. Single scattering is always exact.
+inline double thinnest_resolved(double tolerance) { return 1e-2 * std::min(tolerance, 1e-2); }
+
+inline double Resolution::thinnest_resolved() const { return lamina::thinnest_resolved(tolerance); }
 
 /// Ranges of nodes are divided down to cosines similar to the thickness, but not below this. In thinner layers part of
 /// the multiple scattering of grazing light is missed; its share is about the thickness times its logarithm.
@@ -34,6 +44,9 @@ int orders_for_lobes(const Stack& stack, double tolerance);
 
 /// The largest number of azimuth orders that a solve tries.
 inline constexpr int kMostOrders = 200;
+
+/// The slowest decay from one azimuth order to the next that the check of returned values assumes.
+inline constexpr double kSlowestDecay = 0.974;
 
 /// Number of nodes whose resolution in the cosine matches the resolution of `orders` in the azimuth.
 inline int nodes_beside(int orders) { return 8 * ((3 * orders + 79) / 80); }

@@ -26,12 +26,12 @@ constexpr double kLeast = 1e-3;
 /// near azimuth 0, or pi, and summation by parts gives a smaller bound.
 ArrayXd rest_of(const ArrayXd& orders, const ArrayXd& dphi) {
   constexpr Index kFew = 4;
-  constexpr double kSlowest = 0.9;
+  const double slowest = std::pow(kSlowestDecay, kFew);
   const Index few = std::min(kFew, orders.size() / 2);
   const ArrayXd tail = orders.tail(few);
   const double last = tail.abs().sum();
   const double before = orders.segment(orders.size() - 2 * few, few).abs().sum();
-  const double ratio = last < kSlowest * before ? last / before : kSlowest;
+  const double ratio = last < slowest * before ? last / before : slowest;
   const double all = last * ratio / (1.0 - ratio);
   const ArrayXd steps = tail.head(few - 1) * tail.tail(few - 1);
   ArrayXd rest = ArrayXd::Constant(dphi.size(), all);

@@ -75,6 +75,7 @@ class Solution {
   void limit_modes();
   double share_of_order(int order) const;
   int fewest_orders() const;
+  double orders_needed() const;
   void add_boundaries(ThreadPool& pool);
 
   SublayerStack sublayers_;

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Row 0 of a varying layer's table: the stack without that layer, as good as in a bake of its own.
+"""Row 0 of a varying layer's table: the stack without that layer, as accurate as in a bake of its own.
 
-Closures chosen for the whole material fit the clean stack no better than other rows. So closures for the clean stack
-are chosen first. They are part of the choice for all rows, and row 0 has these alone."""
+Closures chosen for the whole material fit the clean stack no better than other rows. Closures for the clean stack are
+therefore chosen first. They are part of the choice for all rows, and row 0 has these alone."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Weights that are too small for Cycles.
 
-Cycles leaves a closure out where the mean of its weight over R, G and B is below 1e-5. Such weights are moved to the
-other closures of the same view, so that the directional albedo of the rendered mixture stays exact."""
+Cycles drops a closure where the mean of its weight over R, G and B is below 1e-5. Such weights are moved to the other
+closures of the same view, so the directional albedo of the rendered mixture stays exact."""
 
 from __future__ import annotations
 

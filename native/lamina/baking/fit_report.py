@@ -10,7 +10,7 @@ from .mixture import FittedMixture, Mixture
 from .slices import Slices, SolvedRows
 from .strayed_light import strayed_report
 
-# Errors are reported for view cosines from this one on; nearer to grazing, closures are extrapolated.
+# Errors are reported for view cosines from here on; closer to grazing, closures are extrapolated.
 STATED_COSINE = 0.05
 
 
@@ -62,7 +62,7 @@ def _mean(errors: np.ndarray) -> float:
 
 
 def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
-    """Fit error by thickness, of all rows; nothing where no layer varies."""
+    """Fit error by thickness, for all rows; empty if no layer varies."""
     if not solved.axis:
         return {}
     errors = np.moveaxis(all_rows(np.nan_to_num(errors), solved, 1), 1, 0).reshape(len(solved.axis), -1)

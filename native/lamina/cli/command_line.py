@@ -37,8 +37,8 @@ COMMANDS = (bake_command, presets_command, export_command, estimate_command, sea
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Runs one command; returns the exit code: 0, 1 when the work failed, 2 for bad input, 130 after
-    Ctrl-C. Errors are one sentence on standard error."""
+    """Runs one command. Returns the exit code: 0, 1 if the work failed, 2 for bad input, 130 after Ctrl-C. Errors are
+    one sentence on standard error."""
     arguments = _parser().parse_args(argv)
     try:
         check(arguments)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command `dust`: a mesh file in, the thickness of dust on its vertices out."""
+"""The command `dust`: from a mesh file to the thickness of dust on its vertices."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ def add(commands) -> None:
     command = commands.add_parser("dust", help="settle dust on a mesh")
     command.add_argument("mesh", metavar="MESH.ply", help="triangles or larger faces, in metres; .ply or .ply.gz")
     command.add_argument("-o", "--output", required=True, metavar="OUT",
-                         help="the arrays to write (.npz): tau and arrived, one a vertex and more for vertices at "
-                              "sharp edges; vertices, which each is at; corners, which each triangle's corners have; "
-                              "and a header of JSON")
+                         help="the arrays to write (.npz): tau and arrived for each vertex, and again for vertices at "
+                              "sharp edges; vertices, the vertex of each of these points; corners, the point of each "
+                              "triangle's corners; and a JSON header")
     amount = command.add_mutually_exclusive_group()
     amount.add_argument("--amount", type=float, help="optical thickness on an open horizontal plate (1)")
-    amount.add_argument("--grams", type=float, help="areal mass there in g/m^2 instead")
-    command.add_argument("--material", default=_DEFAULTS["extinction"], help="which dust, for --grams")
+    amount.add_argument("--grams", type=float, help="areal mass on that plate in g/m^2, instead of --amount")
+    command.add_argument("--material", default=_DEFAULTS["extinction"], help="the dust's substance, for --grams")
     command.add_argument("--up", choices=sorted(_DOWN), default="z", help="the axis that points up (z)")
     command.add_argument("--wind", type=float, nargs=3, default=_DEFAULTS["wind"], metavar=("X", "Y", "Z"),
-                         help="velocity of the wind over that of the fall")
+                         help="velocity of the wind relative to the speed of the fall")
     command.add_argument("--sharp", type=float, default=30.0,
                          help="angle between faces in degrees, above which their edge is sharp (30)")
     for option in _flags():
         _add_flag(command, option)
-    command.add_argument("--occluder", action="append", default=[], metavar="MESH.ply", help="what else is in the way")
+    command.add_argument("--occluder", action="append", default=[], metavar="MESH.ply", help="a mesh that shelters")
     add_seed(command)
     add_threads(command)
     command.add_argument("--quiet", action="store_true", help="no progress")

@@ -52,7 +52,7 @@ def _estimate(arguments: argparse.Namespace) -> int:
 
 
 def _estimated(arguments: argparse.Namespace, progress) -> Estimate | dict:
-    """The estimate, or with --shard the part. Raises ValueError, SolveError, OSError."""
+    """Runs the estimate, or with --shard one part. Raises ValueError, SolveError, OSError."""
     stack = Stack.load(arguments.stack)
     where = (arguments.mu_o, arguments.mu_i, arguments.dphi)
     if arguments.shard is None:

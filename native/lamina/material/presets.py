@@ -14,7 +14,7 @@ from .stack import Stack
 
 @dataclass(frozen=True)
 class Preset:
-    """A stack of the library: `id` is its file's name, `source` says where its numbers come from."""
+    """A stack of the library: `id` is its file's name, `source` the source of its numbers."""
 
     id: str
     stack: Stack

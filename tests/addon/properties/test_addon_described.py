@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties, rows and JSON that the add-on makes of the descriptions in lamina.kinds."""
+"""Properties, rows and JSON that the add-on makes from the descriptions in lamina.kinds."""
 
 import bpy
 import numpy as np
@@ -10,7 +10,7 @@ from lamina.kinds import bases, dust, media, phases
 
 
 def ends(field):
-    """The range of a field's property, as single precision keeps it."""
+    """The range of a field's property in single precision."""
     panel = field.panel
     return np.float32([field.low if panel.low is None else panel.low, field.high if panel.high is None else panel.high])
 

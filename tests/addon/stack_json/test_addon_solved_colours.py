@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colour behind an albedo, the albedo behind a colour; and that the panel draws for every kind of layer."""
+"""The colour for an albedo and the albedo for a colour; the panel draws every kind of layer."""
 
 import sys
 import time

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""python -m lamina dust: a mesh file in, arrays out, one sentence for what cannot be."""
+"""python -m lamina dust: from a mesh file to arrays, with one sentence for errors."""
 
 import argparse
 from dataclasses import replace

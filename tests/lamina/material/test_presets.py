@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The library of stacks: every one is whole, named, sourced and can be solved; and the command that lists them."""
+"""The library of stacks: every one is complete, has a name and a source, and can be solved; the command that lists
+them."""
 
 import itertools
 import json
@@ -33,7 +34,7 @@ def test_a_preset(id):
     stack = presets.load(id)
     assert stack.name and stack.category in CATEGORIES and len(stack.source) > 20 and stack.source.endswith(".")
     assert stack.channels in (1, 3)
-    # What is not measured says so, and what is names its origin.
+    # Sources of measured values are given, and values that are not measured are marked.
     assert "by eye" in stack.source or any(word in stack.source for word in (
         "measured", "biosnicar", "prosail", "PROSPECT"))
     surfaces = [layer for layer in stack.layers if isinstance(layer, Interface)]
@@ -72,7 +73,7 @@ def test_the_leaf_shows_the_spectra_that_it_was_inverted_from():
 
 
 def test_the_pond_is_measured_water_in_which_silt_settles():
-    """Pope and Fry (1997): water absorbs .34, .0565, .00922 a metre; 30 times as much silt lies at the bottom."""
+    """Pope and Fry (1997): water absorbs .34, .0565, .00922 per metre; 30 times as much silt lies at the bottom."""
     top, bottom = presets.load("silted-pond").layers[1].profile
     np.testing.assert_allclose(np.divide(bottom.sigma_s, top.sigma_s), 30.0, rtol=1e-9)
     water = (30.0 * np.array(top.sigma_a) - bottom.sigma_a) / 29.0
