@@ -27,6 +27,8 @@ from .material.phase import Mixture, Tabulated
 from .material.profile import Knot
 from .material.stack import Stack
 from .solver.solve import ScatteringFunction, solve
+from .subsurface.node_inputs import SubsurfaceInputs, subsurface_inputs
+from .subsurface.stack_nodes import subsurface_nodes
 from .walks.estimate import Estimate, Query, estimate
 from .walks.estimate_searchlight import SearchlightEstimate, SearchlightQuery, estimate_searchlight
 
@@ -56,6 +58,7 @@ __all__ = [
     "SolveError",
     "Stack",
     "StackError",
+    "SubsurfaceInputs",
     "Tabulated",
     "UnknownName",
     "bake",
@@ -71,4 +74,6 @@ __all__ = [
     "rgl",
     "searchlight",
     "solve",
+    "subsurface_inputs",
+    "subsurface_nodes",
 ]
