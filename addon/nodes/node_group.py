@@ -147,8 +147,8 @@ def is_connected(material):
 
 
 def connect(material, group=None):
-    """Link `group`, by default that of the last bake, to the Surface of the material's output; other nodes are
-    unchanged. Returns the group node."""
+    """Link `group`, by default that of the last bake, to the Surface of the material's output; other nodes
+    are unchanged. Returns the group node."""
     tree = material.node_tree
     node = (group_nodes(material, group) or [None])[0]
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
