@@ -39,7 +39,8 @@ def expected(error):
         return False
     lamina = native.require()
     solver = lamina.StackError | lamina.LutError | lamina.SolveError
-    return isinstance(error, solver | lamina.DustError | lamina.DustUnavailable)
+    others = lamina.ArgumentError | lamina.DustError | lamina.DustUnavailable
+    return isinstance(error, solver | others)
 
 
 def sentence(error, material=None):

@@ -121,9 +121,9 @@ def recipe_source():
     return recipe_of
 
 
-def group_nodes(material):
-    """The nodes of the material's tree that use its own group."""
-    group = material.lamina.node_group
+def group_nodes(material, group=None):
+    """The nodes of the material's tree that use `group`, by default the group of the last bake."""
+    group = group or material.lamina.node_group
     if material.node_tree is None or group is None:
         return []
     return [node for node in material.node_tree.nodes if node.type == "GROUP" and node.node_tree == group]
@@ -146,14 +146,14 @@ def is_connected(material):
     return False
 
 
-def connect(material):
-    """Link the material's group to the Surface of its output; other nodes are unchanged. Returns the group
-    node."""
+def connect(material, group=None):
+    """Link `group`, by default that of the last bake, to the Surface of the material's output; other nodes
+    are unchanged. Returns the group node."""
     tree = material.node_tree
-    node = (group_nodes(material) or [None])[0]
+    node = (group_nodes(material, group) or [None])[0]
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
     if node is None:
-        node = _add_group_node(material, material.lamina.node_group, output)
+        node = _add_group_node(material, group or material.lamina.node_group, output)
     tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
     return node
 

@@ -22,6 +22,15 @@ from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
 SCHEMA = 2  # 1: media of three phase functions on four bases
 
 
+LATERAL_OUTPUTS = (
+    (
+        "RELIGHTABLE",
+        "Relightable",
+        "Subsurface Scattering nodes whose light leaves in the right amount at the right mean distance",
+    ),
+)
+
+
 class LaminaResult(bpy.types.PropertyGroup):
     """The last finished bake, copied from the LUT's report."""
 
@@ -80,6 +89,14 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     )
     result: PointerProperty(type=LaminaResult)
     node_group: PointerProperty(type=bpy.types.NodeTree, description="The node group that bakes update")
+    lateral: EnumProperty(
+        name="Lateral",
+        description="How light that enters at one place and leaves at another is shown",
+        items=LATERAL_OUTPUTS,
+        options=set(),
+    )
+    lateral_group: PointerProperty(type=bpy.types.NodeTree, description="The node group of that light")
+    lateral_report: StringProperty(description="What the last lateral node group promises, as one sentence")
 
 
 CLASSES = (LaminaDepth, LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)

@@ -10,12 +10,21 @@ from .common.errors import (
     DustError,
     DustUnavailable,
     ExportError,
+    InteriorError,
     LutError,
     ShardError,
     SolveError,
     StackError,
     UnknownName,
 )
+from .interior.end_material import EndMaterial
+from .interior.estimates import ExitEstimate, LightEstimate
+from .interior.grid import Interior
+from .interior.lamps import Lamp
+from .interior.marble import Marble, marble
+from .interior.parts import WalkPart, light_in_mesh, merge_walks, walk_in_mesh, walk_part
+from .interior.solid import Solid
+from .interior.walk import Surface
 from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
@@ -27,6 +36,8 @@ from .material.phase import Mixture, Tabulated
 from .material.profile import Knot
 from .material.stack import Stack
 from .solver.solve import ScatteringFunction, solve
+from .subsurface.node_inputs import SubsurfaceInputs, subsurface_inputs
+from .subsurface.stack_nodes import subsurface_nodes
 from .walks.estimate import Estimate, Query, estimate
 from .walks.estimate_searchlight import SearchlightEstimate, SearchlightQuery, estimate_searchlight
 
@@ -39,11 +50,18 @@ __all__ = [
     "Cancelled",
     "DustError",
     "DustUnavailable",
+    "EndMaterial",
     "Estimate",
+    "ExitEstimate",
     "ExportError",
     "Interface",
+    "Interior",
+    "InteriorError",
     "Knot",
+    "Lamp",
+    "LightEstimate",
     "Lut",
+    "Marble",
     "LutError",
     "Medium",
     "Mixture",
@@ -53,22 +71,33 @@ __all__ = [
     "SearchlightEstimate",
     "SearchlightQuery",
     "ShardError",
+    "Solid",
     "SolveError",
     "Stack",
     "StackError",
+    "SubsurfaceInputs",
+    "Surface",
     "Tabulated",
     "UnknownName",
+    "WalkPart",
     "bake",
     "colours",
     "dust",
     "estimate",
     "estimate_searchlight",
     "export",
+    "light_in_mesh",
     "lobes",
+    "marble",
+    "merge_walks",
     "metals",
     "ply",
     "presets",
     "rgl",
     "searchlight",
     "solve",
+    "subsurface_inputs",
+    "subsurface_nodes",
+    "walk_in_mesh",
+    "walk_part",
 ]

@@ -7,8 +7,8 @@ import difflib
 
 from ..kinds.errors import LONGEST, DustError, StackError, clipped, quoted
 
-__all__ = ["ArgumentError", "Cancelled", "DustError", "DustUnavailable", "ExportError", "LutError", "MeshFileError",
-           "ShardError", "SolveError", "StackError", "UnknownName", "clipped", "quoted", "unknown"]
+__all__ = ["ArgumentError", "Cancelled", "DustError", "DustUnavailable", "ExportError", "InteriorError", "LutError",
+           "MeshFileError", "ShardError", "SolveError", "StackError", "UnknownName", "clipped", "quoted", "unknown"]
 
 
 class ArgumentError(ValueError):
@@ -45,6 +45,10 @@ class ShardError(ValueError):
 
 class DustUnavailable(RuntimeError):  # noqa: N818 - clear without the suffix Error
     """This installation cannot trace rays; the message gives the reason."""
+
+
+class InteriorError(ValueError):
+    """A bad interior or a bad mesh around one: names the field, its value and the allowed range."""
 
 
 class MeshFileError(ValueError):
