@@ -39,7 +39,8 @@ def expected(error):
         return False
     lamina = native.require()
     solver = lamina.StackError | lamina.LutError | lamina.SolveError
-    return isinstance(error, solver | lamina.DustError | lamina.DustUnavailable)
+    meshes = lamina.DustError | lamina.DustUnavailable | lamina.InteriorError
+    return isinstance(error, solver | meshes)
 
 
 def sentence(error, material=None):
