@@ -39,7 +39,7 @@ def expected(error):
         return False
     lamina = native.require()
     solver = lamina.StackError | lamina.LutError | lamina.SolveError
-    others = lamina.ArgumentError | lamina.DustError | lamina.DustUnavailable
+    others = lamina.ArgumentError | lamina.DustError | lamina.DustUnavailable | lamina.InteriorError
     return isinstance(error, solver | others)
 
 
