@@ -9,7 +9,7 @@ from . import native
 _FIELDS = (
     *(field for form in media.FORMS for field in form),
     *boundaries.Interface.fields,
-    *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.panel_forms()) for field in form),
+    *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
 )
 # Names of fields in the messages of `lamina`, and the panel's names for them.
 WORDS = {

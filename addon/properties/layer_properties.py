@@ -161,7 +161,7 @@ def _base_kind_changed(base, context):
 
 def _base_properties(cls):
     """{name: property} of a kind of base, without those of facets."""
-    fields = [*cls.fields, *(field for form in cls.panel_forms() for field in form)]
+    fields = [*cls.fields, *(field for form in cls.forms for field in form)]
     found = {field.prop: number(field) for field in fields}
     found |= {one.name: option(one) for one in cls.options if one not in boundaries.FACETS}
     if cls.form_prop:

@@ -28,20 +28,14 @@ class Base:
     options: tuple[Option, ...] = ()
     item: Item
     has_phase = False
-    # Name of the add-on's property that selects the form. Without this property the panel offers only the first form,
-    # which then has no item.
+    # Name of the add-on's property that selects the form; each form has an item.
     form_prop = ""
-
-    @classmethod
-    def panel_forms(cls) -> tuple[Form, ...]:
-        """The forms that the panel offers."""
-        return cls.forms if cls.form_prop else cls.forms[:1]
 
     @classmethod
     def panel_fields(cls, given) -> tuple[Field, ...]:
         """The quantities to edit for a base with the properties `given`: those of its form, then `fields`."""
-        for form in cls.panel_forms():
-            if form.item is None or form.item.id == getattr(given, cls.form_prop):
+        for form in cls.forms:
+            if form.item is not None and form.item.id == getattr(given, cls.form_prop):
                 return *form, *cls.fields
         return cls.fields
 
@@ -129,7 +123,11 @@ class HalfSpace(Base):
     sigma_a: Channels | None = None
 
     kind = "half-space"
-    forms = (Form((ALBEDO,)), Form((SIGMA_S, SIGMA_A)))
+    forms = (
+        Form((ALBEDO,), Item("optical", "Albedo", "By albedo", 0)),
+        Form((SIGMA_S, SIGMA_A), Item("coefficients", "Per mm", "By scattering and absorption per millimetre", 1)),
+    )
+    form_prop = "half_space_form"
     has_phase = True
     item = Item(kind, "Deep Medium", "A medium without bottom: soil, snow, thick paint", 3)
 

@@ -48,6 +48,18 @@ def require_millimetres(stack: Stack) -> None:
             raise StackError("base.sigma_s = 0: an infinitely thick medium must scatter or absorb")
 
 
+def has_lengths(stack: Stack) -> bool:
+    """True if the stack holds a medium or a half-space, and all of them are given in millimetres, so that
+    lamina.searchlight can compute how far light travels sideways."""
+    if not any(isinstance(part, Medium | HalfSpace) for part in (*stack.layers, stack.base)):
+        return False
+    try:
+        require_millimetres(stack)
+    except StackError:
+        return False
+    return True
+
+
 def depth_knots(stack: Stack, index: int) -> list[tuple[DepthKnot, ...]]:
     """The relation of optical depth to millimetres in one channel: the knots of every layer, top first, and of a
     half-space as the base; no knots for an interface.
