@@ -5,7 +5,6 @@
 #include <array>
 
 #include "guided/reflection_by_height.hpp"
-#include "operators/adding.hpp"
 #include "solve/homogeneous_layer.hpp"
 
 namespace lamina {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <vector>
 
 #include "guided/adjoint_source.hpp"
 #include "matter/single_scattering_shape.hpp"

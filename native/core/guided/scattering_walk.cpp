@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "guided/scattering_walk.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <stdexcept>
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <utility>
 
 #include "solve/normalising_share.hpp"
 

@@ -3,7 +3,6 @@
 
 #include <numbers>
 
-#include "numeric/tangents.hpp"
 #include "phase/henyey_greenstein.hpp"
 
 namespace lamina {

@@ -26,7 +26,7 @@ def textured(addon):
         bpy.context.scene.collection.objects.link(obj)
         obj.location, obj.rotation_euler, obj.scale = (5, 6, 7), (0.3, 0.2, 0.1), (2, 1, 3)
         material = bpy.data.materials.new("Veins")
-        addon.nodes.graph.tree_of(material)
+        addon.nodes.node_tree.of(material)
         tree = material.node_tree
         shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
         tree.links.new(build(tree), shader.inputs["Base Color"])
@@ -138,6 +138,6 @@ def test_bad_requests(addon, sampling, textured):
             whole = {"obj": obj, "material": material, "low": LOW, "high": HIGH, "shape": SHAPE}
             sampling.sample_nodes(**whole | change)
     plain = bpy.data.materials.new("Plain")
-    addon.nodes.graph.tree_of(plain)
+    addon.nodes.node_tree.of(plain)
     with pytest.raises(sampling.RefusedError, match="Plain has no texture linked to a colour or density"):
         sampling.sample_nodes(obj, plain, LOW, HIGH, SHAPE)
