@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamina: physically right layered materials for Cycles. The only part of Lamina that knows Blender."""
+"""Lamina: physically right layered materials for Cycles. The only part of Lamina that imports bpy."""
 
 import bpy
 
 from . import operators
-from .baking import bake_job, live
+from .baking import bake_job, lateral_job, live
 from .base import native, preferences
 from .command_line import blend_saving, command
 from .properties import dust_properties, material_properties, migration
 from .settling import dust_job
 from .stack_json import solved_colours
-from .ui import dust_panel, menus, panel, thickness_panel
+from .ui import dust_panel, lateral_panel, menus, panel, thickness_panel
 
 PARTS = (
     material_properties,
@@ -19,10 +19,12 @@ PARTS = (
     migration,
     bake_job,
     dust_job,
+    lateral_job,
     live,
     operators,
     menus,
     panel,
+    lateral_panel,
     thickness_panel,
     dust_panel,
     blend_saving,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""make bench: all benchmarks in turn, printed as tables and kept as JSON in build/bench.
+"""make bench: all benchmarks in turn, printed as tables and stored as JSON in build/bench.
 
     python bench/run.py [solver|doubling|walks|bake|fit|live|dust|interior|render ...]
 """
@@ -65,7 +65,7 @@ def interior():
 
 
 def render():
-    # In a process of its own, because bpy may hang when the interpreter exits.
+    # bpy may hang when the interpreter exits, so this runs in a process of its own.
     subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
     return None
 

@@ -11,6 +11,8 @@ from .connect import LAMINA_OT_connect
 from .dust_cancel import LAMINA_OT_dust_cancel
 from .dust_clear import LAMINA_OT_dust_clear
 from .dust_settle import LAMINA_OT_dust_settle
+from .lateral import LAMINA_OT_lateral
+from .lateral_cancel import LAMINA_OT_lateral_cancel
 from .layer_add import LAMINA_OT_layer_add
 from .layer_duplicate import LAMINA_OT_layer_duplicate
 from .layer_move import LAMINA_OT_layer_move
@@ -46,6 +48,8 @@ CLASSES = (
     LAMINA_OT_bake,
     LAMINA_OT_bake_cancel,
     LAMINA_OT_connect,
+    LAMINA_OT_lateral,
+    LAMINA_OT_lateral_cancel,
     LAMINA_OT_dust_settle,
     LAMINA_OT_dust_cancel,
     LAMINA_OT_dust_clear,

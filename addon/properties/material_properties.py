@@ -22,6 +22,15 @@ from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
 SCHEMA = 2  # 1: media of three phase functions on four bases
 
 
+LATERAL_OUTPUTS = (
+    (
+        "RELIGHTABLE",
+        "Relightable",
+        "Subsurface Scattering nodes whose light leaves in the right amount at the right mean distance",
+    ),
+)
+
+
 class LaminaResult(bpy.types.PropertyGroup):
     """The last finished bake, copied from the LUT's report."""
 
@@ -34,9 +43,9 @@ class LaminaResult(bpy.types.PropertyGroup):
     worst_mu: FloatProperty(description="View cosine of the worst slice")
     worst_channel: IntProperty()
     worst_side: StringProperty()
-    worst_tau: FloatProperty(description="Its row's optical thickness; negative when none varies")
+    worst_tau: FloatProperty(description="Optical thickness of its row; negative when no layer varies")
     through_worst_error: FloatProperty(
-        default=-1.0, description="The same of the worst slice of transmission; negative when there is none"
+        default=-1.0, description="The same for the worst slice of transmission; negative when there is none"
     )
     through_worst_mu: FloatProperty()
     through_worst_channel: IntProperty()
@@ -63,11 +72,11 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     base: PointerProperty(type=LaminaBase)
     about: StringProperty(description="JSON of an imported stack's texts: name, category, source")
     quality: EnumProperty(
-        name="Quality", description="How exactly to bake", items=QUALITIES, default="final", options=set()
+        name="Quality", description="Accuracy of the bake", items=QUALITIES, default="final", options=set()
     )
     basis: EnumProperty(
         name="Basis",
-        description="How many closures the material is made of. Live editing shows Standard",
+        description="Number of closures that the material is made of. Live editing shows Standard",
         items=CLOSURE_BASES,
         default="standard",
         options=set(),
@@ -80,6 +89,14 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     )
     result: PointerProperty(type=LaminaResult)
     node_group: PointerProperty(type=bpy.types.NodeTree, description="The node group that bakes update")
+    lateral: EnumProperty(
+        name="Lateral",
+        description="How light that enters at one place and leaves at another is shown",
+        items=LATERAL_OUTPUTS,
+        options=set(),
+    )
+    lateral_group: PointerProperty(type=bpy.types.NodeTree, description="The node group of that light")
+    lateral_report: StringProperty(description="What the last lateral node group promises, as one sentence")
 
 
 CLASSES = (LaminaDepth, LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)

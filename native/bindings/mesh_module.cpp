@@ -141,7 +141,9 @@ py::tuple corner_points(const Indices& triangles, const Floats& normals, float c
 }  // namespace
 
 PYBIND11_MODULE(_mesh, module) {
-  require_processor();
+  if (!processor_suits()) {
+    throw py::error_already_set();
+  }
   const std::string wrong = mesh_self_test();
   if (!wrong.empty()) {
     throw py::import_error(wrong);

@@ -36,6 +36,8 @@ from .material.phase import Mixture, Tabulated
 from .material.profile import Knot
 from .material.stack import Stack
 from .solver.solve import ScatteringFunction, solve
+from .subsurface.node_inputs import SubsurfaceInputs, subsurface_inputs
+from .subsurface.stack_nodes import subsurface_nodes
 from .walks.estimate import Estimate, Query, estimate
 from .walks.estimate_searchlight import SearchlightEstimate, SearchlightQuery, estimate_searchlight
 
@@ -73,6 +75,7 @@ __all__ = [
     "SolveError",
     "Stack",
     "StackError",
+    "SubsurfaceInputs",
     "Surface",
     "Tabulated",
     "UnknownName",
@@ -93,6 +96,8 @@ __all__ = [
     "rgl",
     "searchlight",
     "solve",
+    "subsurface_inputs",
+    "subsurface_nodes",
     "walk_in_mesh",
     "walk_part",
 ]

@@ -231,7 +231,7 @@ std::string mesh_self_test() {
   const auto version = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION);
   rtcReleaseDevice(device);
   if (version != RTC_VERSION) {
-    return "Embree of version " + std::to_string(version) + " answers where " + std::to_string(RTC_VERSION) +
+    return "Embree has version " + std::to_string(version) + ", but version " + std::to_string(RTC_VERSION) +
            " is expected";
   }
   const MeshScene scene({{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}}}, 1, [](double) { return true; });

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light that travels sideways: by a blocking function, or in a worker thread that the main thread polls."""
+
+import logging
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..base import native
+from ..base.worker import Place, Worker
+from ..editing import stack_io
+from ..nodes import lateral_group, relightable_graph
+
+log = logging.getLogger(__name__)
+
+_place = Place()
+running, forget, stop = _place.running, _place.forget, _place.stop
+
+
+class LateralJob(Worker):
+    """The computation for one material, which is found again even if it is renamed meanwhile."""
+
+    def __init__(self, material, scene):
+        self.uid, self.millimetre = material.session_uid, millimetre(scene)
+        compute, stack, quality = _nodes_of, stack_io.to_stack(material), material.lamina.quality
+        super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
+
+    def finish(self):
+        """Build the node group; main thread only. Returns the material, None after a cancel.
+
+        Raises what the computation raised; then, and after a cancel, the material is as it was."""
+        if self.error is not None:
+            raise self.error
+        material = next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
+        if material is not None and not self.cancelling:
+            _apply(material, self.result, self.millimetre)
+            return material
+        return None
+
+
+def make(material, scene=None, quality=None):
+    """Compute the material's light that travels sideways and build its node group. Blocks.
+
+    Returns the inputs of the nodes, a lamina.SubsurfaceInputs. `scene` gives the length of a Blender unit; by
+    default that of the context. Raises lamina.StackError for media without lengths, SolveError,
+    NativeMissingError; the material is as it was then."""
+    found = _nodes_of(stack_io.to_stack(material), quality or material.lamina.quality)
+    _apply(material, found, millimetre(scene or bpy.context.scene))
+    return found
+
+
+def running_for(material):
+    """The running job of this material, or None."""
+    job = running()
+    return job if job is not None and job.uid == material.session_uid else None
+
+
+def start(material, scene):
+    """Start in the background, one at a time. Raises like make, before it starts."""
+    return _place.take(LateralJob(material, scene))
+
+
+def millimetre(scene):
+    """Blender units per millimetre: a unit is scene.unit_settings.scale_length metres."""
+    return 0.001 / scene.unit_settings.scale_length
+
+
+def _nodes_of(stack, quality, progress=None, cancel=None):
+    nodes, release = native.require().subsurface_nodes, tuple(bpy.app.version[:2])
+    return nodes(stack, release, quality=quality, progress=progress, cancel=cancel)
+
+
+def _apply(material, inputs, length):
+    def draw(graph, socket):
+        return relightable_graph.draw(graph, inputs, socket)
+
+    lateral_group.build(material, "Relightable", draw, length)
+    material.lamina.lateral_report = inputs.report
+
+
+@persistent
+def _on_load(*_):
+    stop()
+
+
+def register():
+    bpy.app.handlers.load_pre.append(_on_load)
+
+
+def unregister():
+    stop()
+    if _on_load in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_on_load)

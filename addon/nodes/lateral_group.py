@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node group of light that travels sideways: one per material, beside the group of the bake."""
+
+import bpy
+
+from . import graph, node_group
+
+MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
+
+
+def build(material, name, draw, millimetre):
+    """Make or refill the material's lateral group and link it to the material output. Returns the group.
+
+    `draw(graph, length)` adds the nodes and returns the shader's socket; `length` is the socket of the units
+    per millimetre, at first `millimetre`. Nothing is changed when it fails."""
+    graph.tree_of(material)
+    group = material.lamina.lateral_group
+    is_new = group is None or not group.is_editable or _is_shared(material, group)
+    if is_new:
+        group = _new_group(f"Lamina {name} {material.name}")
+    old_nodes = list(group.nodes)
+    drawing = graph.Graph(group)
+    try:
+        inputs = drawing.node("NodeGroupInput", -3, 0)
+        shader = draw(drawing, inputs.outputs[MILLIMETRE])
+        drawing.link(shader, drawing.node("NodeGroupOutput", 5, 0).inputs["Shader"])
+    except BaseException:
+        drawing.remove_created()
+        if is_new:
+            bpy.data.node_groups.remove(group)
+        raise
+    for node in old_nodes:
+        group.nodes.remove(node)
+    group.name = f"Lamina {name} {material.name}"
+    _input(group).default_value = millimetre
+    material.lamina.lateral_group = group
+    for node in [*node_group.group_nodes(material, group), node_group.connect(material, group)]:
+        node.label = f"Lamina {name}"
+        node.inputs[MILLIMETRE].default_value = millimetre
+    return group
+
+
+def _new_group(name):
+    group = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    socket = group.interface.new_socket(
+        MILLIMETRE,
+        in_out="INPUT",
+        socket_type="NodeSocketFloat",
+        description="Blender units per millimetre: .001 where a unit is a metre, whatever the object's scale",
+    )
+    socket.min_value = 0.0
+    return group
+
+
+def _input(group):
+    return next(item for item in group.interface.items_tree if item.name == MILLIMETRE)
+
+
+def _is_shared(material, group):
+    return any(other != material and other.lamina.lateral_group == group for other in bpy.data.materials)

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The part of the Lamina panel for light that travels sideways."""
+
+import bpy
+
+from ..baking import lateral_job
+from .panel import MaterialPanel, draw_progress, draw_sentence
+
+
+class LAMINA_PT_lateral(MaterialPanel, bpy.types.Panel):
+    bl_label = "Lateral"
+    bl_parent_id = "LAMINA_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        layout.row().prop(material.lamina, "lateral", expand=True)
+        job = lateral_job.running_for(material)
+        if job is not None:
+            draw_progress(layout, job, "lamina.lateral_cancel")
+            return
+        layout.operator("lamina.lateral", icon="LIGHT_HEMI")
+        if material.lamina.lateral_report:
+            draw_sentence(context, layout, material.lamina.lateral_report)
+
+
+register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_lateral,))

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The directions in which Cycles' random walk enters a surface: the view, refracted by facets of a GGX distribution."""
+
+from __future__ import annotations
+
+import numpy as np
+
+SIDE = 24  # random numbers by which facets are chosen: the middles of SIDE^2 squares
+
+
+def entry_cosines(mu: float, ior: float, roughness: float) -> tuple[np.ndarray, np.ndarray]:
+    """(cosines, shares) of the directions inside, for a view at the cosine `mu` through a boundary of the index `ior`.
+
+    As in Cycles, `roughness` is the width alpha of the facets, facets are drawn by how much of them the view sees
+    (Heitz 2018), all light is refracted, and what would leave upwards is lost."""
+    if roughness == 0.0:
+        return np.array([np.sqrt(1.0 - (1.0 - mu * mu) / (ior * ior))]), np.ones(1)
+    middles = (np.arange(SIDE) + 0.5) / SIDE
+    u, v = (axis.ravel() for axis in np.meshgrid(middles, middles))
+    across = np.sqrt(1.0 - mu * mu)
+    stretched = np.array([roughness * across, 0.0, mu]) / np.hypot(roughness * across, mu)
+    radius, turn = np.sqrt(u), 2.0 * np.pi * v
+    x = radius * np.cos(turn)
+    share = 0.5 * (1.0 + stretched[2])
+    y = (1.0 - share) * np.sqrt(1.0 - x * x) + share * radius * np.sin(turn)
+    z = np.sqrt(np.maximum(0.0, 1.0 - x * x - y * y))
+    # The frame of the stretched view, which lies in the plane y = 0.
+    facets = np.stack([y * -stretched[2] + z * stretched[0], x, y * stretched[0] + z * stretched[2]])
+    facets *= np.array([roughness, roughness, 1.0])[:, None]
+    facets[2] = np.maximum(facets[2], 0.0)
+    facets /= np.linalg.norm(facets, axis=0)
+    meeting = across * facets[0] + mu * facets[2]
+    inside = np.sqrt(1.0 - (1.0 - meeting**2) / ior**2)
+    cosines = mu / ior - (meeting / ior - inside) * facets[2]
+    enters = cosines > 0.0
+    return cosines[enters], np.full(int(enters.sum()), 1.0 / SIDE**2)

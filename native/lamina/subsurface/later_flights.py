@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The flights of Cycles' random walk from the tenth collision on: isotropic, with the transport coefficients.
+
+By similarity the medium has then sigma_t (1 - albedo g) and the albedo (1 - g) albedo / (1 - albedo g). Lengths are in
+mean free paths of that medium."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .depth_cells import DepthCells, growing_edges
+from .first_flights import Directions
+
+MOST_FLIGHTS = 256  # Cycles loses what is still inside
+LATER_FLIGHTS = MOST_FLIGHTS - 10
+
+
+class Escape(NamedTuple):
+    """The light, times J0(q r), that leaves a half-space after an isotropic emission inside. Arrays of the shape
+    (frequencies, nodes of depth, albedos): with Cycles' limit of flights, and without."""
+
+    cells: DepthCells
+    limited: np.ndarray
+    complete: np.ndarray
+
+
+def escape(frequencies: np.ndarray, albedos: np.ndarray) -> Escape:
+    """Light that leaves after an isotropic emission at each depth, by lateral frequency and transport albedo.
+
+    Solves V = E + albedo K V, with E the light that leaves at once and K the collisions of an isotropic emission: with
+    the limit by as many steps, without by elimination."""
+    cells = DepthCells(growing_edges(0.01, 1.8, 0.5, 0.35, 5000.0))
+    directions = Directions(24, 16)
+    cosines = np.repeat(directions.cosines, len(directions.azimuths))
+    identity = np.eye(len(cells.depths))
+    limited, complete = [], []
+    for q in frequencies:
+        k = directions.extinctions(q)
+        both = (cells.from_above(k) + cells.from_below(k)).real
+        collisions = np.tensordot(0.5 * directions.weights / cosines, both, (0, 0))
+        at_once = np.tensordot(0.5 * directions.weights, np.exp(-k[:, None] * cells.depths), (0, 0)).real[:, None]
+        leaving = np.tile(at_once, (1, len(albedos)))
+        for _ in range(LATER_FLIGHTS - 1):
+            leaving = at_once + albedos * (collisions @ leaving)
+        limited.append(leaving)
+        complete.append(np.stack([np.linalg.solve(identity - a * collisions, at_once[:, 0]) for a in albedos], axis=1))
+    return Escape(cells, np.array(limited), np.array(complete))

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Inputs of Cycles' Subsurface Scattering node that give a wanted exit albedo and mean exit distance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.arguments import check_number, finite_array
+from ..common.errors import ArgumentError, quoted
+from .entry_cosines import entry_cosines
+from .node_parameters import LEAST_ALBEDO, LEAST_IOR, colour_of_albedo, radius_of_path
+from .node_response import LARGEST_G
+from .response_table import CURVE, Curves, response_curves
+
+# Relative errors of the computed response itself: exit albedo, mean exit distance.
+RESPONSE_ERRORS = (5e-4, 1e-3)
+# Up to this share of lost light, one closure's colour and radius make up for the limit of flights.
+NEGLIGIBLE_LOSS = 0.002
+FIRST_VERSION, MOST_VERSION = (4, 2), 100  # of Blender
+
+
+class Walk(NamedTuple):
+    """What one random walk starts from: single-scattering albedo and mean free path, arrays of the targets' shape."""
+
+    albedo: np.ndarray
+    path: np.ndarray
+
+
+@dataclass(frozen=True)
+class SubsurfaceInputs:
+    """Inputs of the Subsurface Scattering node (Random Walk) of Cycles. Arrays have the shape of the targets; lengths
+    have the unit of the target distance, with the node's Scale at 1.
+
+    `color`, `radius`, `anisotropy`, `ior` and `roughness` are those of the node. Where Cycles' limit of 256 flights
+    would lose light, `extra_weight` is not 0: then a second node with `extra_color` and `extra_radius`, and all else
+    alike, times this weight, is added by an Add Shader. `albedo` and `distance` are the exit albedo and the mean exit
+    distance that the nodes have then; `albedo_error` and `distance_error` are these less the targets, relative to the
+    targets. `version` is the release of Blender that the inputs are for."""
+
+    version: tuple[int, int]
+    color: np.ndarray
+    radius: np.ndarray
+    anisotropy: float
+    ior: float
+    roughness: float
+    extra_weight: float
+    extra_color: np.ndarray
+    extra_radius: np.ndarray
+    albedo: np.ndarray
+    distance: np.ndarray
+    albedo_error: np.ndarray
+    distance_error: np.ndarray
+
+    @property
+    def has_boundary(self) -> bool:
+        """Whether a Glossy closure belongs over the nodes: the boundary through which their light enters."""
+        return self.ior > LEAST_IOR
+
+    @property
+    def report(self) -> str:
+        """What the nodes promise, as one sentence."""
+        release = ".".join(map(str, self.version))
+        second = "" if self.extra_weight == 0.0 else f", with a second closure times {self.extra_weight:.4f}"
+        errors = zip((self.albedo_error, self.distance_error), RESPONSE_ERRORS, strict=True)
+        worst = [100.0 * (np.max(np.abs(error), initial=0.0) + floor) for error, floor in errors]
+        return (f"Subsurface Scattering of Blender {release}{second}: exit albedo within {worst[0]:.2g} %, mean exit "
+                f"distance within {worst[1]:.2g} %.")
+
+
+def subsurface_inputs(albedo, distance, anisotropy: float = 0.0, version: tuple[int, int] = (4, 5), mu: float = 1.0,
+                      ior: float = LEAST_IOR, roughness: float = 0.0) -> SubsurfaceInputs:
+    """Inputs with which Cycles' node has the exit albedo `albedo` and the mean exit distance `distance`.
+
+    `albedo`, in [0, 1], is the share of the light that leaves again, of what enters below the boundary; `distance`, at
+    least 0 in any unit, is its mean distance from the point of entry. Both are numbers or arrays of one shape, such as
+    (texels, channels). `anisotropy`, in [0, .9], is that of the node. Light enters as the view at the cosine `mu`, in
+    (0, 1], through a boundary of index `ior` (1.01 to 3.8; 1.01: none) and width `roughness` (0 to 1). `version` is the
+    release of Blender: its walk takes colours otherwise before 5.2.
+
+    Exact for the walk on a large flat surface of a body much thicker than `distance`. Light that Cycles' limit of 256
+    flights would lose comes back by a second closure with the mean distance of the lost light. Raises ArgumentError."""
+    version = _checked_version(version)
+    g = check_number(anisotropy, "anisotropy", f"must lie in [0, {LARGEST_G:g}]", lambda x: 0.0 <= x <= LARGEST_G)
+    mu = check_number(mu, "mu", "must lie in (0, 1]", lambda x: 0.0 < x <= 1.0)
+    ior = check_number(ior, "ior", f"must lie in [{LEAST_IOR:g}, 3.8]", lambda x: LEAST_IOR <= x <= 3.8)
+    roughness = check_number(roughness, "roughness", "must lie in [0, 1]", lambda x: 0.0 <= x <= 1.0)
+    albedo, distance = _checked_targets(albedo, distance)
+    curves = response_curves(g, *entry_cosines(mu, ior, roughness))
+    main = _limited_walk(curves, g, albedo, distance)
+    extra, weight = Walk(np.zeros_like(albedo), np.zeros_like(albedo)), 0.0
+    if np.any(albedo - _exit_light(curves, g, _full_walk(curves, g, albedo, distance))[0] > NEGLIGIBLE_LOSS * albedo):
+        main = _full_walk(curves, g, albedo, distance)
+        extra, weight = _lost_walk(curves, g, albedo, distance, main)
+    light, way = _exit_light(curves, g, main)
+    extra_light, extra_way = _exit_light(curves, g, extra)
+    light, way = light + weight * extra_light, light * way + weight * extra_light * extra_way
+    with np.errstate(divide="ignore", invalid="ignore"):
+        way = np.where(light > 0.0, way / light, 0.0)
+        errors = [np.where(target > 0.0, reached / target - 1.0, 0.0)
+                  for reached, target in ((light, albedo), (way, distance))]
+    return SubsurfaceInputs(
+        version, colour_of_albedo(main.albedo, g, version), radius_of_path(main.path, g, version), g, ior, roughness,
+        weight, colour_of_albedo(extra.albedo, g, version), radius_of_path(extra.path, g, version), light, way, *errors)
+
+
+def _limited_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray) -> Walk:
+    """The walk whose light, with the limit of flights, has this exit albedo and distance. Cycles gives media of less
+    than LEAST_ALBEDO this albedo and scales their light."""
+    least = _at_albedo(curves, LEAST_ALBEDO)
+    floor = np.interp(least, CURVE, curves.albedo)
+    dark = albedo < floor
+    place = np.where(dark, least, _place(curves.albedo, albedo))
+    single = np.where(dark, LEAST_ALBEDO * albedo / floor, np.interp(place, CURVE, curves.single))
+    return Walk(single, _path(curves.distance, curves, g, place, distance))
+
+
+def _full_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray) -> Walk:
+    """The walk whose light would have this exit albedo and distance if there were no limit of flights."""
+    least = _at_albedo(curves, LEAST_ALBEDO)
+    place = np.minimum(_place(curves.full_albedo, albedo), least)
+    bright = albedo >= np.interp(least, CURVE, curves.albedo)
+    limited = _limited_walk(curves, g, albedo, distance)
+    return Walk(np.where(bright, np.interp(place, CURVE, curves.single), limited.albedo),
+                np.where(bright, _path(curves.full_distance, curves, g, place, distance), limited.path))
+
+
+def _lost_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray,
+               main: Walk) -> tuple[Walk, float]:
+    """(walk, weight) of the light that the limit of flights loses: its share, at its mean distance."""
+    light, way = _exit_light(curves, g, main)
+    lost = np.maximum(albedo - light, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lost_way = np.where(lost > 1e-9, (albedo * distance - light * way) / lost, 0.0)
+    weight = float(lost.max() / curves.albedo[0])
+    return _limited_walk(curves, g, lost / weight, np.maximum(lost_way, 0.0)), weight
+
+
+def _exit_light(curves: Curves, g: float, walk: Walk) -> tuple[np.ndarray, np.ndarray]:
+    """(exit albedo, mean exit distance) of a walk in Cycles."""
+    clamped = np.maximum(walk.albedo, LEAST_ALBEDO)
+    place = _at_albedo(curves, clamped)
+    light = np.interp(place, CURVE, curves.albedo) * walk.albedo / clamped
+    return light, np.interp(place, CURVE, curves.distance) * walk.path / (1.0 - g * clamped)
+
+
+def _at_albedo(curves: Curves, single) -> np.ndarray:
+    return np.interp(-np.asarray(single, float), -curves.single, CURVE)
+
+
+def _place(light: np.ndarray, albedo: np.ndarray) -> np.ndarray:
+    """Where on CURVE, along which it falls, the exit albedo is that wanted."""
+    return np.interp(-albedo, -light, CURVE)
+
+
+def _path(distances: np.ndarray, curves: Curves, g: float, place: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """The mean free path with this mean exit distance. `distances` are in transport mean free paths."""
+    return distance / np.interp(place, CURVE, distances) * (1.0 - g * np.interp(place, CURVE, curves.single))
+
+
+def _checked_version(version) -> tuple[int, int]:
+    """The first two numbers of a release. Raises ArgumentError."""
+    if isinstance(version, tuple | list) and len(version) >= 2:
+        first = tuple(version[:2])
+        whole = all(isinstance(n, int) and not isinstance(n, bool) and 0 <= n <= MOST_VERSION for n in first)
+        if whole and first >= FIRST_VERSION:
+            return first
+    raise ArgumentError(f"version = {quoted(version)}: must be a release of Blender from (4, 2) on")
+
+
+def _checked_targets(albedo, distance) -> tuple[np.ndarray, np.ndarray]:
+    """Both as arrays of one shape. Raises ArgumentError."""
+    albedo, distance = finite_array(albedo, "albedo"), finite_array(distance, "distance")
+    if albedo.shape != distance.shape:
+        raise ArgumentError(f"distance has the shape {distance.shape}: must have that of albedo, {albedo.shape}")
+    for name, values, fits, rule in (
+            ("albedo", albedo, (albedo >= 0.0) & (albedo <= 1.0), "must lie in [0, 1]"),
+            ("distance", distance, distance >= 0.0, "must be at least 0")):
+        if not np.all(fits):
+            raise ArgumentError(f"{name} = {values[~fits].flat[0]:g}: {rule}")
+    return albedo, distance

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tabulated response of Cycles' random walk, at one anisotropy and for light that enters in known directions."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.archive import load_archive
+from .node_response import G_NODES, LEAST_MU, LEAST_U, MOST_U, MU_NODES, local_cubic, single_albedo
+
+TABLE = Path(__file__).with_name("response.npz")
+CURVE = np.linspace(LEAST_U, MOST_U, 4000)  # u of node_response
+
+
+class Curves(NamedTuple):
+    """Along CURVE: the single-scattering albedo; exit albedo and mean exit distance (in transport mean free paths) with
+    Cycles' limit of flights; and both without."""
+
+    single: np.ndarray
+    albedo: np.ndarray
+    distance: np.ndarray
+    full_albedo: np.ndarray
+    full_distance: np.ndarray
+
+
+def response_curves(g: float, cosines: np.ndarray, shares: np.ndarray) -> Curves:
+    """The response at an anisotropy `g` in [0, .9] to light that enters at `cosines`, inside and in (0, 1], in these
+    shares, whose sum is at most 1."""
+    at_g = np.tensordot(_polynomial(G_NODES, np.array([g]))[0], _table(), (0, 0))
+    at_mu = np.tensordot(_polynomial(MU_NODES, np.maximum(cosines, LEAST_MU)), at_g, (1, 1))  # (mu, quantity, u)
+    fine = local_cubic(CURVE, (LEAST_U, MOST_U), np.moveaxis(at_mu, 2, 0))  # (u, mu, quantity)
+    light, full_light = fine[..., 0] @ shares, fine[..., 2] @ shares
+    return Curves(single_albedo(CURVE, g), light, (fine[..., 0] * fine[..., 1]) @ shares / light, full_light,
+                  (fine[..., 2] * fine[..., 3]) @ shares / full_light)
+
+
+@functools.cache
+def _table() -> np.ndarray:
+    """The response, shape (g, quantity, mu, u)."""
+    return load_archive(TABLE, "response")[1][0].astype(float)
+
+
+def _polynomial(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Matrix, shape (x, nodes), of the polynomial through values at the nodes."""
+    weights = np.empty((len(x), len(nodes)))
+    for k, node in enumerate(nodes):
+        others = np.delete(nodes, k)
+        weights[:, k] = np.prod((x[:, None] - others) / (node - others), axis=1)
+    return weights

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light that travels sideways: the operator, the plain function, and the node group."""
+
+import bpy
+import pytest
+
+
+@pytest.fixture
+def marble(addon, lamina, material):
+    """The material with two layers of marble in millimetres, the upper one bright, under a boundary."""
+    red = lamina.Medium(sigma_s=[2.0, 2.5, 3.0], sigma_a=[0.0002, 0.0004, 0.001], thickness=2.0)
+    deep = lamina.Medium(sigma_s=[2.0, 2.5, 3.0], sigma_a=0.0004, thickness=float("inf"))
+    addon.editing.stack_io.assign_stack(
+        material,
+        lamina.Stack([lamina.Interface(1.5), red, deep]),
+    )
+    return material
+
+
+def walks(material):
+    nodes = material.lamina.lateral_group.nodes
+    return sorted((n for n in nodes if n.type == "SUBSURFACE_SCATTERING"), key=lambda n: -n.location.y)
+
+
+def test_operator_equals_function(addon, lamina, marble, call):
+    assert call(bpy.ops.lamina.lateral, marble) == {"FINISHED"}
+    inputs = addon.baking.lateral_job.make(marble)
+    wanted = lamina.subsurface_nodes(
+        addon.editing.stack_io.to_stack(marble), bpy.app.version[:2], quality="preview"
+    )
+    assert inputs.report == wanted.report == marble.lamina.lateral_report
+    first, second = walks(marble)
+    assert tuple(first.inputs["Color"].default_value)[:3] == pytest.approx(tuple(wanted.color))
+    assert tuple(first.inputs["Radius"].default_value) == pytest.approx(tuple(wanted.radius))
+    assert tuple(second.inputs["Color"].default_value)[:3] == pytest.approx(tuple(wanted.extra_color))
+    assert first.inputs["IOR"].default_value == pytest.approx(1.5)
+    assert first.falloff == "RANDOM_WALK"
+    output = marble.node_tree.get_output_node("CYCLES")
+    assert output.inputs["Surface"].links[0].from_node.node_tree == marble.lamina.lateral_group
+
+
+def test_again_in_place(addon, marble):
+    addon.baking.lateral_job.make(marble)
+    group, count = marble.lamina.lateral_group, len(marble.node_tree.nodes)
+    inside = len(group.nodes)
+    addon.baking.lateral_job.make(marble)
+    assert marble.lamina.lateral_group == group and len(group.nodes) == inside
+    assert len(marble.node_tree.nodes) == count
+
+
+def test_a_copy_has_a_group_of_its_own(addon, marble):
+    addon.baking.lateral_job.make(marble)
+    copy = marble.copy()
+    addon.baking.lateral_job.make(copy)
+    assert copy.lamina.lateral_group != marble.lamina.lateral_group
+
+
+def test_length_of_a_blender_unit(addon, marble):
+    scene = bpy.context.scene
+    scene.unit_settings.scale_length = 0.01
+    addon.baking.lateral_job.make(marble)
+    node = next(n for n in marble.node_tree.nodes if n.type == "GROUP")
+    assert node.inputs["Millimetre"].default_value == pytest.approx(0.1)
+    scale = walks(marble)[0].inputs["Scale"]
+    assert scale.links[0].from_socket.name == "Millimetre"
+
+
+def test_layers_without_lengths(addon, material, call):
+    """The first stack's dust has an optical thickness: one sentence, and nothing changes."""
+    before = len(material.node_tree.nodes)
+    with pytest.raises(RuntimeError, match=r"has no lengths, must have sigma_s and sigma_a"):
+        call(bpy.ops.lamina.lateral, material)
+    assert material.lamina.lateral_group is None and len(material.node_tree.nodes) == before
+
+
+def test_worker(addon, lamina, marble):
+    job = addon.baking.lateral_job.start(marble, bpy.context.scene)
+    assert addon.baking.lateral_job.running_for(marble) is job
+    job.wait()
+    assert job.finish() == marble and marble.lamina.lateral_group is not None
+    addon.baking.lateral_job.forget()
+    group = marble.lamina.lateral_group
+    cancelled = addon.baking.lateral_job.start(marble, bpy.context.scene)
+    cancelled.cancel()
+    cancelled.wait()
+    addon.baking.lateral_job.forget()
+    with pytest.raises(lamina.Cancelled):
+        cancelled.finish()
+    assert marble.lamina.lateral_group == group

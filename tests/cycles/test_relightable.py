@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Relightable materials in Cycles: the light below the surface leaves in the right amount, at the right distance."""
+
+import bpy
+import lit_edge
+import numpy as np
+import pytest
+from z_limit import z_limit
+
+import lamina
+from lamina import HenyeyGreenstein, Interface, Medium, Stack
+
+LIMIT = z_limit(18)
+ALBEDO_ERROR, DISTANCE_ERROR = 0.001, 0.003  # of the promised .003 and .01, besides the noise
+
+
+def deep(albedos, g):
+    albedos = np.array(albedos)
+    return Medium(sigma_s=4.0 * albedos, sigma_a=4.0 * (1.0 - albedos), thickness=np.inf, phase=HenyeyGreenstein(g))
+
+
+STACKS = {
+    "dull, forward": Stack([deep([0.5, 0.9, 0.99], 0.75)]),
+    "bright": Stack([deep([0.97, 0.995, 0.999], 0.0)]),
+    "layers under a boundary": Stack(
+        [Interface(1.4), Medium(sigma_s=[2.0, 4.0, 6.0], sigma_a=[0.3, 0.1, 0.2], thickness=0.3,
+                                phase=HenyeyGreenstein(0.5)), deep([0.95, 0.8, 0.9], 0.3)]),
+}
+
+
+@pytest.mark.parametrize("name", STACKS)
+def test_exit_albedo_and_distance(addon, name):
+    stack = STACKS[name]
+    material = bpy.data.materials.new(name)
+    addon.editing.layer_list.add_stack(material)
+    addon.editing.stack_io.assign_stack(material, stack)
+    addon.baking.lateral_job.make(material, quality="preview")
+    beam = lamina.searchlight(stack, quality="preview")
+    light, error = lit_edge.exit_albedo(material, 320)
+    # The preview of the searchlight is itself good to 1e-4 of the incident flux.
+    assert np.all(np.abs(light - beam.reflectance) < ALBEDO_ERROR * beam.reflectance + LIMIT * error)
+    # A sun shows no mirrored light, which stays at the distance 0.
+    moment, error = lit_edge.exit_moment(material, 320, 0.001 * 24.0 * float(beam.mean_distance.max()))
+    wanted = 0.001 * beam.reflectance * beam.mean_distance
+    assert np.all(np.abs(moment - wanted) < (ALBEDO_ERROR + DISTANCE_ERROR) * wanted + LIMIT * error)
