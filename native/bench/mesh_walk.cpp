@@ -123,7 +123,7 @@ int main(int count, char** words) {
     const double building = cpu_seconds();
     const Solid solid(part, pool, [](double) { return true; });
     const double built = cpu_seconds() - building;
-    const WalkPoints points{starts_of(part, 2000), 0, 32, 1};
+    const WalkPoints points{starts_of(part, 2000), 0, 0, 32, 1};
     for (const Case& one : cases) {
       const MeshWalk walk(solid, grid, one.boundary);
       const double start = cpu_seconds();

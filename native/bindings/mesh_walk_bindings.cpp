@@ -79,7 +79,7 @@ Ray ray_at(const Rows& rows, std::size_t i) {
 }
 
 WalkPoints points_of(const Rows& positions, const Rows& normals, const std::optional<Rows>& views,
-                     std::uint64_t first_number, std::uint64_t walks, std::uint64_t seed) {
+                     std::uint64_t first_number, std::uint64_t first_walk, std::uint64_t walks, std::uint64_t seed) {
   require_triples(positions, "positions");
   require_triples(normals, "normals");
   if (positions.shape(0) != normals.shape(0) || (views && views->shape(0) != positions.shape(0))) {
@@ -88,7 +88,7 @@ WalkPoints points_of(const Rows& positions, const Rows& normals, const std::opti
   if (views) {
     require_triples(*views, "views");
   }
-  WalkPoints points{{}, first_number, walks, seed};
+  WalkPoints points{{}, first_number, first_walk, walks, seed};
   for (std::size_t i = 0; i < static_cast<std::size_t>(positions.shape(0)); ++i) {
     const Ray place = ray_at(positions, i);
     MeshWalk::Start start{{place.x, place.y, place.z}, ray_at(normals, i), std::nullopt};
@@ -116,9 +116,9 @@ Rows counts_of(const Results& results) {
 }
 
 py::tuple exits(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
-                const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number, std::uint64_t walks,
-                std::uint64_t seed) {
-  const WalkPoints points = points_of(positions, normals, views, first_number, walks, seed);
+                const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number,
+                std::uint64_t first_walk, std::uint64_t walks, std::uint64_t seed) {
+  const WalkPoints points = points_of(positions, normals, views, first_number, first_walk, walks, seed);
   const auto results = [&] {
     const py::gil_scoped_release release;
     return walk_to_exits(MeshWalk(*solid.solid, grid.grid, boundary), points, solid.pool);
@@ -138,9 +138,10 @@ py::tuple exits(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary&
 }
 
 py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
-                const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number, std::uint64_t walks,
-                std::uint64_t seed, const std::vector<std::pair<Triple, double>>& lamps) {
-  const WalkPoints points = points_of(positions, normals, views, first_number, walks, seed);
+                const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number,
+                std::uint64_t first_walk, std::uint64_t walks, std::uint64_t seed,
+                const std::vector<std::pair<Triple, double>>& lamps) {
+  const WalkPoints points = points_of(positions, normals, views, first_number, first_walk, walks, seed);
   std::vector<DistantLight> lights;
   for (const auto& [towards, cosine] : lamps) {
     lights.push_back({{towards[0], towards[1], towards[2]}, cosine});
@@ -206,12 +207,13 @@ void lamina::bind_mesh_walk(py::module_& module) {
            }),
            py::arg("ior"), py::arg("alpha"), py::arg("distribution"));
   module.def("walk_to_exits", &exits, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
-             py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("walks"), py::arg("seed"),
+             py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
+             py::arg("seed"),
              "(moments [point, channel, (w, w r, w r^2)], products [point, channel, 6], counts [point, (mirrored, "
              "lost, scatterings, collisions, rays)]).");
   module.def("walk_to_lights", &light, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
-             py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("walks"), py::arg("seed"),
-             py::arg("lamps"),
+             py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
+             py::arg("seed"), py::arg("lamps"),
              "(sums [point, lamp or last the sky, channel], squares, counts); lamps are (direction, cosine of the "
              "disc's angular radius).");
 }

@@ -200,4 +200,4 @@ def test_without_the_layer_all_else_works_and_dust_says_why(case, tmp_path):
     assert solved == str(lamina.solve(lamina.Stack([lamina.Medium(albedo=0.9, tau=2.0)])).reflectance(1.0).round(3))
     assert words in said
     assert available == said
-    assert said.startswith("dust needs the module lamina._mesh, ")
+    assert said.startswith("dust and walks in meshes need the module lamina._mesh, ")

@@ -21,7 +21,7 @@ std::vector<Result> sum_by_point(const WalkPoints& points, const Result& empty, 
     Result part = empty;
     run(points.starts[point], part, [&](const auto& walk_once) {
       for (std::uint64_t walk = first; walk < std::min(points.walks, first + kPiece); ++walk) {
-        Rng rng(points.seed, ((points.first_number + point) << 32U) + walk);
+        Rng rng(points.seed, ((points.first_number + point) << 32U) + points.first_walk + walk);
         walk_once(rng);
       }
     });

@@ -13,7 +13,8 @@ namespace lamina {
 struct WalkPoints {
   std::vector<MeshWalk::Start> starts;
   std::uint64_t first_number = 0;
-  std::uint64_t walks = 1;  ///< from each, at most 2^32
+  std::uint64_t first_walk = 0;
+  std::uint64_t walks = 1;  ///< from each; the number of the last is at most 2^32
   std::uint64_t seed = 0;
 };
 

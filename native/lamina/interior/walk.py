@@ -21,7 +21,7 @@ from .lamps import LEAST_DISC, Lamp
 from .solid import Solid, closed
 
 MOST_SAMPLES = 1 << 32
-CHUNK_WALKS = 1 << 15  # between two calls of `cancel`, of several points
+CHUNK_WALKS = 1 << 15  # between two calls of `cancel`
 OFF_SURFACE = 1e-4  # of the mesh's size: points farther off the surface are refused
 
 
@@ -91,15 +91,19 @@ class Walker:
         self._require_on_surface(first, last)
         size = max(1, CHUNK_WALKS // self.samples)
         found = []
-        walks = 0
         for start in range(first, max(last, first + 1), size):
-            step((start - first) / max(1, last - first), f"{walks:,} walks")
             part = slice(start, min(start + size, last))
             views = None if self.views is None else self.views[part]
             positions = np.ascontiguousarray(self.positions[part] - self._centre)
-            found.append(call(self._solid, self._grid, self._boundary, positions, self.normals[part], views, start,
-                              self.samples, self.seed, *more))
-            walks += (part.stop - part.start) * self.samples
+            sums: list[np.ndarray] = []
+            for walk in range(0, self.samples, CHUNK_WALKS):
+                walks = min(CHUNK_WALKS, self.samples - walk)
+                done = (start - first) * self.samples + walk
+                step(done / max(1, (last - first) * self.samples), f"{done:,} walks")
+                more_sums = call(self._solid, self._grid, self._boundary, positions, self.normals[part], views, start,
+                                 walk, walks, self.seed, *more)
+                sums = [old + new for old, new in zip(sums, more_sums, strict=True)] if sums else list(more_sums)
+            found.append(sums)
         return [np.concatenate(arrays) for arrays in zip(*found, strict=True)]
 
     def _require_on_surface(self, first: int, last: int) -> None:

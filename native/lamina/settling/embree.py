@@ -8,6 +8,8 @@ from functools import cache
 
 from ..common.errors import DustUnavailable
 
+_NEED = "dust and walks in meshes need the module lamina._mesh"
+
 
 @cache
 def _load():
@@ -17,8 +19,8 @@ def _load():
     except ImportError as error:
         if getattr(error, "name", None) == "lamina._mesh" or "_mesh" in str(error) and "cannot import" in str(
                 error):
-            return None, "dust needs the module lamina._mesh, which this build of Lamina was made without"
-        return None, f"dust needs the module lamina._mesh, which cannot be loaded: {error}"
+            return None, f"{_NEED}, which this build of Lamina was made without"
+        return None, f"{_NEED}, which cannot be loaded: {error}"
     return _mesh, ""
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bad interiors and meshes get one sentence; files of interiors come back as they were."""
 
+import math
+
 import numpy as np
 import pytest
 from walk_meshes import box, sphere
@@ -131,5 +133,9 @@ def test_bad_files(tmp_path):
         Interior.load(path)
 
 
-def test_a_grid_of_512_voxels_a_side_takes_a_quarter_of_a_gibibyte():
-    assert Interior.mixed(np.broadcast_to(np.float32(0.5), (512, 512, 512)), PALETTE, *CORNERS).bytes == 1 << 28
+def test_a_mixture_takes_two_bytes_a_voxel_and_coefficients_take_twelve():
+    """So 512 voxels a side of a mixture take a quarter of a GiB."""
+    shape = (64, 32, 16)
+    half = np.broadcast_to(np.float32(0.5), shape)
+    assert Interior.mixed(half, PALETTE, *CORNERS).bytes == 2 * math.prod(shape)
+    assert Interior.of_coefficients(half, half, *CORNERS).bytes == 12 * math.prod(shape)

@@ -221,3 +221,26 @@ def test_a_disc_behind_a_smooth_boundary():
     radiance = ((whole - black) * ways[2][..., None]).mean(axis=1)
     expected = np.einsum("k,kc->c", 0.5 * weights, radiance) * 2.0 / (1.0 + np.cos(0.3))
     require_within_error(found.lamps.value[0, 0] - expected, found.lamps.stderr[0, 0])
+
+
+@pytest.mark.parametrize("surface", [Surface(), Surface(1.3, 0.5)])
+def test_a_lamp_and_the_eye_may_change_places(surface):
+    """The light that a heterogeneous ball sends in the direction a by a lamp at b is that which it sends in b by a lamp
+    at a, for any reciprocal solid, whatever its shape."""
+    rng = np.random.default_rng(4)
+    sigma_s = rng.uniform(0.0, 2.0, (3, 3, 3, 3)) * [1.0, 2.0, 4.0]
+    solid = sphere(1.0, 2)
+    interior = Interior.of_coefficients(sigma_s, 0.1 * sigma_s[::-1], (-1, -1, -1), (1, 1, 1), 0.5)
+    corners = solid.vertices[solid.triangles]
+    areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    ends = np.array([[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]])
+    sent, errors = [], []
+    for eye, lamp in ((0, 1), (1, 0)):
+        seen = areas @ ends[eye]
+        faces = seen > 0.0
+        found = lamina.light_in_mesh(solid, interior, [Lamp(ends[lamp])], corners[faces].mean(axis=1), areas[faces],
+                                     ends[eye], surface, 600, seed=30 + eye).lamps
+        sent.append(np.einsum("n,nc->c", seen[faces], found.value[:, 0]))
+        errors.append(np.sqrt(np.einsum("n,nc->c", seen[faces]**2, found.stderr[:, 0]**2)))
+    assert (np.array(errors) < 0.05 * np.array(sent)).all()
+    require_within_error(sent[0] - sent[1], np.hypot(*errors))

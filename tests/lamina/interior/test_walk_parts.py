@@ -75,8 +75,11 @@ def test_progress_and_cancel():
     told = []
     lamina.walk_in_mesh(SOLID, INTERIOR, samples=2000, progress=lambda fraction, text: told.append(fraction))
     assert told == sorted(told) and told[-1] == 1.0 and len(told) > 4
+    # A single point is cancelled in the middle of its walks.
+    corner = ([SOLID.vertices[0]], [SOLID.vertices[0]])
     with pytest.raises(lamina.Cancelled):
-        lamina.walk_in_mesh(SOLID, INTERIOR, samples=2000, cancel=lambda: len(told) > 0)
+        lamina.walk_in_mesh(SOLID, INTERIOR, *corner, samples=10**9, progress=lambda fraction, text: told.append(text),
+                            cancel=lambda: told[-1] == "65,536 walks")
 
 
 def test_a_hollow_and_overlapping_parts():
