@@ -9,7 +9,7 @@ from bpy.app.handlers import persistent
 from ..base import native
 from ..base.worker import Place, Worker
 from ..editing import stack_io
-from ..nodes import lateral_group, relightable_graph
+from ..nodes import lateral_group, portal_graph, relightable_graph
 
 log = logging.getLogger(__name__)
 
@@ -22,7 +22,8 @@ class LateralJob(Worker):
 
     def __init__(self, material, scene):
         self.uid, self.millimetre = material.session_uid, millimetre(scene)
-        compute, stack, quality = _nodes_of, stack_io.to_stack(material), material.lamina.quality
+        self.output, quality = material.lamina.lateral, material.lamina.quality
+        stack, compute = stack_io.to_stack(material), _compute(self.output)
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
     def finish(self):
@@ -33,19 +34,21 @@ class LateralJob(Worker):
             raise self.error
         material = next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
         if material is not None and not self.cancelling:
-            _apply(material, self.result, self.millimetre)
+            _apply(material, self.output, self.result, self.millimetre)
             return material
         return None
 
 
-def make(material, scene=None, quality=None):
+def make(material, scene=None, quality=None, output=None):
     """Compute the material's light that travels sideways and build its node group. Blocks.
 
-    Returns the inputs of the nodes, a lamina.SubsurfaceInputs. `scene` gives the length of a Blender unit; by
+    `output` is "RELIGHTABLE" or "PORTAL", by default the material's choice. Returns what the nodes show: a
+    lamina.SubsurfaceInputs or a lamina.PortalTables. `scene` gives the length of a Blender unit; by
     default that of the context. Raises lamina.StackError for media without lengths, SolveError,
     NativeMissingError; the material is as it was then."""
-    found = _nodes_of(stack_io.to_stack(material), quality or material.lamina.quality)
-    _apply(material, found, millimetre(scene or bpy.context.scene))
+    output = output or material.lamina.lateral
+    found = _compute(output)(stack_io.to_stack(material), quality or material.lamina.quality)
+    _apply(material, output, found, millimetre(scene or bpy.context.scene))
     return found
 
 
@@ -65,17 +68,26 @@ def millimetre(scene):
     return 0.001 / scene.unit_settings.scale_length
 
 
-def _nodes_of(stack, quality, progress=None, cancel=None):
-    nodes, release = native.require().subsurface_nodes, tuple(bpy.app.version[:2])
-    return nodes(stack, release, quality=quality, progress=progress, cancel=cancel)
+def _compute(output):
+    """What computes an output: a function of (stack, quality, progress, cancel)."""
+    lamina, release = native.require(), tuple(bpy.app.version[:2])
+
+    def compute(stack, quality, progress=None, cancel=None):
+        if output == "PORTAL":
+            return lamina.portal_tables(stack, quality, progress, cancel)
+        return lamina.subsurface_nodes(stack, release, quality=quality, progress=progress, cancel=cancel)
+
+    return compute
 
 
-def _apply(material, inputs, length):
+def _apply(material, output, found, length):
     def draw(graph, socket):
-        return relightable_graph.draw(graph, inputs, socket)
+        if output == "PORTAL":
+            return portal_graph.draw(graph, found, socket, f"Lamina Portal {material.name}")
+        return relightable_graph.draw(graph, found, socket)
 
-    lateral_group.build(material, "Relightable", draw, length)
-    material.lamina.lateral_report = inputs.report
+    lateral_group.build(material, output.capitalize(), draw, length)
+    material.lamina.lateral_report = found.report
 
 
 @persistent

@@ -19,18 +19,22 @@ def build(material, name, draw, millimetre):
     if is_new:
         group = _new_group(f"Lamina {name} {material.name}")
     old_nodes = list(group.nodes)
+    old_images = node_group.images_of(old_nodes)
     drawing = graph.Graph(group)
     try:
         inputs = drawing.node("NodeGroupInput", -3, 0)
         shader = draw(drawing, inputs.outputs[MILLIMETRE])
         drawing.link(shader, drawing.node("NodeGroupOutput", 5, 0).inputs["Shader"])
     except BaseException:
+        new_images = node_group.images_of(drawing.created)
         drawing.remove_created()
+        _remove_unused(new_images)
         if is_new:
             bpy.data.node_groups.remove(group)
         raise
     for node in old_nodes:
         group.nodes.remove(node)
+    _remove_unused(old_images)
     group.name = f"Lamina {name} {material.name}"
     _input(group).default_value = millimetre
     material.lamina.lateral_group = group
@@ -55,6 +59,12 @@ def _new_group(name):
 
 def _input(group):
     return next(item for item in group.interface.items_tree if item.name == MILLIMETRE)
+
+
+def _remove_unused(images):
+    for image in images:
+        if image.users == 0:
+            bpy.data.images.remove(image)
 
 
 def _is_shared(material, group):

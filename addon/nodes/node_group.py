@@ -36,7 +36,7 @@ def build(material, lut):
     node_tree.of(material)
     group, is_new = _own_group(material)
     old_nodes = list(group.nodes)
-    old_images = _images(old_nodes)
+    old_images = images_of(old_nodes)
     image = lut_image.create(f"Lamina {material.name}", lut)
     tau = closure_graph.largest_tau(lut)
     old_tau = group.get("lamina_largest_tau")
@@ -84,7 +84,7 @@ def update(material, lut):
     drawn, wanted = _parse(group.get("lamina_layout")), _parse(_layout(lut))
     if not drawn or {**drawn, "drawn": None} != {**wanted, "drawn": None}:
         return False
-    images = _images(group.nodes)
+    images = images_of(group.nodes)
     if not images or not set(wanted["drawn"]) <= set(drawn["drawn"]):
         return False
     tau, old_tau = closure_graph.largest_tau(lut), group.get("lamina_largest_tau")
@@ -165,7 +165,7 @@ def remove(material):
         material.node_tree.nodes.remove(node)
     material.lamina.node_group = None
     if group is not None and group.library is None and group.users == 0:
-        images = _images(group.nodes)
+        images = images_of(group.nodes)
         bpy.data.node_groups.remove(group)
         for image in images:
             if image.users == 0:
@@ -302,7 +302,8 @@ def _follow_base_colour(group, colour):
                     given.default_value = (*colour, 1.0)
 
 
-def _images(nodes):
+def images_of(nodes):
+    """The images that the nodes read."""
     return {node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None}
 
 

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from . import boundary_graph
+
 
 def draw(graph, inputs, length):
     """Add the nodes and return the shader's socket. `inputs`: lamina.SubsurfaceInputs in millimetres;
@@ -18,7 +20,7 @@ def draw(graph, inputs, length):
         graph.link(shader, both.inputs[0])
         graph.link(share.outputs[0], both.inputs[1])
         shader = both.outputs[0]
-    return _under_boundary(graph, inputs, shader) if inputs.has_boundary else shader
+    return boundary_graph.over(graph, inputs.ior, inputs.roughness, shader) if inputs.has_boundary else shader
 
 
 def _walk(graph, row, label, inputs, colour, radius, length):
@@ -31,22 +33,6 @@ def _walk(graph, row, label, inputs, colour, radius, length):
     node.inputs["Anisotropy"].default_value = inputs.anisotropy
     graph.link(length, node.inputs["Scale"])
     return node.outputs[0]
-
-
-def _under_boundary(graph, inputs, shader):
-    """The boundary mirrors by Fresnel's equations; the rest of the light enters."""
-    fresnel = graph.node("ShaderNodeFresnel", 2, -4, "boundary")
-    fresnel.inputs["IOR"].default_value = inputs.ior
-    glossy = graph.node("ShaderNodeBsdfAnisotropic", 2, -2, "boundary")
-    glossy.distribution = "GGX"
-    glossy.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    # Blender's roughness is the root of alpha.
-    glossy.inputs["Roughness"].default_value = inputs.roughness**0.5
-    mix = graph.node("ShaderNodeMixShader", 4, 0, "boundary over all else")
-    graph.link(fresnel.outputs[0], mix.inputs[0])
-    graph.link(shader, mix.inputs[1])
-    graph.link(glossy.outputs[0], mix.inputs[2])
-    return mix.outputs[0]
 
 
 def _rgb(values):

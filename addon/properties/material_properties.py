@@ -28,6 +28,11 @@ LATERAL_OUTPUTS = (
         "Relightable",
         "Subsurface Scattering nodes whose light leaves in the right amount at the right mean distance",
     ),
+    (
+        "PORTAL",
+        "Portal",
+        "A table of where light leaves, by Ray Portal closures: the whole profile, for closed meshes",
+    ),
 )
 
 

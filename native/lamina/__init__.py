@@ -37,6 +37,7 @@ from .material.profile import Knot
 from .material.stack import Stack
 from .solver.solve import ScatteringFunction, solve
 from .subsurface.node_inputs import SubsurfaceInputs, subsurface_inputs
+from .subsurface.portal import PortalTables, portal_tables
 from .subsurface.stack_nodes import subsurface_nodes
 from .walks.estimate import Estimate, Query, estimate
 from .walks.estimate_searchlight import SearchlightEstimate, SearchlightQuery, estimate_searchlight
@@ -65,6 +66,7 @@ __all__ = [
     "LutError",
     "Medium",
     "Mixture",
+    "PortalTables",
     "Query",
     "ScatteringFunction",
     "Searchlight",
@@ -92,6 +94,7 @@ __all__ = [
     "merge_walks",
     "metals",
     "ply",
+    "portal_tables",
     "presets",
     "rgl",
     "searchlight",

@@ -34,7 +34,8 @@ def _render(material, samples, width, size, light):
     if light is not None:
         meshes.append(_plane(scene, 0.0, 0.1, None))
         screen = scene.objects[-1]
-        screen.visible_camera = screen.visible_diffuse = screen.visible_glossy = False
+        # It shows in shadows only: lit from below by the plane, it would light the plane.
+        screen.visible_camera = screen.visible_diffuse = screen.visible_glossy = screen.visible_transmission = False
         lamp = bpy.data.lights.new("sun", "SUN")
         lamp.angle, lamp.energy = 0.0, math.pi
         scene.collection.objects.link(bpy.data.objects.new("sun", lamp))

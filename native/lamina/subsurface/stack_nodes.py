@@ -13,7 +13,7 @@ from ..common.progress import Progress
 from ..kinds.bases import HalfSpace
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
-from ..lateral.searchlight import searchlight
+from ..lateral.searchlight import Searchlight, searchlight
 from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.solve import solve
@@ -34,21 +34,34 @@ def subsurface_nodes(stack: Stack, version: tuple[int, int] = (4, 5), mu: float 
     Arguments and errors are those of searchlight and subsurface_inputs. Raises StackError for a half-space or layer
     that absorbs nothing and reflects its light at an infinite mean distance."""
     beam = searchlight(stack, mu, quality, progress=progress, cancel=cancel)
-    top = stack.layers[0] if stack.layers and isinstance(stack.layers[0], Interface) else None
-    ior, roughness = LEAST_IOR, 0.0
-    on_top = np.zeros(stack.channels)
-    if top is not None:
-        on_top = np.broadcast_to(solve(Stack([top]), quality).reflectance(mu), stack.channels)
-        ior, roughness = (_mean(value, stack.channels) for value in (top.ior, top.alpha))
-    inside = np.clip(beam.reflectance - on_top, 0.0, None)
+    on_top, ior, roughness = boundary_on_top(stack, mu, quality)
+    distance = require_finite_distance(beam, on_top)
+    albedo = np.clip((beam.reflectance - on_top) / (1.0 - on_top), 0.0, 1.0)
+    return subsurface_inputs(albedo, distance, _anisotropy(stack), version, mu, ior, roughness)
+
+
+def boundary_on_top(stack: Stack, mu, quality: str) -> tuple[np.ndarray, float, float]:
+    """(light that a boundary on top of the stack reflects before any enters, at the cosine or cosines `mu`, last axis
+    channels; its index, 1.01 for none; its width alpha), the latter two as Cycles' node takes them."""
+    shape = (*np.shape(mu), stack.channels)
+    if not stack.layers or not isinstance(stack.layers[0], Interface):
+        return np.zeros(shape), LEAST_IOR, 0.0
+    top = stack.layers[0]
+    ior, alpha = (float(np.mean([channel(value, c) for c in range(stack.channels)])) for value in (top.ior, top.alpha))
+    on_top = np.broadcast_to(solve(Stack([top]), quality).reflectance(mu), shape)
+    return on_top, float(np.clip(ior, LEAST_IOR, 3.8)), min(alpha, 1.0)
+
+
+def require_finite_distance(beam: Searchlight, on_top: np.ndarray) -> np.ndarray:
+    """Mean exit distance of the light below the boundary, by channel. Raises StackError where it is infinite."""
+    inside = beam.reflectance - on_top
     with np.errstate(divide="ignore", invalid="ignore"):
         way = np.where(inside > 1e-9, beam.reflectance * beam.mean_distance / inside, 0.0)
     if not np.all(np.isfinite(way)):
         index = int(np.flatnonzero(~np.isfinite(way))[0])
         raise StackError(f"channel {index}: light that nothing absorbs leaves at an infinite mean distance, must meet "
                          "a sigma_a above 0 or a base that absorbs")
-    return subsurface_inputs(np.clip(inside / (1.0 - on_top), 0.0, 1.0), way, _anisotropy(stack), version, mu,
-                             float(np.clip(ior, LEAST_IOR, 3.8)), float(np.clip(roughness, 0.0, 1.0)))
+    return way
 
 
 def _anisotropy(stack: Stack) -> float:
@@ -58,7 +71,3 @@ def _anisotropy(stack: Stack) -> float:
         return 0.0
     cosines = [float(_core.PhaseFunction(*media[0].phase.in_channel(c)).moment(1)) for c in range(stack.channels)]
     return float(np.clip(np.mean(cosines), 0.0, LARGEST_G))
-
-
-def _mean(value, channels: int) -> float:
-    return float(np.mean([channel(value, c) for c in range(channels)]))

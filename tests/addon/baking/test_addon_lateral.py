@@ -65,6 +65,22 @@ def test_length_of_a_blender_unit(addon, marble):
     assert scale.links[0].from_socket.name == "Millimetre"
 
 
+def test_portal(addon, lamina, marble, call):
+    """The other output takes the place of the first, in the same group; images of earlier nodes go away."""
+    addon.baking.lateral_job.make(marble)
+    group = marble.lamina.lateral_group
+    marble.lamina.lateral = "PORTAL"
+    for _ in range(2):
+        assert call(bpy.ops.lamina.lateral, marble) == {"FINISHED"}
+    assert marble.lamina.lateral_group == group and not walks(marble)
+    assert [node.type for node in group.nodes].count("BSDF_RAY_PORTAL") == 1
+    assert marble.lamina.lateral_report.startswith("Portal: ")
+    (image,) = [image for image in bpy.data.images if image.name.startswith("Lamina Portal")]
+    tables = lamina.portal_tables(addon.editing.stack_io.to_stack(marble), "preview")
+    texels = [image.pixels[4 * k] for k in range(1024)]
+    assert texels == pytest.approx(list(tables.depths), rel=1e-6)
+
+
 def test_layers_without_lengths(addon, material, call):
     """The first stack's dust has an optical thickness: one sentence, and nothing changes."""
     before = len(material.node_tree.nodes)

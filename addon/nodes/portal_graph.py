@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A tabulated BSSRDF: Ray Portal BSDF, sources below the surface, and tables of lamina.portal_tables.
+
+A view that meets a front face goes on from a source below that point, in a random direction upwards. That ray
+meets a face from behind, and there the light outside is collected by a Translucent closure."""
+
+import math
+
+import numpy as np
+
+from ..base import float_image
+from . import boundary_graph
+
+# Rows of the image, from below.
+DEPTHS, WEIGHTS, VIEWS, ROWS = 0, 1, 2, 4
+# White noise of a position: at a thousand steps a millimetre, neighbours have unlike numbers.
+NOISE_SCALE = 917.3
+ASIDE = (0.8017837, 0.2672612, 0.5345225)  # no usual normal
+
+
+def draw(graph, tables, length, name):
+    """Add the nodes and return the shader's socket. `tables`: lamina.PortalTables; `length`: the socket of
+    the Blender units per millimetre; `name`: of the image."""
+    image = float_image.create(name, _texels(tables))
+    geometry = graph.node("ShaderNodeNewGeometry", -3, 4)
+    normal, position = geometry.outputs["Normal"], geometry.outputs["Position"]
+    chance = _chance(graph, position, length)
+    depth = _row(graph, image, DEPTHS, "depth of the source, mm", chance[0], "Closest").outputs["Color"]
+    cosine, sine = _cosine(graph, chance[1])
+    out = graph.math("DIVIDE", 0, 8, "over depth", sine, cosine)
+    r = graph.math("MULTIPLY", 1, 8, "distance on a plane", out, depth)
+    place = graph.math("DIVIDE", 2, 8, "place", r, graph.math("ADD", 1, 9, "and scale", r, tables.scale))
+    weight = _row(graph, image, WEIGHTS, "weight", place, "Linear").outputs["Color"]
+    seen = graph.vector("DOT_PRODUCT", 0, 12, "view cosine", normal, geometry.outputs["Incoming"])
+    colour = _row(graph, image, VIEWS, "light through the portal", seen, "Linear").outputs["Color"]
+    portal = graph.node("ShaderNodeBsdfRayPortal", 4, 6, "to the source")
+    graph.link(graph.vector("MULTIPLY", 3, 10, "colour", colour, weight), portal.inputs["Color"])
+    way = graph.math("MULTIPLY", 1, 5, "depth of the source", depth, length)
+    below = graph.scale(2, 5, "down", normal, way)
+    graph.link(graph.vector("SUBTRACT", 3, 5, "source", position, below), portal.inputs["Position"])
+    graph.link(_direction(graph, normal, cosine, sine, chance[2]), portal.inputs["Direction"])
+    shader = _with_once_scattered(graph, tables, portal.outputs[0])
+    if tables.has_boundary:
+        shader = boundary_graph.over(graph, tables.ior, tables.roughness, shader)
+    return _seen_from_behind(graph, geometry, shader)
+
+
+def _texels(tables):
+    """The tables as rows of an image, values at texel centres."""
+    width = len(tables.depths)
+    texels = np.zeros((ROWS, width, 4), np.float32)
+    texels[:, :, 3] = 1.0
+    texels[DEPTHS, :, :3] = tables.depths[:, None]
+    for row, values in ((WEIGHTS, tables.weights), (VIEWS, tables.views)):
+        places = np.linspace(0.0, len(values) - 1.0, width)
+        wide = np.stack([np.interp(places, np.arange(len(values)), column) for column in values.T], axis=1)
+        texels[row, :, :3] = wide
+    return texels
+
+
+def _row(graph, image, row, label, place, interpolation):
+    """The image's row at a place in [0, 1]: its first texel at 0, its last at 1."""
+    width = image.size[0]
+    half = 0.5 / width
+    at = graph.node("ShaderNodeCombineXYZ", 2, 2 * row, label)
+    line = graph.math("MULTIPLY_ADD", 1, 2 * row, "to texels", place, 1.0 - 2.0 * half, half)
+    graph.link(line, at.inputs[0])
+    at.inputs[1].default_value = (row + 0.5) / ROWS
+    node = graph.node("ShaderNodeTexImage", 3, 2 * row, label)
+    node.image, node.interpolation, node.extension = image, interpolation, "EXTEND"
+    graph.link(at.outputs[0], node.inputs["Vector"])
+    return node
+
+
+def _chance(graph, position, length):
+    """Three random numbers, uniform in [0, 1), for the place that is seen."""
+    fine = graph.math("DIVIDE", -2, 6, "steps", NOISE_SCALE, length)
+    noise = graph.node("ShaderNodeTexWhiteNoise", -1, 6, "chance")
+    noise.noise_dimensions = "3D"
+    graph.link(graph.scale(-2, 7, "in steps", position, fine), noise.inputs["Vector"])
+    parts = graph.node("ShaderNodeSeparateColor", 0, 6, "chance")
+    graph.link(noise.outputs["Color"], parts.inputs[0])
+    return tuple(parts.outputs)[:3]
+
+
+def _cosine(graph, chance):
+    """(cosine, sine) of the source's ray to the normal: uniform over the upper hemisphere."""
+    cosine = graph.math("MAXIMUM", 0, 7, "cosine", chance, 1.0e-6)
+    square = graph.math("MULTIPLY", 1, 7, "square", cosine, cosine)
+    return cosine, graph.math("SQRT", 3, 7, "sine", graph.math("SUBTRACT", 2, 7, "rest", 1.0, square))
+
+
+def _direction(graph, normal, cosine, sine, chance):
+    angle = graph.math("MULTIPLY", 0, 14, "azimuth", chance, 2.0 * math.pi)
+    first = graph.vector("CROSS_PRODUCT", 0, 15, "across", normal, ASIDE)
+    first = graph.vector("NORMALIZE", 1, 15, "first axis", first)
+    second = graph.vector("CROSS_PRODUCT", 2, 15, "second axis", normal, first)
+    along = graph.math("MULTIPLY", 2, 14, "along the first", sine, graph.math("COSINE", 1, 14, "", angle))
+    aside = graph.math("MULTIPLY", 2, 16, "along the second", sine, graph.math("SINE", 1, 16, "", angle))
+    level = graph.vector(
+        "ADD", 4, 15, "level",
+        graph.scale(3, 15, "", first, along),
+        graph.scale(3, 16, "", second, aside),
+    )
+    return graph.vector("ADD", 5, 15, "direction", level, graph.scale(4, 16, "upwards", normal, cosine))
+
+
+def _with_once_scattered(graph, tables, portal):
+    """The portal and the Glossy closure of light that was scattered once."""
+    once = np.broadcast_to(tables.once, 3)
+    if not np.any(once > 0.0):
+        return portal
+    glossy = graph.node("ShaderNodeBsdfAnisotropic", 4, 4, "scattered once")
+    glossy.distribution = "GGX"
+    glossy.inputs["Color"].default_value = (*map(float, once), 1.0)
+    glossy.inputs["Roughness"].default_value = 1.0
+    both = graph.node("ShaderNodeAddShader", 5, 5, "all that leaves")
+    graph.link(portal, both.inputs[0])
+    graph.link(glossy.outputs[0], both.inputs[1])
+    return both.outputs[0]
+
+
+def _seen_from_behind(graph, geometry, shader):
+    """What a source's ray meets from inside: the surface lit from outside."""
+    lit = graph.node("ShaderNodeBsdfTranslucent", 6, 8, "light from outside")
+    lit.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    mix = graph.node("ShaderNodeMixShader", 7, 6, "from inside")
+    graph.link(geometry.outputs["Backfacing"], mix.inputs[0])
+    graph.link(shader, mix.inputs[1])
+    graph.link(lit.outputs[0], mix.inputs[2])
+    return mix.outputs[0]
