@@ -27,10 +27,10 @@ class Interior:
     """What is inside of a mesh. Make one by `uniform`, `mixed`, `of_coefficients`, `lamina.marble` or `load`.
 
     `voxels`: [x, y, z], either uint16, a place in the palette from 0 (first) to 65535 (last material), between
-        neighbours a mixture in proportion; or float16 with a last axis of 6, sigma_s and then sigma_a of red, green and
-        blue in 1/mm.
+    neighbours a mixture in proportion; or float16 with a last axis of 6, sigma_s and then sigma_a of red, green and
+    blue in 1/mm.
     `low`, `high`: corners in mm of the box that the voxels divide, in the space of the mesh. Outside of the box the
-        coefficients are those at its faces.
+    coefficients are those at its faces.
     `palette`: the end materials, none for coefficients. `g`: for coefficients, the mean cosine of the phase function.
     `smooth`: coefficients are trilinear between the centres of voxels; otherwise constant in each voxel."""
 

@@ -37,10 +37,10 @@ class Marble:
 
     `palette`: the ground, then what lies between, last the middle of veins; 2 to 256 lamina.EndMaterial.
     `spacing`: distance between planes. `direction`: across the planes, of any length but 0.
-    `width`: of veins, as a part of the spacing, [0.001, 1]: the mixture falls as exp(-(2 d / (width spacing))^2) at the
-        distance d.
+    `width`: of veins, as a part of the spacing, [0.001, 1]: the mixture falls as exp(-(2 d / (width spacing))^2) at
+    the distance d.
     `distortion`: how far turbulence of 1 shifts the planes, in spacings, [0, 100]. `feature`: size of the largest
-        bends.
+    bends.
     `octaves`: 1 to 12; each has `lacunarity` times the frequency and `gain` times the weight of the one before.
     `seed`: of the noise."""
 
