@@ -98,7 +98,7 @@ def _gains(reflected, weights: np.ndarray, closures: Sequence[str]) -> np.ndarra
             weight = weights[:, k, ..., None]
             mean, strayed = weight.mean(axis=2, keepdims=True), _strayed(name)
             total = mean * strayed + density
-            per_sample = strayed / np.where(total > 0.0, total, 1.0)
+            per_sample = strayed / np.where(total > np.finfo(float).tiny, total, 1.0)  # a denormal quotient overflows
             found += (per_sample * (mean * value - weight * density)) @ _grid().solid_angle
     return found
 
