@@ -212,6 +212,38 @@ std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& sta
   return once_scattered(stack, false);
 }
 
+std::optional<LitBase> lit_base(const LateralStack& stack) {
+  const Base& base = stack.measured().stack.base;
+  if (!stack.along_normal() || base.kind != Base::Kind::kLambert || base.reflectance == 0.0) {
+    return std::nullopt;
+  }
+  const std::vector<Layer>& layers = stack.measured().stack.layers;
+  const std::vector<Directions>& directions = stack.directions();
+  std::vector<LitBase::Part> parts;
+  bool media = false;
+  for (std::size_t layer = layers.size(); layer-- > 0;) {
+    const double ior = directions[layer].ior;
+    if (const auto* interface = std::get_if<Interface>(&layers[layer])) {
+      if (interface->is_rough(ior)) {
+        return std::nullopt;
+      }
+      parts.push_back({ior, 0.0, 0.0});
+    } else if (const auto& medium = stack.media()[layer]) {
+      if (std::isinf(medium->thickness())) {
+        return std::nullopt;
+      }
+      parts.push_back({ior, medium->thickness(), medium->extinction()});
+      media = true;
+    }
+  }
+  if (!media) {
+    return std::nullopt;
+  }
+  const DeltaField field(delta_layers(stack));
+  const double beam = field.from_above[layers.size()].down[directions.front().nodes];
+  return LitBase(directions.back(), beam, base.reflectance, std::move(parts));
+}
+
 Rings unscattered_rings(const LateralStack& stack) {
   Rings rings;
   if (stack.along_normal()) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lateral/lateral_stack.hpp"
+#include "lateral/lit_base.hpp"
 #include "lateral/once_scattered_beam.hpp"
 
 namespace lamina {
@@ -19,6 +20,10 @@ std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& sta
 /// references into the stack.
 std::vector<OnceScatteredBeam> deeper_scattered_upward(const LateralStack& stack);
 std::vector<OnceScatteredBeam> deeper_scattered_downward(const LateralStack& stack);
+
+/// Light of the beam that a Lambert base has reflected and that no medium scatters, see LitBase. Empty for other bases,
+/// for oblique beams, below rough boundaries and without media above the base.
+std::optional<LitBase> lit_base(const LateralStack& stack);
 
 /// Unscattered light of an oblique beam that leaves at a distance from the point of entry. The mean over azimuths is a
 /// ring.

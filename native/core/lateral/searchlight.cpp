@@ -138,6 +138,13 @@ void Searchlight::choose_scale() {
       fastest = std::max(fastest, std::isinf(thickness) ? extinction : 10.0 / thickness);
     }
   }
+  const Base& base = measured_.stack.base;
+  if (base.kind == Base::Kind::kLambert && base.reflectance > 0.0 && whole > 0.0 && !std::isinf(whole)) {
+    // The spot that the beam lights on the base, and the edge of its total reflection, are still seen at this
+    // frequency.
+    constexpr double kSpot = 30.0;
+    fastest = std::max(fastest, kSpot / whole);
+  }
   if (!(fastest > 0.0) || std::isinf(slowest)) {
     slowest = 1.0;
     fastest = 2.0;
@@ -184,6 +191,9 @@ Searchlight::Faces Searchlight::rest_at(double q) const {
     for (const OnceScatteredBeam& deeper : deeper_[face]) {
       rest[face] += deeper.at(q) - deeper.discretised(q, azimuths);
     }
+  }
+  if (lit_base_) {
+    rest[0] += lit_base_->at(q) - lit_base_->discretised(q, azimuths);
   }
   return rest;
 }
@@ -238,6 +248,7 @@ void Searchlight::advance(ThreadPool& pool) {
     faces_[0].once = once_scattered_upward(*stack_);
     faces_[1].once = once_scattered_downward(*stack_);
     deeper_ = {deeper_scattered_upward(*stack_), deeper_scattered_downward(*stack_)};
+    lit_base_ = lit_base(*stack_);
     if (stack_->along_normal()) {
       peaks_down_.emplace(*stack_, 1);
       peaks_back_.emplace(*stack_, 2);

@@ -107,8 +107,9 @@ class Searchlight {
   LateralFlux limit_;
   std::array<LeavingLight, 2> faces_;
   std::array<std::vector<OnceScatteredBeam>, 2> deeper_;  // by face
-  std::array<Piece, 2> pieces_{};                         // of low and of high frequencies
-  std::vector<double> small_;                             // frequencies near 0
+  std::optional<LitBase> lit_base_;
+  std::array<Piece, 2> pieces_{};  // of low and of high frequencies
+  std::vector<double> small_;      // frequencies near 0
   std::array<std::vector<double>, 2> small_rest_;
   bool small_solved_ = false;
   std::vector<Wanted> waiting_;

@@ -160,7 +160,7 @@ def test_clear_layer_over_a_lambert_surface():
     t = np.linspace(0.0, 12.0, 4001)
     weight = np.where(t == 0.0, 0.5, 1.0) * (t[1] - t[0])
     exact = [0.8 * x * np.sum(weight * np.exp(-x * np.cosh(t)) * np.cosh(t)) for x in q * thickness]
-    assert np.allclose(beam.reflected_at(q), exact, atol=2e-3)
+    assert np.allclose(beam.reflected_at(q), exact, atol=1e-5)
     assert beam.reflectance[0] == pytest.approx(0.8, abs=1e-9)
     assert beam.mean_distance[0] == pytest.approx(0.25 * math.pi, rel=1e-2)
     assert beam.mean_square_distance[0] == math.inf

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lateral/lit_base.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+#include "numeric/quadrature.hpp"
+#include "operators/interface.hpp"
+
+namespace lamina {
+namespace {
+
+/// The mean over azimuths of waves at a lateral displacement.
+double mean_wave(double phase, const AzimuthRule& azimuths) {
+  if (azimuths.count == 1) {
+    return 1.0;
+  }
+  double mean = 0.0;
+  for (Eigen::Index j = 0; j < azimuths.cosines.size(); ++j) {
+    mean += (azimuths.weights[j] * std::exp(std::complex<double>(0.0, -phase) * azimuths.cosines[j])).real();
+  }
+  return mean;
+}
+
+}  // namespace
+
+LitBase::LitBase(const Directions& directions, double beam, double reflectance, std::vector<Part> parts)
+    : ior_(directions.ior), beam_(beam), reflectance_(reflectance), parts_(std::move(parts)), critical_{0.0, 1.0} {
+  for (const Part& part : parts_) {
+    if (part.thickness == 0.0 && part.ior < ior_) {
+      critical_.push_back(refracted_cosine(0.0, part.ior, ior_));
+    }
+  }
+  std::sort(critical_.begin(), critical_.end());
+  for (Eigen::Index i = 0; i < directions.live; ++i) {
+    discrete_.push_back({2.0 * directions.mu[i] * directions.weight[i], ray(directions.mu[i])});
+  }
+}
+
+LitBase::Ray LitBase::ray(double mu) const {
+  Ray ray;
+  double flux = 1.0;
+  double aside = 0.0;
+  double ior = ior_;
+  double cosine = mu;
+  for (const Part& part : parts_) {
+    if (part.thickness > 0.0) {
+      flux *= std::exp(-part.extinction * part.thickness / cosine);
+      aside += part.thickness * std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) / cosine;
+      continue;
+    }
+    const double next = refracted_cosine(mu, ior_, part.ior);
+    const double mirrored = next > 0.0 ? fresnel(cosine, next, ior, part.ior) : 1.0;
+    ray.returning.push_back({flux * flux * mirrored, 2.0 * aside});
+    if (!(next > 0.0)) {
+      return ray;
+    }
+    flux *= 1.0 - mirrored;
+    ior = part.ior;
+    cosine = next;
+  }
+  ray.leaving = {flux, aside};
+  return ray;
+}
+
+double LitBase::aside(double mu) const {
+  const Ray found = ray(mu);
+  double farthest = found.leaving.aside;
+  for (const Share& share : found.returning) {
+    farthest = std::max(farthest, share.aside);
+  }
+  return farthest;
+}
+
+double LitBase::exchanged(double leaving, double returning) const {
+  return beam_ * reflectance_ * leaving / (1.0 - reflectance_ * returning);
+}
+
+double LitBase::discretised(double q, const AzimuthRule& azimuths) const {
+  double leaving = 0.0;
+  double returning = 0.0;
+  for (const auto& [weight, ray] : discrete_) {
+    leaving += weight * ray.leaving.flux * mean_wave(q * ray.leaving.aside, azimuths);
+    for (const Share& share : ray.returning) {
+      returning += weight * share.flux * mean_wave(q * share.aside, azimuths);
+    }
+  }
+  return exchanged(leaving, returning);
+}
+
+double LitBase::at(double q) const {
+  static const Quadrature rule(8);
+  constexpr double kShortest = 1e-6;  // the last piece at the end of an interval
+  constexpr double kPhase = 4.0;      // largest change of the phase of a wave within a piece
+  constexpr double kLargest = 1e3;    // light farther aside than this phase is left out: its waves cancel
+  double leaving = 0.0;
+  double returning = 0.0;
+  const auto add = [&](double low, double high) {
+    const double near = q * aside(high);
+    if (near > kLargest) {
+      return;
+    }
+    const double far = std::min(q * aside(std::max(low, 1e-9)), 4.0 * kLargest);
+    const int count = 1 + static_cast<int>(std::abs(far - near) / kPhase);
+    // Equal steps of 1 / mu are nearly equal steps aside.
+    const double first = 1.0 / high;
+    const double last = 1.0 / std::max(low, 1e-9);
+    for (int k = 0; k < count; ++k) {
+      const double from = count == 1 ? low : 1.0 / (first + (last - first) * (k + 1) / count);
+      const double to = 1.0 / (first + (last - first) * k / count);
+      for (Eigen::Index i = 0; i < rule.mu.size(); ++i) {
+        const double mu = from + (to - from) * rule.mu[i];
+        const double weight = 2.0 * mu * (to - from) * rule.weight[i];
+        const Ray found = ray(mu);
+        leaving += weight * found.leaving.flux * j0(q * found.leaving.aside);
+        for (const Share& share : found.returning) {
+          returning += weight * share.flux * j0(q * share.aside);
+        }
+      }
+    }
+  };
+  for (std::size_t k = 0; k + 1 < critical_.size(); ++k) {
+    const double middle = 0.5 * (critical_[k] + critical_[k + 1]);
+    for (const double end : {critical_[k], critical_[k + 1]}) {
+      double rest = middle - end;  // signed
+      for (; std::abs(rest) > kShortest; rest *= 0.25) {
+        add(std::min(end + rest, end + 0.25 * rest), std::max(end + rest, end + 0.25 * rest));
+      }
+      add(std::min(end, end + rest), std::max(end, end + rest));
+    }
+  }
+  return exchanged(leaving, returning);
+}
+
+}  // namespace lamina
