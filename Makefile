@@ -32,16 +32,19 @@ SAMPLE := material solver/test_published_values.py solver/test_symmetries.py bak
 	test_one_version.py test_stubs.py
 WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 
+# For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
+ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
+
 .PHONY: demo check test lint docs bench study study-hard figures stubs sanitize fuzz wheel extension clean
 .DEFAULT_GOAL := demo
 
-# The slab needs no dust and so no Embree: the slab is rendered first, then Embree is built for the other scenes.
+# In a fresh clone the slab is rendered as soon as the solver is compiled: the slab needs neither walks nor dust.
 demo:
-ifeq ($(SCENE),all)
-	@$(MAKE) --no-print-directory -j 2 build/stamps/blender build/stamps/native
-	@$(MAKE) --no-print-directory build/stamps/extension-native
-	$(RUN) demo_scenes/make_demo.py slab --quality $(QUALITY)
-	@$(MAKE) --no-print-directory build/stamps/extension
+ifeq ($(SCENE)$(wildcard build/stamps/extension),all)
+	@$(MAKE) --no-print-directory -j 2 build/stamps/blender build/stamps/first
+	@$(RUN) tools/build_extension.py build/first/*.whl --output build/first
+	$(RUN) demo_scenes/make_demo.py slab --quality $(QUALITY) --extension build/first/lamina-$(VERSION).zip
+	@$(MAKE) --no-print-directory -j 2 build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py all --except slab --quality $(QUALITY) $(OPTIONS)
 else
 	@$(MAKE) --no-print-directory -j 2 build/stamps/extension
@@ -49,7 +52,7 @@ else
 endif
 
 test: lint docs build/stamps/extension
-	$(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
+	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest tests/addon
 	$(RUN) -m pytest tests/cycles
 
@@ -59,7 +62,7 @@ check: build/stamps/wheel build/stamps/develop
 	PYTHONPATH=native $(VENV)/bin/lint-imports --no-cache
 	$(RUN) -m mypy
 	tools/lint_cpp.sh $(VENV)/bin changed
-	$(RUN) -m pytest -n 2 --durations=10 tests/core $(addprefix tests/lamina/,$(SAMPLE))
+	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --durations=10 tests/core $(addprefix tests/lamina/,$(SAMPLE))
 
 lint: build/stamps/wheel build/stamps/develop
 	$(RUN) -m ruff check .
@@ -129,21 +132,20 @@ build/stamps/embree: tools/build_embree.sh build/stamps/system
 	@tools/build_embree.sh build/embree
 	@touch $@
 
-# Incremental: CMake compiles what has changed since the last wheel.
-define build_wheel
-rm -f $(WHEEL) && $(RUN) $(PIP) wheel --no-deps --no-build-isolation -w build/wheels . \
-  && $(RUN) $(PIP) install --no-deps --force-reinstall $(WHEEL)
-endef
-
-# The wheel without dust's rays, unless Embree is there already.
-build/stamps/native: build/stamps/venv $(NATIVE_SOURCES)
-	@echo "Building Lamina's native wheel (two to three minutes the first time)"
-	@$(build_wheel)
+# The wheel of the demo's first picture: without walks, searchlight and dust. It stays in build/first: it is neither
+# installed nor part of any archive in dist.
+build/stamps/first: build/stamps/venv $(NATIVE_SOURCES)
+	@echo "Building what the first picture needs of Lamina's native wheel (two minutes)"
+	@rm -rf build/first
+	@$(RUN) $(PIP) wheel --no-deps --no-build-isolation -C cmake.define.LAMINA_WALKS=OFF -w build/first .
 	@touch $@
 
-build/stamps/wheel: build/stamps/embree build/stamps/native
-	@if [ build/stamps/embree -nt build/stamps/native ]; then \
-	  echo "Adding dust's rays to the wheel"; $(build_wheel); fi
+# Incremental: CMake compiles what has changed since the last wheel.
+build/stamps/wheel: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
+	@echo "Building Lamina's native wheel (two to three minutes the first time)"
+	@rm -f $(WHEEL)
+	@$(RUN) $(PIP) wheel --no-deps --no-build-isolation -w build/wheels .
+	@$(RUN) $(PIP) install --no-deps --force-reinstall $(WHEEL)
 	@touch $@
 
 build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)
@@ -154,10 +156,6 @@ build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)
 	@touch $@
 
 EXTENSION_SOURCES := $(ADDON_SOURCES) tools/build_extension.py LICENSE THIRD_PARTY.md
-build/stamps/extension-native: build/stamps/native build/stamps/blender $(EXTENSION_SOURCES)
-	@$(RUN) tools/build_extension.py $(WHEEL) --output dist
-	@touch $@
-
 build/stamps/extension: build/stamps/wheel build/stamps/blender $(EXTENSION_SOURCES)
 	@echo "Building the Blender extension"
 	@$(RUN) tools/build_extension.py $(WHEEL) --output dist

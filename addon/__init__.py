@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamina: physically right layered materials for Cycles. The only part of Lamina that knows Blender."""
+"""Lamina: physically right layered materials for Cycles. The only part of Lamina that imports bpy."""
 
 import bpy
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same slab by two discrete-ordinate codes that share no code with Lamina: CDISORT (nanodisort) and
-PythonicDISORT. Each returns (R, T): BRDF and diffuse BTDF, [mu_o, mu_i, dphi]."""
+"""The same slab in two discrete-ordinate codes that are independent of Lamina: CDISORT (nanodisort) and PythonicDISORT.
+Each function returns (R, T): BRDF and diffuse BTDF, [mu_o, mu_i, dphi]."""
 
 import nanodisort
 import numpy as np
@@ -10,7 +10,7 @@ MOMENTS = 400
 
 
 def cdisort(albedo, tau, g, streams, mu_o, mu_i, dphi):
-    """One CDISORT solve for each incidence, with its single-scattering (Nakajima-Tanaka) correction."""
+    """One CDISORT solve for each incidence, with CDISORT's single-scattering correction (Nakajima and Tanaka)."""
     state = nanodisort.DisortState()
     state.nstr, state.nlyr, state.nmom, state.ntau = streams, 1, MOMENTS, 2
     state.numu, state.nphi, state.nphase = 2 * len(mu_o), len(dphi), 200

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settling of dust: rays per second beside a bare loop of Embree's, and a million points of a mesh of 871 thousand
-faces with 256 rays each: seconds and memory. LAMINA_BENCH_MESH: a PLY file (y up) in place of the generated mesh."""
+"""Settling of dust: rays per second beside a bare Embree loop; seconds and memory for a million points of a mesh of 871
+thousand faces with 256 rays each. LAMINA_BENCH_MESH: a PLY file (y up) in place of the generated mesh."""
 
 import json
 import math
@@ -51,7 +51,7 @@ def knot(around=1320, across=330):
 
 
 def surface_points(surface, count, seed=1):
-    """Points spread over the area at random, sorted by face as texels are."""
+    """Points distributed at random over the area, sorted by face as texels are."""
     rng = np.random.default_rng(seed)
     corners = surface.vertices[surface.triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
@@ -87,7 +87,7 @@ def measure():
             rows.append({"name": f"{name}, {len(surface.triangles):,} faces, {threads or 'all'} threads",
                          "settling, Mrays/s": found["dust"] * 1e-6, "bare Embree, Mrays/s": found["bare"] * 1e-6,
                          "settling/bare": found["ratio"], "rays that hit": found["hit"]})
-    # Peak memory is measured for a whole process, so this measurement has a process of its own.
+    # Peak memory is measured for a complete process, so this measurement has a process of its own.
     done = subprocess.run([sys.executable, __file__], check=True, capture_output=True, text=True)
     return [*rows, json.loads(done.stdout)]
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The closure fit over the published list of stacks, tests/data/fit_stacks.json.
 
-Stacks marked `blind` were written down before any of them was fitted. Those whose errors led to a change lost the
-mark, and new ones took their place. Three that keep it, dust-hg-50-on-rough-copper, coat-ggx-30-on-hg-40 and
-metal-beckmann-50-iron, were watched for losses while that change was judged: they are not blind to it."""
+Stacks marked `blind` were written down before any of them was fitted. Stacks whose errors led to a change lost the
+mark, and new ones replaced them. Three stacks that still have the mark, dust-hg-50-on-rough-copper,
+coat-ggx-30-on-hg-40 and metal-beckmann-50-iron, were checked for losses when that change was judged, so they are not
+blind to it."""
 
 import json
 import statistics

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live editing: wall clock from a changed property to the updated image's pixels, all threads, in Blender.
 
-Runs as a process of its own, because of bpy: prints one JSON list. The limit to reach is 33 ms for three
-layers, RGB, over a Lambert base. Blender's own timer, which does not run in the background, would add up to
-4 ms until it looks.
+Runs as a process of its own, because of bpy, and prints one JSON list. The limit is 33 ms for three layers, RGB, over a
+Lambert base. Blender's own timer, which does not run in the background, would add up to 4 ms.
 """
 
 import importlib
@@ -34,7 +33,7 @@ def enable():
 
 
 class Stages:
-    """Adds up the time that the functions of a module take, by stage."""
+    """Adds up the running time of a module's functions, by stage."""
 
     def __init__(self, module, **stages):
         self.spent = {}
@@ -71,7 +70,7 @@ def measure_in_blender(repeats=40):
             start = time.perf_counter()
             material.lamina.layers[0].g = 0.3 + 0.001 * step
             addon.baking.live.poll()
-            # In Blender, the main thread does not wait here.
+            # Blender's main thread would not wait here.
             addon.baking.live.running().wait()
             before = time.perf_counter()
             addon.baking.live.poll()
@@ -90,7 +89,7 @@ def measure_in_blender(repeats=40):
 
 
 def measure_calls(addon, material, repeats=5):
-    """Calls that Blender's main thread makes while it draws the panel or moves a slider: none may bake or solve."""
+    """Calls on Blender's main thread while it draws the panel or moves a slider. None of them may bake or solve."""
     layer, colours = material.lamina.layers[0], addon.stack_json.solved_colours
 
     def change(step):

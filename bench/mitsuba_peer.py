@@ -3,7 +3,7 @@
 
     python bench/mitsuba_peer.py VARIANT PATHS RR_DEPTH REPEATS      prints one line of JSON
 
-A process of its own: an LLVM too old for Mitsuba ends the process that loads it."""
+Runs as a process of its own: an LLVM version too old for Mitsuba ends the process that loads it."""
 
 import json
 import os
@@ -26,8 +26,8 @@ LIBRARY = "DRJIT_LIBLLVM_PATH"
 
 def measure(paths: int, rr_depths: tuple[int, ...], repeats: int) -> list[dict]:
     """[{variant, value, variance: relative, of a path, paths_per_second: wall clock, all threads, and for LLVM
-    compilation: seconds}] of light at cosine MU, for LLVM, where the system holds a library that works, and scalar;
-    each with the depth at which its roulette begins that makes it the fastest."""
+    compilation: seconds}] of light at cosine MU, for the scalar variant and, if the system has a working library, for
+    LLVM. Each variant runs with the depth of its Russian roulette that makes it fastest."""
     return [run for variant in (LLVM, SCALAR) if (run := _fastest(variant, paths, rr_depths, repeats)) is not None]
 
 
@@ -51,7 +51,7 @@ def _fastest(variant: str, paths: int, rr_depths: tuple[int, ...], repeats: int)
 
 
 def _run(variant: str, library: Path | None, *numbers: int) -> tuple[dict | None, str]:
-    """(what the process found or none, the reason). No kernels of earlier processes: LLVM compiles its own."""
+    """(the process's result or None, the reason). LLVM compiles its own kernels, without those of earlier processes."""
     with tempfile.TemporaryDirectory() as home:
         environment = {**os.environ, "HOME": home, **({LIBRARY: str(library)} if library else {})}
         call = [sys.executable, __file__, variant, *map(str, numbers)]
@@ -62,7 +62,7 @@ def _run(variant: str, library: Path | None, *numbers: int) -> tuple[dict | None
 
 
 def _llvm_libraries() -> list[Path]:
-    """The library that the environment names, otherwise those of the system, newest first."""
+    """The library given by the environment, otherwise those of the system, newest first."""
     if os.environ.get(LIBRARY):
         return [Path(os.environ[LIBRARY])]
     found: dict = {}
@@ -75,7 +75,7 @@ def _llvm_libraries() -> list[Path]:
 
 
 def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
-    """The radiance seen at MU under unit radiance from above, in images of independent pixels."""
+    """The radiance towards MU under unit radiance from above, in images of independent pixels."""
     import drjit as dr
     import mitsuba as mi
 
@@ -107,7 +107,7 @@ def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
     for seed in range(repeats + 1):
         started = time.perf_counter()
         image = np.array(mi.render(scene, spp=spp, seed=seed), dtype=float).ravel()
-        if seed > 0:  # The first compiles the kernels, which the others use again.
+        if seed > 0:  # The first render compiles the kernels, which the others reuse.
             images.append(image)
             seconds.append(time.perf_counter() - started)
     value = float(np.mean(images))

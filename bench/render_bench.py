@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast and how noisy baked materials render, beside Cycles' own and the volume slab.
+"""Speed and noise of baked materials in Cycles, beside Cycles' own materials and the volume slab.
 
     python bench/render_bench.py [--size 128] [--repeats 5] [--extension ZIP] [--out build/bench/render.json]
 
-The view of the slab demo without its sky, under the same sun and sky. Every round renders each body in
-turn; times are of the process's CPU, all threads together, so that a busy machine falsifies them least:
-(many samples) - (few samples), which takes the start of a render off. The least of the rounds counts, since
-other work only adds; the range is that of ratios within a round. Noise is the relative standard deviation of a
-pixel at SAMPLES samples, from two seeds.
+The scene is the slab demo without its sky in view, under the same sun and sky. Every round renders each body in turn.
+Times are CPU times of the process, all threads together, which other load on the machine affects least: (many samples)
+- (few samples), which removes the start of a render. The result is the minimum over rounds, since other load only adds
+time; the range is that of ratios within a round. Noise is the relative standard deviation of a pixel at SAMPLES
+samples, from two seeds.
 """
 
 import argparse
@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT / "demo_scenes"))
 import extension  # noqa: E402
 import output  # noqa: E402
 
-SAMPLES = 32  # at which noise is given
+SAMPLES = 32  # number of samples for the noise
 MANY, FEW = 64, 4  # samples of the two timed renders
 DUSTY = {
     "schema": 1,
@@ -72,7 +72,7 @@ def scenes(stack):
 
 
 def prepare(stage, size):
-    """Unbiased settings, and a picture that is cropped to the slab because sky pixels take almost no time."""
+    """Unbiased settings, and a picture cropped to the slab, because sky pixels take almost no time."""
     from slab import scene, view
 
     scene.set_quality(stage, size, MANY)
@@ -109,7 +109,7 @@ def table(measured):
             "time_over_principled_least": float(ratios.min()),
             "time_over_principled_most": float(ratios.max()),
             "noise": noise,
-            # Noise falls with the root of the samples.
+            # Noise falls with the square root of the number of samples.
             "time_to_equal_noise_over_principled": ratio * (noise / reference[2]) ** 2,
         })
     return rows
@@ -165,7 +165,7 @@ def main(argv=None):
 
 
 def _facts(lut):
-    """The columns that describe a table; empty for a material that is not baked."""
+    """The columns that describe a table; empty for materials that are not baked."""
     if lut is None:
         return {}
     return {"closures": lut.report["closures"], "fit_error": lut.report["fit_error"], "ids": lut.closures}
@@ -176,7 +176,7 @@ def _noise(stage):
     import cycles_render
 
     stage.cycles.samples = SAMPLES
-    # Green stands for luminance; seeds far apart from those of the timed renders.
+    # Green is used in place of luminance; the seeds differ from those of the timed renders.
     first, second = (cycles_render.render(stage, seed)[0][..., 1] for seed in (1001, 1002))
     relative = (first - second) / ((first + second) / 2.0)
     return math.sqrt(np.mean(relative**2) / 2.0), first.size

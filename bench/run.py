@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""make bench: all benchmarks in turn, printed as tables and kept as JSON in build/bench.
+"""make bench: all benchmarks in turn, printed as tables and stored as JSON in build/bench.
 
-    python bench/run.py [solver|doubling|walks|bake|fit|live|dust|render ...]
+    python bench/run.py [solver|doubling|walks|bake|fit|live|dust|interior|render ...]
 """
 
 import json
@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "build/bench"
-DOUBLING = ROOT / "build/native-bench/native/bench/bench_doubling"
+NATIVE = ROOT / "build/native-bench/native/bench"
 
 
 def solver():
@@ -21,7 +21,12 @@ def solver():
 
 
 def doubling():
-    done = subprocess.run([DOUBLING], check=True, capture_output=True, text=True)
+    return _rows_of("bench_doubling")
+
+
+def _rows_of(program):
+    """What a program of native/bench prints, a line of JSON for each row."""
+    done = subprocess.run([NATIVE / program], check=True, capture_output=True, text=True)
     return [json.loads(line) for line in done.stdout.splitlines() if line]
 
 
@@ -55,8 +60,12 @@ def dust():
     return dust_bench.measure()
 
 
+def interior():
+    return _rows_of("bench_mesh_walk")
+
+
 def render():
-    # In a process of its own, because bpy may hang when the interpreter exits.
+    # bpy may hang when the interpreter exits, so this runs in a process of its own.
     subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
     return None
 
@@ -69,6 +78,7 @@ BENCHES = {
     "fit": (fit, "Closure fit, relative L2 errors of the slices"),
     "live": (live, "Live editing, wall clock from a changed property to updated pixels (limit 33 ms)"),
     "dust": (dust, "Dust: rays of settling against a bare loop of Embree's, wall clock"),
+    "interior": (interior, "Walks in a mesh of 100 k faces with 256^3 voxels, CPU time of all threads (limit 1 M/s)"),
     "render": (render, "Rendering in Cycles"),
 }
 

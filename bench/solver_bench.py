@@ -13,17 +13,17 @@ from lamina import _core
 
 SLAB = (0.9, 2.0, 0.75)
 NODES = 32
-# Directions at which errors are measured: between the nodes of all codes, mu >= .05, forward and backward included.
+# Directions for the errors: between the nodes of all codes, mu >= .05, forward and backward included.
 MU_O = np.array([0.05, 0.12, 0.3, 0.55, 0.8, 0.97])
 MU_I = np.array([0.06, 0.2, 0.45, 0.7, 0.99])
 DPHI = np.linspace(0.0, np.pi, 9)
-# CDISORT (nanodisort 0.3) overruns its memory when it is asked for more cosines than it has streams: the
-# peers are asked for half of the view cosines.
+# CDISORT (nanodisort 0.3) overruns its memory if it is asked for more cosines than it has streams. The peers are
+# therefore asked for half of the view cosines.
 ALL_DPHI = np.linspace(0.0, np.pi, 16)
 
 
 def measure(repeats=5):
-    """A list of {name, cpu_ms, error, ...}, and the reference that errors are measured against."""
+    """A list of {name, cpu_ms, error, ...}, and the reference for the errors."""
     truth = cdisort(*SLAB, 128, MU_O, MU_I, DPHI)
     mu = (np.arange(NODES) + 0.5) / NODES
     stack = lamina.Stack([lamina.Medium(albedo=SLAB[0], tau=SLAB[1], phase=lamina.HenyeyGreenstein(SLAB[2]))])
@@ -50,7 +50,7 @@ def measure(repeats=5):
     for turn in range(repeats):
         for name, work in rows.items():
             if turn > 0 and name.startswith("PythonicDISORT"):
-                continue  # half a minute each; one turn is enough to see the order of magnitude
+                continue  # half a minute each; one turn shows the order of magnitude
             start = time.process_time()
             work()
             times[name].append(time.process_time() - start)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walks on the standard slab: seconds to .1 % of its BRDF against Mitsuba's volpath to .1 % of its directional
-albedo, by its LLVM and its scalar variant; events and samples per second, and what a second thread brings."""
+"""Walks on the standard slab: seconds to .1 % error of its BRDF, against seconds of Mitsuba's volpath to .1 % of its
+directional albedo, with the LLVM and the scalar variant; events and samples per second, and the speed-up by a second
+thread."""
 
 import math
 import statistics
@@ -37,7 +38,7 @@ def measure(repeats: int = 5) -> list[dict]:
 
 
 def mitsuba(repeats: int) -> list[dict]:
-    """Seconds to ERROR from variance and paths per second, without the compilation of kernels, which is told apart."""
+    """Seconds to ERROR from variance and paths per second. The compilation of kernels is reported separately."""
     return [{"name": f"Mitsuba {run['variant']}, volpath: directional albedo at .5",
              "seconds": run["variance"] / ERROR**2 / run["paths_per_second"],
              "samples_per_second": run["paths_per_second"],
@@ -46,7 +47,7 @@ def mitsuba(repeats: int) -> list[dict]:
 
 
 def _rates(stack, method: str, repeats: int) -> dict:
-    """Relative variance, samples and events per second with two threads, and how much the second one brings."""
+    """Relative variance, samples and events per second with two threads, and the speed-up by the second one."""
     _, layers, base = core_stack(stack, 0)
     walk = getattr(_core, f"{method}_walk")(_core.Stack(layers, base), _core.WalkTarget(*DIRECTIONS))
     rates: dict = {1: [], THREADS: []}
@@ -57,7 +58,7 @@ def _rates(stack, method: str, repeats: int) -> dict:
             total, squares, _, samples, events = _core.run_walk(walk, turn, 0, BLOCKS, pool)
             if turn > 0:
                 rates[count].append(samples / (time.perf_counter() - started))
-    # The fastest round of each, because other work on the machine can only slow a round down.
+    # Take the fastest round of each, because other load on the machine only slows a round down.
     one, two = (max(rates[count]) for count in (1, THREADS))
     mean = total / samples
     return {"samples_per_second": two, "events_per_second": two * events / samples,

@@ -18,43 +18,43 @@ class Comparison:
     mean_baked: float
     sigma_baked: float
     rms_truth: float
-    rms_difference: float  # pixel by pixel, the noise of both renders included
-    rms_without_noise: float  # the same with the noise's share taken off
+    rms_difference: float  # pixel by pixel, including the noise of both renders
+    rms_without_noise: float  # the same without the share of the noise
     noise_truth: float  # standard deviation of a pixel, rms, over mean_truth
     noise_baked: float
     fit_error: float  # mean over the LUT's slices
     worst_slice_error: float
     pixels: int
-    geometry_error: float = 0.0  # relative: what the truth's own geometry adds, such as curvature
+    geometry_error: float = 0.0  # relative: effect of the truth's own geometry, such as curvature
 
     @property
     def noise(self):
-        """How far the means may be apart by chance."""
+        """Allowed difference of the means by chance."""
         return SIGMAS * math.hypot(self.sigma_truth, self.sigma_baked)
 
     @property
     def allowed(self):
-        """How far the means may be apart: by noise, by the fit's own error, and by the truth's geometry."""
+        """Allowed difference of the means: by noise, by the error of the fit, and by the truth's geometry."""
         return self.noise + (self.fit_error + self.geometry_error) * self.mean_truth
 
     @property
     def allowed_rms(self):
-        """How far pixels may be apart, noise aside: as far as the worst slice is from the truth."""
+        """Allowed rms difference of pixels without noise: the error of the worst slice."""
         return self.noise + (self.worst_slice_error + self.geometry_error) * self.rms_truth
 
     @property
     def agree(self):
-        # Written so that NaN never agrees.
+        # NaN must not agree.
         means = abs(self.mean_baked - self.mean_truth) <= self.allowed
         return bool(means and self.rms_without_noise <= self.allowed_rms)
 
     def facts(self):
-        """All of it as plain data."""
+        """All fields as plain data."""
         return {**asdict(self), "agree": self.agree, "allowed_difference": self.allowed,
                 "allowed_rms": self.allowed_rms}
 
     def verdict(self, truth="volume"):
-        """One sentence with the numbers; `truth`: what was path traced."""
+        """One sentence with the numbers; `truth`: name of the path-traced body."""
         word = "agree" if self.agree else "DO NOT AGREE"
         mean = self.mean_truth
         geometry = f", geometry {self.geometry_error:.2%}" if self.geometry_error else ""

@@ -14,9 +14,9 @@ PROGRESS_SECONDS = 10.0
 
 
 def unbiased(scene, width, height, samples, bounces):
-    """Settings under which a pixel's mean is its radiance: nothing clamped, filtered, guided or adapted.
+    """Settings for which a pixel's mean is its radiance, without clamping, filtering, guiding and adaptive sampling.
 
-    `bounces` is the longest path that is followed, scatterings in volumes included.
+    `bounces` is the length of the longest path, scattering in volumes included.
     """
     scene.render.engine = "CYCLES"
     scene.render.resolution_x, scene.render.resolution_y = width, height
@@ -38,7 +38,7 @@ def unbiased(scene, width, height, samples, bounces):
     cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
     cycles.transparent_max_bounces = 64
     cycles.film_exposure = 1.0
-    # A box of one pixel: neighbouring pixels share no samples.
+    # Use a box filter of one pixel, so that neighbouring pixels share no samples.
     cycles.pixel_filter_type = "BOX"
 
 
@@ -55,7 +55,7 @@ def render(scene, seed=0):
 
 
 def render_seeds(scene, count, say=lambda text: None, first_seed=0):
-    """`count` renders that differ in nothing but the seed: (pixels (count, height, width, 3), seconds)."""
+    """`count` renders that differ only in the seed: (pixels (count, height, width, 3), seconds)."""
     pictures, total, said = [], 0.0, 0.0
     for k in range(count):
         picture, seconds = render(scene, first_seed + k)
@@ -81,7 +81,7 @@ def read(path):
 
 @contextlib.contextmanager
 def quiet():
-    """Keep Blender's own lines (written below Python's level) off the standard output."""
+    """Keep Blender's own output (written below Python's level) off the standard output."""
     sys.stdout.flush()
     stdout = os.dup(1)
     with open(os.devnull, "w") as nowhere:

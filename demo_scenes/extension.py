@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Lamina extension as a user's machine has it: installed from its zip, into a profile of its own.
+"""The Lamina extension as on a user's machine: installed from its zip, into a separate profile.
 
 Blender reads BLENDER_USER_RESOURCES when it starts, so `isolate` comes before the first `import bpy`.
 """
@@ -58,7 +58,7 @@ def installed(zip_path):
 
 
 def newest_zip(folder):
-    """The extension zip in `folder` that was made last. Raises ExtensionMissingError."""
+    """The newest extension zip in `folder`. Raises ExtensionMissingError."""
     found = sorted(Path(folder).glob("lamina-*.zip"), key=lambda path: path.stat().st_mtime)
     if not found:
         raise ExtensionMissingError(f"{folder} holds no lamina-*.zip: run `make extension` first")
@@ -74,9 +74,9 @@ def part(name):
 
 
 def bake(name, stack, quality="final", say=lambda text: None, basis="standard"):
-    """(a new material that wears the baked `stack`, its LUT). `stack` is a dict as in stack.json.
+    """(a new material with the baked `stack`, its LUT). `stack` is a dict as in stack.json.
 
-    Through the enabled extension. Raises ExtensionMissingError, and what its bake raises.
+    Uses the enabled extension. Raises ExtensionMissingError, and the errors of the bake.
     """
     import bpy
 
@@ -90,7 +90,7 @@ def bake(name, stack, quality="final", say=lambda text: None, basis="standard"):
 
 
 def _told_seldom(say, seconds=2.0):
-    """A progress callable that says at most one line in `seconds`."""
+    """A progress callable that says at most one line per `seconds`."""
     last = [time.monotonic()]
 
     def progress(fraction, text=""):

@@ -2,8 +2,8 @@
 """Render the demos: `python demo_scenes/make_demo.py [SCENE|all] [--quality tiny|small|final]`.
 
 A scene is a folder here with a demo.py. Its run(out, quality, stack_path, say) renders the scene, writes its files and
-returns (files, verdict, True if all is well). Its OPTIONS name further arguments that run takes. Each scene is
-announced when its files are written. Exit code 0: all scenes are well; 1: one is not.
+returns (files, verdict, True if all is well). Its OPTIONS are names of further arguments of run. Each scene is
+announced when its files are written. Exit code 0 if all scenes are well, otherwise 1.
 """
 
 import argparse
@@ -19,15 +19,15 @@ QUALITIES = ("tiny", "small", "final")
 
 
 def scenes():
-    """Names of the scenes that can be rendered: the slab, which is done soonest, and the others by name."""
+    """Names of the scenes: the slab, which takes least time, and then the others by name."""
     return sorted((path.parent.name for path in HERE.glob("*/demo.py")), key=lambda name: (name != "slab", name))
 
 
 def make(names, quality="small", zip_path=None, out=HERE / "out", stack_path=None, say=print, options=None):
-    """Render the scenes `names` with the extension of `zip_path`, in a Blender profile of its own.
+    """Render the scenes `names` with the extension of `zip_path`, in a separate Blender profile.
 
-    options: values by name, for those scenes that have such an option. Yields (files, verdict, True if all is well)
-    after each scene. Raises extension.ExtensionMissingError.
+    options: values by name, for scenes that have such an option. Yields (files, verdict, True if all is well) after
+    each scene. Raises extension.ExtensionMissingError.
     """
     zip_path = zip_path or extension.newest_zip(HERE.parent / "dist")
     out.mkdir(parents=True, exist_ok=True)

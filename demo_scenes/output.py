@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of results, which appear whole or not at all."""
+"""Files of results, which are written completely or not at all."""
 
 import json
 import os
 
 
 def place(path, write):
-    """Calls `write` with the name of a file beside `path`, and gives that its place."""
+    """Calls `write` with the name of a temporary file beside `path`, then renames this file to `path`."""
     partial = f"{path}.part"
     write(partial)
     os.replace(partial, path)

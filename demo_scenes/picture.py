@@ -14,15 +14,15 @@ LOW, MIDDLE, HIGH = (0.13, 0.42, 0.80), (0.93, 0.93, 0.92), (0.80, 0.24, 0.14)  
 def save(path, title, panels, difference, span, notes):
     """Write the picture, atomically.
 
-    title: (large line, small line). panels: [(heading, detail, sRGB bytes (h, w, 3))] of two renders.
-    difference: (heading, detail, relative values (h, w) with NaN outside the region); the colours reach
-    to +-`span`. notes: up to three lines, [(text, is_plain)], below the renders.
+    title: (large line, small line). panels: [(heading, detail, sRGB bytes (h, w, 3))] of two renders. difference:
+    (heading, detail, relative values (h, w) with NaN outside the region); the range of the colours is +-`span`. notes:
+    up to three lines, [(text, is_plain)], below the renders.
     """
     save_rows(path, title, [(panels, difference, notes)], span)
 
 
 def save_rows(path, title, rows, span):
-    """Several such comparisons of one size below each other; rows: [(panels, difference, notes)]."""
+    """Several such comparisons of equal size below each other; rows: [(panels, difference, notes)]."""
     height, width = rows[0][1][2].shape
     first, row_height = MARGIN + 84, 56 + height + 96
     sheet = Image.new("RGB", (2 * MARGIN + 3 * width + 2 * GAP, first + len(rows) * row_height + MARGIN), PAPER)
@@ -48,14 +48,14 @@ def _row(sheet, draw, top, panels, difference, notes, span):
 
 
 def tone(pixels, exposure):
-    """Linear radiance -> sRGB bytes; highlights roll off as 1 - exp(-x), so that none is cut off."""
+    """Linear radiance -> sRGB bytes; highlights roll off as 1 - exp(-x), so none is clipped."""
     linear = 1.0 - np.exp(-exposure * np.maximum(pixels, 0.0))
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return np.round(encoded * 255.0).astype(np.uint8)
 
 
 def block_means(values, region, size):
-    """Means of `values` (h, w) over blocks of size x size pixels, of `region` alone; NaN outside it."""
+    """Means of `values` (h, w) over blocks of size x size pixels, within `region`; NaN outside."""
     height, width = values.shape
     result = np.full((height, width), np.nan)
     for y in range(0, height, size):
@@ -68,7 +68,7 @@ def block_means(values, region, size):
 
 
 def blocks(pictures, size):
-    """Means over size x size pixels of (n, h, w, channels); what is left over at the edges is cut off."""
+    """Means over size x size pixels of (n, h, w, channels); incomplete blocks at the edges are dropped."""
     n, height, width, channels = pictures.shape
     rows, columns = height // size, width // size
     cut = pictures[:, : rows * size, : columns * size]
@@ -76,7 +76,7 @@ def blocks(pictures, size):
 
 
 def diverging(values, span):
-    """Blue below zero, grey at zero, red above; NaN is the paper's darker tone. (h, w) -> bytes (h, w, 3)."""
+    """Blue below zero, grey at zero, red above; NaN is a darker tone of the paper. (h, w) -> bytes (h, w, 3)."""
     position = np.clip(np.nan_to_num(values) / span, -1.0, 1.0)[..., None]
     low, middle, high = np.array(LOW), np.array(MIDDLE), np.array(HIGH)
     colours = np.where(position < 0, middle + (middle - low) * position, middle + (high - middle) * position)
@@ -94,5 +94,5 @@ def _colour_bar(sheet, draw, left, top, width, span):
 
 
 def _font(size):
-    # Pillow's own: the same on every machine.
+    # Pillow's own font is the same on every machine.
     return ImageFont.load_default(size)

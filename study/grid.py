@@ -9,8 +9,8 @@ from walks import Slab
 ALBEDOS = (0.5, 0.9, 0.99, 1.0)
 TAUS = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 50.0)
 GS = (0.0, 0.8, -0.3)
-# Name: (mu_o, mu_i, dphi); light comes in at mu_i, and dphi = 0 is forward. The value is the same with both ends
-# exchanged: light comes in grazing because the transfer walk is 2 to 25 times as efficient from there.
+# Name: (mu_o, mu_i, dphi); light comes in at mu_i, and dphi = 0 is forward. The value is symmetric in mu_o and mu_i.
+# Light comes in at the grazing cosine, because the transfer walk is then 2 to 25 times as efficient.
 DIRECTIONS = {
     "normal / normal": (1.0, 1.0, 0.0),
     "normal / grazing": (1.0, 0.1, 0.0),
@@ -27,7 +27,7 @@ class Cell:
     directions: str
 
     def columns(self) -> dict:
-        """What names the cell in tables."""
+        """The columns that identify the cell in tables."""
         return {"albedo": self.slab.albedo, "tau": self.slab.tau, "g": self.slab.g, "directions": self.directions}
 
 

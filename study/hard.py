@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""1e8 samples of each walk on three hard cases against the solver: is anything biased?
+"""1e8 samples of each walk on three hard cases against the solver, to test the walks for bias.
 
     python study/hard.py [case ...]
 
-Takes about an hour of one thread; a run that is broken off goes on where it was."""
+Takes about an hour of one thread. An interrupted run continues from its last completed part."""
 
 import hashlib
 import json
@@ -22,8 +22,8 @@ ROOT = Path(__file__).resolve().parent.parent
 WORK = ROOT / "build/study/hard"
 SAMPLES = 10**8
 SEED = 2000
-PART = 512  # blocks that are summed apart, and kept
-NODES = (96, 192)  # of the solver; the difference of both is taken for its error
+PART = 512  # blocks that are summed separately and stored
+NODES = (96, 192)  # number of nodes of the solver; the difference of both solutions is its error estimate
 
 CASES = {
     "thick": (Slab(1.0, 50.0, 0.0), (0.5, 0.5, 1.0)),
@@ -38,7 +38,7 @@ def walks(slab, directions, pool):
         made = make(method, slab, directions, SEED)
         if method != "scattering" or made.name != forced(slab):
             yield method, made.name, made.walk, 0.0
-    # One layer alone would be a look-up: two halves make it a walk.
+    # A single layer would be read from its table: two halves make it a walk.
     walk, error = _core.adding_walk(slab.stack(2), _core.WalkTarget(*directions), pool)
     yield "adding", "two halves", walk, error
 
@@ -50,12 +50,12 @@ def solved(slab, directions, nodes, pool):
 
 
 def core_hash() -> str:
-    """Names the build of the core: what another build measured is not gone on with."""
+    """Identifies the build of the core: results of another build are not continued."""
     return hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()[:16]
 
 
 def run(path: Path, walk, samples: int, pool):
-    """(sum, squares, largest, count, events, CPU seconds) of a run, kept in `path` part by part."""
+    """(sum, squares, largest, count, events, CPU seconds) of a run, stored in `path` part by part."""
     blocks = -(-samples // _core.WALK_BLOCK)
     job = {"core": core_hash(), "seed": SEED, "part": PART}
     parts = []

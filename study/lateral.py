@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walks that carry positions: both walks of a pencil beam against the deterministic searchlight."""
+"""Walks with positions: both walks of a pencil beam against the deterministic searchlight."""
 
 import math
 import statistics
@@ -14,10 +14,10 @@ from lamina.solver.solve import core_stack
 from lamina.walks.estimate_searchlight import WALKS
 from lamina.walks.searchlight_moments import DISTANCE, FIRST_FREQUENCY, WEIGHT, SideMoments
 
-SECONDS = 1.0  # CPU time aimed at for a walk in a stack
+SECONDS = 1.0  # CPU time per walk and stack
 RADIUS, FREQUENCY = 1.0, 1.0  # mm, 1/mm
-DOUBT = 0.2  # relative standard error of a variance, beyond which larger samples are yet to come
-TRUTH_ERROR = 1e-5  # of the beam, and of a mean distance relative
+DOUBT = 0.2  # largest relative standard error of a variance; above, larger samples are still to be expected
+TRUTH_ERROR = 1e-5  # share of the beam; for a mean distance, relative
 
 
 def _medium(albedo, thickness, g=0.0):
@@ -29,7 +29,7 @@ def _half_space(albedo, g=0.0):
     return lamina.Stack([_medium(albedo, math.inf, g)])
 
 
-# Mean free paths of 1 mm.
+# All mean free paths are 1 mm.
 STACKS = {
     "half-space, albedo .5": _half_space(0.5),
     "half-space, albedo .9": _half_space(0.9),
@@ -44,7 +44,7 @@ STACKS = {
 
 
 def knows(name: str, method: str) -> bool:
-    """Whether a walk knows a stack: that of the scattering equation knows no boundaries."""
+    """True if a walk applies to a stack: the walk of the scattering equation does not support boundaries."""
     return method == "transfer" or not any(isinstance(layer, lamina.Interface) for layer in STACKS[name].layers)
 
 
@@ -105,7 +105,7 @@ def _values(side: SideMoments) -> dict:
 
 
 def _compare(rows: list[dict]) -> None:
-    """Adds each row's efficiency, 1 / (variance x time), as a ratio to the transfer walk's."""
+    """Adds the ratio of each row's efficiency, 1 / (variance x time), to that of the transfer walk."""
     for row in rows:
         base = next(r for r in rows if r["method"] == "transfer" and r["quantity"] == row["quantity"])
         row["ratio"] = base["variance"] * base["cpu_us"] / (row["variance"] * row["cpu_us"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Adding against transfer on stacks of two and three layers, with interfaces and without."""
+"""The adding walk against the transfer walk on stacks of two and three layers, with and without interfaces."""
 
 import time
 
@@ -31,7 +31,7 @@ STACKS = {
                                  _medium(0.8, 1.5, 0.0), lamina.Interface(1.0)]),
     "dust on rough metal": lamina.Stack([_medium(0.9, 0.3, 0.4)], lamina.Conductor(0.4, 2.5, alpha=0.3)),
 }
-# Pointwise, relative: what the solver is asked for here. Its own promise is for cosines >= .05.
+# Relative pointwise tolerance of the solver here. The solver's own guarantee is for cosines >= .05.
 TOLERANCE = 2e-4
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One walk's variance and cost, and one cell's rows: every method against the same exact value.
+"""Variance and cost of one walk, and the rows of one cell: every method against the same exact value.
 
-The number of samples is fixed before the run, by a pilot's time per sample: a run that stops by the clock
-leaves out its longest trees. Several batches tell how well the variance itself is known."""
+The number of samples is fixed before the run, from the time per sample of a pilot: a run that is stopped by the clock
+leaves out its longest trees. Several batches give the accuracy of the variance itself."""
 
 import functools
 import math
@@ -16,9 +16,9 @@ from walks import BASELINE, FORCED, METHODS, OURS, Slab, fell_back, make
 from lamina import _core
 
 BATCHES = 10
-SECONDS = 0.25  # CPU time aimed at for a measurement
-MOST_SECONDS = 8.0  # a walk whose least number of samples takes longer is not measured
-SHARE = 0.1  # of the sum of squares in one sample: a variance that is not to be trusted
+SECONDS = 0.25  # CPU time per measurement
+MOST_SECONDS = 8.0  # a walk is not measured if its least number of samples takes longer
+SHARE = 0.1  # share of one sample in the sum of squares above which a variance is not reliable
 SOLVER_ERROR = 2e-5  # relative, of the exact values
 NODES = 64
 
@@ -46,7 +46,7 @@ def evaluate(tallies: list, times: list[float], exact: float, exact_error: float
     mean = math.fsum(tally[0] for tally in tallies) / count
     squares = math.fsum(tally[1] for tally in tallies)
     each = tallies[0][3]
-    # About the common mean, in units of the exact value: relative variances.
+    # Relative variances: about the common mean, in units of the exact value.
     spreads = [(tally[1] - 2.0 * mean * tally[0]) / each + mean * mean for tally in tallies]
     variance = statistics.fmean(spreads) / exact**2
     variance_error = statistics.stdev(spreads) / exact**2 / math.sqrt(len(spreads))
@@ -76,8 +76,8 @@ def exact_value(cell: Cell) -> float:
 
 
 def measure(cell: Cell, seconds: float = SECONDS) -> list[dict]:
-    """The rows of a cell, one a method that the core has, with their ratios to the baseline. The guided walk is
-    forced only where the pilot fell back, which comes before it."""
+    """The rows of a cell, one for each method of the core, with their ratios to the baseline. The guided walk is forced
+    only where the pilot, which runs before it, fell back to another walk."""
     exact = exact_value(cell)
     rows = []
     for number, method in enumerate(METHODS):
@@ -94,8 +94,8 @@ def measure(cell: Cell, seconds: float = SECONDS) -> list[dict]:
 
 
 def compare(rows: list[dict]) -> None:
-    """Adds each row's efficiency, 1 / (variance x time), as a ratio to the baseline's, its relative error, and the
-    ratio of the times to .1 % standard error, set-up and pilot included."""
+    """Adds the ratio of each row's efficiency, 1 / (variance x time), to that of the baseline, its relative error, and
+    the ratio of the times to .1 % standard error, set-up and pilot included."""
     base = next(row for row in rows if row["method"] == BASELINE)
     for row in rows:
         if "variance" not in row or "variance" not in base:
@@ -106,7 +106,7 @@ def compare(rows: list[dict]) -> None:
 
 
 def work(row: dict) -> float:
-    """Relative variance times seconds: the reciprocal efficiency. At least what rounding leaves."""
+    """Relative variance times seconds, the reciprocal of efficiency. Not below rounding."""
     return 1e-6 * max(row["variance"], 1e-16) * row["cpu_us"]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the study, from the CSV files alone: every cell is a mark, whether it is a gain or not."""
+"""Pictures of the study, made from the CSV files alone. Every cell has a mark, whether the method gains or loses."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
-# Colours of Okabe and Ito, told apart by all; and a shape each.
+# Colours of Okabe and Ito, which colour-blind readers can tell apart, and a shape for each.
 STYLES = {
     OURS: ("#0072B2", "o", "scattering walk (pilot's choice)"),
     FORCED: ("#56B4E9", "v", "scattering walk, forced where the pilot fell back"),
@@ -31,7 +31,7 @@ COST_DIRECTIONS = "60° / 60°, 90°"
 
 
 def draw_all(docs: Path) -> None:
-    """Draws all pictures whose data are there."""
+    """Draws all pictures with available data."""
     drawings = {
         "study-grid": ("grid", lambda rows: draw_grid(rows, "ratio", GUIDED, RATIO)),
         "study-time": ("grid", lambda rows: draw_grid(rows, "time_ratio", GUIDED, TIME_RATIO)),
@@ -48,7 +48,7 @@ def draw_all(docs: Path) -> None:
 
 
 def draw_grid(rows: list[dict], column: str, methods: tuple, what: str):
-    """A panel for each g and albedo; within one, cells by tau, the five pairs of directions side by side."""
+    """A panel for each g and albedo; in a panel, cells by tau, with the five pairs of directions side by side."""
     figure, axes = plt.subplots(len(GS), len(ALBEDOS), figsize=(15, 11), sharex=True, sharey=True,
                                 layout="constrained")
     shown = [method for method in methods if any(row["method"] == method for row in rows)]
@@ -110,7 +110,7 @@ def _legend(methods):
 
 
 def draw_cost(rows: list[dict]):
-    """Where ratios come from: variance, events and time of a sample, for one pair of directions."""
+    """The factors of the ratios: variance, events and time of a sample, for one pair of directions."""
     columns = {"variance": "relative variance of a sample", "events": "events of a sample",
                "cpu_us": "CPU time of a sample, µs"}
     methods = [method for method in (BASELINE, "transfer, guided", OURS)
@@ -146,7 +146,7 @@ def draw_cost(rows: list[dict]):
 
 
 def draw_layers(rows: list[dict]):
-    """Stacks below each other; the five pairs of directions of each within its strip, from the top."""
+    """Stacks in strips below each other; in each strip the five pairs of directions, from the top."""
     stacks = list(dict.fromkeys(row["stack"] for row in rows))
     figure, axes = plt.subplots(1, 2, figsize=(13, 0.75 * len(stacks) + 2.2), sharey=True, layout="constrained")
     titles = {"ratio": "Efficiency over the plain transfer walk's",

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""make study: measures every cell, and draws and tables what was measured.
+"""make study: measures every cell, and makes pictures and tables of the measurements.
 
     python study/run.py [grid|layers|lateral|hard|show ...] [--quick] [--out FOLDER] [--jobs N]
 
-Without a name: grid, layers, lateral and show. What is measured is kept in build/study: a run that is broken off goes
-on where it was. `--quick` measures two cells and one stack."""
+Without a name: grid, layers, lateral and show. Measurements are stored in build/study, and an interrupted run continues
+with the missing ones. `--quick` measures two cells and one stack."""
 
 import argparse
 import json
@@ -23,7 +23,7 @@ import tables
 
 ROOT = Path(__file__).resolve().parent.parent
 PARTS = ("grid", "layers", "lateral", "hard", "show")
-QUICK_SECONDS = 0.0  # the least number of samples: always the same
+QUICK_SECONDS = 0.0  # always the least number of samples
 
 
 def _cell(task):
@@ -42,12 +42,12 @@ def _beam(task):
 
 
 def kept(work: Path, name: str, tasks: dict, function, seconds: float, jobs: int) -> list[dict]:
-    """Rows of all tasks, in their order; those measured by this build of the core are read, not repeated."""
+    """Rows of all tasks, in their order; measurements of this build of the core are read, not repeated."""
     folder = work / f"{name}-{hard.core_hash()}-{seconds}"
     folder.mkdir(parents=True, exist_ok=True)
     waiting = {key: (task, seconds) for key, task in tasks.items() if not (folder / f"{key}.json").exists()}
     started = time.perf_counter()
-    # Fresh processes: a fork would take over threads half way.
+    # Start fresh processes: a fork would copy threads in an inconsistent state.
     with multiprocessing.get_context("spawn").Pool(min(jobs, max(1, len(waiting)))) as pool:
         for done, (key, rows) in enumerate(zip(waiting, pool.imap(function, waiting.values()), strict=True), 1):
             fresh = folder / f"{key}.new"

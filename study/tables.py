@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The study's data as CSV files under docs/study, one row a measurement."""
+"""The study's data as CSV files under docs/study, one row per measurement."""
 
 import csv
 import os
@@ -10,7 +10,7 @@ DATA = ROOT / "docs/study"
 
 
 def write(name: str, rows: list[dict], folder: Path = DATA) -> Path:
-    """The file appears whole or not at all. Numbers are rounded to five digits, values to ten."""
+    """The file is written completely or not at all. Numbers are rounded to five digits, values to ten."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.csv"
     fresh = path.with_suffix(".new")
@@ -24,7 +24,7 @@ def write(name: str, rows: list[dict], folder: Path = DATA) -> Path:
 
 
 def read(name: str, folder: Path = DATA) -> list[dict]:
-    """Rows as written, numbers as such; what was not measured is None."""
+    """Rows as written, with numbers converted; None for missing measurements."""
     with (folder / f"{name}.csv").open(encoding="utf-8", newline="") as file:
         return [{key: _value(text) for key, text in row.items()} for row in csv.DictReader(file)]
 

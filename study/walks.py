@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walks that the study compares, each by one name, and the slabs that they walk in."""
+"""The walks that the study compares, each with one name, and the slabs."""
 
 import time
 from dataclasses import dataclass
 
 from lamina import _core
 
-# What every efficiency is relative to: next events at collisions, as in textbooks.
+# The reference of every efficiency: next-event estimation at collisions, as in textbooks.
 BASELINE = "transfer, plain"
 OURS = "scattering"
 FORCED = "scattering, guided"
@@ -32,7 +32,7 @@ class Slab:
         return ("hg", self.g) if self.g else ("isotropic",)
 
     def stack(self, parts: int = 1):
-        """As the core's stack, in as many equal layers."""
+        """The core's stack, in `parts` equal layers."""
         layers = [_core.Medium(self.albedo, self.tau / parts, *self.phase()) for _ in range(parts)]
         return _core.Stack(layers, _core.Base.none())
 
@@ -42,7 +42,7 @@ class Slab:
 
 @dataclass(frozen=True)
 class Made:
-    """A walk ready to run: its name, the CPU seconds of its set-up, and what its pilot drew."""
+    """A walk ready to run: its name, the CPU seconds of its set-up, and the samples of its pilot."""
 
     walk: object
     name: str
@@ -52,7 +52,7 @@ class Made:
 
 
 def make(method: str, slab: Slab, directions: tuple[float, float, float], seed: int) -> Made | None:
-    """The walk of a method for directions (mu_o, mu_i, dphi); None where the core has none."""
+    """The walk of a method for directions (mu_o, mu_i, dphi); None if the core has none."""
     started = time.process_time()
     if method in (BASELINE, "transfer"):
         way = _core.NextEvent.at_collision if method == BASELINE else _core.NextEvent.fitting
@@ -70,7 +70,7 @@ def make(method: str, slab: Slab, directions: tuple[float, float, float], seed: 
 
 
 def forced(slab: Slab) -> str:
-    """The guided walk that stands for all where the pilot falls back: the best that the core knows."""
+    """The guided walk that is measured where the pilot falls back: the best one that the core has."""
     if not slab.g:
         return "isotropic"
     try:
@@ -81,5 +81,5 @@ def forced(slab: Slab) -> str:
 
 
 def fell_back(name: str) -> bool:
-    """Whether the pilot's choice is no walk of the scattering equation."""
+    """True if the pilot's choice is not a walk of the scattering equation."""
     return name == "photon" or name.startswith("transfer")

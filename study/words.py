@@ -15,7 +15,7 @@ Z_LIMIT_LEVEL = 0.01  # family-wise
 
 
 def write_tables(docs: Path) -> None:
-    """Fills the places `<!-- table:NAME -->` of the pages whose data are there."""
+    """Fills the places `<!-- table:NAME -->` of pages with available data."""
     for page, makers_of in PAGES.items():
         path = docs / page
         text = path.read_text(encoding="utf-8")
@@ -38,7 +38,7 @@ def markdown(head, lines) -> str:
 
 
 def number(value) -> str:
-    """Two digits, three above 100."""
+    """Two significant digits, three above 100."""
     return f"{value:.3g}" if value >= 100 else f"{value:.2g}"
 
 
@@ -71,7 +71,7 @@ def efficiency(rows) -> str:
 
 
 def albedos(rows) -> str:
-    """Ours by g and albedo, and with all set-up counted."""
+    """Our walk by g and albedo, also with all set-up included."""
     ours = by_cell(rows, OURS).values()
     lines = []
     for g in GS:
@@ -86,7 +86,7 @@ def albedos(rows) -> str:
 
 
 def rivals(rows) -> str:
-    """Ours against the other good walks, cell by cell."""
+    """Our walk against the other good walks, cell by cell."""
     ours = by_cell(rows, OURS)
     lines = []
     for g in GS:
@@ -99,7 +99,7 @@ def rivals(rows) -> str:
 
 
 def losses(rows) -> str:
-    """Cells where ours is below .9 of the plain transfer walk, with what it chose."""
+    """Cells where our walk is below .9 of the plain transfer walk, with the pilot's choice."""
     found = sorted((row for row in by_cell(rows, OURS).values() if row["ratio"] < 0.9), key=lambda row: row["ratio"])
     lines = [[f"{row['albedo']:g}", f"{row['tau']:g}", f"{row['g']:g}", row["directions"], row["walk"],
               f"{number(row['ratio'])} ± {number(row['ratio'] * row['ratio_error'])}", row["status"]] for row in found]
@@ -108,7 +108,7 @@ def losses(rows) -> str:
 
 
 def promises(rows) -> str:
-    """What was asked, and what is."""
+    """Required and measured efficiencies."""
     ours = list(by_cell(rows, OURS).values())
     asked = [
         ("g 0: least", 1.5, [r["ratio"] for r in ours if r["g"] == 0], min),
@@ -145,7 +145,7 @@ def choices(rows) -> str:
 
 
 def bias(rows) -> str:
-    """Z-scores by method; those with a variance that is not reliable apart."""
+    """Z-scores by method; those with an unreliable variance separately."""
     lines = []
     for method in (BASELINE, "transfer", "transfer, guided", OURS, FORCED, "scattering, plain"):
         for reliable in (True, False):

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Redoes the choice of the dictionary of reflection lobes, and compares it with the dictionary that is shipped.
+"""Repeats the choice of the dictionary of reflection lobes, and compares the result with the shipped dictionary.
 
     python tools/choose_lobes.py [--count 35] [--every 1] [--limit 28]
 
-The pool holds 258 closures of Cycles: a grid over their parameters, and the shipped ones. A dictionary is as good
-as the mixtures that can be made of it: its error is the mean over the stacks of tests/data/fit_stacks.json without
-rough boundaries, each fitted by BEST closures of the dictionary, chosen as a bake chooses them, at preview quality and
-every sixth view. The choice is backward elimination, a greedy selection: of the closures in use, the one whose loss
-raises the error least is dropped next. Closures that no stack uses are dropped at once.
+The pool holds 258 closures of Cycles: a grid over their parameters, and the shipped ones. The error of a dictionary is
+the mean over the stacks of tests/data/fit_stacks.json without rough boundaries. Each stack is fitted by BEST closures
+of the dictionary, chosen as in a bake, at preview quality and for every sixth view. The choice is backward elimination,
+a greedy selection: of the closures in use, the next one to be dropped is the one whose loss raises the error least.
+Closures that no stack uses are dropped at once.
 
 The shipped dictionary was found in the same way on random slabs instead of these stacks. Prints the error with the
-whole pool, with the shipped dictionary, and with the closures that are left on the way down to `--count`.
+complete pool, with the shipped dictionary, and with the remaining closures on the way down to `--count`.
 """
 
 import argparse
@@ -35,7 +35,7 @@ ALBEDO_GRID = (96, 64)
 
 
 def pool_of_lobes(every):
-    """Every so many lobes of a grid over the parameters of all families, and all shipped ones."""
+    """Every `every`-th lobe of a grid over the parameters of all families, and all shipped ones."""
     tilts = (-75.0, -60.0, -45.0, -30.0, -15.0, 15.0, 30.0, 45.0, 60.0, 75.0)
     made = [lobes.diffuse(("tilt", tilt)) for tilt in tilts]
     indices = (1.003, 1.01, 1.03, 1.06, 1.1, 1.2, 1.3, 1.5, 1.7, 2.0, 3.0)
@@ -106,7 +106,7 @@ class Judge:
 
 
 def eliminate(judge, dictionary, wanted):
-    """(closures left, mean error) after each closure that is dropped, until `wanted` are left."""
+    """(remaining closures, mean error) after each dropped closure, until `wanted` remain."""
     mixtures = [judge(stack, dictionary) for stack in range(judge.count)]
     left = set().union(*(used for _, used in mixtures))
     yield left, float(np.mean([error for error, _ in mixtures]))
@@ -126,8 +126,8 @@ def eliminate(judge, dictionary, wanted):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=35, help="closures to choose (35, as shipped)")
-    parser.add_argument("--every", type=int, default=1, help="take every so many closures of the grid (1)")
-    parser.add_argument("--limit", type=int, default=28, help="stacks to look at (28)")
+    parser.add_argument("--every", type=int, default=1, help="take every N-th closure of the grid (1)")
+    parser.add_argument("--limit", type=int, default=28, help="number of stacks to fit (28)")
     arguments = parser.parse_args()
     started, pool, grid = time.perf_counter(), thread_pool(0), grid_for("preview", None)
     made, shipped = pool_of_lobes(arguments.every)

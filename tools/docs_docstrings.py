@@ -5,7 +5,7 @@
         in indented lines
     other, another: text
 
-Such lines become items of a list. Only names that the object has count.
+Such lines become items of a list. Only names that the object has are recognised.
 """
 
 import contextlib

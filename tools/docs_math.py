@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A renderer of Sphinx: formulas become MathML when the site is built, so that pages load no script from elsewhere."""
+"""A Sphinx renderer that converts formulas to MathML when the site is built, so that pages load no external script."""
 
 from docutils import nodes
 from latex2mathml.converter import convert

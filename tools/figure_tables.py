@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write the tables of docs/figures.md from the measurements of `make bench`: python tools/figure_tables.py
 
-Reads build/bench/*.json. Where a file is missing, its table stays as it is and a message names the file. The accuracy
+Reads build/bench/*.json. If a file is missing, its table is not changed and a message names the file. The accuracy
 table is computed here, from tests/data/reference_cases.json.
 """
 

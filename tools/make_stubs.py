@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write the type stubs of the compiled modules: python tools/make_stubs.py [FOLDER]
 
-FOLDER: where _core.pyi and _mesh.pyi go; default native/lamina. The modules of the installed package are described.
+FOLDER: destination of _core.pyi and _mesh.pyi; default native/lamina. Describes the modules of the installed package.
 """
 
 import re
@@ -16,14 +16,14 @@ HEAD = "# SPDX-License-Identifier: GPL-3.0-or-later\n# Written by `make stubs` f
 
 
 def stub(module, folder):
-    """The text of the stub of lamina.`module`; `folder` is for the tool's files."""
+    """The text of the stub of lamina.`module`; `folder` is for temporary files."""
     command = [sys.executable, "-m", "pybind11_stubgen", f"lamina.{module}", "-o", folder]
     done = subprocess.run(command, capture_output=True, text=True)
     written = Path(folder, "lamina", f"{module}.pyi")
     if done.returncode != 0 or not written.is_file():
         raise SystemExit(f"make_stubs: lamina.{module}: {done.stderr.strip().splitlines()[-1:]}")
     text = written.read_text(encoding="utf-8")
-    # Types that the tool cannot name, and the version, which pyproject.toml states.
+    # Replace types that the tool cannot name, and the version, which is defined in pyproject.toml.
     text = text.replace("| ...]", "| typing.Any]").replace("[...]", "[typing.Any]")
     text = re.sub(r"^__version__: str = .*$", "__version__: str", text, flags=re.MULTILINE)
     lines = [line.rstrip() for line in text.splitlines()]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computes the colours of the metals that lamina knows by name, and writes native/lamina/kinds/metals.json.
+"""Computes the colours of lamina's metals by name, and writes native/lamina/kinds/metals.json.
 
     python tools/metal_colours.py
 
@@ -52,7 +52,7 @@ def observer() -> tuple[np.ndarray, np.ndarray]:
 
 
 def rec709(name: str, mu: float) -> np.ndarray:
-    """What a metal reflects at cosine `mu` under D65: linear Rec. 709, not clipped."""
+    """Reflectance of a metal at cosine `mu` under D65: linear Rec. 709, not clipped."""
     wavelengths, response = observer()
     nm, n, k = read_table(SPECTRA / f"{name}.csv")
     indices = zip(np.interp(wavelengths, nm, n), np.interp(wavelengths, nm, k), strict=True)
@@ -60,8 +60,8 @@ def rec709(name: str, mu: float) -> np.ndarray:
 
 
 def colours(name: str) -> tuple[list[float], list[float]]:
-    """(facing, grazing) as a Conductor takes them. A value above 1 lies outside the gamut of Rec. 709 and becomes 1,
-    the most that a surface may reflect; a channel that reflects all straight back does so at every angle."""
+    """(facing, grazing) colours for a Conductor. A value above 1 lies outside the gamut of Rec. 709 and is set to 1,
+    the largest reflectance. A channel with facing reflectance 1 has reflectance 1 at every angle."""
     facing, grazing = (np.clip(rec709(name, mu), 0.0, 1.0) for mu in (1.0, GRAZING))
     grazing[facing == 1.0] = 1.0
     return tuple(np.round(colour, DIGITS).tolist() for colour in (facing, grazing))
@@ -74,7 +74,7 @@ def table() -> dict:
 
 
 def text() -> str:
-    """The table as metals.json holds it."""
+    """The text of metals.json."""
     entries = [f"  {json.dumps(name)}: {{\n" + ",\n".join(
         f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in entry.items()) + "\n  }"
         for name, entry in table().items()]

@@ -19,7 +19,8 @@ from ..stack_json import stack_check
 
 log = logging.getLogger(__name__)
 
-LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # what live editing bakes, whatever the material's choice
+LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # quality and basis of live bakes, independent of the
+                                                  # material's choice
 COARSE = "coarse"  # quality of a live bake with fewer rows or nodes
 
 _place = Place()
@@ -60,7 +61,7 @@ class MaterialJob(Job):
     def finish(self):
         """Put the finished LUT into its material; main thread only. Returns the material or None.
 
-        Raises what the bake raised; then, and after a cancel, the material is as it was.
+        Raises the errors of the bake; then, and after a cancel, the material is unchanged.
         """
         material = self.material()
         if self.error is not None:

@@ -2,9 +2,9 @@
 """Live editing: after each change of a layer, the material is baked again at preview quality.
 
 Property callbacks only note which material has changed. A timer reads the notes. It starts one bake at a time
-in a worker thread, always of the newest state, and applies a finished one. So typing never waits, and a slow
-stack is updated less often. The timer ends some time after the last change. Nothing of this is written to the
-.blend.
+in a worker thread, always of the newest state, and applies a finished one. Typing therefore never waits, and
+a slow stack is updated less often. The timer ends some time after the last change. Nothing of this is written
+to the .blend.
 """
 
 import time
@@ -19,7 +19,8 @@ from ..properties import migration
 from ..stack_json import stack_check
 from . import bake_job
 
-WORKING, WAITING = 0.004, 0.05  # seconds to the timer's next call: while a bake runs, while editing may go on
+WORKING, WAITING = 0.004, 0.05  # seconds to the timer's next call: while a bake runs, and while editing may
+                                # go on
 REST = 1.0  # seconds without a change, after which coarse results are refined
 PATIENCE = 0.5  # a bake of an outdated state is cancelled after this many seconds
 # A stack whose bake takes longer than this many seconds is solved with fewer rows and nodes while edited.
@@ -38,14 +39,14 @@ class _Material:
     def __init__(self, material):
         self.changed = False  # since the last bake was started
         self.touched = time.monotonic()  # when something last happened
-        self.seconds, self.nodes = 0.0, 0  # of the last whole bake
+        self.seconds, self.nodes = 0.0, 0  # of the last complete bake
         self.coarse = False  # the shown bake is coarse
         self.error = 0.0  # the fit error now, and when the closures were chosen
         self.chosen_error = material.lamina.result.fit_error
 
 
     def coarse_options(self, material):
-        """Options that make a bake of this material coarser while it is edited; none if it is quick."""
+        """Options for a coarser bake of this material while it is edited; none if its bakes are quick."""
         options = {}
         if self.seconds > SLOW:
             if any(layer.varying for layer in material.lamina.layers):
@@ -87,7 +88,7 @@ def leave(material):
     """End the material's running bake and forget its state; the shown bake stays."""
     global _job
     if _job is not None and _job.uid == material.session_uid:
-        _job.cancel()  # its thread ends by itself; do not wait for it
+        _job.cancel()  # its thread ends by itself
         _job = None
     _followed.pop(material.session_uid, None)
 
@@ -124,7 +125,7 @@ def _can_follow(material):
 
 
 def _needs_bake(material):
-    """True if the last bake does not show the present layers, or is coarse."""
+    """True if the last bake is not of the present layers, or is coarse."""
     state = bake_job.state(material)
     return state in ("none", "stale", "invalid") or material.lamina.result.quality == bake_job.COARSE
 
@@ -144,7 +145,7 @@ def _finish_job():
     if not _job.done:
         if followed is None or (followed.changed and time.monotonic() - _job.started > PATIENCE):
             _job.cancel()
-            if followed is not None and not _job.coarse:  # the whole bake takes even longer
+            if followed is not None and not _job.coarse:  # a complete bake takes even longer
                 followed.seconds = max(followed.seconds, PATIENCE, 2.0 * SLOW)
                 followed.nodes = followed.nodes or NODES + 1
         return
@@ -155,7 +156,7 @@ def _finish_job():
     followed.touched = time.monotonic()
     try:
         _show(job, material, followed)
-    except Exception as error:  # The panel shows one sentence; the last good bake stays.
+    except Exception as error:  # The panel shows one sentence; the last good bake is kept.
         if not followed.changed:
             bake_job.note_failure(material, error)
     redraw.properties()
@@ -193,7 +194,7 @@ def _kept(material):
 
 
 def _start(material, closures, coarse=None):
-    """Whether a bake could be started; if not, the panel says why."""
+    """Starts a bake. Returns False if it could not be started; the panel then gives the reason."""
     global _job
     try:
         _job = LiveJob(material, closures, coarse or {})
@@ -249,7 +250,7 @@ def _on_load(*_):
 
 @persistent
 def _on_undo(*_):
-    # An undo step is made when a layer changes, before its picture is there.
+    # Blender makes an undo step when a layer changes, before the bake of that change is applied.
     for material in bpy.data.materials:
         if _can_follow(material) and bake_job.state(material) == "stale":
             mark(material)

@@ -1,2 +1,3 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Used by every room: access to `lamina`, preferences, sentences for the user, worker threads."""
+"""Used by all packages of the add-on: access to `lamina`, preferences, messages to the user, worker
+threads."""

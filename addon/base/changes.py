@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tells other rooms that the layers of a material have changed, without importing them.
+"""Tells other packages that the layers of a material have changed, without importing them.
 
 Property callbacks and the functions that add, remove or move layers call `tell`; the functions in `listeners`
 only take note. Those in `switches` are called when the Live button is pressed, those in `removals` when a

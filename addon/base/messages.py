@@ -11,7 +11,7 @@ _FIELDS = (
     *boundaries.Interface.fields,
     *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
 )
-# Names of fields in the sentences of `lamina`, and what the panel calls them.
+# Names of fields in the messages of `lamina`, and the panel's names for them.
 WORDS = {
     "phase": "phase function",
     "phase.kind": "phase function",
@@ -39,7 +39,7 @@ def expected(error):
         return False
     lamina = native.require()
     solver = lamina.StackError | lamina.LutError | lamina.SolveError
-    others = lamina.ArgumentError | lamina.DustError | lamina.DustUnavailable
+    others = lamina.ArgumentError | lamina.DustError | lamina.DustUnavailable | lamina.InteriorError
     return isinstance(error, solver | others)
 
 
@@ -68,7 +68,7 @@ def in_panel_words(text, material):
 
 
 def unusual_channels(values, where):
-    """What is wrong with the length of a list of channels, or ''."""
+    """The fault in the length of a list of channels, as a sentence, or ''."""
     if len(values) in (1, 3):
         return ""
     return f"{where} has {len(values)} channels: a Blender material takes 1 or 3"
@@ -82,7 +82,7 @@ def percent(share, digits=1):
 
 
 def layer_index(text):
-    """Index of the layer that a sentence of lamina names, or None."""
+    """Index of the layer that a message of lamina names, or None."""
     match = _LAYER.match(text)
     return int(match.group(1)) if match else None
 

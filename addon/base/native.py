@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Access to the `lamina` package: the imported package, or one sentence that says why it is missing.
+"""Access to the `lamina` package: the imported package, or one sentence with the reason why it is missing.
 
 Nothing else in the add-on imports `lamina`, so that enabling the add-on works without it.
 """

@@ -35,7 +35,7 @@ class LaminaPreferences(bpy.types.AddonPreferences):
     )
     default_basis: bpy.props.EnumProperty(
         name="Basis of New Materials",
-        description="How many closures a material starts with",
+        description="Number of closures that a material starts with",
         items=CLOSURE_BASES,
         default="standard",
     )

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Saving a .blend after a long bake, so that nobody's work is lost.
+"""Saving a .blend after a long bake without loss of other people's work.
 
-Whether the file can be written is found out before the bake. While the bake lasts a lock file beside the
-.blend keeps other bakes of the same file away, and a file that has changed meanwhile is not overwritten: the
-bake is then saved under another name.
+Before the bake, the code checks whether the file can be written. During the bake, a lock file beside the
+.blend keeps other bakes of the same file away. A file that has changed meanwhile is not overwritten: the bake
+is then saved under another name.
 """
 
 import json
@@ -18,17 +18,17 @@ from bpy.app.handlers import persistent
 
 from ..base import messages
 
-PROBE = 1 << 16  # bytes that a folder must take
+PROBE = 1 << 16  # bytes that must fit into a folder
 
-_stamps = {}  # real path -> what the file was like when it was last read or written here
+_stamps = {}  # real path -> the file's stamp when it was last read or written here
 
 
 class SaveError(messages.RefusedError):
-    """Nothing was saved in the place that was asked for; str() is one sentence that says why."""
+    """Nothing was saved in the requested place; str() is one sentence with the reason."""
 
 
 class Saving:
-    """Around a bake whose result goes to `target`, a Path: the lock file is there inside of `with`.
+    """A context around a bake whose result is saved to `target`, a Path; the lock file exists inside `with`.
 
     Entering raises SaveError when the target cannot be written, or is being baked by another process.
     """
@@ -77,7 +77,7 @@ class Saving:
             raise SaveError(f"{self.target} cannot be saved: {error.strerror}") from error
 
     def _create_lock(self):
-        """Whether the lock file could be made; False when there is one."""
+        """Creates the lock file. Returns False if it exists already."""
         try:
             descriptor = os.open(self._lock, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o644)
         except FileExistsError:
@@ -87,7 +87,7 @@ class Saving:
         return True
 
     def _owner(self):
-        """(process id, host) of who holds the lock; None for what is not known."""
+        """(process id, host) of the lock's owner; None for unknown parts."""
         try:
             owner = json.loads(self._lock.read_text(encoding="utf-8"))
             return int(owner["pid"]), str(owner["host"])
@@ -96,7 +96,7 @@ class Saving:
 
 
 def _has_ended(owner):
-    """Whether the process is certainly gone: it was one of this machine, and is no more."""
+    """True if the process has certainly ended: it ran on this machine, and does not exist any more."""
     pid, host = owner
     if pid is None or host != socket.gethostname() or os.name == "nt":  # there, signal 0 is Ctrl-C
         return False
@@ -115,8 +115,8 @@ def _words(owner):
 
 
 def _problem(target, needed):
-    """Why that many bytes cannot be written to the target, or ''. Blender writes a whole new file before it
-    removes the old one."""
+    """The reason why `needed` bytes cannot be written to the target, or ''. Blender writes a complete new
+    file before it removes the old one."""
     if target.is_dir():
         return "it is a folder"
     if target.exists() and not os.access(target, os.W_OK):
@@ -136,7 +136,7 @@ def _problem(target, needed):
 
 
 def _bytes_before():
-    """The size of the open file on disk: with a new bake it will hardly be smaller."""
+    """The size of the open file on disk; with a new bake the file will hardly be smaller."""
     opened = Path(bpy.data.filepath) if bpy.data.filepath else None
     return opened.stat().st_size if opened is not None and opened.is_file() else 0
 
@@ -172,7 +172,7 @@ def _save_by_blender(path, copy):
 
 
 def _free_name(target):
-    """A name beside the target that no file has."""
+    """A name beside the target that no file has yet."""
     number = 1
     while True:
         path = target.with_name(f"{target.stem}.lamina-{number}.blend")
@@ -186,7 +186,7 @@ def _real(path):
 
 
 def _stamp(path):
-    """What changes whenever a file is written; None without a file."""
+    """A value that changes whenever a file is written; None without a file."""
     try:
         found = os.stat(path)
     except OSError:

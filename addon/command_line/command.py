@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`blender -b FILE.blend --command lamina bake|list ...`: the batch for scripts and farms.
 
-One line per material on standard output. Exit code: 0 all went well, 1 a material or the save failed, 2 the
-arguments make no sense, 130 interrupted. `main` serves tests and bpy scripts as well.
+Prints one line per material on standard output. Exit code: 0 if all went well, 1 if a material or the save
+failed, 2 for invalid arguments, 130 if interrupted. `main` can also be called from tests and bpy scripts.
 """
 
 import argparse
@@ -143,7 +143,7 @@ def _bake(arguments):
 
 
 def _bake_one(material, stack, arguments):
-    """Bake one material in a worker, so that Ctrl-C is heard at once. Returns the line to print."""
+    """Bakes one material in a worker, so that Ctrl-C is noticed at once. Returns the line to print."""
     if not material.is_editable:
         raise messages.RefusedError("linked from another file: bake it there")
     before = stack_io.to_dict(material) if material.lamina.enabled else None
@@ -160,7 +160,7 @@ def _bake_one(material, stack, arguments):
         _wait(job)
         job.finish()
     except BaseException:
-        if stack is not None:  # a failed bake leaves the layers that belong to the earlier one
+        if stack is not None:  # after a failed bake the material keeps the layers of its earlier bake
             if before is not None:
                 stack_io.assign(material, before)
             elif not enabled:
@@ -206,7 +206,7 @@ class _Interruptible:
 
 
 def _selected(names, with_stack):
-    """The materials that the arguments mean, each once, in the order of the arguments."""
+    """The materials that the arguments select, without duplicates, in the order of the arguments."""
     everything = list(bpy.data.materials)
     if not names:
         if not with_stack:
@@ -240,7 +240,7 @@ def _stack(arguments):
 
 
 def _target(arguments):
-    """Where to save, checked before any bake; None when nowhere."""
+    """The file to save to, checked before any bake; None for none."""
     if arguments.save:
         if not bpy.data.filepath:
             raise UsageError("--save: no .blend file is open")

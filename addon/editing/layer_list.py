@@ -38,7 +38,8 @@ def add_layer(material, kind="medium"):
 
 
 def close_sheet(material):
-    """End a sheet in air: an interface of ior 1 at the bottom, as rough as the one above it. Returns it."""
+    """Add an interface of ior 1 at the bottom, as rough as the one above it, so that a sheet ends in air.
+    Returns it."""
     settings = material.lamina
     above = [index for index, layer in enumerate(settings.layers) if layer.kind == "interface"]
     layer = _new_layer(material, "interface")
@@ -49,7 +50,8 @@ def close_sheet(material):
 
 
 def open_ior(material):
-    """Index of the dielectric that a sheet ends in, or None: it ends in air, or there is a base."""
+    """Index of the dielectric at the bottom of a sheet; None if the sheet ends in air, or if there is a
+    base."""
     settings = material.lamina
     interfaces = [layer for layer in settings.layers if layer.kind == "interface"]
     if settings.base.kind != "none" or not interfaces:
@@ -68,8 +70,8 @@ def remove_layer(material):
 
 
 def duplicate_layer(material):
-    """Put a copy of the active layer below it, select it and return it. The copy does not vary, because one
-    layer at most may."""
+    """Put a copy of the active layer below it, select it and return it. The copy does not vary, because only
+    one layer may vary."""
     settings = material.lamina
     index = settings.active_index
     copy, source = settings.layers.add(), settings.layers[index]
@@ -79,7 +81,7 @@ def duplicate_layer(material):
 
 
 def move_layer(material, direction):
-    """Move the active layer 'UP' or 'DOWN'. Returns whether it could."""
+    """Move the active layer 'UP' or 'DOWN'. Returns True if it moved."""
     settings = material.lamina
     index = settings.active_index
     target = index + (-1 if direction == "UP" else 1)

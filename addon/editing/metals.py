@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Metals by name, with the two colours that `lamina` has of them."""
+"""Metals by name, with their two colours in `lamina`."""
 
 from ..base import decimals, native
 from ..base.messages import RefusedError
 
 
 def names():
-    """All metals that `lamina` knows. Raises NativeMissingError."""
+    """All metals of `lamina` by name. Raises NativeMissingError."""
     return list(native.part("metals").names())
 
 
@@ -21,7 +21,7 @@ def fill(base, name):
 
 
 def name_of(base):
-    """The metal that a base is, in the base's own form, or ''. Raises NativeMissingError."""
+    """The name of the metal that a base is, in the base's own form, or ''. Raises NativeMissingError."""
     keys = ("facing", "grazing") if base.metal_form == "colours" else ("eta", "k")
     for name in names():
         numbers = _numbers(name)
@@ -31,7 +31,7 @@ def name_of(base):
 
 
 def source(name):
-    """Where the numbers come from, or ''. Raises NativeMissingError."""
+    """The source of a metal's numbers, or ''. Raises NativeMissingError."""
     return native.part("metals").source(name) if name in names() else ""
 
 

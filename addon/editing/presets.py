@@ -40,14 +40,14 @@ def apply(material, preset):
 
 
 def user_folder(create=False):
-    """Where the user's presets are. Raises OSError when it cannot be made."""
+    """The folder of the user's presets. Raises OSError if it cannot be made."""
     if package.NAME.startswith("bl_ext."):
         return Path(bpy.utils.extension_path_user(package.NAME, path="presets", create=create))
     return Path(bpy.utils.user_resource("CONFIG", path="lamina/presets", create=create))
 
 
 def user_names():
-    """Names of the user's presets, sorted; a folder that cannot be read has none."""
+    """Names of the user's presets, sorted; empty if the folder cannot be read."""
     try:
         found = [path.stem for path in user_folder().iterdir() if path.suffix == SUFFIX and path.is_file()]
     except OSError:
@@ -61,7 +61,7 @@ def apply_user(material, name):
 
 
 def save_user(material, name, replace=False):
-    """Save layers and base under this name; the file appears whole or not at all. Returns the name.
+    """Save layers and base under this name, completely or not at all. Returns the name.
 
     Raises RefusedError for a bad or taken name, StackError, OSError, NativeMissingError.
     """
@@ -101,7 +101,7 @@ def _read(what):
 
 
 def _existing(name):
-    """The file of a listed preset: names come from operators and must not point to other folders."""
+    """The file of a listed preset. Operators pass names, which must not lead to other folders."""
     if name not in user_names():
         raise RefusedError(f"preset = {name}: you have no preset of this name")
     return user_folder() / (name + SUFFIX)

@@ -17,7 +17,7 @@ def to_dict(material):
 
 
 def to_text(material):
-    """The same as text."""
+    """The stack of `material` as JSON text."""
     return json.dumps(to_dict(material))
 
 
@@ -32,7 +32,7 @@ def to_stack(material):
 def assign(material, data):
     """Replace the layers and base of `material` by the JSON data of a *valid* stack.
 
-    All is read before anything is changed. Raises RefusedError.
+    Everything is read before anything is changed. Raises RefusedError.
     """
     layers = [stack_read.layer(layer, f"layers[{index}]") for index, layer in enumerate(data["layers"])]
     base = stack_read.base(data.get("base"))
@@ -55,7 +55,7 @@ def assign_stack(material, stack):
 def import_file(material, path):
     """Read a stack JSON into `material`.
 
-    Raises lamina.StackError, OSError, RefusedError, NativeMissingError; the material is as it was then.
+    Raises lamina.StackError, OSError, RefusedError, NativeMissingError; then the material is unchanged.
     """
     assign_stack(material, native.require().Stack.load(path))
 

@@ -25,8 +25,8 @@ BASE_COLOUR = (0.34, 0.20, 0.16)
 CLOSURE_COLOUR = (0.30, 0.24, 0.16)
 
 # Where N = I, the plane of incidence is undefined and directions in it would be zero vectors. The cross
-# product of I with this vector is added to them: far above the rounding of single precision, and too small to
-# change any lobe visibly. The vector is parallel to no likely normal.
+# product of I with this vector is added to the directions: its length is far above the rounding of single
+# precision, and too small to change any lobe visibly. No likely normal is parallel to the vector.
 ASIDE = (0.61e-5, 1.07e-5, 1.57e-5)
 
 
@@ -42,7 +42,7 @@ def used_closures(lut):
 
 
 def base_colour(lut):
-    """The reflectance of a textured base that the stack states, RGB, or None."""
+    """The default reflectance of a textured base, RGB, or None."""
     if THROWN_BACK not in lut.header["closures"]:
         return None
     reflectance = lut.header["stack"]["base"]["reflectance"]
@@ -50,7 +50,7 @@ def base_colour(lut):
 
 
 def largest_tau(lut):
-    """The varying layer's optical thickness at the last row, or None when no layer varies."""
+    """The varying layer's optical thickness at the last row, or None if no layer varies."""
     axis = lut.header["axes"]["tau"]
     return float(axis["values"][-1]) if axis["count"] > 1 else None
 
@@ -161,7 +161,7 @@ def _column(graph, incoming, normal, columns):
 
 
 def _row(graph, lut, inputs, backfacing, rows, height):
-    """v of strip 0, less its half texel: which each strip adds."""
+    """v of strip 0 without the half texel, which each strip adds."""
     tau, side = None, backfacing
     if rows > 1:
         most, scale = _thickness_scale(lut, rows, height)
@@ -179,14 +179,14 @@ def _row(graph, lut, inputs, backfacing, rows, height):
 
 
 def _thickness_scale(lut, rows, height):
-    """(largest thickness that the table holds, factor from tau / (tau + 1/2) to v)."""
+    """(largest thickness in the table, factor from tau / (tau + 1/2) to v)."""
     largest = largest_tau(lut)
     last = 1.0 if math.isinf(largest) else largest / (largest + TAU_BEND)
     return min(largest, 1.0e30), (rows - 1) / height / last if last else 0.0
 
 
 def rescale(tree, lut):
-    """Make a drawn tree read the thickness axis of another table of the same layout."""
+    """Changes a drawn tree to the thickness axis of another table of the same layout."""
     rows = lut.header["axes"]["tau"]["count"]
     if rows > 1:
         most, scale = _thickness_scale(lut, rows, lut_image.height_of(lut))
@@ -216,7 +216,7 @@ class _Directions:
         return self.known[wanted]
 
     def view_angle(self, multiple):
-        """That multiple of the angle between I and N, in radians."""
+        """`multiple` times the angle between I and N, in radians."""
         if multiple not in self.multiples:
             self.line += 1
             name = f"{multiple:g} view angle"
@@ -235,7 +235,7 @@ class _Directions:
             along = graph.scale(1.4, self.line, "along N", normal, twice)
             total = graph.vector("SUBTRACT", 2.4, self.line, f"R + {wanted[1]:g} N", along, incoming)
         elif wanted == "T":
-            # N across I; where both are one, any direction square to I will do.
+            # N across I; where N = I, any direction perpendicular to I.
             along = graph.scale(-0.6, self.line, "(N.I) I", incoming, self.cosine)
             across = graph.vector("SUBTRACT", 0.4, self.line, "N across I", normal, along)
             total = graph.vector("ADD", 2.4, self.line, "square to I", across, self._aside())
@@ -262,7 +262,7 @@ class _Directions:
         return self.tangent
 
     def _aside(self):
-        """A vector of length 2e-5 at most, square to I, and so to N where both are one."""
+        """A vector of length 2e-5 at most, perpendicular to I, and so to N where N = I."""
         if self.aside is None:
             self.aside = self.graph.vector("CROSS_PRODUCT", 1.4, 9.6, "aside", self.known["I"], ASIDE)
         return self.aside
@@ -276,7 +276,7 @@ def _closure(graph, line, name, recipe, weight, directions):
         for key, value in recipe.inputs.items():
             node.inputs[key].default_value = value
         graph.link(weight, node.inputs[recipe.weight_input])
-        # A plain N is what an unlinked socket means, unless the group was given a normal: link it always.
+        # An unlinked socket means the plain N, unless the group was given a normal: always link it.
         if recipe.normal_input in node.inputs:
             graph.link(directions.of(recipe.normal), node.inputs[recipe.normal_input])
         for key, wanted in recipe.vectors.items():
@@ -284,7 +284,7 @@ def _closure(graph, line, name, recipe, weight, directions):
         for key, multiple in recipe.view_angles.items():
             graph.link(directions.view_angle(multiple), node.inputs[key])
         for socket in node.inputs:
-            socket.hide = not socket.is_linked  # a folded node grows with every socket that it shows
+            socket.hide = not socket.is_linked  # a folded node grows with every visible socket
     except (KeyError, TypeError, RuntimeError) as error:
         raise UnknownClosureError(f"closure {name}: this Blender cannot build it ({error})") from error
     return node.outputs[0]

@@ -1,21 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Helpers that build a shader graph: nodes on a grid, in labelled frames."""
 
-import bpy
-
 COLUMN = 190.0
 ROW = 44.0
-
-
-def tree_of(owner):
-    """The node tree of a material or world.
-
-    Before Blender 5.0 it has to be switched on. From 5.0 on it is always there, and touching the switch
-    warns: Blender 6.0 will not have the switch.
-    """
-    if bpy.app.version < (5, 0, 0):
-        owner.use_nodes = True
-    return owner.node_tree
 
 
 class Graph:

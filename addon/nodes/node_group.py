@@ -10,7 +10,7 @@ import json
 import bpy
 
 from ..base import native
-from . import closure_graph, graph, lut_image, side_graph
+from . import closure_graph, lut_image, node_tree, side_graph
 
 GROUP_INPUTS = (
     ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
@@ -33,7 +33,7 @@ def build(material, lut):
     NativeMissingError.
     """
     recipe_of = recipe_source()
-    graph.tree_of(material)
+    node_tree.of(material)
     group, is_new = _own_group(material)
     old_nodes = list(group.nodes)
     old_images = images_of(old_nodes)
@@ -61,7 +61,7 @@ def build(material, lut):
     group["lamina_largest_tau"] = -1.0 if tau is None else min(tau, LARGEST)
     group["lamina_shows_back"] = side_graph.shows_back(lut)
     if is_new:
-        for node in group_nodes(material):  # nodes of the group that this copied material still shared
+        for node in group_nodes(material):  # nodes with the group that this copied material still shared
             node.node_tree = group
     material.lamina.node_group = group
     if hasattr(material, "cycles"):
@@ -130,7 +130,8 @@ def group_nodes(material, group=None):
 
 
 def is_connected(material):
-    """Whether a node of the material's group feeds the output that Cycles renders, directly or not."""
+    """True if a node of the material's group is connected to the output that Cycles renders, directly or
+    not."""
     output = material.node_tree.get_output_node("CYCLES") if material.node_tree else None
     if output is None:
         return False
@@ -147,7 +148,7 @@ def is_connected(material):
 
 def connect(material, group=None):
     """Link `group`, by default that of the last bake, to the Surface of the material's output; other nodes
-    stay. Returns the group node."""
+    are unchanged. Returns the group node."""
     tree = material.node_tree
     node = (group_nodes(material, group) or [None])[0]
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
@@ -158,7 +159,7 @@ def connect(material, group=None):
 
 
 def remove(material):
-    """Take the group's nodes out of the material, and the group and image away when nobody else uses them."""
+    """Remove the group's nodes from the material, and the group and its image if they have no other users."""
     group = material.lamina.node_group
     for node in group_nodes(material):
         material.node_tree.nodes.remove(node)
@@ -172,7 +173,7 @@ def remove(material):
 
 
 def _own_group(material):
-    """(group, whether it is new). If a copied material shares its group with the original, the copy gets a
+    """(group, True if it is new). If a copied material shares its group with the original, the copy gets a
     new one."""
     group = material.lamina.node_group
     if group is not None and group.is_editable and not _is_shared(material, group):
@@ -185,8 +186,8 @@ def _is_shared(material, group):
 
 
 def _layout(lut):
-    """Everything that the group's nodes depend on, as text: a table of the same layout needs a new image
-    only."""
+    """Everything that the group's nodes depend on, as text: between tables of the same layout only the image
+    differs."""
     axes = lut.header["axes"]
     layout = {
         "closures": lut.header["closures"],
@@ -206,7 +207,7 @@ def _parse(layout):
 
 
 def _place(material):
-    """Make and link a first node of `group` in the material's tree; one that is there stays as it is."""
+    """Make and link a first node of `group` in the material's tree; an existing node is unchanged."""
     if not group_nodes(material) or material.node_tree.get_output_node("CYCLES") is None:
         connect(material)
 
@@ -229,7 +230,7 @@ def _sockets(group, in_out):
 
 
 def _add_missing_sockets(group, tau, colour):
-    """The sockets that were added."""
+    """Adds missing sockets and returns them."""
     wanted_by = {side_graph.FRONT: tau, side_graph.BACK: tau, "Base Color": colour}
     unwanted = {name for name, value in wanted_by.items() if value is None}
     if "Shader" not in _sockets(group, "OUTPUT"):
@@ -265,8 +266,8 @@ def _settle_thickness(group, tau):
 
 
 def _follow_thickness(group, old, new):
-    """A new Thickness input starts at the baked maximum. An unchanged input follows a new maximum; others
-    stay."""
+    """A new Thickness input starts at the baked maximum. An input at the old maximum follows a new maximum;
+    other values are kept."""
     if new is None:
         return
     for material in bpy.data.materials:
@@ -280,14 +281,15 @@ def _follow_thickness(group, old, new):
 
 
 def _settle_base_colour(group, colour):
-    """Default of the Base Color socket, or no such socket when the base has no texture."""
+    """Default of the Base Color socket; removes the socket if the base has no texture."""
     socket = _sockets(group, "INPUT").get("Base Color")
     if socket is not None and colour is None:
         group.interface.remove(socket)
 
 
 def _follow_base_colour(group, colour):
-    """A new Base Color input starts at the stack's reflectance, and one left there moves with it."""
+    """A new Base Color input starts at the stack's reflectance; an unchanged input follows a new
+    reflectance."""
     socket = _sockets(group, "INPUT").get("Base Color")
     if socket is None or colour is None:
         return
@@ -306,10 +308,10 @@ def images_of(nodes):
 
 
 def _replace_images(old_images, image):
-    """Give the new image the old one's place everywhere, then remove the old one.
+    """Put the new image in the old one's place everywhere, then remove the old one.
 
-    A new datablock instead of new pixels: undo then brings the old pixels back too, and Cycles, which reads
-    a datablock once and keeps what it has read, sees them (measured with persistent data, bpy 4.5).
+    A new datablock is used instead of new pixels, so that undo restores the old pixels, and because Cycles
+    reads the pixels of a datablock only once (measured with persistent data, bpy 4.5).
     """
     for old in old_images:
         if old.library is None and old != image:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust on two sides of a face: which thickness, and which side of the table, each side of the face reads.
+"""Dust on two sides of a face: the thickness, and the side of the table, that each side of the face reads.
 
-An opaque stack has a thickness of its own on either side. The table of a sheet has dust on the sheet's top
-only; its bottom side is what the sheet shows from below, with the dust behind it. Where dust lies on back
-faces, the sheet is turned over: back faces then show the table's top. This is right only when both sides of
-the clean sheet are alike. Otherwise the table holds no such sheet, and dust on back faces is not shown.
+An opaque stack has its own thickness on either side. The table of a sheet has dust on the sheet's top only;
+its bottom side is the view from below, with the dust behind the sheet. Where dust lies on back faces, the
+sheet is turned over: back faces then read the table's top. This is right only if both sides of the clean
+sheet are alike. Otherwise the table holds no such sheet, and dust on back faces is not shown.
 """
 
 import numpy as np
@@ -12,12 +12,13 @@ import numpy as np
 from .graph import Graph
 
 FRONT, BACK = "Thickness", "Thickness Back"
-AS_FRONT = -1.0  # of the input for the back: no thickness of its own
+AS_FRONT = -1.0  # value of the back's input for no thickness of its own
 MOST_LABEL = "at most the baked one"
 
 
 def turns_over(lut):
-    """Whether a sheet may be turned over: its varying layer is on top of a sheet whose sides are alike."""
+    """True if a sheet may be turned over: its varying layer is on top, and the sides of the clean sheet are
+    alike."""
     layers = lut.header["stack"]["layers"]
     if len(lut.header["sides"]) < 2 or not layers[0].get("varying"):
         return False
@@ -26,7 +27,7 @@ def turns_over(lut):
 
 
 def shows_back(lut):
-    """Whether dust on back faces is shown."""
+    """True if dust on back faces is shown."""
     return len(lut.header["sides"]) < 2 or turns_over(lut)
 
 

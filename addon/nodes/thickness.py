@@ -31,8 +31,7 @@ _LABELS = {
 @dataclass(frozen=True)
 class Wiring:
     """`source`: one of SOURCES, "custom" for nodes of the artist's own, or "none" without a thickness input.
-
-    `name`: that of the attribute, the image, or the artist's node. `socket`: the input; `node`: what feeds
+    `name`: of the attribute, the image, or the artist's node. `socket`: the input; `node`: the node linked to
     it; `uv`: the UV Map node of an image."""
 
     source: str
@@ -43,7 +42,7 @@ class Wiring:
 
 
 def wiring(material):
-    """What feeds the thickness of `material` now: a Wiring."""
+    """The present source of the thickness of `material`: a Wiring."""
     sockets = _sockets(material)
     if not sockets:
         return Wiring("none")
@@ -64,18 +63,17 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     """Feed the thickness input of `material`, a baked one with a varying layer. Returns its new Wiring.
 
     source: "value" (the input's own number), "attribute" (`name`: a float attribute of the mesh that holds
-    optical thickness; default lamina_dust; 0 where a mesh has none), or "image" (`name`: an image of optical
+    optical thickness; default lamina_dust; 0 for a mesh without it), or "image" (`name`: an image of optical
     thickness, or its name, read by the UV map `uv_map`, default the active one; without a name a new black
-    one is made). The image becomes Non-Color, and is packed when no file holds it. Its infinite texels become
-    the largest thickness and those that are not numbers 0, since Blender 5.2 reads both as 0; such an image
-    is packed too.
+    image is made). The image becomes Non-Color, and is packed if no file holds it. Its infinite texels become
+    the largest thickness and NaN becomes 0, since Blender 5.2 reads both as 0; such an image is packed too.
 
     Settled dust lies on one side of a face: front faces read lamina_dust, and back faces lamina_dust_back,
-    which is 0 where a mesh has none; of a settled image, back faces read the alpha. Other sources count for
-    both sides.
+    which is 0 for a mesh without it. With an image of settled dust, back faces read the alpha. Other sources
+    apply to both sides.
 
-    Links of the artist's own stay, and RefusedError is raised, unless `replace`; their nodes stay in any
-    case. Raises RefusedError, with nothing changed, for what cannot be done.
+    Links of the artist's own are kept, and RefusedError is raised, unless `replace`; their nodes are always
+    kept. Raises RefusedError, with nothing changed, for impossible requests.
     """
     if source not in SOURCES:
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
@@ -110,12 +108,12 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
 
 
 def has_input(material):
-    """Whether the material's baked group takes a thickness."""
+    """True if the material's baked group has a thickness input."""
     return bool(_sockets(material))
 
 
 def image_problem(image):
-    """Why an image does not hold thickness as it is, in a sentence, or ''."""
+    """The reason why an image cannot be read as thickness, in a sentence, or ''."""
     if image is None:
         return "No image: the thickness is undefined"
     if image.colorspace_settings.name != "Non-Color":
@@ -124,7 +122,7 @@ def image_problem(image):
 
 
 def reconnect(material):
-    """Links the nodes made here again, to an input that has gone and come back with a bake."""
+    """Links the nodes made here again, to an input that was removed and added by bakes."""
     fronts, backs = ([socket for socket in _sockets(material, name) if not socket.is_linked]
                      for name in (FRONT, BACK))
     for node in material.node_tree.nodes:
@@ -140,7 +138,7 @@ def reconnect(material):
 
 
 def _sockets(material, name=FRONT):
-    """The thickness inputs of the material's baked group: one, or several where it is used more than once."""
+    """The thickness inputs of the material's baked group, one for each use of the group."""
     nodes = node_group.group_nodes(material)
     return [node.inputs[name] for node in nodes if name in node.inputs]
 
@@ -151,8 +149,8 @@ def _feed(sockets, output):
 
 
 def _remove_marked(tree):
-    """Removes the nodes made here, except those that the artist uses for something else as well."""
-    while True:  # a node is removed after those that it feeds
+    """Removes the nodes made here, except those that the artist also uses for something else."""
+    while True:  # remove a node after the nodes that it feeds
         idle = [node for node in tree.nodes
                 if node.get(_MARK) and not any(output.is_linked for output in node.outputs)]
         for node in idle:
@@ -177,7 +175,7 @@ def _attribute(tree, beside, name, mark="attribute"):
 
 def _texture(tree, beside, image, uv_map):
     node = _node(tree, "ShaderNodeTexImage", "image", beside, 1)
-    # Linear between texels, and no seam at the border of the map.
+    # Interpolate linearly between texels, without a seam at the border of the map.
     node.image, node.interpolation, node.extension = image, "Linear", "EXTEND"
     uv = _node(tree, "ShaderNodeUVMap", "uv", beside, 2)
     uv.uv_map = uv_map
@@ -186,13 +184,13 @@ def _texture(tree, beside, image, uv_map):
 
 
 def _image(material, wanted):
-    """The image to be used, set up to hold numbers. Raises RefusedError."""
+    """The wanted image, set up to hold numbers. Raises RefusedError."""
     if not wanted:
         image = bpy.data.images.new(f"{material.name} thickness", IMAGE_SIZE, IMAGE_SIZE, alpha=False,
                                     float_buffer=True, is_data=True)
         black = np.zeros((IMAGE_SIZE * IMAGE_SIZE, 4), np.float32)
         black[:, 3] = 1.0
-        image.pixels.foreach_set(black.ravel())  # a generated picture that was never drawn cannot be packed
+        image.pixels.foreach_set(black.ravel())  # a generated image without assigned pixels cannot be packed
         image.update()
     else:
         image = wanted if isinstance(wanted, bpy.types.Image) else bpy.data.images.get(wanted)
@@ -224,7 +222,8 @@ def _odd_texels(image):
 
 
 def _finite(texels, channels):
-    """Texels with infinity as the largest thickness, -infinity and NaN as 0, and such an alpha as 1."""
+    """Texels with infinity as the largest thickness, and -infinity and NaN as 0; in the alpha they become
+    1."""
     colours = np.nan_to_num(texels, nan=0.0, posinf=node_group.LARGEST, neginf=0.0).reshape(-1, channels)
     if channels == 4:
         alphas = texels[3::4]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Conditions under which an operator may run."""
+"""Conditions for running an operator."""
 
 from ..baking import bake_job
 from ..base import native
@@ -8,7 +8,7 @@ from ..settling import dust_job, object_dust
 
 
 def material_of(context):
-    """The material of the Properties editor, or that of the active object."""
+    """The material of the Properties editor, or of the active object."""
     material = getattr(context, "material", None)
     if material is None and getattr(context, "object", None) is not None:
         material = context.object.active_material
@@ -16,7 +16,7 @@ def material_of(context):
 
 
 def can_edit(cls, context):
-    """A material of this file. Sets the reason otherwise."""
+    """True for a material of this file; otherwise sets the reason."""
     material = material_of(context)
     if material is None:
         cls.poll_message_set("No active material")
@@ -63,7 +63,7 @@ def is_idle(cls):
 
 
 def can_be_dusty(cls, context):
-    """A mesh object of this file, and a working Embree layer. Sets the reason otherwise."""
+    """True for a mesh object of this file with a working Embree layer; otherwise sets the reason."""
     sentence = object_dust.problem(context.object)
     if not sentence and dust_job.running() is not None:
         sentence = "Dust is settling"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cancel the dust that settles."""
+"""Cancel the settling of dust."""
 
 import bpy
 

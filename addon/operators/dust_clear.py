@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Take the dust of an object away."""
+"""Remove the dust of an object."""
 
 import bpy
 

@@ -5,7 +5,7 @@ from ..base import redraw
 
 INTERVAL = 0.1  # seconds between two checks of the worker
 
-_signs = []  # those that are up
+_signs = []  # the visible ones
 
 
 class _Sign:
@@ -30,7 +30,7 @@ class _Sign:
 
 
 class Following:
-    """Mixed into an operator that has `jobs` (a module with forget() and stop()) and ended(context, job)."""
+    """Mixin for an operator with `jobs` (a module with forget() and stop()) and ended(context, job)."""
 
     def follow(self, context, job, text):
         self._job = job
@@ -51,7 +51,7 @@ class Following:
         return self.ended(context, self._job)
 
     def cancel(self, _context):
-        """Blender ends the operator: another file, or the end of the session."""
+        """Called when Blender ends the operator: another file, or the end of the session."""
         self.jobs.stop()
         self._end()
 
@@ -62,7 +62,7 @@ class Following:
 
 
 def stop():
-    """Take away the timers and status lines of all running operators: the add-on is being disabled, and
-    Blender drops its operators without a call to `cancel`."""
+    """Remove the timers and status lines of all running operators: when the add-on is disabled, Blender drops
+    its operators without a call to `cancel`."""
     for sign in list(_signs):
         sign.remove()

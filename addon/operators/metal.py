@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make the base a metal of this name."""
+"""Make the base a named metal."""
 
 import bpy
 

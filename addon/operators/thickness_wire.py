@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Choose what feeds the thickness of the varying layer."""
+"""Choose the source of the varying layer's thickness."""
 
 import bpy
 
@@ -17,7 +17,7 @@ ITEMS = (
 class LAMINA_OT_thickness_wire(bpy.types.Operator):
     bl_idname = "lamina.thickness_wire"
     bl_label = "Thickness From"
-    bl_description = "Choose what feeds the thickness of the varying layer; your own nodes stay"
+    bl_description = "Choose the source of the varying layer's thickness; your own nodes stay"
     bl_options = {"REGISTER", "UNDO"}
 
     source: bpy.props.EnumProperty(name="Source", items=ITEMS, options={"SKIP_SAVE"})

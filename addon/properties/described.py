@@ -5,7 +5,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 
 from ..base import changes
 
-# Attributes of a Panel and what Blender calls them.
+# Attributes of a Panel, and Blender's names for them.
 _MORE = {
     "soft_min": "soft_low",
     "soft_max": "soft_high",
@@ -16,9 +16,9 @@ _MORE = {
 
 
 def having(properties):
-    """A class decorator: the class has these properties too, given as {name: property}.
+    """A class decorator that adds these properties, given as {name: property}.
 
-    Not by statements in the body of the class, where Python 3.14 no longer has `__annotations__`."""
+    Not done by statements in the class body, where Python 3.14 no longer has `__annotations__`."""
 
     def decorate(cls):
         cls.__annotations__ = {**cls.__annotations__, **properties}
@@ -28,7 +28,7 @@ def having(properties):
 
 
 def number(field, update=changes.edited):
-    """The property of a Field: a number, or three where its panel says rgb."""
+    """The property of a Field: a number, or three if its panel says rgb."""
     default = field.panel.default
     if not field.panel.rgb:
         return FloatProperty(default=default, **_settings(field, update))
@@ -37,13 +37,13 @@ def number(field, update=changes.edited):
 
 
 def per_channel(field, description, update=changes.edited):
-    """The property of red, green and blue beside that of a Field with one number."""
+    """The property with red, green and blue beside the property of a Field with one number."""
     settings = {**_settings(field, update), "description": description}
     return FloatVectorProperty(size=3, default=(field.panel.default,) * 3, **settings)
 
 
 def dust_number(option, default):
-    """The property of a DustOption; `default`: the settling's own, where the panel has no other."""
+    """The property of a DustOption; `default`: that of Settling, unless the panel has its own."""
     panel = option.panel
     default = default if panel.default is None else panel.default
     if option.switch:
@@ -53,7 +53,7 @@ def dust_number(option, default):
 
 
 def choice(name, items, description, default=None, update=changes.edited):
-    """A list of choices; `items` as Blender takes them."""
+    """A list of choices; `items` as Blender expects them."""
     default = items[0][0] if default is None else default
     return EnumProperty(
         name=name, description=description, items=items, default=default, update=update, options=set()
@@ -73,7 +73,7 @@ def option(described):
 
 
 def entries(items):
-    """Items as Blender takes them."""
+    """Items as Blender expects them."""
     return tuple(item.entry for item in items)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Properties of an object's dust: how it falls, how much stays, where it is stored, and the last report.
 
-The options of the settling come from `kinds.dust`. A .blend file keeps the number of a choice: numbers and
+The options of the settling come from `kinds.dust`. A .blend file stores the number of a choice: numbers and
 defaults never change, new ones are only added.
 """
 

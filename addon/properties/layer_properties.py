@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The properties of a layer and of the base: every number of the stack's JSON that the panel can edit.
 
-Names, ranges, defaults and tooltips of what a stack consists of come from `kinds`. A .blend file keeps the
+Names, ranges, defaults and tooltips of the parts of a stack come from `kinds`. A .blend file stores the
 number of a choice, and nothing of a property that was never set: numbers and defaults never change, new ones
 are only added. No property can be animated, because a bake cannot follow an animation.
 """
@@ -23,7 +23,8 @@ BASES = entries((bases.NONE, *(cls.item for cls in bases.IN_PANEL)))
 
 @having({field.prop: number(field) for cls in phases.IN_PANEL for field in cls.fields})
 class PhaseProperties:
-    """A phase function. `phase_text`, if not empty, is the JSON of one that the panel cannot edit."""
+    """A phase function. `phase_text`, if not empty, is the JSON of a phase function that the panel cannot
+    edit."""
 
     phase: choice(
         "Phase Function", PHASES, "How a particle spreads the light that it scatters", phases.USUAL.kind
@@ -42,7 +43,7 @@ def _set_roughness(owner, value):
 
 @having({one.name: option(one) for one in boundaries.FACETS})
 class FacetProperties:
-    """A rough surface. Stacks hold `alpha`; the panel shows Blender's Roughness, its square root."""
+    """A rough surface. Stacks hold `alpha`; the panel shows its square root, Blender's Roughness."""
 
     alpha: number(boundaries.ALPHA)
     roughness: FloatProperty(
@@ -66,7 +67,7 @@ def _kind_changed(layer, _context):
 
 
 def _varying_changed(layer, _context):
-    """A stack has one thickness axis at most: the last choice wins."""
+    """A stack has at most one thickness axis: the last choice wins."""
     if layer.varying:
         for other in layer.id_data.lamina.layers:
             if other != layer and other.varying:
@@ -75,7 +76,8 @@ def _varying_changed(layer, _context):
 
 
 def _graded_changed(layer, _context):
-    """The bottom starts like the top: the values of the top are copied to all properties never set there."""
+    """The bottom starts like the top: values of the top are copied to all properties that were never set
+    there."""
     if layer.graded:
         for prop in layer.bottom.bl_rna.properties:
             name = prop.identifier
@@ -86,7 +88,7 @@ def _graded_changed(layer, _context):
 
 @having({field.prop: number(field) for form in media.FORMS for field in form.local})
 class MediumProperties(PhaseProperties):
-    """What scatters in a medium, at one depth."""
+    """The scattering properties of a medium at one depth."""
 
     shown_colour: FloatVectorProperty(
         name="Shown",
@@ -138,7 +140,7 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
 
 
 def _gold():
-    """{property: R, G, B} of gold, in both forms: a base that becomes a metal needs some first numbers."""
+    """{property: R, G, B} of gold, in both forms: the first numbers of a base that becomes a metal."""
     entry = metal_table.table()["gold"]
     facing, grazing = entry["facing"], entry["grazing"]
     pairs = [metal_table.indices(*pair) for pair in zip(facing, grazing, strict=True)]
@@ -159,7 +161,7 @@ def _base_kind_changed(base, context):
 
 def _base_properties(cls):
     """{name: property} of a kind of base, without those of facets."""
-    fields = [*cls.fields, *(field for form in cls.panel_forms() for field in form)]
+    fields = [*cls.fields, *(field for form in cls.forms for field in form)]
     found = {field.prop: number(field) for field in fields}
     found |= {one.name: option(one) for one in cls.options if one not in boundaries.FACETS}
     if cls.form_prop:

@@ -48,9 +48,9 @@ class LaminaResult(bpy.types.PropertyGroup):
     worst_mu: FloatProperty(description="View cosine of the worst slice")
     worst_channel: IntProperty()
     worst_side: StringProperty()
-    worst_tau: FloatProperty(description="Its row's optical thickness; negative when none varies")
+    worst_tau: FloatProperty(description="Optical thickness of its row; negative when no layer varies")
     through_worst_error: FloatProperty(
-        default=-1.0, description="The same of the worst slice of transmission; negative when there is none"
+        default=-1.0, description="The same for the worst slice of transmission; negative when there is none"
     )
     through_worst_mu: FloatProperty()
     through_worst_channel: IntProperty()
@@ -77,11 +77,11 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     base: PointerProperty(type=LaminaBase)
     about: StringProperty(description="JSON of an imported stack's texts: name, category, source")
     quality: EnumProperty(
-        name="Quality", description="How exactly to bake", items=QUALITIES, default="final", options=set()
+        name="Quality", description="Accuracy of the bake", items=QUALITIES, default="final", options=set()
     )
     basis: EnumProperty(
         name="Basis",
-        description="How many closures the material is made of. Live editing shows Standard",
+        description="Number of closures that the material is made of. Live editing shows Standard",
         items=CLOSURE_BASES,
         default="standard",
         options=set(),

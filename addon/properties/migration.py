@@ -13,7 +13,7 @@ STEPS = {}
 
 
 def start(material):
-    """Give `material` its layer settings, at this version's schema. Does nothing when it has them."""
+    """Give `material` its layer settings, at this version's schema. Does nothing if it has them."""
     settings = material.lamina
     if not settings.enabled:
         settings.enabled = True
@@ -21,12 +21,12 @@ def start(material):
 
 
 def is_from_the_future(material):
-    """True if a newer Lamina wrote the material, which is then shown but not changed."""
+    """True if a newer Lamina wrote the material; it is then shown but not changed."""
     return material.lamina.schema > material_properties.SCHEMA
 
 
 def migrate(material, steps=None, schema=None):
-    """Bring one material up to date. Returns whether anything was changed."""
+    """Bring one material up to date. Returns True if anything was changed."""
     steps = STEPS if steps is None else steps
     schema = material_properties.SCHEMA if schema is None else schema
     settings = material.lamina
@@ -54,7 +54,7 @@ def _on_load(*_):
 
 
 def _once():
-    """Migrates the file that is open while the add-on is enabled; bpy.data cannot be read earlier."""
+    """Migrates the file that is open when the add-on is enabled; bpy.data cannot be read earlier."""
     migrate_all()
 
 

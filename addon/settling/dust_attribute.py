@@ -9,12 +9,12 @@ from mathutils import kdtree
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 
-NEAR = 8  # nearest rendered vertices that are tried for a corner without one of its own behind modifiers
-ALIKE = 0.1  # by which the cosines of normals may differ
+NEAR = 8  # number of nearest rendered vertices to try for a corner without its own vertex behind modifiers
+ALIKE = 0.1  # largest difference of the cosines of normals
 
 
 def check_names(mesh):
-    """Raises RefusedError when an attribute of another kind has one of our names."""
+    """Raises RefusedError if an attribute of another kind has one of our names."""
     for name in (ATTRIBUTE, BACK_ATTRIBUTE):
         attribute = mesh.attributes.get(name)
         if attribute is None:
@@ -25,7 +25,7 @@ def check_names(mesh):
 
 
 def remove(mesh):
-    """Take the dust off. Raises RefusedError when one of the names is another's."""
+    """Remove the dust. Raises RefusedError if an attribute of another kind has one of our names."""
     check_names(mesh)
     for name in (ATTRIBUTE, BACK_ATTRIBUTE):
         if name in mesh.attributes:
@@ -33,8 +33,8 @@ def remove(mesh):
 
 
 def write(mesh, surface, own, dust):
-    """Keep lamina's Dust on `surface` as attributes of `mesh`, which `own` describes: CORNER where corners
-    of one vertex take their dust from different places of the surface, POINT otherwise.
+    """Store lamina's Dust on `surface` as attributes of `mesh`, which `own` describes: of face corners if
+    corners of one vertex take their dust from different points of the surface, otherwise of vertices.
     """
     place = _places(surface, own, dust)
     by_corner, vertices = place[:len(own.corners)], own.corners
@@ -54,7 +54,7 @@ def write(mesh, surface, own, dust):
 
 
 def _loose(own):
-    """Vertices of no face."""
+    """Vertices without faces."""
     return np.flatnonzero(np.bincount(own.corners, minlength=len(own.vertices)) == 0)
 
 
@@ -91,8 +91,8 @@ def _places(surface, own, dust):
 
 
 def _choose(found, asking, asked, cosine, tau):
-    """For each asking point, of the candidates with nearly the most similar normal, the one with the most
-    dust: both sides of a shell belong to one vertex.
+    """For each asking point, of the candidates with nearly the most similar normal, the candidate with the
+    most dust: both sides of a shell belong to one vertex.
     """
     best = np.full(len(found), -2.0)
     np.maximum.at(best, asking, cosine)
@@ -103,7 +103,7 @@ def _choose(found, asking, asked, cosine, tau):
 
 
 def _neighbours(surface, places, numbers, vertex_of_point):
-    """(asking, asked): for each number, the points of the rendered vertices nearest to its place."""
+    """(asking, asked): for each number, the points of the nearest rendered vertices."""
     tree = kdtree.KDTree(len(surface.vertices))
     for index, place in enumerate(surface.vertices):
         tree.insert(place, index)

@@ -17,7 +17,7 @@ running, forget, stop = _place.running, _place.forget, _place.stop
 
 
 class DustJob(Worker):
-    """`answers` holds those of the tasks that are finished, in their sequence."""
+    """`answers` holds the answers of finished tasks, in sequence."""
 
     def __init__(self, tasks, threads):
         self.tasks = tasks
@@ -36,9 +36,9 @@ class DustJob(Worker):
         super().__init__(work, "lamina dust")
 
     def finish(self):
-        """Keep all dust on its objects; main thread only. Returns the objects, none after a cancel.
+        """Store the dust on all objects; main thread only. Returns the objects, none after a cancel.
 
-        Raises what the work raised; then, and after a cancel, the last dust is untouched."""
+        Raises errors of the work; then, and after a cancel, the last dust is unchanged."""
         if self.error is not None:
             raise self.error
         if self.cancelling:

@@ -16,8 +16,8 @@ _TAG = "lamina_vertex"
 @dataclass(frozen=True)
 class Arrays:
     """vertices: (n, 3); triangles: (m, 3), counter-clockwise seen from outside; normals: (m, 3, 3) by corner,
-    as they are shaded (sharp edges, flat faces, custom normals), or None; uvs: (m, 3, 2) by corner, or None;
-    name: the object's.
+    as in shading (sharp edges, flat faces, custom normals), or None; uvs: (m, 3, 2) by corner, or None; name:
+    of the object.
     """
 
     vertices: np.ndarray
@@ -30,9 +30,9 @@ class Arrays:
 @dataclass(frozen=True)
 class OwnMesh:
     """The object's own mesh, without its modifiers, in the same space. vertices: (k, 3); corners: (c,), the
-    vertex of each face corner; normals: (c, 3). What the Arrays show of the mesh: loops: (m, 3), the face
-    corner that each corner of a triangle is, or None with modifiers; origins: (n,), with modifiers, the
-    vertex of this mesh that each vertex stands for, -1 for none, or None where that is not known.
+    vertex of each face corner; normals: (c, 3). Relation to the Arrays: loops: (m, 3), the face corner of
+    each corner of a triangle, or None with modifiers; origins: (n,), with modifiers, the vertex of this mesh
+    for each vertex, -1 for none, or None if unknown.
     """
 
     vertices: np.ndarray
@@ -146,7 +146,8 @@ def _corner_vertices(mesh):
 
 
 def _corner_normals(mesh, matrix):
-    """By face corner, of any length. The cofactors of the matrix turn them, for a flattened object too."""
+    """Normals by face corner, of any length. The matrix of cofactors transforms them, also for a flattened
+    object."""
     local = np.empty(3 * len(mesh.loops), np.float32)
     if len(mesh.loops):
         mesh.corner_normals.foreach_get("vector", local)
@@ -157,7 +158,7 @@ def _corner_normals(mesh, matrix):
 
 
 def _uvs(obj, mesh, name):
-    """By face corner."""
+    """UV coordinates by face corner."""
     layers = mesh.uv_layers
     layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
     if layer is None:
@@ -169,8 +170,8 @@ def _uvs(obj, mesh, name):
 
 
 def _tag(mesh):
-    """Gives each vertex random numbers that no blend of other vertices equals, so that it can be recognised
-    behind modifiers."""
+    """Gives each vertex random numbers that differ from all blends of other vertices, to recognise it behind
+    modifiers."""
     tags = np.random.default_rng(len(mesh.vertices)).random((len(mesh.vertices), 3), np.float32)
     if _TAG in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[_TAG])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust on objects: input for `lamina`, and where its result is stored.
+"""Dust on objects: input for `lamina`, and storage of its result.
 
 `gather` reads the scene, `settle_gathered` works on arrays only and may run in a thread, `apply` writes.
 Nothing is written before all of an object's dust is known.
@@ -45,9 +45,10 @@ class Answer:
 
 
 def settle(context, obj, progress=None, cancel=None, threads=0):
-    """Let dust settle on a mesh object and keep it there; returns lamina's Dust. Blocks.
+    """Let dust settle on a mesh object and store it there; returns lamina's Dust. Blocks.
 
-    Raises RefusedError, lamina's DustError and Cancelled, NativeMissingError; the last dust stays as it was.
+    Raises RefusedError, lamina's DustError and Cancelled, NativeMissingError; then the last dust is
+    unchanged.
     """
     task = gather(context, obj)
     answer = settle_gathered(task, progress, cancel, threads)
@@ -56,7 +57,7 @@ def settle(context, obj, progress=None, cancel=None, threads=0):
 
 
 def problem(obj):
-    """Why no dust can settle on an object, in a sentence, or ''."""
+    """The reason why no dust can settle on an object, in a sentence, or ''."""
     if obj is None or obj.type != "MESH":
         return "Dust settles on mesh objects: select one"
     if not obj.is_editable or not obj.data.is_editable:
@@ -67,7 +68,7 @@ def problem(obj):
 
 
 def unavailable():
-    """Why dust cannot settle at all, in a sentence, or ''."""
+    """The reason why dust cannot settle at all, in a sentence, or ''."""
     if not native.available():
         return native.reason()
     try:
@@ -117,13 +118,14 @@ def settle_gathered(task, progress=None, cancel=None, threads=0):
 
 
 def apply(obj, task, answer):
-    """Store an Answer on its object, and link the thickness of its materials to it where nothing else is
-    linked. Raises RefusedError when the mesh has changed meanwhile.
+    """Store an Answer on its object, and link the thickness of its materials to it if nothing else is linked.
+    Raises RefusedError if the mesh has changed meanwhile.
     """
     if (len(obj.data.vertices), len(obj.data.loops)) != (len(task.own.vertices), len(task.own.corners)):
         raise RefusedError(f"{obj.name} has been edited while dust settled: let it settle again")
     if not task.size:
-        if obj.data.users > 1:  # dust depends on the object's place, so a shared mesh is copied first
+        if obj.data.users > 1:  # dust depends on the object's transformation, so a shared mesh is copied
+                                # first
             obj.data = obj.data.copy()
         dust_attribute.write(obj.data, task.surface, task.own, answer.dust)
         source, name = "attribute", ATTRIBUTE
@@ -140,7 +142,7 @@ def apply(obj, task, answer):
 
 
 def clear(obj):
-    """Take the dust of an object away. Its materials show none where they read the attribute."""
+    """Remove the dust of an object. Its materials show none if they read the attribute."""
     dust_attribute.remove(obj.data)
     settings = obj.lamina_dust
     image, settings.image = settings.image, None
@@ -164,7 +166,7 @@ def _settling(settings, scene):
 
 
 def _value(option, settings, scene):
-    """A property as lamina's Settling takes it."""
+    """The value of a property for lamina's Settling."""
     value = getattr(settings, option.name)
     if option.switch:
         return value
@@ -193,8 +195,8 @@ def _coarseness(task):
 
 
 def _write_image(obj, dust):
-    """Colour is dust on front faces, alpha on back faces. A new image replaces the last one, because Cycles
-    does not reload the pixels of a known image.
+    """Dust on front faces is the colour, dust on back faces the alpha. A new image replaces the last one,
+    because Cycles does not reload the pixels of a known image.
     """
     texels = np.zeros((*dust.tau.shape, 4), np.float32)
     texels[..., :3] = dust.tau[..., None]

@@ -45,7 +45,7 @@ def is_checked(material, text):
     if stack_check.is_quick(text):
         return True
     if _answers.get(("stack", text)):
-        del _answers["stack", text]  # long ago, and no longer in the cache of stack_check
+        del _answers["stack", text]  # computed long ago, and no longer in the cache of stack_check
     _ask("stack", text, material.session_uid)
     return False
 

@@ -45,13 +45,7 @@ def base(base):
     values, fields = {"kind": base["kind"]}, cls.fields
     if cls.forms:
         form = next(form for form in cls.forms if form.fields[0].name in base)
-        if form not in cls.panel_forms():
-            raise RefusedError(
-                f"base.{form.fields[0].name}: the panel knows a {cls.item.label.lower()} by its albedo; "
-                "coefficients belong into a last layer of infinite thickness"
-            )
-        if cls.form_prop:
-            values[cls.form_prop] = form.item.id
+        values[cls.form_prop] = form.item.id
         fields = (*form, *fields)
     for field in fields:
         values[field.prop] = _number(field, base, "base")

@@ -9,7 +9,7 @@ from ..settling import dust_job, object_dust
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
 
-BACK_MATTERS = 0.05  # of the largest thickness
+BACK_MATTERS = 0.05  # share of the largest thickness
 
 
 class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
@@ -48,7 +48,7 @@ class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
 
 
 def mismatch(material, settings):
-    """Why the material does not show the dust as it lies, or ''."""
+    """The reason why the material does not show the dust correctly, or ''."""
     found = thickness.wiring(material)
     if found.source == "none":
         return "The material has no thickness input: mark its dust layer as varying and bake"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the properties of one layer, and of the base.
 
-Labels are short because the editor is narrow; tooltips say the rest.
+Labels are short because the editor is narrow; tooltips give the details.
 """
 
 from ..base import native
@@ -13,7 +13,7 @@ from ..stack_json import phases, profiles, solved_colours
 
 
 def draw_layer(layout, layer):
-    """`layout` is that of the panel: a folded part needs its full width."""
+    """`layout`: of the panel, because a folded part needs its full width."""
     column = split(layout.column())
     column.prop(layer, "kind")
     if layer.kind == "interface":
@@ -131,7 +131,7 @@ def _draw_medium(layout, layer):
 
 
 def _draw_medium_at(column, layer, end):
-    """What scatters at the top, the layer itself, or at its bottom."""
+    """The scattering properties at the top, the layer itself, or at its bottom."""
     if layer.mode == "colour":
         column.prop(end, "colour")
         albedo = solved_colours.albedo(end)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The menus of the panel: presets, metals, and what can be done with the whole stack."""
+"""The menus of the panel: presets, metals, and actions for the complete stack."""
 
 import bpy
 
 from ..base import messages, native
 from ..editing import metals, presets
 
-TALLEST = 30  # rows of a menu that small screens still show
+TALLEST = 30  # number of menu rows that fit on small screens
 
 
 class LAMINA_MT_stack(bpy.types.Menu):
@@ -23,7 +23,7 @@ class LAMINA_MT_stack(bpy.types.Menu):
 
 
 class LAMINA_MT_presets(bpy.types.Menu):
-    """The user's own, then the library by category, in columns of about the same height."""
+    """The user's own presets, then the library by category, in columns of similar height."""
 
     bl_label = "Presets"
     bl_description = "Replace the layers by those of a ready-made material"
@@ -71,7 +71,7 @@ class LAMINA_MT_user_presets_delete(bpy.types.Menu):
     bl_label = "Delete"
 
     def draw(self, _context):
-        # In a menu operators run at once; deleting is to be asked about first.
+        # In a menu operators run at once, but deleting needs a confirmation.
         self.layout.operator_context = "INVOKE_DEFAULT"
         for name in presets.user_names():
             self.layout.operator("lamina.preset_delete", text=name, translate=False).name = name

@@ -21,9 +21,9 @@ ICONS = {kind: icon for kind, _name, _description, icon, _number in LAYER_KINDS}
 
 
 class LAMINA_UL_layers(bpy.types.UIList):
-    """Top layer first, as light meets it: kind, name, thickness or index, colour."""
+    """Top layer first, in the order of light: kind, name, thickness or index, colour."""
 
-    error = None  # the row in error; the panel says so before it draws the list
+    error = None  # the row with an error; the panel sets it before it draws the list
 
     def draw_item(self, _context, layout, _data, layer, _icon, _active, _property, index=0):
         row = layout.row(align=True)
@@ -169,7 +169,7 @@ def result_lines(result):
     lines.append(("Worst At", _place(result, "worst")))
     if result.fit_error_transmission >= 0.0:
         through = f"{percent(result.fit_error_transmission)} mean"
-        if result.through_worst_error >= 0.0:  # bakes of earlier versions do not tell it
+        if result.through_worst_error >= 0.0:  # not in bakes of earlier versions
             through += f", {percent(result.through_worst_error)} worst"
         lines.append(("Transmission", through))
     if result.through_worst_error >= 0.0:
@@ -182,7 +182,7 @@ def result_lines(result):
 
 
 def _place(result, prefix):
-    """Where a worst slice is, from the properties that begin with `prefix`."""
+    """The place of a worst slice, from the properties that begin with `prefix`."""
     names = ("mu", "channel", "side", "tau")
     cosine, channel, side, tau = (getattr(result, f"{prefix}_{name}") for name in names)
     angle = math.degrees(math.acos(min(max(cosine, 0.0), 1.0)))
@@ -240,13 +240,13 @@ def _error(material):
 
 
 def _stack_error(material):
-    """What is wrong with the layers as they are now, or ''."""
+    """The fault in the layers as they are now, as a sentence, or ''."""
     error = _error(material)
     return "" if error is None else messages.sentence(error, material)
 
 
 def _error_layer(material):
-    """Index of the layer that the stack's error speaks of, or None."""
+    """Index of the layer with the stack's error, or None."""
     error = _error(material)
     return None if error is None else messages.layer_index(str(error))
 

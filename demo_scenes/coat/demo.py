@@ -16,7 +16,7 @@ from . import exact, scene
 
 @dataclasses.dataclass(frozen=True)
 class Quality:
-    """A square picture of `size` pixels; each seed is a render of its own."""
+    """A square picture of `size` pixels; each seed is a separate render."""
 
     size: int
     seeds: int
@@ -38,7 +38,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def run(out, quality, stack_path, say):
-    """Render, compare, write coat.png and coat.json into `out`. Returns (files, verdict, whether they agree).
+    """Render, compare, write coat.png and coat.json into `out`. Returns (files, verdict, True if they agree).
 
     quality: a key of QUALITIES; stack_path: a stack JSON of one interface on a Lambert base, in place of both coats.
     """
@@ -64,7 +64,7 @@ def _compare(name, stack, setting, region, say):
     material, lut = extension.bake(f"{name} coat", stack, say=lambda text: say(f"bake: {text}"))
     baked, seconds_baked = _render("baked", stack, material, setting, setting.samples_baked, say)
     truth, seconds_truth = _render("glass", stack, None, setting, setting.samples_glass, say)
-    # Single pixels of glass are too noisy to compare.
+    # Single pixels of the glass are too noisy to compare.
     inside = picture.blocks(region[None, ..., None], COMPARED).min(axis=0)[..., 0] == 1.0
     result = comparison.compare(picture.blocks(truth, COMPARED), picture.blocks(baked, COMPARED), inside, lut.report)
     truth, baked = truth.mean(axis=0), baked.mean(axis=0)
@@ -105,12 +105,12 @@ def _render(body, stack, material, setting, samples, say):
 
 
 def _exact(stack):
-    """A third witness: what the scattering function itself says, for rays that are enough for the picture's mean."""
+    """A third comparison: the scattering function itself, for enough rays for the picture's mean."""
     import lamina  # the extension's wheel: not there before the extension is installed
 
     rays = view.pixels(EXACT_RAYS)
     scattering = lamina.solve(lamina.Stack.from_json(stack))
-    # view.Pixels measures dphi against light from the camera's own azimuth of the sun, where our cap stands.
+    # view.Pixels measures dphi against light from the azimuth of the slab demo's sun, where the cap stands here.
     return exact.radiance(scattering, rays.mu_o[rays.region], rays.dphi[rays.region])
 
 

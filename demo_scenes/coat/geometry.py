@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A coat as real geometry: a slab of glass whose lower face and edges are painted.
 
-The paint touches the glass: there is no air between, as in the stack. Lengths mean nothing, since light and view are
-the same everywhere; the edges are so far away that nothing of them is seen.
+The paint touches the glass without air in between, as in the stack. Lengths have no effect, since light and view are
+the same everywhere; the edges are too far away to be seen.
 """
 
 import math
@@ -11,7 +11,7 @@ import bpy
 import node_tree
 
 THICKNESS = 0.5
-# Much wider, and single precision lets rays leave a face through it: .4 % of the light at a width of 10000.
+# On a much wider slab, single precision lets rays leak through a face: .4 % of the light at a width of 10000.
 HALF_WIDTH = 60.0
 DISTRIBUTIONS = {"ggx": "GGX", "beckmann": "BECKMANN"}
 
@@ -19,7 +19,7 @@ DISTRIBUTIONS = {"ggx": "GGX", "beckmann": "BECKMANN"}
 def build(scene, stack):
     """Add the slab of a stack (a dict of one interface on a Lambert base), its top face at z = 0.
 
-    Raises ValueError for what is not such a stack, or what Cycles' glass does not do."""
+    Raises ValueError for other stacks, and for those that Cycles' glass cannot represent."""
     layers, base = stack["layers"], stack.get("base") or {"kind": "none"}
     if [layer["kind"] for layer in layers] != ["interface"]:
         raise ValueError(f"layers: {len(layers)} of them; a glass slab shows one interface")
@@ -50,8 +50,8 @@ def plane(scene, material):
 
 
 def glass(interface):
-    """Cycles' Glass BSDF for an interface below air: facets that scatter once, or, where the stack compensates what
-    these lose, Cycles' own compensation."""
+    """Cycles' Glass BSDF for an interface below air: with single scattering by facets, or, if the stack compensates the
+    energy lost by it, with Cycles' own compensation."""
     alpha, ior = float(interface.get("alpha", 0.0)), interface["ior"]
     distribution = DISTRIBUTIONS[interface.get("distribution", "ggx")]
     compensate = interface.get("compensate", True)

@@ -20,10 +20,10 @@ def towards_cap(azimuth):
 
 
 def world(azimuth, cap=CAP, sky=SKY, aimed=True):
-    """A new world with the cap at that azimuth; cap = sky is an even one.
+    """A new world with the cap at this azimuth; with cap = sky the sky is uniform.
 
-    `aimed`: Cycles also samples the world by itself. Not for rough glass, which it then evaluates for facets that its
-    own sampling leaves out: a rough coat comes out up to 8 % too bright."""
+    `aimed`: Cycles also samples the world by importance. Not for rough glass, which Cycles then evaluates for facets
+    that its own sampling leaves out: a rough coat becomes up to 8 % too bright."""
     made = bpy.data.worlds.new("sky with a cap")
     made.cycles.sampling_method = "MANUAL" if aimed else "NONE"
     made.cycles.sample_map_resolution = 512
@@ -52,7 +52,7 @@ def world(azimuth, cap=CAP, sky=SKY, aimed=True):
 
 def cap_rule(rings=16, spokes=32):
     """Directions of a quadrature over the cap: (cosine with the vertical, azimuth from the cap's middle, solid angle),
-    each flat."""
+    all flat arrays."""
     x, w = np.polynomial.legendre.leggauss(rings)
     low = math.cos(CAP_RADIUS)
     height, weight = low + 0.5 * (x + 1.0) * (1.0 - low), 0.5 * w * (1.0 - low)

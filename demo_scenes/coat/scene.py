@@ -15,7 +15,7 @@ from . import geometry, light
 
 HERE = Path(__file__).resolve().parent
 STACKS = {"smooth": HERE / "smooth.json", "rough": HERE / "rough.json"}
-# What is left after so many: .6 (of the light inside that the face throws back) times .5 (paint), to the 24th.
+# The share that remains after all bounces: .6 (light inside that the face reflects back) times .5 (paint), to the 24th.
 BOUNCES = 48
 
 
@@ -36,8 +36,8 @@ def build(stack, body, material=None):
 
 
 def instrument(stack, body, mu_o, azimuth=0.0, cap=light.CAP, sky=light.SKY, material=None):
-    """The same body seen by an orthographic camera from one direction, at the cosine `mu_o` with the vertical: every
-    pixel measures the same. The cap stands `azimuth` radians from straight ahead."""
+    """The same body seen by an orthographic camera from one direction, at the cosine `mu_o` with the vertical; all
+    pixels measure the same quantity. The cap stands `azimuth` radians from straight ahead."""
     scene = bpy.data.scenes.new(f"coat {body}")
     _add(scene, stack, body, material)
     camera = bpy.data.cameras.new("eye")
@@ -53,7 +53,7 @@ def instrument(stack, body, mu_o, azimuth=0.0, cap=light.CAP, sky=light.SKY, mat
 
 
 def set_quality(scene, size, samples):
-    """Unbiased settings for a picture of `size` x `size` pixels, caustics and all."""
+    """Unbiased settings for a picture of `size` x `size` pixels, including caustics."""
     cycles_render.unbiased(scene, size, size, samples, BOUNCES)
 
 

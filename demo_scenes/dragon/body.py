@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Trunk, neck and tail along one spine, and the four legs: where they run, and how thick they are (mm).
+"""Trunk, neck and tail along one spine, and the four legs: their curves and their thickness (mm).
 
 The dragon sits, looking along +x with z up; its left is +y. The tail lies around its right side.
 """
@@ -10,7 +10,7 @@ import numpy as np
 
 from . import distance, shells, splines
 
-# From the tail's tip to the skull: x, y, z, half width, half height, and where the back is.
+# From the tail's tip to the skull: x, y, z, half width, half height, and the direction of the back.
 SPINE = np.array([
     (70, -20, 20, 1.3, 1.3, 0.0, 0, 1.0),
     (72, -42, 11, 2.3, 2.3, 0.1, 0, 1.0),
@@ -48,7 +48,7 @@ def spine():
 
 
 def legs():
-    """Four of them; the right forepaw steps ahead."""
+    """The four legs; the right forepaw steps ahead."""
     fore = ((18, 19, 92), (0, 30, 60), (19, 28, 24), (25, 28, 9))
     stepping = ((18, -19, 92), (6, -31, 60), (31, -31, 25), (38, -31, 9))
     hind = ((-40, 21, 46), (0, 40, 40), (-36, 44, 14), (-4, 46, 7))
@@ -62,7 +62,7 @@ def legs():
 
 
 def parts():
-    """All that melts into the trunk, in the order in which it does."""
+    """All bodies that are blended with the trunk, in this order."""
     made = [distance.tube(spine(), blend=5.0)]
     for side in (1.0, -1.0):
         y = np.array([1.0, side, 1.0])
@@ -100,7 +100,7 @@ def claws():
 
 
 def _toes(foot, size):
-    """Three ahead and one thumb to the back."""
+    """Three toes ahead and one thumb behind."""
     foot = np.asarray(foot, float)
     outward = np.sign(foot[1])
     made = []

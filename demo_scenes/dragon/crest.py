@@ -5,11 +5,11 @@ import numpy as np
 
 from . import body, shells, splines
 
-STARTS, ENDS = 40.0, 12.0  # mm left free at the tail's tip and behind the skull
+STARTS, ENDS = 40.0, 12.0  # mm without blades at the tail's tip and behind the skull
 
 
 def blades():
-    """Shells: one blade behind the other, large over the shoulders, small towards the head and the tail's tip."""
+    """Shells: blades in a row, large over the shoulders, small towards the head and the tail's tip."""
     spine = body.spine()
     made, at = [], STARTS
     while at < spine.length - ENDS:
@@ -36,5 +36,5 @@ def spade():
 
 
 def _height(along):
-    """Height of a blade (mm) by its place from the tail's tip (0) to the skull (1)."""
+    """Height of a blade (mm) by its position from the tail's tip (0) to the skull (1)."""
     return float(np.interp(along, (0.0, 0.2, 0.45, 0.62, 0.72, 0.85, 1.0), (3.0, 5.0, 8.5, 13.0, 14.5, 11.0, 6.5)))

@@ -16,8 +16,8 @@ from PIL import Image, ImageDraw, ImageFont
 from . import scene
 
 STACK = Path(__file__).resolve().parent / "stack.json"
-OPTIONS = ("mesh", "up", "turntable")  # what run() takes beyond what every scene does
-HEAVY = 8.0  # optical thickness on an open plate, the most that the table knows
+OPTIONS = ("mesh", "up", "turntable")  # arguments of run() beyond those of every scene
+HEAVY = 8.0  # optical thickness on an open plate, the largest in the table
 SHARES = (0.0, 0.125, 1.0)
 NAMES = ("Clean", "Light dust", "Heavy dust")
 EXPOSURE = 1.25
@@ -25,15 +25,15 @@ EXPOSURE = 1.25
 
 @dataclasses.dataclass(frozen=True)
 class Quality:
-    """Pixels of the picture, samples, and how finely mesh and table are made."""
+    """Pixels of the picture, samples, and the resolution of mesh and table."""
 
     width: int
     height: int
     samples: int
     fine: bool
     bake: str
-    row_stride: int  # of the table's rows over thickness
-    rays: int  # of each vertex, for the dust
+    row_stride: int  # step between solved rows of thickness in the table
+    rays: int  # per vertex, for the dust
     frame: int  # pixels of a turntable's square frames
     frame_samples: int
 
@@ -46,10 +46,10 @@ QUALITIES = {
 
 
 def run(out, quality, stack_path, say, mesh=None, up="y", turntable=0):
-    """Render dragon.png, write dragon.json into `out`. Returns (files, verdict, whether all is well).
+    """Render dragon.png, write dragon.json into `out`. Returns (files, verdict, True if all is well).
 
-    mesh: a PLY, OBJ or STL file shown in place of the dragon, whose axis `up` is upright; turntable: number of frames
-    that are rendered besides. Raises ValueError, in a sentence."""
+    mesh: a PLY, OBJ or STL file shown in place of the dragon, with the upright axis `up`; turntable: number of
+    additional frames. Raises ValueError, in a sentence."""
     from lamina import dust as layer  # the extension's wheel: not there before the extension is installed
 
     if layer.available():
@@ -94,7 +94,7 @@ def run(out, quality, stack_path, say, mesh=None, up="y", turntable=0):
 
 
 def load_stack(path):
-    """A stack as a dict, without what presets and ours tell besides."""
+    """A stack as a dict, without the descriptive texts of presets."""
     stack = json.loads(Path(path).read_text(encoding="utf-8"))
     return {key: value for key, value in stack.items() if key not in ("name", "category", "source")}
 
@@ -111,7 +111,7 @@ class _Clock:
 def _render(stage, width, height, samples):
     cycles_render.unbiased(stage, width, height, samples, bounces=4)
     stage.cycles.pixel_filter_type = "BLACKMAN_HARRIS"
-    # Less noise for a picture that nothing is measured from.
+    # Clamp to reduce noise: nothing is measured from this picture.
     stage.cycles.sample_clamp_indirect = 4.0
     stage.cycles.caustics_reflective = False
     return cycles_render.render(stage)[0]
@@ -132,7 +132,7 @@ def _sheet(path, image, captions):
 
 
 def _turntable(out, figure, stand, dusty, setting, frames, say):
-    """`frames` pictures of one turn, no dust to heavy; and all of them as an animated PNG."""
+    """`frames` pictures of one turn, from no dust to heavy dust; and all of them as an animated PNG."""
     folder = out / "dragon_turntable"
     folder.mkdir(exist_ok=True)
     stage, (things,) = scene.build(figure, stand, dusty, (0.0,))

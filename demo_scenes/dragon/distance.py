@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bodies as signed distances (negative inside, mm, exact only near the surface), and how they melt into one.
+"""Bodies as signed distances (negative inside, mm, exact only near the surface), and their smooth union.
 
 Distances take points (n, 3) and return (n,). See Quilez, "Smooth minimum" and "Distance functions" (iquilezles.org).
 """
@@ -14,16 +14,16 @@ FAR = 1.0e3
 
 @dataclass(frozen=True)
 class Part:
-    """A body, the box (2, 3) that holds it, and how far it melts into what was there before (mm)."""
+    """A body, the box (2, 3) that contains it, and the width over which it blends with the bodies before it (mm)."""
 
     distance: object
     box: np.ndarray
     blend: float
-    carve: bool = False  # taken away in place of added
+    carve: bool = False  # subtracted instead of added
 
 
 def melt(parts, points, reach):
-    """The distance to all `parts` joined in order; each is asked for points nearer to its box than `reach` alone."""
+    """The distance to all `parts` joined in order; each is evaluated only at points nearer to its box than `reach`."""
     result = np.full(len(points), FAR)
     low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
     for part in parts:
@@ -67,7 +67,7 @@ def ball(centre, radii, blend=4.0, frame=None, carve=False):
     def distance(points):
         q = (points - centre) @ frame.T
         k = np.linalg.norm(q / radii, axis=1)
-        # Scaled by the gradient, so that flat ellipsoids melt as wide as round ones.
+        # Divide by the gradient, so that flat ellipsoids blend as wide as round ones.
         return k * (k - 1.0) / np.maximum(np.linalg.norm(q / radii**2, axis=1), 1e-6)
 
     r = radii.max() + blend
@@ -75,7 +75,7 @@ def ball(centre, radii, blend=4.0, frame=None, carve=False):
 
 
 def tube(curve, blend=4.0):
-    """What a curve sweeps whose values are the half axes along `side` and `up`."""
+    """The body swept along a curve, whose values are the half axes along `side` and `up`."""
     tree = cKDTree(curve.points)
 
     def distance(points):
@@ -97,9 +97,9 @@ def tube(curve, blend=4.0):
 
 
 def loft(frame, origin, stations, power=2.6, blend=2.0, carve=False):
-    """A body drawn by its outlines from above and from the side; stations: rows (x, half width, top, bottom).
+    """A body given by its outlines from above and from the side; stations: rows (x, half width, top, bottom).
 
-    In the frame whose rows are forward, left, up, at `origin`. power: 2 is elliptic, more is squarer."""
+    The frame has the rows forward, left, up, and its origin at `origin`. power: 2 is elliptic, more is squarer."""
     frame, origin, table = np.asarray(frame, float), np.asarray(origin, float), np.asarray(stations, float)
 
     def distance(points):

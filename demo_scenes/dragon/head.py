@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The head, in a frame of its own: x forward, y left, z up, the joint with the neck near the origin (mm)."""
+"""The head, in its own frame: x forward, y left, z up, the joint with the neck near the origin (mm)."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from . import distance, shells, splines
 
 ORIGIN = np.array((52.0, -6.0, 214.0))
 YAW, PITCH, JAW = np.radians(-24.0), np.radians(-10.0), np.radians(30.0)
-SIZE = 1.14  # all lengths here are enlarged by this in the end
+SIZE = 1.14  # final factor on all lengths here
 HINGE = np.array((1.0, 0.0, -5.5))
 
 # x, half width, top, bottom.
@@ -45,12 +45,12 @@ def place_jaw(points):
 
 
 def enlarged(points):
-    """What has been placed, at its final size."""
+    """Points in the dragon's frame, at their final size."""
     return ORIGIN + SIZE * (points - ORIGIN)
 
 
 def parts():
-    """What melts into the head, a stub of neck included."""
+    """All bodies that are blended with the head, including a stub of the neck."""
     made = [distance.loft(FRAME, ORIGIN, SKULL, 2.5, 3.0)]
     made.append(distance.bone(place((-16, 0, 0)), place((-4, 0, 1)), 8.6, 9.6, 6.0))
     made.append(distance.loft(JAW_FRAME, place(HINGE), LOWER, 2.4, 2.6))
@@ -62,7 +62,7 @@ def parts():
     def bone(a, b, ra, rb, blend, at=place, carve=False):
         both(lambda s: distance.bone(at(np.array(a) * s), at(np.array(b) * s), ra, rb, blend, carve))
 
-    bone((-4, 9.6, -3.5), (4, 10.6, -4.6), 5.6, 4.6, 4.0)  # the muscle that shuts the jaw
+    bone((-4, 9.6, -3.5), (4, 10.6, -4.6), 5.6, 4.6, 4.0)  # jaw muscle
     bone((4, 10.8, -3.0), (16, 9.0, 1.6), 2.4, 1.6, 2.5)  # cheek bone
     both(lambda s: distance.ball(place(EYE * s + (1.5, 1.4 * s[1], -0.4)), 4.3, 1.2, carve=True))
     bone((20.5, 6.0, 12.0), (9, 11.2, 15.6), 1.7, 2.4, 1.8)  # brow
@@ -97,7 +97,7 @@ def _both(shell):
 
 
 def _eyes():
-    """Balls, drawn out to a low ridge where the slit of the pupil is."""
+    """Balls with a low ridge at the slit of the pupil."""
     line = splines.curve([EYE - (0, 0, EYE_RADIUS), EYE, EYE + (0, 0, EYE_RADIUS)], (1, 0, 0), step=0.25)
     height = (line.points[:, 2] - EYE[2]) / EYE_RADIUS
     size = EYE_RADIUS * np.sqrt(np.maximum(1.0 - height**2, 4e-3))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Any mesh in place of the dragon: read by Blender's importers, put upright, as large as the dragon, on the plinth."""
+"""Any mesh in place of the dragon: read by Blender's importers, put upright, and scaled to the plinth."""
 
 import gzip
 import tempfile
@@ -15,9 +15,9 @@ IMPORTERS = {".ply": "ply_import", ".obj": "obj_import", ".stl": "stl_import"}
 
 def load(path, width, height, up="y"):
     """(vertices (n, 3), face sizes (m,), corners (k,)) of the file's faces: z up, standing on z = 0 with the middle of
-    its box over the origin, as large as goes into a box of `width` x `width` x `height`.
+    its box over the origin, as large as fits into a box of `width` x `width` x `height`.
 
-    up: the file's own upright axis, "y" or "z". Vertices of no face are left out. Raises ValueError, in a sentence."""
+    up: the file's upright axis, "y" or "z". Vertices without faces are dropped. Raises ValueError, in a sentence."""
     path = Path(path)
     kind = path.suffix.lower()
     packed = kind == ".gz"
@@ -45,7 +45,7 @@ def load(path, width, height, up="y"):
 
 
 def _unpacked(path, kind):
-    """What `_read` finds in a file that gzip has packed. Raises ValueError, in a sentence."""
+    """The result of `_read` for a file packed by gzip. Raises ValueError, in a sentence."""
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / f"mesh{kind}"
         try:
@@ -56,9 +56,9 @@ def _unpacked(path, kind):
 
 
 def _read(path, kind):
-    """The file's vertices and faces, its axes and lengths as they are. Curves and points have none and are left out."""
+    """The file's vertices and faces, without change of axes and lengths. Curves and points are ignored."""
     before = set(bpy.data.objects)
-    # Without turning anything: what is up, `load` knows.
+    # Import without rotation: `load` handles the upright axis.
     with cycles_render.quiet():
         getattr(bpy.ops.wm, IMPORTERS[kind])(filepath=str(path), forward_axis="Y", up_axis="Z")
     made = [thing for thing in bpy.data.objects if thing not in before]

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A turned plinth with a moulded edge, a closed surface fine enough for dust to show what stood over it."""
+"""A turned plinth with a moulded edge, a closed surface with a mesh fine enough for the dust shadow of the figure."""
 
 import numpy as np
 
 from . import shells
 
-# From the middle of the top to that of the foot: radius and height over the radius of the top.
+# Outline from the middle of the top to the middle of the foot: radius and height, relative to the radius of the top.
 PROFILE = ((1.0, 0.0), (1.025, -0.006), (1.04, -0.02), (1.04, -0.05), (1.0, -0.065), (0.985, -0.085), (1.0, -0.11),
            (1.05, -0.135), (1.09, -0.16), (1.1, -0.18), (1.1, -0.22))
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scales as a relief: shields that overlap towards the tail and the toes, and broad plates under neck and belly.
 
-Along the spine shields stand in staggered rows; between the limbs, and on them, they fill what room is left.
+Along the spine, shields stand in staggered rows. Between and on the limbs they fill the remaining space.
 """
 
 from dataclasses import dataclass
@@ -12,28 +12,28 @@ from scipy.spatial import cKDTree
 from . import splines
 
 NEIGHBOURS = 10
-DEPTH = 0.21  # of a shield, over its length
-PLATE_ANGLE = np.radians(52.0)  # how far from the underside's middle plates reach
+DEPTH = 0.21  # relative to the length of a shield
+PLATE_ANGLE = np.radians(52.0)  # angle from the middle of the underside to the edge of the plates
 
 
 @dataclass(frozen=True)
 class Grain:
-    """What a limb says of the shields near it, at points along it: (n, 3), (n, 3), (n,) mm."""
+    """Direction and size of shields near a limb, at points along it: (n, 3), (n, 3), (n,) mm."""
 
     points: np.ndarray
-    towards: np.ndarray  # where the shields' free ends point
-    sizes: np.ndarray  # length of a shield; 0: none
+    towards: np.ndarray  # direction of the shields' free ends
+    sizes: np.ndarray  # length of a shield; 0 for none
 
 
 def relief(vertices, normals, grain, rows, smooth, seed):
     """Heights (n,) in mm over the surface's vertices.
 
-    rows: (points, sizes) of shields that stand in rows, off the surface by any small distance; smooth (n,): 0 where
-    the skin is bare, up to 1."""
+    rows: (points, sizes) of shields in rows, at a small distance from the surface; smooth (n,): 0 for bare skin, up to
+    1."""
     nearest = cKDTree(grain.points).query(vertices)[1]
     size = grain.sizes[nearest]
     centres = _centres(vertices, size, smooth, rows, seed)
-    # An even grain: towards the limb's end, in the surface.
+    # Direct shields towards the limb's end, along the surface.
     flow = grain.towards[nearest[centres]]
     normal = normals[centres]
     along = splines.unit(flow - np.sum(flow * normal, axis=1, keepdims=True) * normal)
@@ -42,7 +42,7 @@ def relief(vertices, normals, grain, rows, smooth, seed):
 
 
 def _centres(vertices, size, smooth, rows, seed):
-    """Indices of vertices where shields stand: first those of rows, then others, none too near to another."""
+    """Indices of vertices with shields: first those in rows, then others, with a least distance between shields."""
     tree = cKDTree(vertices)
     off, at = tree.query(rows[0])
     in_row = at[off < 2.5]
@@ -56,7 +56,7 @@ def _centres(vertices, size, smooth, rows, seed):
     for k in range(len(order)):
         if not taken[k]:
             chosen.append(order[k])
-            # Shields of rows keep those strewn at a distance, and each other a lesser one.
+            # Scattered shields keep a larger distance from shields in rows than shields in rows from each other.
             near = np.array(candidates.query_ball_point(vertices[order[k]], 0.80 * size[order[k]]))
             inner = np.linalg.norm(vertices[order[near]] - vertices[order[k]], axis=1) < radius[near]
             taken[near[inner]] = True
@@ -64,21 +64,21 @@ def _centres(vertices, size, smooth, rows, seed):
 
 
 def _shields(vertices, normals, centres, normal, along, across, size):
-    """The highest of the shields that a vertex lies on."""
+    """The height of the highest shield at each vertex."""
     index = cKDTree(centres).query(vertices, NEIGHBOURS)[1]
     height = np.zeros(len(vertices))
     for k in range(NEIGHBOURS):
         j = index[:, k]
         q = (vertices - centres[j]) / size[j, None]
         x, y = np.sum(q * along[j], axis=1), np.sum(q * across[j], axis=1)
-        # A leaf with its point at x = .75, its root at -.75.
+        # The outline of a leaf with its point at x = .75 and its root at -.75.
         half = 0.60 * np.sqrt(np.clip(1.0 - (x / 0.78) ** 2, 0.0, None)) * (1.0 - 0.22 * x)
         inside = np.minimum((half - np.abs(y)) / 0.10, 1.0)
         rise = 0.25 + 0.75 * np.clip((x + 0.75) / 1.5, 0.0, 1.0)
         keel = 0.22 * np.clip(1.0 - np.abs(y) / 0.12, 0.0, 1.0) * (1.0 - np.clip(np.abs(x) / 0.7, 0, 1) ** 2)
         dome = 0.16 * (1.0 - np.clip(np.abs(y) / 0.6, 0, 1) ** 2)
         here = np.where(inside > 0.0, np.clip(inside, 0.0, 1.0) * (rise + keel + dome), 0.0)
-        # The other side of a thin part has shields of its own.
+        # Leave out the other side of a thin part, which has its own shields.
         here *= np.sum(normals * normal[j], axis=1) > 0.2
         height = np.maximum(height, here * DEPTH * size[j])
     return height
@@ -102,9 +102,9 @@ def rows_along(curve, stretches):
 
 
 def plates(vertices, curve, pitch):
-    """(heights (n,) mm, how much of each vertex is plate (n,)) of broad plates under `curve`.
+    """(heights (n,) mm, share of plate (n,)) at each vertex, of broad plates under `curve`.
 
-    pitch: length of a plate over the local radius."""
+    pitch: length of a plate relative to the local radius."""
     k = cKDTree(curve.points).query(vertices)[1]
     q = vertices - curve.points[k]
     ahead = np.sum(q * curve.tangent[k], axis=1)

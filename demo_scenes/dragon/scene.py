@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The same bronze three times: clean, under light dust, under heavy dust; or once, on a turntable. In metres.
 
-All copies share a mesh and its dust, settled once: what falls is proportional to time, so that each object carries
-its share of the thickness as the property SHARE, and the material multiplies the two.
+All copies share a mesh and its dust, settled once. Dust is proportional to time, so each object has its share of the
+thickness as the property SHARE, and the material multiplies thickness and share.
 """
 
 import math
@@ -14,15 +14,15 @@ import numpy as np
 from . import mesh_file, plinth, sculpture, settling, stage
 
 SHARE = "dust_share"
-SPACING, MARGIN = 0.298, 0.18  # m between figures; half of the second is left free at either side, in figures
-HEIGHT, WIDTH = 0.262, 0.21  # m that any other mesh may fill: it stays on the plinth
+SPACING, MARGIN = 0.298, 0.18  # m between figures; free margin at either side, half of the second, in figures
+HEIGHT, WIDTH = 0.262, 0.21  # m, the box for any other mesh: it must stay on the plinth
 PLINTH_RADIUS, PLINTH_HEIGHT = 0.118, 0.22 * 0.118
 PLINTH_CENTRE = (-0.006, -0.006, 0.0)  # under the dragon's feet and tail
 COARSE, FINE = (1.15, 0.6), (sculpture.SPACING, sculpture.HEAD_SPACING)  # mm
 
 
 def figure(mesh_path=None, fine=True, up="y"):
-    """The mesh that is shown: the dragon, or that of a file. Raises ValueError."""
+    """The mesh to be shown: the dragon, or that of a file. Raises ValueError."""
     if mesh_path is None:
         vertices, quads, triangles = sculpture.build(*(FINE if fine else COARSE))
         sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
@@ -54,7 +54,7 @@ def as_mesh(name, vertices, sizes, corners):
 
 
 def material(stack, quality, row_stride):
-    """(material whose dust is as thick as attribute times share, its LUT). stack: a dict with a varying layer."""
+    """(material with dust of thickness attribute x share, its LUT). stack: a dict with a varying layer."""
     import lamina
 
     if not any(layer.get("varying") for layer in stack["layers"]):
@@ -78,7 +78,7 @@ def material(stack, quality, row_stride):
 
 
 def build(figure_mesh, stand_mesh, dusty, shares):
-    """(scene, its [(figure, plinth)] from left to right). shares: of the dust that settles, one a figure."""
+    """(scene, its [(figure, plinth)] from left to right). shares: of the settled dust, one per figure."""
     made = bpy.data.scenes.new("dragon")
     eye = stage.build(made, 0.110, SPACING * (len(shares) + MARGIN))
     for mesh in (figure_mesh, stand_mesh):
@@ -87,7 +87,7 @@ def build(figure_mesh, stand_mesh, dusty, shares):
     groups = []
     for k, share in enumerate(shares):
         place = stage.RIGHT * (k - 0.5 * (len(shares) - 1)) * SPACING
-        # Each turns the same side to the viewer.
+        # Turn the same side of each figure to the viewer.
         seen = eye.location - place
         turn = math.atan2(seen.y, seen.x) - stage.CAMERA_AZIMUTH
         groups.append([_put(made, mesh, place, turn, share) for mesh in (figure_mesh, stand_mesh)])
@@ -97,7 +97,8 @@ def build(figure_mesh, stand_mesh, dusty, shares):
 
 
 def settle(group, amount, rays):
-    """Let dust settle on a figure and its plinth, for all that share their meshes; statistics of both by name."""
+    """Let dust settle on a figure and its plinth, for all objects that share their meshes; statistics of both by
+    name."""
     figure, stand = group
     return {"figure": settling.settle_on(figure, amount, [stand], rays),
             "plinth": settling.settle_on(stand, amount, [figure], rays)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All of the dragon as one mesh of closed surfaces, about 24 cm high; CC0."""
+"""The complete dragon as one mesh of closed surfaces, about 24 cm high; CC0."""
 
 import functools
 
@@ -12,7 +12,7 @@ SEED = 5
 
 
 def build(spacing=SPACING, head_spacing=HEAD_SPACING):
-    """(vertices (n, 3) in mm, quadrangles (m, 4), triangles (k, 3)), turned outwards, z up, standing on z = 0."""
+    """(vertices (n, 3) in mm, quadrangles (m, 4), triangles (k, 3)), oriented outwards, z up, standing on z = 0."""
     trunk = _scaled(body.parts() + wings.arm_parts(), spacing, skin.of_trunk)
     skull = _scaled(head.parts(), head_spacing, skin.of_head)
     of_head = [(head.enlarged(points), *faces) for points, *faces in [skull, *head.shells_of_head()]]
@@ -21,7 +21,7 @@ def build(spacing=SPACING, head_spacing=HEAD_SPACING):
 
 
 def _scaled(parts, spacing, skin_of):
-    """What `parts` melt into, subdivided once, under its scales."""
+    """The smooth union of `parts`, subdivided once, with scales."""
     boxes = np.stack([part.box for part in parts if not part.carve])
     box = np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
     vertices, quads = surface_nets.mesh(functools.partial(distance.melt, parts), box, spacing)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 SEED = 1
-# Fine grains in a room's air, that stay on slopes which sand slides off.
+# Fine grains in the air of a room, which stay on slopes that are too steep for sand.
 HOW = {"spread": 1.0, "repose": 1.25, "repose_width": 0.7, "concavity": 0.6}
 
 
@@ -15,7 +15,7 @@ def settle_on(thing, amount, occluders=(), rays=64):
     """Let dust of the optical thickness `amount` (on an open plate) settle; returns its statistics as plain data.
 
     The object's mesh gets the float attribute dust.ATTRIBUTE of its vertices. occluders: objects that keep dust off;
-    rays: of each vertex. Raises DustError, and DustUnavailable without a working Embree layer."""
+    rays: per vertex. Raises DustError, and DustUnavailable without a working Embree layer."""
     from lamina import dust  # the extension's wheel: not there before the extension is installed
 
     settings = dust.Settling(amount=float(amount), rays=rays, **HOW)
@@ -34,7 +34,7 @@ def write(mesh, tau):
 
 
 def _mesh(dust, thing):
-    """The object's triangles in the world, its modifiers left out."""
+    """The object's triangles in world space, without its modifiers."""
     mesh = thing.data
     mesh.calc_loop_triangles()
     points = np.empty(3 * len(mesh.vertices), np.float32)
@@ -42,6 +42,6 @@ def _mesh(dust, thing):
     mesh.vertices.foreach_get("co", points)
     mesh.loop_triangles.foreach_get("vertices", triangles)
     turn = np.array(thing.matrix_world, float)
-    # All faces are smooth, and have one normal a vertex.
+    # All faces are smooth, with one normal per vertex.
     return dust.Mesh(points.reshape(-1, 3) @ turn[:3, :3].T + turn[:3, 3], triangles.reshape(-1, 3),
                      sharp_angle=math.pi, name=thing.name)

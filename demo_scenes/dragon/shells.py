@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed thin and pointed bodies as meshes of their own: horns, teeth, claws, plates, fingers, membranes.
+"""Thin and pointed closed bodies as separate meshes: horns, teeth, claws, plates, fingers, membranes.
 
-A shell is (vertices (n, 3), quadrangles (m, 4), triangles (k, 3)), turned outwards; each edge has two faces.
+A shell is (vertices (n, 3), quadrangles (m, 4), triangles (k, 3)), oriented outwards; each edge has two faces.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from . import splines
 
 
 def join(shells):
-    """One shell of several that keep apart."""
+    """One shell made of several separate ones."""
     vertices, quads, triangles, first = [], [], [], 0
     for points, four, three in shells:
         vertices.append(points)
@@ -48,7 +48,7 @@ def swept(curve, sides=16, relief=None):
 
 
 def spike(base, towards, bend, length, radius, flat=1.0, sides=12, rings=14, relief=None, blunt=0.04, fullness=0.85):
-    """A pointed, bent cone: from `base` along `towards`, its point drawn aside by the vector `bend` (mm).
+    """A pointed, bent cone: from `base` along `towards`, with its point displaced by the vector `bend` (mm).
 
     radius: half width at the foot, across the bend; flat: the half axis along the bend over `radius`; fullness: < 1
     bulges, > 1 is slender."""

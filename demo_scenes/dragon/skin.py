@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which scales grow where: sizes and directions along the limbs, bare places, plates below."""
+"""The distribution of scales: sizes and directions along the limbs, bare skin, plates below."""
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def of_head(vertices, normals, seed):
 
 
 def _grain(spine):
-    """The trunk's, neck and tail included, the legs' and the arms'."""
+    """The Grain of the trunk with neck and tail, of the legs and of the arms."""
     step = slice(None, None, 4)
     around = np.array([n for _, _, n in ALONG_SPINE], float)
     ends = np.array([end for _, end, _ in ALONG_SPINE])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves through control points, with frames: what the dragon's limbs are swept along."""
+"""Curves through control points, with frames, along which the dragon's limbs are swept."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Curve:
-    """Samples of a curve at even steps; arrays (n, 3), but for `along` (n,), its arc length in mm, and `values` (n, k).
+    """Samples of a curve at equal steps; arrays (n, 3), except `along` (n,), its arc length in mm, and `values` (n, k).
 
     `side`, `up` and `tangent` are orthonormal: side = up x tangent."""
 
@@ -27,7 +27,7 @@ class Curve:
 def curve(points, ups, values=None, step=0.5):
     """The Catmull-Rom spline through `points` (n, 3), sampled at `step` mm.
 
-    ups: (3,) or (n, 3), roughly where `up` points; values: (n, k), carried along as smoothly as the points."""
+    ups: (3,) or (n, 3), approximate directions of `up`; values: (n, k), interpolated as smoothly as the points."""
     points = np.asarray(points, float)
     count = len(points)
     ups = np.broadcast_to(np.asarray(ups, float), (count, 3))
@@ -45,13 +45,13 @@ def curve(points, ups, values=None, step=0.5):
 
 
 def unit(vectors):
-    """`vectors` (..., 3) with length 1; zeros stay."""
+    """`vectors` (..., 3) scaled to length 1; zero vectors are unchanged."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.maximum(length, 1e-12)
 
 
 def mirrored(points):
-    """The other side's `points` (..., 3): y changes its sign."""
+    """The `points` (..., 3) mirrored to the other side: y changes its sign."""
     return np.asarray(points, float) * np.array([1.0, -1.0, 1.0])
 
 
@@ -65,7 +65,7 @@ def _arc_length(points):
 
 
 def _catmull_rom(knots, data, at):
-    """Cubic Hermite interpolation whose slopes are those of the parabolas through three neighbours."""
+    """Cubic Hermite interpolation with the slopes of parabolas through three neighbours."""
     gaps = np.diff(knots)[:, None]
     chord = np.diff(data, axis=0) / gaps
     slope = np.empty_like(data)

@@ -12,12 +12,13 @@ CAMERA_AZIMUTH, CAMERA_HEIGHT = math.radians(-38.0), math.radians(12.0)
 SUN_AZIMUTH, SUN_HEIGHT, SUN_ANGLE = math.radians(-98.0), math.radians(40.0), math.radians(2.0)
 SUN_IRRADIANCE, SKY_STRENGTH = 4.2, 0.14
 PAPER = (0.055, 0.064, 0.076)
-AHEAD = Vector((math.cos(CAMERA_AZIMUTH), math.sin(CAMERA_AZIMUTH), 0.0))  # from what is shown to the viewer
+AHEAD = Vector((math.cos(CAMERA_AZIMUTH), math.sin(CAMERA_AZIMUTH), 0.0))  # horizontal direction from the figures to
+                                                                           # the viewer
 RIGHT = Vector((-AHEAD.y, AHEAD.x, 0.0))
 
 
 def build(scene, middle, width, lens=90.0):
-    """Light, paper and a camera that sees `width` metres across around the point at the height `middle`."""
+    """Light, paper, and a camera with a view `width` metres wide around the point at the height `middle`."""
     scene.world = _sky()
     lamp = bpy.data.lights.new("sun", "SUN")
     lamp.energy, lamp.angle = SUN_IRRADIANCE, SUN_ANGLE
@@ -60,7 +61,7 @@ def paper(scene, floor, distance, width):
 
 
 def _sky():
-    """Nishita's sky without its sun, which a lamp is: the world then holds nothing small and bright to miss."""
+    """Nishita's sky without its sun, which is a lamp: the world then has no small bright source to sample."""
     world = bpy.data.worlds.new("sky")
     world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 256
     tree = node_tree.of(world)

@@ -30,7 +30,7 @@ def catmull_clark(vertices, quads):
 
 
 def normals(vertices, quads):
-    """Unit normals of vertices: the faces' by area."""
+    """Unit normals of vertices: means of the faces' normals, weighted by area."""
     a, b, c, d = (vertices[quads[:, k]] for k in range(4))
     across = np.cross(c - a, d - b)
     return splines.unit(_sum(quads.ravel(), np.repeat(across, 4, axis=0), len(vertices)))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A signed distance -> a closed surface of quadrangles: surface nets (Gibson, MERL TR99-24, 1999).
+"""From a signed distance to a closed surface of quadrangles: surface nets (Gibson, MERL TR99-24, 1999).
 
-One vertex for each cell of a grid that the surface crosses, one quadrangle for each edge. Every edge has exactly two
-faces, since faces of cells whose corners alternate in sign are filled first.
+Each grid cell that the surface crosses has one vertex, each crossed edge one quadrangle. Every edge has exactly two
+faces, since cells whose corners alternate in sign are filled first.
 """
 
 import numpy as np
@@ -12,10 +12,10 @@ BLOCK, BLOCKS_AT_ONCE = 8, 24
 
 
 def mesh(distance, box, spacing, relaxations=6):
-    """(vertices (n, 3), quadrangles (m, 4), turned outwards) where `distance` is zero.
+    """(vertices (n, 3), quadrangles (m, 4), oriented outwards) of the surface where `distance` is zero.
 
-    distance(points (n, 3), reach): right to within some per cent where it is below `reach` mm, and large beyond.
-    box: (2, 3), must hold the surface."""
+    distance(points (n, 3), reach): accurate to some per cent below `reach` mm, and large beyond. box: (2, 3), must
+    contain the surface."""
     low = np.asarray(box[0], float)
     blocks = np.ceil((np.asarray(box[1], float) - low) / (spacing * BLOCK)).astype(int) + 1
     field = _sample(distance, low, blocks, spacing)
@@ -27,7 +27,7 @@ def mesh(distance, box, spacing, relaxations=6):
 
 
 def _sample(distance, low, blocks, spacing):
-    """The distances on the grid; cells of blocks that the surface does not come near get that of the block's middle."""
+    """The distances on the grid; cells of blocks far from the surface get the distance of the block's middle."""
     middle = low + spacing * BLOCK * (np.stack(np.meshgrid(*map(np.arange, blocks), indexing="ij"), axis=-1) + 0.5)
     coarse = distance(middle.reshape(-1, 3), 3.0 * spacing * BLOCK).reshape(blocks)
     field = coarse.astype(np.float32)
@@ -35,7 +35,7 @@ def _sample(distance, low, blocks, spacing):
         field = np.repeat(field, BLOCK, axis=axis)
     inner = np.stack(np.meshgrid(*[np.arange(BLOCK)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     near = np.argwhere(np.abs(coarse) < 1.5 * spacing * BLOCK)
-    # Few blocks at a time, so that most bodies are nowhere near them.
+    # Few blocks at a time, so that most bodies are far from all of them.
     for first in range(0, len(near), BLOCKS_AT_ONCE):
         index = (near[first : first + BLOCKS_AT_ONCE, None, :] * BLOCK + inner).reshape(-1, 3)
         field[tuple(index.T)] = distance(low + spacing * index, 5.0 * spacing)
@@ -96,7 +96,7 @@ def _nets(field):
 
 
 def _offsets(axis):
-    """Starts of a cell's four edges along `axis`."""
+    """First corners of a cell's four edges along `axis`."""
     others = [k for k in range(3) if k != axis]
     for i in (0, 1):
         for j in (0, 1):
@@ -106,7 +106,8 @@ def _offsets(axis):
 
 
 def _relax(vertices, quads, field, times):
-    """Vertices spread evenly over the surface: each towards its neighbours' mean, then back along the gradient."""
+    """Vertices distributed evenly over the surface: each is moved towards its neighbours' mean, then back along the
+    gradient."""
     gradient = [ndimage.sobel(field, axis=k, mode="nearest") / 32.0 for k in range(3)]
     for _ in range(times):
         vertices = 0.4 * vertices + 0.6 * neighbour_mean(vertices, quads)
@@ -120,7 +121,7 @@ def _relax(vertices, quads, field, times):
 
 
 def neighbour_mean(vertices, quads):
-    """The mean of each vertex' neighbours along edges."""
+    """The mean of each vertex's neighbours along edges."""
     total, count = np.zeros_like(vertices), np.zeros(len(vertices))
     for k in range(4):
         a, b = quads[:, k], quads[:, (k + 1) % 4]

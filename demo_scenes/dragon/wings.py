@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Half spread wings: an arm that melts into the trunk, fingers, and the skin between them (mm, left side)."""
+"""Half-spread wings: an arm that is blended with the trunk, fingers, and the skin between them (mm, left side)."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ FINGERS = (
 )
 FLANK = ((-38, 44, 136), (-46, 36, 112), (-54, 26, 86), (-60, 18, 66))
 THICKNESS = 1.1
-# How far each wing is turned ahead about the upright through its shoulder: the left one opens to a viewer in front.
+# Rotation of each wing ahead, about the vertical through its shoulder: the left wing opens to a viewer in front.
 TURNED = {1.0: np.radians(24.0), -1.0: np.radians(4.0)}
 
 
@@ -25,7 +25,7 @@ def arm(side):
 
 
 def arm_parts():
-    """Both arms, to melt into the trunk."""
+    """Both arms, to be blended with the trunk."""
     made = []
     for side in (1.0, -1.0):
         shoulder, elbow, wrist = arm(side)
@@ -46,7 +46,7 @@ def made():
 
 
 def _posed(points, side):
-    """Points of a left wing turned ahead, the more the farther they are from the trunk."""
+    """Points of a left wing turned ahead; the angle grows with the distance from the trunk."""
     points = np.asarray(points, float)
     angle = TURNED[side] * np.clip((points[..., 1] - 20.0) / 45.0, 0.0, 1.0)
     x, y = points[..., 0] - SHOULDER[0], points[..., 1] - SHOULDER[1]
@@ -55,7 +55,7 @@ def _posed(points, side):
 
 
 def _wing(side):
-    """Shells of a wing posed as that of `side`, on the left."""
+    """Shells of a wing in the pose of `side`, on the left."""
     shoulder, elbow, wrist = _posed(np.stack([SHOULDER, ELBOW, WRIST]), side)
     curves = [_finger(_posed(points, side), k) for k, points in enumerate(FINGERS)]
     flank = splines.curve(_posed(FLANK, side), (0, 1, 0), np.full((len(FLANK), 2), 1.0))
@@ -76,7 +76,7 @@ def _finger(points, number):
 
 
 def _skin(a, b, depth, rows=72, columns=40):
-    """Skin from finger a to b: hollow between them, its free edge cut in by `depth` of its length."""
+    """Skin between fingers a and b: hollow, with its free edge cut in by `depth` of its length."""
     u = np.linspace(0.0, 1.0, columns)[None, :]
     v = np.linspace(0.0, 1.0, rows)[:, None] * (0.985 - depth * (4.0 * u * (1.0 - u)) ** 0.8)
     first, second = (
@@ -85,7 +85,7 @@ def _skin(a, b, depth, rows=72, columns=40):
     points = first + u[..., None] * (second - first)
     normal = splines.unit(np.cross(np.gradient(points, axis=0), np.gradient(points, axis=1)))
     span = np.linalg.norm(second - first, axis=-1)
-    # Skin sags between fingers, with folds that run along them where it is not quite taut.
+    # Skin sags between fingers, with folds along them.
     sag = 0.16 * span * np.sin(np.pi * u) - 0.012 * span * np.sin(5.0 * np.pi * u) * v
     backwards = np.sign(normal[rows // 2, columns // 2] @ np.array([-1.0, -0.2, -0.3]))
     points = points + (backwards * sag)[..., None] * normal
@@ -93,7 +93,7 @@ def _skin(a, b, depth, rows=72, columns=40):
 
 
 def _front(shoulder, elbow, wrist, rows=40, columns=24):
-    """The small skin before the elbow, from the shoulder to the wrist."""
+    """The small skin in front of the elbow, from the shoulder to the wrist."""
     t = np.linspace(0.0, 1.0, rows)[:, None]
     bones = np.where(t < 0.5, shoulder + 2 * t * (elbow - shoulder), elbow + (2 * t - 1) * (wrist - elbow))
     start = shoulder + (6, 2, 4)

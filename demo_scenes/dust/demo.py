@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust, twice: a thin shell of volume about painted bodies, path traced, and the baked varying layer."""
+"""Dust, twice: a thin shell of volume around painted bodies, path traced, and the baked varying layer."""
 
 import dataclasses
 
@@ -15,7 +15,7 @@ from . import scene, shell
 
 @dataclasses.dataclass(frozen=True)
 class Quality:
-    """A picture `width` pixels wide; each seed is a render of its own."""
+    """A picture `width` pixels wide; each seed is a separate render."""
 
     width: int
     seeds: int
@@ -36,7 +36,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def run(out, quality, stack_path, say):
-    """Render, compare, write dust.png and dust.json into `out`. Returns (files, verdict, whether they agree).
+    """Render, compare, write dust.png and dust.json into `out`. Returns (files, verdict, True if they agree).
 
     quality: a key of QUALITIES; stack_path: a stack JSON of one varying medium on a Lambert base, or None.
     """
@@ -73,14 +73,14 @@ def run(out, quality, stack_path, say):
 
 
 def _at_thickness(report):
-    """The report's fit error of the rows about the thickness that is shown, as `comparison` takes it."""
+    """The report's fit error of the rows near the shown thickness, in the form for `comparison`."""
     rows = report["row_errors"]
     mean, worst = (float(np.interp(scene.TAU, rows["tau"], rows[key])) for key in ("mean", "worst"))
     return {"fit_error": mean, "worst_slice": {"error": worst}}
 
 
 def _compare(truth, baked, region, report, curved):
-    """Means over COMPARED x COMPARED pixels are compared: single pixels of the shell are too noisy."""
+    """Compares means over COMPARED x COMPARED pixels: single pixels of the shell are too noisy."""
     inside = picture.blocks(region[None, ..., None].astype(float), COMPARED).min(axis=0)[..., 0] == 1.0
     return comparison.compare(picture.blocks(truth, COMPARED), picture.blocks(baked, COMPARED), inside, report,
                               scene.CURVATURE if curved else 0.0)

@@ -16,17 +16,17 @@ from . import shell
 
 STACK = Path(__file__).resolve().parent / "stack.json"
 TAU = 0.6  # of the dust, everywhere
-# Of the shell, against the sphere's radius of 1: what curvature changes is of that order.
+# Of the shell, for a sphere of radius 1; the effect of curvature is of this order.
 THICKNESS = 0.004
 GAP = THICKNESS / 50.0  # of vacuum between shell and base, since coplanar faces are undefined
-# What enters through the shell's outer face falls on a base of smaller area: by that share.
+# Relative difference of area: light that enters through the shell's outer face falls on a smaller base.
 CURVATURE = 2.0 * THICKNESS / shell.RADIUS
 BOUNCES = 48  # longer paths carry less than 1e-5 of the radiance
 SUN_AZIMUTH, SUN_ELEVATION = math.radians(-165.0), math.radians(36.0)
 EYE, TARGET, FIELD = Vector((-3.4, -8.2, 3.7)), Vector((0.02, 0.0, 0.8)), math.radians(31.5)
 ASPECT = 0.62  # height of the picture over its width
-SMALLEST_COSINE = 0.2  # flatter views see along the shell's curvature
-EDGE = 6.0 * THICKNESS  # so near to an edge a shell is not a layer
+SMALLEST_COSINE = 0.2  # at smaller cosines a view is affected by the shell's curvature
+EDGE = 6.0 * THICKNESS  # closer to an edge a shell is not a plane layer
 
 
 def load_stack(path=STACK):
@@ -38,7 +38,7 @@ def load_stack(path=STACK):
 
 
 def build(stack, body, material=None):
-    """A new scene. body: "shell" (Cycles volumes about the stack's base) or "baked" (surfaces that wear `material`)."""
+    """A new scene. body: "shell" (Cycles volumes around the stack's base) or "baked" (surfaces with `material`)."""
     scene = bpy.data.scenes.new(f"dust {body}")
     if body == "shell":
         layer = {**stack["layers"][0], "tau": TAU}
@@ -72,8 +72,8 @@ def set_quality(scene, width, samples):
 
 @dataclass(frozen=True)
 class Pixels:
-    """What a picture's pixels see; bool (height, width), first row on top. `shown`: a body; `compared`: by name, the
-    pixels that see it away from edges and not too flatly."""
+    """What each pixel of a picture sees; bool (height, width), first row on top. `shown`: a body; `compared`: by name,
+    the pixels that see a body away from edges and not at grazing."""
 
     shown: np.ndarray
     compared: dict[str, np.ndarray]
@@ -106,7 +106,7 @@ def pixels(scene, width):
 
 
 def _is_fair(name, place, cosine):
-    """Whether a point of a body may be compared."""
+    """True if a point of a body may be compared."""
     if cosine < SMALLEST_COSINE:
         return False
     if name == "sphere":
@@ -114,7 +114,7 @@ def _is_fair(name, place, cosine):
     x, y, z = (place[k] - shell.STEPS_AT[k] for k in range(3))
     profile = np.array(shell.STEPS)
     along = sorted({*profile[:, 0]}), sorted({*profile[:, 1]})
-    # Near an edge a point is near to two planes of the block.
+    # A point near an edge is close to two planes of the block.
     at = ((x, along[0]), (y, shell.STEPS_Y), (z, along[1]))
     planes = [min(abs(one - plane) for plane in planes) for one, planes in at]
     return sorted(planes)[1] > EDGE

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A sphere and a step block, and thin shells of constant thickness about them.
+"""A sphere and a step block, and thin shells of constant thickness around them.
 
-Each shape is a function of an offset: its vertices moved out by so much, with the same faces, so that a shell between
-two offsets is as thick everywhere, edges aside.
+Each shape is a function of an offset, by which its vertices are moved out, with the same faces. A shell between two
+offsets therefore has the same thickness everywhere, except at edges.
 """
 
 import math
@@ -53,10 +53,10 @@ def steps(offset):
 
 
 def _grown(profile, offset):
-    """A counter-clockwise polygon of right angles with its edges moved out."""
+    """A counter-clockwise polygon of right angles with its edges moved outwards."""
     edges = np.roll(profile, -1, axis=0) - profile
     normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, None]
-    # At a right angle the moved corner is the corner plus both moved edges' shifts.
+    # At a right angle the moved corner is the corner plus the shifts of both edges.
     return profile + offset * (normals + np.roll(normals, 1, axis=0))
 
 
@@ -69,7 +69,7 @@ def surface(scene, name, offset, material):
 
 
 def shell(scene, name, inner, outer, material):
-    """What lies between two offsets of the shape `name`, as one closed mesh with a hollow."""
+    """The volume between two offsets of the shape `name`, as one closed hollow mesh."""
     inside, faces = SHAPES[name](inner)
     outside, _ = SHAPES[name](outer)
     hollow = [tuple(len(outside) + k for k in reversed(face)) for face in faces]

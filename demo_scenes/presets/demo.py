@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All presets of the library on one sheet, by category, and how well each is fitted."""
+"""All presets of the library on one sheet, by category, with their fit errors."""
 
 import os
 import tempfile
@@ -15,11 +15,11 @@ from PIL import Image, ImageDraw, ImageFont
 
 from . import scene
 
-# Pixels across a cell, samples.
+# Pixels across a cell, and samples.
 QUALITIES = {"tiny": (48, 8), "small": (104, 24), "final": (176, 256)}
 COLUMNS = 12
 EXPOSURE = 1.1
-ROW_STRIDE = 4  # of a varying layer's thicknesses: a picture this small shows no more
+ROW_STRIDE = 4  # for a varying layer: the picture is too small to show more rows of thickness
 LABEL, HEADING, MARGIN = 30, 44, 24
 CHECKS = (66, 92)
 
@@ -27,7 +27,7 @@ CHECKS = (66, 92)
 def run(out, quality, stack_path, say):
     """Bake and render all presets; write presets.png and presets.json into `out`.
 
-    Returns (files, verdict, whether all are well). `stack_path` has no meaning here."""
+    Returns (files, verdict, True if all are well). `stack_path` is not used here."""
     import lamina
 
     entries = sorted(lamina.presets.entries(), key=lambda entry: (entry.category, entry.name))
@@ -56,7 +56,7 @@ def run(out, quality, stack_path, say):
 
 
 def _bake(lamina, entry):
-    """(material, what is told of it)."""
+    """(material, facts about it)."""
     stack_io, bake_job = extension.part("editing.stack_io"), extension.part("baking.bake_job")
     material = bpy.data.materials.new(entry.id)
     stack_io.assign_stack(material, entry.stack)
@@ -77,7 +77,7 @@ def _render(materials, sheets, size, samples):
     rows = -(-len(materials) // COLUMNS)
     cycles_render.unbiased(stage, COLUMNS * size, rows * size, samples, bounces=4)
     stage.cycles.pixel_filter_type = "BLACKMAN_HARRIS"
-    # Less noise for a picture that nothing is measured from.
+    # Clamp to reduce noise: nothing is measured from this picture.
     stage.cycles.sample_clamp_indirect = 10.0
     stage.render.film_transparent = True
     stage.render.image_settings.color_mode = "RGBA"
@@ -133,7 +133,7 @@ def _sheet(path, entries, facts, cells, size):
 
 
 def _over_paper(cell, is_sheet):
-    """sRGB bytes; a sheet lies over a chequered ground that shows what is seen through it."""
+    """sRGB bytes; a sheet lies over a chequered ground that is seen through it."""
     size = len(cell)
     paper = np.broadcast_to(np.array(picture.PAPER, float), (size, size, 3)).copy()
     if is_sheet:
@@ -148,7 +148,7 @@ def _linear(encoded):
 
 
 def _lines(text, draw, font, width):
-    """A name on two lines at most."""
+    """A name on at most two lines."""
     lines = [""]
     for word in text.split():
         longer = f"{lines[-1]} {word}".strip()

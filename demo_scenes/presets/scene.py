@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A grid of spheres, one a material, seen straight on and alone: none shades, lights or mirrors another.
+"""A grid of spheres, one per material, seen straight on; spheres do not shade, light or reflect each other.
 
-Sheets are the front half of a sphere, with light behind it. The light is a sky, a sun, and two soft boxes so
-that metals have something to reflect: a large one to the upper left, a narrow one behind to the right. The sky is
-nearly grey: what has a colour in the picture is the material.
+Sheets are the front half of a sphere, with light behind it. The light is a sky, a sun, and two soft boxes for
+reflections in metals: a large one to the upper left, a narrow one behind to the right. The sky is nearly grey, so
+colours in the picture are those of materials.
 """
 
 import math
@@ -12,7 +12,7 @@ import bpy
 import node_tree
 from mathutils import Vector
 
-RADIUS = 0.42  # of a sphere, in a cell of width 1
+RADIUS = 0.42  # radius of a sphere in a cell of width 1
 SUN = Vector((-0.45, -0.75, 0.65)).normalized()
 SUN_IRRADIANCE, SUN_ANGLE = 1.4, math.radians(4.0)
 # (towards its middle, cosine of its half angle, radiance): discs in the sky, with soft edges.
@@ -25,7 +25,7 @@ SKY, HORIZON, GROUND = (0.42, 0.42, 0.43), (0.50, 0.50, 0.49), (0.14, 0.135, 0.1
 
 
 def build(materials, sheets, columns):
-    """A scene of spheres in rows of `columns`, first row on top; `sheets`: which of them are domes.
+    """A scene of spheres in rows of `columns`, first row on top; `sheets`: True for domes.
 
     One cell is one unit wide; the camera sees columns x rows of them exactly."""
     scene = bpy.data.scenes.new("presets")
@@ -35,7 +35,7 @@ def build(materials, sheets, columns):
         body = bpy.data.objects.new(material.name, dome if sheets[k] else sphere)
         scene.collection.objects.link(body)
         body.location = (k % columns + 0.5 - columns / 2, 0.0, rows / 2 - k // columns - 0.5)
-        # The mesh is shared, so that the material is the object's.
+        # The mesh is shared, so the material is linked to the object.
         body.material_slots[0].link = "OBJECT"
         body.material_slots[0].material = material
         body.visible_shadow = body.visible_diffuse = body.visible_glossy = body.visible_transmission = False
@@ -50,7 +50,7 @@ def build(materials, sheets, columns):
 
 
 def settle(material, group_node):
-    """Let the varying layer lie where the surface looks up, as dust does."""
+    """Put the varying layer on upward surfaces, as dust settles."""
     tree = material.node_tree
     largest = group_node.inputs["Thickness"].default_value
     geometry, split, ramp = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "SeparateXYZ", "MapRange"))
@@ -63,7 +63,7 @@ def settle(material, group_node):
 
 
 def _sphere(whole):
-    """A sphere as a surface of 64 x 32 smooth faces; the half towards the camera alone for a sheet."""
+    """A sphere as a surface of 64 x 32 smooth faces; only the half towards the camera for a sheet."""
     around, along = 64, 32 if whole else 16
     points, faces = [], []
     for j in range(along + 1):

@@ -16,7 +16,7 @@ from . import exact, light, scene, view
 
 @dataclasses.dataclass(frozen=True)
 class Quality:
-    """A square picture of `size` pixels; each seed is a render of its own."""
+    """A square picture of `size` pixels; each seed is a separate render."""
 
     size: int
     seeds: int
@@ -29,7 +29,7 @@ QUALITIES = {
     "small": Quality(320, 16, 12, 4),
     "final": Quality(480, 32, 64, 8),
 }
-FINE = 300  # rays across the picture that are enough for its mean
+FINE = 300  # number of rays across the picture that is enough for its mean
 BLOCK = 8
 SPAN = 0.10
 EXPOSURE = 1.3
@@ -37,7 +37,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def run(out, quality, stack_path, say):
-    """Render, compare, write slab.png and slab.json into `out`. Returns (files, verdict, whether they agree).
+    """Render, compare, write slab.png and slab.json into `out`. Returns (files, verdict, True if they agree).
 
     quality: a key of QUALITIES; stack_path: a stack JSON, or None for the standard problem.
     """
@@ -74,7 +74,7 @@ def _render(body, stack, material, setting, samples, say):
 
 
 def _against_exact(stack, size, region, baked):
-    """A third witness: what the scattering function itself says, without path tracing and without fit."""
+    """A third comparison: the scattering function itself, without path tracing and without a fit."""
     import lamina  # the extension's wheel: not there before the extension is installed
 
     scattering = lamina.solve(lamina.Stack.from_json(stack))

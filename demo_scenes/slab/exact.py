@@ -14,10 +14,10 @@ _FLATTEST = 0.01
 
 
 def picture(scattering, size, subdivide=1):
-    """What the camera sees of the slab, (size, size, 3), first row on top; meaningless outside the region.
+    """The camera's picture of the slab, (size, size, 3), first row on top; undefined outside the region.
 
-    scattering: lamina.solve's ScatteringFunction of the stack. Each pixel is the mean of
-    `subdivide` x `subdivide` rays; more than one matters for coarse pictures only.
+    scattering: lamina.solve's ScatteringFunction of the stack. Each pixel is the mean of `subdivide` x `subdivide`
+    rays; more than one matters only for coarse pictures.
     """
     rays = view.pixels(size * subdivide)
     fine = radiance(scattering, np.clip(rays.mu_o, _FLATTEST, 1.0), rays.dphi)
@@ -28,7 +28,7 @@ def radiance(scattering, mu_o, dphi):
     """Radiance that leaves the slab under sun and sky; dphi against the sun's light, 0 = forward."""
     mu_sun = math.sin(light.SUN_ELEVATION)
     sun = _rgb(scattering.brdf(mu_o, mu_sun, dphi)) * mu_sun * np.array(light.SUN_IRRADIANCE)
-    # The sky knows no azimuth, so what it adds depends on the view cosine only, and smoothly.
+    # The sky does not depend on azimuth, so its contribution is a smooth function of the view cosine only.
     views = np.linspace(mu_o.min(), mu_o.max(), _VIEWS)
     sky = _under_sky(scattering, views)
     return sun + np.stack([np.interp(mu_o, views, sky[:, k]) for k in range(3)], axis=-1)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sun and sky of the slab scene, as Blender data and as the same numbers in numpy.
 
-The sun is a delta light. The sky is a gradient from zenith to horizon and black below the horizon, so
-that nothing lights the slab from below and its radiance can be computed from a scattering function.
+The sun is a delta light. The sky is a gradient from zenith to horizon and black below the horizon, so nothing lights
+the slab from below and its radiance can be computed from a scattering function.
 """
 
 import math
@@ -53,7 +53,7 @@ def frame(z):
 
 def _sky():
     world = bpy.data.worlds.new("sky")
-    # A smooth gradient: a small importance map is enough, and it keeps the start of a render short.
+    # The gradient is smooth: a small importance map is enough and keeps the start of a render short.
     world.cycles.sampling_method = "MANUAL"
     world.cycles.sample_map_resolution = 256
     tree = node_tree.of(world)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The slab scene: the standard problem under sun and sky, as a real volume or as the baked plane.
 
-As a module, `build(stack, body, material)` makes a scene. As a script it makes the scene in a running
-Blender, to look at, to save or to render:
+As a module, `build(stack, body, material)` makes a scene. As a script it makes the scene in a running Blender, for
+viewing, saving or rendering:
 
     blender -b -P demo_scenes/slab/scene.py -- [--body volume|baked] [--stack STACK.json]
         [--samples N] [--size PIXELS] [--save FILE.blend] [--render FILE.png]
@@ -18,15 +18,15 @@ from pathlib import Path
 import bpy
 
 HERE = Path(__file__).resolve().parent
-if __name__ == "__main__":  # `blender -P` puts no folder of ours on the module path
+if __name__ == "__main__":  # `blender -P` adds none of our folders to the module path
     sys.path.insert(0, str(HERE.parent))
 
 import cycles_render  # noqa: E402
 from slab import light, view, volume  # noqa: E402
 
 STACK = HERE / "stack.json"
-# Wide enough that no light from the box's sides reaches the compared region: for these stacks the
-# radiance 60 thicknesses inside differs by less than 2e-6 from that of an unbounded slab.
+# Light from the box's sides does not reach the compared region: for these stacks the radiance 60 thicknesses inside
+# differs by less than 2e-6 from that of an unbounded slab.
 HALF_WIDTH = 10000.0
 # Paths longer than 32 scatterings carry less than 1e-6 of the standard slab's radiance.
 VOLUME_BOUNCES = 64
@@ -40,8 +40,8 @@ def load_stack(path=STACK):
 def build(stack, body, material=None):
     """A new scene with the slab, sun, sky and camera.
 
-    body: "volume" (boxes of Cycles volume over the stack's base) or "baked" (a plane that wears
-    `material`). Raises ValueError for a stack that cannot be shown as a volume.
+    body: "volume" (boxes of Cycles volume over the stack's base) or "baked" (a plane with `material`). Raises
+    ValueError for a stack that cannot be shown as a volume.
     """
     scene = bpy.data.scenes.new(f"slab {body}")
     if body == "volume":
@@ -54,7 +54,7 @@ def build(stack, body, material=None):
 
 
 def set_quality(scene, size, samples):
-    """Unbiased settings for a picture of `size` x `size` pixels, with as many bounces as the slab needs."""
+    """Unbiased settings for a picture of `size` x `size` pixels, with the number of bounces that the slab needs."""
     cycles_render.unbiased(scene, size, size, samples, VOLUME_BOUNCES)
 
 
@@ -98,5 +98,5 @@ def main(argv):
 
 if __name__ == "__main__":
     code = main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
-    if code:  # leaving a Blender with a window by sys.exit(0) would close it
+    if code:  # in a Blender with a window, sys.exit(0) would close Blender
         sys.exit(code)

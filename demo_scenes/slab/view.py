@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera over the slab, and which directions its pixels see.
+"""The camera over the slab, and the directions of its pixels.
 
-Perspective makes the view cosine run from steep at the lower edge of the picture to grazing at the
-horizon, and the azimuth to the sun with the columns.
+By perspective the view cosine runs from steep at the lower edge of the picture to grazing at the horizon, and the
+azimuth to the sun varies along the columns.
 """
 
 import math
@@ -14,16 +14,16 @@ from mathutils import Vector
 
 from . import light
 
-HEIGHT = 2.0  # of the eye over the slab's face, in slab thicknesses
+HEIGHT = 2.0  # height of the eye over the slab's face, in slab thicknesses
 FIELD = math.radians(74.0)  # across the picture
 PITCH = math.radians(26.0)  # below the horizon
 SUN_AZIMUTH = math.radians(-14.0)  # the camera looks along +x: the sun stands right of the middle
-SMALLEST_COSINE = 0.05  # pixels that look flatter than this are not compared
+SMALLEST_COSINE = 0.05  # pixels with smaller view cosines are not compared
 
 
 @dataclass(frozen=True)
 class Pixels:
-    """What every pixel of a square picture looks at; arrays (size, size), first row on top."""
+    """The view of every pixel of a square picture; arrays (size, size), first row on top."""
 
     mu_o: np.ndarray  # cosine of the view ray with the slab's normal at the pixel's centre; negative: sky
     dphi: np.ndarray  # azimuth against the sun's light, radians in [0, pi]; 0 = forward
@@ -60,6 +60,6 @@ def _directions(at, size):
     ahead = math.cos(PITCH) + up * math.sin(PITCH) + 0.0 * right
     down = math.sin(PITCH) - up * math.cos(PITCH) + 0.0 * right
     mu_o = down / np.sqrt(1.0 + right**2 + up**2)
-    # Looking towards the sun's azimuth is to see the light that keeps its own.
+    # Looking towards the sun's azimuth, the viewer sees light that keeps its azimuth.
     turned = np.arctan2(-right, ahead) - SUN_AZIMUTH
     return mu_o, np.arccos(np.clip(np.cos(turned), -1.0, 1.0))

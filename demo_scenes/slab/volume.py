@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A layer stack as real geometry: boxes of Cycles volume over the stack's base.
 
-Every medium becomes a box of its own, THICKNESS high, with Volume Scatter and Volume Absorption. Light
-and view are the same everywhere, so lengths mean nothing: only tau = density * THICKNESS does, and
-the vacuum of GAP between boxes (coplanar faces would be undefined) changes nothing.
+Every medium becomes a separate box, THICKNESS high, with Volume Scatter and Volume Absorption. Light and view are the
+same everywhere, so only tau = density * THICKNESS matters. The vacuum of GAP between boxes (coplanar faces would be
+undefined) has no effect.
 """
 
 import bpy
@@ -17,7 +17,7 @@ CHANNELS = 3
 def build(scene, stack, half_width):
     """Add the stack (a dict as in stack.json) to `scene`, its top face at z = 0. Returns the objects.
 
-    Boxes and base are squares of 2 `half_width`. Raises ValueError for what Cycles' volumes do not have.
+    Boxes and base are squares of 2 `half_width`. Raises ValueError for stacks that Cycles' volumes cannot represent.
     """
     objects = []
     top = 0.0
@@ -56,7 +56,7 @@ def medium_material(layer, thickness=THICKNESS):
 
 
 def base_material(base):
-    """A diffuse material: a Lambert base, or none of it for a black one."""
+    """A diffuse material for a Lambert base, or a black one."""
     if base["kind"] not in ("lambert", "black"):
         raise ValueError(f"base.kind = {base['kind']}: a volume can lie on lambert, black or none")
     reflectance = _rgb(base["reflectance"]) if base["kind"] == "lambert" else [0.0] * CHANNELS

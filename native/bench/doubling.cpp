@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The doubling step (a layer joined with itself) against this machine's rate of matrix products, measured
-// in turns in the same run. One line of JSON a size.
+// Measures the doubling step (a layer joined with itself) against this machine's rate of matrix products, alternating
+// in the same run. Prints one line of JSON per size.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -19,7 +19,7 @@ double seconds_of(const auto& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Floating-point operations of join() without targets: a product 2 n^3, LU 2/3 n^3, its solve 2 n^3.
+/// Floating-point operations of join() without targets: 2 n^3 per product, 2/3 n^3 for LU, 2 n^3 to solve with it.
 double join_operations(double n) { return (9 * 2.0 + 2.0 / 3.0) * n * n * n; }
 
 double median(std::vector<double> values) {

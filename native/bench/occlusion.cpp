@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rays of settling dust against a bare loop of Embree's over rays of the same distribution that lie ready in memory,
-// in turns in the same run, on the same scene and as many threads. One line of JSON.
+// Measures rays of settling dust against a bare Embree loop over precomputed rays of the same distribution, alternating
+// in the same run, on the same scene and number of threads. Prints one line of JSON.
 //     bench_occlusion FILE SPREAD THREADS      FILE: counts of vertices, triangles, points (u64), then x y z of the
 //                                              vertices, indices, x y z of points and of normals (f32, u32, f32, f32)
 #include <embree3/rtcore.h>
@@ -48,13 +48,13 @@ Scene load(const char* path) {
   scene.positions = read<float>(file, 3 * counts[2]);
   scene.normals = read<float>(file, 3 * counts[2]);
   if (!file) {
-    std::fprintf(stderr, "%s: is not a whole file of this bench\n", path);
+    std::fprintf(stderr, "%s: is not a complete input file of this benchmark\n", path);
     std::exit(1);
   }
   return scene;
 }
 
-/// The rays that settling traces: those of the cone that leave the face, azimuth by azimuth.
+/// The rays that settling traces: for each azimuth in turn, the rays of the cone that leave the face.
 std::vector<RTCRay> ready_rays(const Scene& scene, float sin_spread) {
   std::vector<RTCRay> rays;
   for (std::size_t i = 0; i < scene.positions.size() / 3; ++i) {

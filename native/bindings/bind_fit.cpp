@@ -35,7 +35,8 @@ class ClosureTable {
     for (py::ssize_t column = 0; column < values.shape(0); ++column) {
       values_.emplace_back(Eigen::Map<const RowMajor>(values.data(column, 0, 0), closures, lights));
       grams_.push_back(column_gram(values_.back(), solid_angle_));
-      // The light grid suits smooth slices. The albedo of a closure with edges was integrated on a finer grid.
+      // The light grid is accurate for smooth slices. The albedo of a closure with edges was integrated on a finer
+      // grid.
       ColumnGram& gram = grams_.back();
       const Eigen::Map<const Eigen::VectorXd> exact(albedo.data(column, 0), closures);
       gram.albedo = (gram.scale.array() > 0.0).select(exact.cwiseQuotient(gram.scale), 0.0);

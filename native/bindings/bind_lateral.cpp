@@ -11,7 +11,7 @@ namespace {
 
 using namespace lamina;
 
-/// A function of a distance or a frequency for a list of them.
+/// Evaluates a function of a distance or a frequency at a list of them.
 template <double (LeavingLight::*Function)(double) const>
 py::array_t<double> evaluated(const LeavingLight& light, const py::array_t<double>& places, ThreadPool& pool) {
   py::array_t<double> values(places.size());
@@ -69,6 +69,6 @@ void lamina::bind_lateral(py::module_& module) {
       },
       py::arg("stack"), py::arg("mu"), py::arg("q"), py::arg("nodes"), py::arg("azimuths"), py::arg("bend"),
       py::arg("pool"), unlocked,
-      "(reflected, transmitted) at one lateral frequency and a stated resolution; truncated peaks count as "
+      "(reflected, transmitted) at one lateral frequency and a given resolution; truncated peaks count as "
       "unscattered.");
 }

@@ -26,7 +26,7 @@ std::vector<DepthScale> scales_of(const std::vector<std::vector<std::tuple<doubl
   return scales;
 }
 
-/// (within, within_squares, moments, products).
+/// A side of a tally as (within, within_squares, moments, products).
 py::tuple side_of(const SearchlightTally::Side& side) {
   return py::make_tuple(side.within, side.within_squares, side.moments, side.products);
 }

@@ -21,7 +21,7 @@ namespace {
 
 using namespace lamina;
 
-/// Knots are (tau, albedo, (kind, parameters...)), tau the optical depth below the top.
+/// Makes a medium from knots (tau, albedo, (kind, parameters...)); tau is the optical depth below the top.
 GradedMedium make_graded(const std::vector<std::tuple<double, double, py::tuple>>& knots) {
   std::vector<GradedMedium::Knot> all;
   for (const auto& [tau, albedo, phase] : knots) {
@@ -45,8 +45,8 @@ py::array_t<double> values(const OdeSolution& solution, bool reflect, Eigen::Ind
   return result;
 }
 
-/// A walk of the scattering equation for a stack: only of media over nothing or a Lambert surface, and only for the
-/// BRDF from above.
+/// A walk of the scattering equation for a stack. The stack may hold only media over nothing or a Lambert surface, and
+/// the target must be the BRDF from above.
 std::unique_ptr<Walk> scattering_walk(const Stack& stack, const WalkTarget& target) {
   if (target.side != Side::kTop || target.path != Path::kReflect || target.flux) {
     throw std::invalid_argument(

@@ -129,7 +129,7 @@ void bind_solves(py::module_& module) {
         return lamina::solve_at(stack, resolution, pool);
       },
       py::arg("stack"), py::arg("nodes"), py::arg("azimuth_tolerance"), py::arg("pool"), py::arg("thinnest") = 1.0,
-      unlocked, "Solves at a given resolution, without refinement; the checks tell how accurate it is.");
+      unlocked, "Solves at a given resolution, without refinement; the checks give its accuracy.");
 }
 
 }  // namespace

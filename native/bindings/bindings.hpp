@@ -14,6 +14,8 @@ void bind_phase(pybind11::module_& module);
 void bind_stack(pybind11::module_& module);
 void bind_solver(pybind11::module_& module);
 void bind_fit(pybind11::module_& module);
+/// The four below together; nothing in the module of the demo's first picture, which is built without them.
+void bind_walk_parts(PyObject* module);
 void bind_walks(pybind11::module_& module);
 void bind_scattering(pybind11::module_& module);
 void bind_lateral(pybind11::module_& module);

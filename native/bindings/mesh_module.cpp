@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Python module lamina._mesh: dust and texels on meshes. It is apart from _core, so that everything else works
-// without Embree.
+// The Python module lamina._mesh: dust and texels on meshes, walks inside them. It is apart from _core, so that
+// everything else works without Embree.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <chrono>
-#include <future>
 #include <optional>
 
 #include "dust/corner_split.hpp"
 #include "dust/dust.hpp"
 #include "dust/texel_raster.hpp"
+#include "mesh_bindings.hpp"
 #include "processor.hpp"
 
 namespace py = pybind11;
@@ -19,29 +18,7 @@ namespace py = pybind11;
 namespace {
 
 using namespace lamina;
-using Floats = py::array_t<float, py::array::c_style>;
-using Indices = py::array_t<std::uint32_t, py::array::c_style>;
 using Doubles = py::array_t<double, py::array::c_style>;
-
-void require_triples(const py::array& array, const char* name) {
-  if (array.ndim() != 2 || array.shape(1) != 3) {
-    throw py::value_error(std::string(name) + " must have shape (n, 3)");
-  }
-}
-
-TrianglePart part_of(const Floats& vertices, const Indices& triangles) {
-  require_triples(vertices, "vertices");
-  require_triples(triangles, "triangles");
-  TrianglePart part{{vertices.data(), vertices.data() + vertices.size()},
-                    {triangles.data(), triangles.data() + triangles.size()}};
-  const auto count = static_cast<std::size_t>(vertices.shape(0));
-  for (const std::uint32_t index : part.triangles) {
-    if (index >= count) {
-      throw py::value_error("triangles must hold indices below the number of vertices");
-    }
-  }
-  return part;
-}
 
 struct BoundFall : Fall {
   OpenShare open;
@@ -57,7 +34,8 @@ class Scene {
     for (const auto& [vertices, triangles] : meshes) {
       parts.push_back(part_of(vertices, triangles));
     }
-    build(std::move(parts), go_on);
+    scene_ = built_on_a_thread<MeshScene>(
+        go_on, [&](const auto& ask) { return std::make_unique<MeshScene>(std::move(parts), pool_.threads(), ask); });
   }
 
   py::tuple arrivals(const BoundFall& fall, const Floats& positions, const Floats& normals, std::uint64_t first_number,
@@ -100,40 +78,6 @@ class Scene {
   std::size_t bytes() const { return scene_->bytes(); }
 
  private:
-  /// Builds on another thread, so that this one can ask Python whether to continue.
-  void build(std::vector<TrianglePart> parts, const py::function& go_on) {
-    std::atomic<double> fraction = 0.0;
-    std::atomic<bool> stop = false;
-    std::optional<py::error_already_set> raised;
-    auto built = std::async(std::launch::async, [&] {
-      return std::make_unique<MeshScene>(std::move(parts), pool_.threads(), [&](double done) {
-        fraction = done;
-        return !stop;
-      });
-    });
-    {
-      const py::gil_scoped_release release;
-      while (built.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
-        const py::gil_scoped_acquire acquire;
-        try {
-          if (!stop) {
-            go_on(fraction.load());
-          }
-        } catch (py::error_already_set& error) {
-          raised = error;
-          stop = true;
-        }
-      }
-    }
-    try {
-      scene_ = built.get();
-    } catch (const MeshScene::Stopped&) {
-    }
-    if (raised) {
-      throw py::error_already_set(*raised);
-    }
-  }
-
   static PointSet points_of(const Floats& positions, const Floats& normals, std::uint64_t first_number,
                             const ArrivalOptions& options) {
     require_triples(positions, "positions");
@@ -197,7 +141,9 @@ py::tuple corner_points(const Indices& triangles, const Floats& normals, float c
 }  // namespace
 
 PYBIND11_MODULE(_mesh, module) {
-  require_processor();
+  if (!processor_suits()) {
+    throw py::error_already_set();
+  }
   const std::string wrong = mesh_self_test();
   if (!wrong.empty()) {
     throw py::import_error(wrong);
@@ -237,4 +183,5 @@ PYBIND11_MODULE(_mesh, module) {
       "(point of each corner, vertex of each point, first corner of each point). The corners at a vertex share a "
       "point across edges where the cosine between the triangles' normals, or with three normals per triangle "
       "between the corners' own normals, is at least `cosine`.");
+  bind_mesh_walk(module);
 }

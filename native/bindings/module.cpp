@@ -1,20 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Python module lamina._core.
-#include <pybind11/pybind11.h>
+// The entry of the Python module lamina._core: checks the processor, then hands over to core_bindings.cpp.
+#include <Python.h>
 
-#include "bindings.hpp"
 #include "processor.hpp"
 
-PYBIND11_MODULE(_core, module) {
-  lamina::require_processor();
-  module.attr("__version__") = LAMINA_VERSION;
-  lamina::bind_threads(module);
-  lamina::bind_phase(module);
-  lamina::bind_stack(module);
-  lamina::bind_solver(module);
-  lamina::bind_fit(module);
-  lamina::bind_walks(module);
-  lamina::bind_scattering(module);
-  lamina::bind_lateral(module);
-  lamina::bind_lateral_walks(module);
-}
+extern "C" PyObject* PyInit_core_bindings();
+
+PyMODINIT_FUNC PyInit__core() { return lamina::processor_suits() ? PyInit_core_bindings() : nullptr; }

@@ -10,12 +10,21 @@ from .common.errors import (
     DustError,
     DustUnavailable,
     ExportError,
+    InteriorError,
     LutError,
     ShardError,
     SolveError,
     StackError,
     UnknownName,
 )
+from .interior.end_material import EndMaterial
+from .interior.estimates import ExitEstimate, LightEstimate
+from .interior.grid import Interior
+from .interior.lamps import Lamp
+from .interior.marble import Marble, marble
+from .interior.parts import WalkPart, light_in_mesh, merge_walks, walk_in_mesh, walk_part
+from .interior.solid import Solid
+from .interior.walk import Surface
 from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
@@ -42,11 +51,18 @@ __all__ = [
     "Cancelled",
     "DustError",
     "DustUnavailable",
+    "EndMaterial",
     "Estimate",
+    "ExitEstimate",
     "ExportError",
     "Interface",
+    "Interior",
+    "InteriorError",
     "Knot",
+    "Lamp",
+    "LightEstimate",
     "Lut",
+    "Marble",
     "LutError",
     "Medium",
     "Mixture",
@@ -57,19 +73,25 @@ __all__ = [
     "SearchlightEstimate",
     "SearchlightQuery",
     "ShardError",
+    "Solid",
     "SolveError",
     "Stack",
     "StackError",
     "SubsurfaceInputs",
+    "Surface",
     "Tabulated",
     "UnknownName",
+    "WalkPart",
     "bake",
     "colours",
     "dust",
     "estimate",
     "estimate_searchlight",
     "export",
+    "light_in_mesh",
     "lobes",
+    "marble",
+    "merge_walks",
     "metals",
     "ply",
     "portal_tables",
@@ -79,4 +101,6 @@ __all__ = [
     "solve",
     "subsurface_inputs",
     "subsurface_nodes",
+    "walk_in_mesh",
+    "walk_part",
 ]

@@ -457,7 +457,7 @@ def joined_media(stack: Stack) -> GradedMedium:
     """
 def lateral_flux(stack: MeasuredStack, mu: typing.SupportsFloat | typing.SupportsIndex, q: typing.SupportsFloat | typing.SupportsIndex, nodes: typing.SupportsInt | typing.SupportsIndex, azimuths: typing.SupportsInt | typing.SupportsIndex, bend: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> tuple[float, float]:
     """
-    (reflected, transmitted) at one lateral frequency and a stated resolution; truncated peaks count as unscattered.
+    (reflected, transmitted) at one lateral frequency and a given resolution; truncated peaks count as unscattered.
     """
 def photon_walk(stack: Stack, depth_knots: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]], mu_i: typing.SupportsFloat | typing.SupportsIndex) -> LateralWalk:
     ...
@@ -483,7 +483,7 @@ def solve(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, 
     ...
 def solve_at(stack: Stack, nodes: typing.SupportsInt | typing.SupportsIndex, azimuth_tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool, thinnest: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> Solution:
     """
-    Solves at a given resolution, without refinement; the checks tell how accurate it is.
+    Solves at a given resolution, without refinement; the checks give its accuracy.
     """
 def solve_roughly(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, nodes: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> Solution:
     ...

@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Fall', 'Options', 'Scene', 'corner_points', 'texels']
+__all__: list[str] = ['Boundary', 'Fall', 'Grid', 'Options', 'Scene', 'Solid', 'corner_points', 'texels', 'walk_to_exits', 'walk_to_lights']
 class Fall:
     """
     How grains fall: orthonormal directions, and the wind relative to the speed of the fall.
@@ -38,6 +38,43 @@ class Scene:
     @property
     def bytes(self) -> int:
         ...
+class Solid:
+    """
+    A closed mesh, lengths in mm, and the threads that walk in it.
+    """
+    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], threads: typing.SupportsInt | typing.SupportsIndex, go_on: collections.abc.Callable) -> None:
+        ...
+    def clearance(self, place: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
+        """
+        A distance in mm up to which there is no surface around a place.
+        """
+    def distances(self, positions: numpy.typing.NDArray[numpy.float32], within: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        Distances in mm from places to the surface, `within` where that is farther.
+        """
+    @property
+    def bytes(self) -> int:
+        ...
+class Grid:
+    """
+    Coefficients in voxels [x, y, z] of a box in mm.
+    """
+    @staticmethod
+    def of_coefficients(voxels: numpy.typing.NDArray[numpy.uint16], low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], smooth: bool, g: typing.SupportsFloat | typing.SupportsIndex) -> Grid:
+        """
+        Voxels are six halves, as bits: sigma_s and sigma_a of three channels, in 1/mm.
+        """
+    @staticmethod
+    def of_mixture(voxels: numpy.typing.NDArray[numpy.uint16], low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], smooth: bool, palette: collections.abc.Sequence[tuple[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.SupportsFloat | typing.SupportsIndex]]) -> Grid:
+        """
+        Voxels are places in the palette, 0 to 65535; the palette is a list of (sigma_s, sigma_a, g).
+        """
+class Boundary:
+    """
+    The boundary of a solid in air.
+    """
+    def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex, distribution: str) -> None:
+        ...
 def corner_points(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], cosine: typing.SupportsFloat | typing.SupportsIndex, vertices: typing.SupportsInt | typing.SupportsIndex) -> tuple:
     """
     (point of each corner, vertex of each point, first corner of each point). The corners at a vertex share a point across edges where the cosine between the triangles' normals, or with three normals per triangle between the corners' own normals, is at least `cosine`.
@@ -45,4 +82,12 @@ def corner_points(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint
 def texels(uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, first_row: typing.SupportsInt | typing.SupportsIndex = 0, rows: typing.SupportsInt | typing.SupportsIndex | None = None) -> tuple:
     """
     (triangle, weights of corners 2 and 3) of each texel in the rows.
+    """
+def walk_to_exits(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+    """
+    (moments [point, channel, (w, w r, w r^2)], products [point, channel, 6], counts [point, (mirrored, lost, scatterings, collisions, rays)]).
+    """
+def walk_to_lights(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, lamps: collections.abc.Sequence[tuple[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.SupportsFloat | typing.SupportsIndex]]) -> tuple:
+    """
+    (sums [point, lamp or last the sky, channel], squares, counts); lamps are (direction, cosine of the disc's angular radius).
     """

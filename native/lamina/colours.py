@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colour that a medium shows, and the albedo behind a colour."""
+"""The perceived colour of a medium, and the albedo for a colour."""
 
 from .material.colours import albedo_of, shown
 

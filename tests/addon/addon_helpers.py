@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What several add-on tests look at."""
+"""Helpers that several add-on tests share."""
 
 import bpy
 import numpy as np
@@ -31,7 +31,7 @@ def snapshot(material):
 
 
 class Layout:
-    """Takes what a panel draws, and objects to what is not there."""
+    """Records what a panel draws, and raises an error for unknown properties and icons."""
 
     def __init__(self):
         self.__dict__.update(lines=[], operator_context="INVOKE_DEFAULT")

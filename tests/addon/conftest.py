@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One Blender for all add-on tests: its own user folder, the add-on enabled from this clone.
 
-Blender reads its user folder when bpy is imported, so it is set before. bpy may hang at interpreter
-exit; the process ends by os._exit once pytest has said all that it has to say.
+Blender reads its user folder when bpy is imported, so it is set before. bpy may hang when the interpreter exits, so the
+process ends by os._exit after pytest's report.
 """
 
 import atexit
@@ -93,7 +93,7 @@ def lamina(addon):
 def material(addon):
     """A new material with nodes and a first stack: one layer of dust over grey, preview quality."""
     material = bpy.data.materials.new("Bronze")
-    addon.nodes.graph.tree_of(material)
+    addon.nodes.node_tree.of(material)
     addon.editing.layer_list.add_stack(material)
     material.lamina.quality = "preview"
     return material

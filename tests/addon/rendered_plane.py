@@ -37,7 +37,7 @@ def add_plane(material):
 
 
 def render(path):
-    """float32 pixels of the scene as it is."""
+    """float32 pixels of the present scene."""
     bpy.context.scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
     image = bpy.data.images.load(str(path))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The archive: it builds, Blender validates, installs and enables it, wheels included.
+"""The archive: it can be built, Blender validates, installs and enables it, wheels included.
 
-LAMINA_WHEELS may name a folder of real wheels; then the installed extension must bake with them.
+LAMINA_WHEELS may be a folder of real wheels; then the installed extension must bake with them.
 """
 
 import json
@@ -20,7 +20,7 @@ TOOL = conftest.ROOT / "tools" / "build_extension.py"
 VERSION = tomllib.loads((conftest.ROOT / "pyproject.toml").read_text())["project"]["version"]
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
 
-# What the installed extension says of itself, in a process of its own.
+# Facts about the installed extension, printed by a separate process.
 SCRIPT = """
 import json, os, sys
 from pathlib import Path
@@ -58,7 +58,7 @@ def build(output, *wheels):
 
 
 def install(archive, resources, how="alone"):
-    """Install the archive into an empty user folder; what the extension says of itself."""
+    """Install the archive into an empty user folder; returns the facts about the installed extension."""
     environment = dict(os.environ, BLENDER_USER_RESOURCES=str(resources))
     command = [sys.executable, "-c", SCRIPT, str(archive), how]
     finished = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120)

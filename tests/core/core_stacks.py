@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Short ways to the core's media and bases."""
+"""Short constructors of the core's media and bases."""
 
 from lamina import _core
 
@@ -10,7 +10,7 @@ def medium(albedo, tau, kind, g=0.0):
 
 
 def base(lambert):
-    """A Lambert base of that reflectance, or none."""
+    """A Lambert base of this reflectance, or none."""
     return _core.Base.none() if lambert is None else _core.Base.lambert(lambert)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tests that every phase function must pass, run on `lamina._core.PhaseFunction`.
 
-A test file names its kind's `cases`: (parameters, 4 pi p straight on, 4 pi p straight back, mean cosine), worked
-out apart from the code under test."""
+A test file gives its kind's `cases`: (parameters, 4 pi p forward, 4 pi p backward, mean cosine), computed independently
+of the code under test."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Structs that cross from Python to the core: facets of surfaces, targets of walks."""
+"""Structs that pass from Python to the core: facets of surfaces, targets of walks."""
 
 import itertools
 
@@ -50,7 +50,7 @@ def test_a_walk_estimates_its_target(target, expected):
 
 
 def test_a_walk_of_flux_counts_all_directions():
-    """A conservative slab reflects what it does not transmit."""
+    """In a conservative slab, reflectance plus transmittance is 1."""
     medium = (1.0, 1.0, "hg", 0.5)
     shares = []
     for path in (_core.Path.reflect, _core.Path.transmit):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two roads to a thick layer: its modes, which know any thickness, and doubling, which joins halves."""
+"""Two methods for a thick layer: its modes, for any thickness, and doubling, which joins halves."""
 
 import math
 
@@ -45,7 +45,7 @@ class TestDoubling:
 
 
 def test_any_order_of_joining():
-    """Adding is associative: the core joins from the top; layers merged beforehand come in at another place."""
+    """Adding is associative: the core joins from the top; layers joined beforehand change the order of the joins."""
     a, b = (0.9, 0.5, "hg", 0.6), (0.7, 1.5, "rayleigh", 0.0)
     for split in ([a, a, b], [a, b, b], [a, b, b, b]):
         merged = [(m[0], m[1] * split.count(m), *m[2:]) for m in dict.fromkeys(split)]
@@ -79,8 +79,8 @@ def test_another_thickness_shares_the_modes():
 
 
 def test_checks_see_what_is_too_coarse():
-    """Eight nodes cannot hold a thin layer: the estimate, relative to all that the layer sends, misses the
-    promise, and falls with more nodes."""
+    """Eight nodes cannot resolve a thin layer: the error estimate, relative to all light of the layer, exceeds the
+    tolerance, and falls with more nodes."""
     thin = stack([(0.9, 0.01, "hg", 0.8)])
     found = [_core.solve_at(thin, n, 1e-5, POOL).checks.resolution for n in (8, 16, 32, 64)]
     assert found[0] > 1e-3 > 1e-4 > found[3] and sorted(found, reverse=True) == found

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Slices that stand for graded layers in the solver, against the differential form."""
+"""Sublayers that replace graded layers in the solver, against the differential form."""
 
 import math
 
@@ -50,8 +50,8 @@ def test_solver_against_the_differential_form(name):
 
 @pytest.mark.parametrize("name", ["albedo", "both"])
 def test_order(name):
-    """Half the intervals' length, an eighth of the error: fourth order, less what the radiance's kinks below the faces
-    take."""
+    """With half the length of intervals the error falls to about an eighth: fourth order, reduced by the kinks of the
+    radiance below the faces."""
     medium = _core.GradedMedium([(tau, albedo, ("isotropic",)) for tau, albedo, _ in PROFILES[name]])
     solved = [values(_core.solve_at(_core.Stack(_core.sublayers_of(medium, c)), 24, 1e-8, POOL, 1.0))
               for c in (1.0, 0.5, 0.25, 0.0625)]
@@ -60,7 +60,7 @@ def test_order(name):
 
 
 def test_better_than_means():
-    """The same number of equal sublayers, each with what the profile is at its middle, errs twenty times as much."""
+    """The same number of equal sublayers, each with the profile's value at its middle, has twenty times the error."""
     tau, count = 1.0, 16
 
     def at(places):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layer of rays itself, and what becomes of Lamina without it."""
+"""The ray tracing module, and Lamina without it."""
 
 import importlib.util
 import math
@@ -21,7 +21,7 @@ FAR = math.inf
 
 
 def test_this_installation_traces_rays():
-    """Whoever builds Lamina without Embree knows it; a test run does not pass by leaving dust out."""
+    """Fails in a build without Embree, so that a test run cannot pass by skipping dust."""
     assert embree.why_not() == ""
 
 
@@ -100,7 +100,7 @@ def test_grains_are_counted_by_what_they_meet():
     front, back, stopped, missed = made.grains(fall(), [-2, -2, 0.1], [4, 0, 0], [0, 4, 0], 40000, 1)
     assert stopped[0] == 0
     assert front + back + stopped[1] + missed == 40000
-    # Half of the triangles; the lid over a quarter of the plate takes what falls there.
+    # Half of the triangles; the lid shelters a quarter of the plate.
     for count, share in zip((front, back, stopped[1], missed), (0.75 * 2 / 16, 0.0, 1 / 16, 1 - 1 / 16 - 1.5 / 16),
                             strict=True):
         assert abs(count - 40000 * share) < 4.0 * math.sqrt(40000 * share * (1 - share)) + 1e-9
@@ -154,7 +154,7 @@ def test_each_texel_has_one_triangle():
 
 @needs_rays
 def test_no_symbol_of_embree_is_left_to_bind():
-    """Blender brings an Embree of its own: ours must neither take from it nor give to it."""
+    """Blender has its own Embree: neither copy may use symbols of the other."""
     tool = shutil.which("nm")
     if tool is None:
         pytest.skip("no nm here")
@@ -168,8 +168,8 @@ SUFFIX = sysconfig.get_config_var("EXT_SUFFIX")
 WITHOUT = {
     "missing": (None, "this build of Lamina was made without"),
     "rubbish": (b"rubbish", "cannot be loaded: "),
-    "other Embree": ("raise ImportError('Embree of version 40303 answers where 31305 is expected')",
-                     "cannot be loaded: Embree of version 40303 answers where 31305 is expected"),
+    "other Embree": ("raise ImportError('Embree has version 40303, but version 31305 is expected')",
+                     "cannot be loaded: Embree has version 40303, but version 31305 is expected"),
 }
 SCRIPT = """
 import numpy as np, lamina

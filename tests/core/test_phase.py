@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions and their Legendre moments, seen through layers so thin that light scatters only once."""
+"""Phase functions and their Legendre moments, tested by layers so thin that light scatters only once."""
 
 import math
 
@@ -10,7 +10,7 @@ from core_stacks import medium
 from lamina import _core
 
 POOL = _core.ThreadPool(1)
-THIN = 1e-9  # multiple scattering is left out below 1e-6
+THIN = 1e-9  # multiple scattering is neglected below 1e-6
 KINDS = [("isotropic", 0.0), ("rayleigh", 0.0), *(("hg", g) for g in (-0.99, -0.7, -0.2, 0.0, 0.3, 0.75, 0.9, 0.99))]
 
 
@@ -64,9 +64,9 @@ class TestPhase:
 
 @pytest.mark.parametrize("kind, g", [("isotropic", 0.0), ("rayleigh", 0.0), ("hg", -0.4), ("hg", 0.3), ("hg", 0.5)])
 def test_moments_add_up_to_the_phase_function(kind, g):
-    """Of a layer split in two, all but single scattering is solved by azimuth orders, from the Legendre moments
-    and the addition theorem; single scattering between the halves, taken away order by order, must cancel
-    against its closed form, which knows neither."""
+    """In a layer split in two, all light except single scattering is solved by azimuth orders, from the Legendre
+    moments and the addition theorem. Single scattering between the halves, subtracted order by order, must cancel
+    against its closed form, which uses neither."""
     mu, dphi, tau = np.array([0.2, 0.5, 0.9]), np.linspace(0.0, math.pi, 7), 2e-5
     whole = _core.solve_at(_core.Stack([medium(1.0, tau, kind, g)]), 48, 1e-12, POOL)
     halves = _core.solve_at(_core.Stack([medium(1.0, tau / 2, kind, g)] * 2), 48, 1e-12, POOL)

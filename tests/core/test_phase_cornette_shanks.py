@@ -9,7 +9,7 @@ from lamina import _core
 
 
 def end(g):
-    """4 pi p straight on; straight back it is that of -g."""
+    """4 pi p forward; backward it is the value for -g."""
     return 3.0 * (1.0 - g * g) / ((2.0 + g * g) * (1.0 - g) ** 3)
 
 

@@ -50,6 +50,6 @@ def test_the_inversion_is_exact(g):
             found = 0.5 * (cosine + 1.0) * (w @ phase.pdf(points))
         else:
             found = 0.5 * (t0 - t1) * (w @ (phase.pdf((1.0 + g * g - t * t) / (2.0 * g)) * t / g))
-        # What the last digit of a cosine at the peak is worth.
+        # The effect of the last digit of a cosine at the peak.
         rounding = 2e-16 * max(phase.evaluate(1.0), phase.evaluate(-1.0))
         assert found == pytest.approx(share, abs=rounding + 1e-12)

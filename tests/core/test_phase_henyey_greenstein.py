@@ -26,6 +26,6 @@ def test_the_inversion_is_exact(g):
     cosine = phase.sample(u)
     # Pharr et al., Physically Based Rendering (2023), equation 11.24, turned round; it divides by g.
     share = (1.0 - g * g) / (2.0 * g) * (1.0 / np.sqrt(1.0 + g * g - 2.0 * g * cosine) - 1.0 / (1.0 + g))
-    # What the last digit of a cosine at the peak is worth; the reference itself loses digits near g = 0.
+    # The effect of the last digit of a cosine at the peak; the reference itself loses digits near g = 0.
     rounding = 2e-16 * phase.evaluate(np.sign(g)) if abs(g) > 1e-3 else 1e-6
     assert share == pytest.approx(u, abs=rounding + 1e-14)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The nodes that directions are discretised by: Gauss-Legendre on (0, 1)."""
+"""The quadrature nodes of directions: Gauss-Legendre on (0, 1)."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ class TestNodes:
         assert weight @ mu[:, None] ** k == pytest.approx(1.0 / (k + 1.0), abs=1e-14)
 
     def test_first_moment_beyond_is_missed(self, count):
-        """2n nodes less one: degree 2n is not integrated exactly, so the count is what it says."""
+        """Exact up to degree 2n - 1: degree 2n is not integrated exactly, which confirms the number of nodes."""
         mu, weight = nodes(count)
         gap = abs(weight @ mu ** (2 * count) - 1.0 / (2 * count + 1))
         assert gap > 0.0 if count > 8 else gap > 1e-12

@@ -13,7 +13,7 @@ from lamina import _core
 POOL = _core.ThreadPool(1)
 BLOCK = 4096
 
-# (albedo, tau, kind, g), (mu_o, mu_i, dphi), walk, blocks. Every walk whose name the core knows.
+# (albedo, tau, kind, g), (mu_o, mu_i, dphi), walk, blocks. Every walk by name.
 CASES = [
     ((0.5, 0.1, "isotropic", 0.0), (1.0, 1.0, 0.0), "isotropic", 8),
     ((0.9, 2.0, "isotropic", 0.0), (0.5, 0.3, 1.0), "isotropic", 8),
@@ -116,7 +116,7 @@ LONG = [
 
 @pytest.mark.parametrize("medium, directions", LONG)
 def test_no_tail_hides(medium, directions):
-    """What a million samples say, and that none of them is a large share of their variance."""
+    """The estimate of a million samples; none of them may have a large share of the variance."""
     mean, error, largest, _ = estimate(homogeneous(*medium), directions, "residual-8", 256, seed=21)
     truth = solved(medium, directions)
     assert abs(mean - truth) < z_limit(len(LONG)) * math.hypot(error, 2e-5 * truth)
@@ -160,7 +160,7 @@ def test_thin_slabs(tau, kind, g, walk):
 
 
 def test_guided_walks_beat_the_plain_transfer_walk():
-    """By variance and events alone, at a tenth of what is measured: a guide that broke would show."""
+    """By variance and events alone, with limits at a tenth of measured ratios: a broken guide would fail."""
     directions = (0.5, 0.5, math.pi / 2)
     for medium, walk, gain in [((0.9, 2.0, "hg", 0.8), "transfer-guided", 10.0),
                                ((0.9, 2.0, "isotropic", 0.0), "isotropic", 500.0),

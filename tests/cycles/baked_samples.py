@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked materials to be measured: what their tables say, what is exact, and what Cycles shows.
+"""Baked materials for measurements: the values of their tables, the exact values, and Cycles' values.
 
-Views are Gauss nodes in theta over the columns for which the report states errors, so that means over views
-are means over slices as the report has them. Lights are quadrature rules in solid angle, so that weighted sums
-over them are the norms by which the report measures: L2 over the hemisphere relative to the slice's norm.
+Views are Gauss nodes in theta over the columns for which the report gives errors, so means over views are means over
+slices as in the report. Lights are quadrature rules in solid angle, so weighted sums over them are the norms of the
+report: L2 over the hemisphere relative to the slice's norm.
 """
 
 import math
@@ -19,12 +19,12 @@ from lamina import lobes
 from lamina.kinds.table import PREFIX, THROWN_BACK
 
 OTHER = {"top": "bottom", "bottom": "top"}
-BLACK = 1e-6  # of a slice's largest value: what is darker is not told apart
+BLACK = 1e-6  # share of a slice's largest value; darker values are not compared
 LAST_COLUMN = 60  # the last of the 64 with a view cosine above .05
 
 MIXTURE_RMS = 5e-3
 PROMISE_FACTOR = 1.1
-# What a weight read between two columns or rows may add to a slice's error, which is stated at both ends.
+# Additional error of a weight interpolated between two columns or rows; the report gives the errors at both ends.
 INTERPOLATION = 3.6e-3
 FURNACE_ERROR, FURNACE_SIGMA = 1e-3, 3e-4
 # Share of the incident light by which a sheet's R + T may be off. Of leaning and straight-through lobes a little is
@@ -62,7 +62,7 @@ class Views:
 
 @dataclass(frozen=True, eq=False)
 class Lights:
-    """Light directions, each array (views or 1, lights). The slices' mirror symmetry leaves dphi in (0, pi)."""
+    """Light directions, each array (views or 1, lights). Slices are symmetric in dphi, so dphi in (0, pi) is enough."""
 
     mu: np.ndarray
     dphi: np.ndarray
@@ -109,8 +109,8 @@ def _product(mu, mu_weights, dphi, dphi_weights):
 
 @dataclass(frozen=True)
 class Sample:
-    """One baked material, its table, and its exact scattering function at the thickness and the base colour that it
-    shows; `colour`: that of a textured base."""
+    """One baked material, its table, and its exact scattering function at the rendered thickness and base colour;
+    `colour`: of a textured base."""
 
     name: str
     material: bpy.types.Material
@@ -126,12 +126,12 @@ class Sample:
 
     @property
     def parts(self):
-        """(kind, side) of all that a material shows: a sheet is seen from both sides, and through."""
+        """(kind, side) of all slices of a material: a sheet is seen from both sides, by reflection and transmission."""
         kinds = ("reflection", "transmission") if self.is_sheet else ("reflection",)
         return [(kind, side) for kind in kinds for side in ("top", "bottom")]
 
     def table_side(self, side):
-        """Index of the strips that a face reads: a table of one side serves both faces."""
+        """Index of the strips that a face reads: a table with one side is used for both faces."""
         return min(["top", "bottom"].index(side), len(self.lut.header["sides"]) - 1)
 
     def face(self, side):
@@ -143,14 +143,14 @@ class Sample:
         side, mu_o = self.face(side), self.views.mu[:, None]
         if kind == "reflection":
             value = self.exact.brdf(mu_o, lights.mu, lights.dphi, side=side)
-        else:  # what is seen on one side came in on the other
+        else:  # light on one side that came in on the other
             value = self.exact.btdf(mu_o, lights.mu, lights.dphi, side=OTHER[side])
         value = value * lights.mu[..., None]
         return np.broadcast_to(value, (*value.shape[:2], 3))
 
     def mixture(self, kind, side, lights):
-        """The fitted closures with weights interpolated as a texture does it, shape (views, lights, 3); without what
-        is a delta, the mirror image and unscattered light."""
+        """The fitted closures with weights interpolated like a texture, shape (views, lights, 3); without delta light,
+        the mirror image and unscattered light."""
         strips = self._interpolated(self.lut.weights[self.table_side(side)].astype(float))
         strips = dict(zip(self.lut.closures, strips, strict=True))
         thrown_back = strips.pop(THROWN_BACK, None)
@@ -178,7 +178,7 @@ class Sample:
         return self._albedo(side, self.views.mu)
 
     def albedo_between_columns(self, side):
-        """The same, linear between the columns of the table: what no table of that size can do better."""
+        """The same, linear between the columns of the table: the best possible result of a table of this size."""
         column = self.views.columns.astype(int)
         right = (self.views.columns - column)[:, None]
         left, next_one = (self._albedo(side, np.cos((column + k) / 63 * math.pi / 2)) for k in (0, 1))
@@ -199,11 +199,12 @@ class Sample:
         return np.sqrt(np.mean(difference**2, axis=1))
 
     def errors(self, reading, kind, side, lights, dense):
-        """(from those lights alone, without their sampling error), relative L2 errors of shape (views, 3).
+        """(errors from these lights alone, errors without their sampling error), relative L2 errors of shape (views,
+        3).
 
-        A few directions see more or less of a closure's edges than the whole hemisphere does. How much, follows
-        from the closed forms: the second result replaces their part of the sum over `lights` by the sum over a
-        `dense` rule (a control variate), so that only what Cycles adds to the closed forms is sampled by few.
+        A few directions sample more or less of a closure's edges than the complete hemisphere. The difference is known
+        from the closed forms: the second result replaces their part of the sum over `lights` by the sum over a `dense`
+        rule (a control variate), so that only the difference of Cycles to the closed forms is sampled by few lights.
         """
         exact = self.slices(kind, side, lights)
         seen = lights.norm2(reading - exact)
@@ -237,7 +238,7 @@ def made(stacks, samples_of, names):
 
 
 def make_sample(addon, name, stack, views, quality="final"):
-    """The stack goes through the panel's properties, the bake and the node group, as a user's does."""
+    """The stack passes through the panel's properties, the bake and the node group, as for a user."""
     material = bpy.data.materials.new(name)
     addon.editing.stack_io.assign_stack(material, stack)
     lut = addon.baking.bake_job.bake_material(material, quality)
@@ -259,7 +260,7 @@ def at_row(sample, row, name=None):
 
 
 def row_of(lut, thickness):
-    """Where on the table's axis that thickness lies, in rows."""
+    """The position of this thickness on the table's axis, in rows."""
     axis = lut.header["axes"]["tau"]
     largest = axis["values"][-1]
     return (axis["count"] - 1) * thickness / (thickness + 0.5) * (largest + 0.5) / largest
@@ -300,9 +301,8 @@ def under_the_sun(samples, kind, side, lights):
 def in_the_furnace(samples):
     """{(sample's name, side): (mean, its standard error), each of shape (views, 3)}; both faces of sheets.
 
-    Each material lies there many times, at other pixels: the spread of its patches tells how far the mean
-    can be trusted. A pilot render tells how many samples that takes; where it was too hopeful, twice as many
-    are taken, in place of the first ones.
+    Each material is rendered many times, at different pixels: the spread of its patches gives the error of the mean. A
+    pilot render gives the number of samples. If this is too small, twice as many samples replace the first ones.
     """
     found = {}
     with pytest.MonkeyPatch.context() as patch:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A virtual goniophotometer: what a flat patch of any Cycles material reflects, direction by direction.
+"""A virtual goniophotometer: the reflection of a flat patch of any Cycles material, by direction.
 
 Patches lie side by side in the plane z = 0, along y; an orthographic camera looks at them from
 (sin theta_o, 0, cos theta_o), and a sun of angle 0 shines from (-sin theta_i cos dphi,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baked materials on the virtual goniophotometer: six stacks of media, 5 view and 24 light directions.
 
-One of the views lies on a column of the table, the others between two.
+One of the views lies on a column of the table, the others lie between two columns.
 """
 
 import json
@@ -73,7 +73,7 @@ def test_radiance_is_the_fitted_mixture(sample, readings):
 
 
 def test_radiance_is_the_exact_function_within_the_promised_error(sample, readings):
-    """The mean over slices of what 24 lights see, with no allowance for there being only 24."""
+    """The mean error over slices for 24 lights, without an allowance for the small number of lights."""
     for kind, side in sample.parts:
         raw, whole = _errors(sample, readings, kind, side)
         promised = VIEWS.mean(sample.promised(kind, side))
@@ -100,7 +100,7 @@ def test_every_view_and_channel_keeps_its_promise(sample, readings):
 
 
 def test_white_furnace_is_the_exact_albedo(sample, furnace):
-    """Of a sheet, R + T: what the sky of both sides sends, the direct light included."""
+    """R + T of a sheet under a sky on both sides, including direct light."""
     for side in ("top", "bottom") if sample.is_sheet else ("top",):
         mean, sigma = furnace[sample.name, side]
         exact = sample.albedo(side)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A coat as really modelled glass, path traced with caustics, is the exact scattering function and the baked coat.
+"""A coat of modelled glass, path traced with caustics, agrees with the exact scattering function and the baked coat.
 
-Seeds are fixed, and Cycles gives the same pixels for the same seed, so that no test here is a matter of luck.
+Seeds are fixed, and Cycles gives the same pixels for the same seed, so no test here depends on chance.
 """
 
 import sys
@@ -25,8 +25,8 @@ COSINES = (0.95, 0.7, 0.4, 0.15)
 AZIMUTH = 0.2  # of the cap, from straight ahead
 SEEDS, SIZE, SAMPLES = 8, 16, 64
 FAMILY_RISK = 1e-3  # of a false alarm among all values that one test compares
-# What Cycles' sampling of rough glass leaves out: R + T of the glass alone, seen from air, falls short of the exact
-# sum by up to .3 % (alpha .3).
+# Light lost by Cycles' sampling of rough glass: R + T of the glass alone, seen from air, is up to .3 % smaller than the
+# exact sum (alpha .3).
 LOST = {"smooth": 1e-3, "rough": 5e-3}
 SKIES = {"even": (1.0, 1.0), "cap": (light.CAP, light.SKY)}
 

@@ -2,8 +2,8 @@
 """Coated materials and sheets on the virtual goniophotometer: eight stacks with boundaries, seen from three
 directions each, and in a white furnace.
 
-Rough boundaries show lobes too sharp for a rule that is even over the hemisphere, so lights crowd about the mirror
-direction. A mirror image is a delta, which no sun of angle 0 shows: the furnace weighs it."""
+Rough boundaries have lobes that are too sharp for a uniform rule over the hemisphere, so lights are dense about the
+mirror direction. A mirror image is a delta, which a sun of angle 0 does not show; the furnace measures it."""
 
 import dataclasses
 import json
@@ -79,7 +79,7 @@ def sample(request, samples):
 
 
 def _parts(sample):
-    """Back faces of what stands on a base look like its front: see test_baked_material."""
+    """Back faces of a stack on a base look like its front: see test_baked_material."""
     return [(kind, side) for kind, side in sample.parts if side == "top" or sample.is_sheet]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The dragon is closed and the same each time; other meshes stand in for it; the scene renders."""
+"""The dragon is closed and reproducible; other meshes can replace it; the scene renders."""
 
 import gzip
 import hashlib
@@ -125,7 +125,7 @@ def test_a_file_stands_upright_on_the_plinth(tmp_path):
     path.write_text(PLY)
     vertices, sizes, corners = mesh_file.load(path, 0.3, 0.2)
     assert sizes.tolist() == [4, 3, 3] and len(vertices) == 6 and corners.max() == 5
-    # 2 x 3 x 2 with y up: the height is what limits it.
+    # 2 x 3 x 2 with y up: the height limits the scale.
     assert vertices.min(axis=0) == pytest.approx((-1 / 15, -1 / 15, 0.0), abs=1e-6)
     assert vertices.max(axis=0) == pytest.approx((1 / 15, 1 / 15, 0.2), abs=1e-6)
     assert np.ptp(mesh_file.load(path, 0.1, 0.2, up="z")[0], axis=0)[1] == pytest.approx(0.1)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust of varying thickness over every kind of base, on the virtual goniophotometer: at each thickness as near to the
-exact function as the report says for that row, and at thickness 0 the clean base itself.
+"""Dust of varying thickness over every kind of base, on the virtual goniophotometer: at each thickness within the error
+that the report gives for this row, and at thickness 0 equal to the clean base.
 
-What smooth boundaries mirror is a delta, which no sun of angle 0 shows: its weights are held against Fresnel's
-reflectance and the dust's attenuation by the table, see test_the_mirror_image_fades_as_the_dust_attenuates."""
+Specular reflection by smooth boundaries is a delta, which a sun of angle 0 does not show. Its weights are compared with
+Fresnel's reflectance and the dust's attenuation in the table, see
+test_the_mirror_image_fades_as_the_dust_attenuates."""
 
 import dataclasses
 import math
@@ -19,7 +20,7 @@ from lamina import Conductor, HalfSpace, HenyeyGreenstein, Interface, Isotropic,
 
 BRONZE = {"eta": [0.336, 0.5555, 0.948], "k": [3.091, 2.372, 2.012]}
 LARGEST = 8.0
-# Dust of the presets; its albedo is that of color [.5, .46, .4], which need not be found again for each base.
+# Dust of the presets; its albedo is for color [.5, .46, .4], given directly so that it is not solved for each base.
 DUST = Medium(albedo=[0.9, 0.88, 0.84], tau=LARGEST, phase=HenyeyGreenstein(0.3), varying=True)
 TINT = Medium(albedo=0.1, tau=[0.6, 2.0, 2.5], phase=Isotropic())
 BASES = {
@@ -32,14 +33,14 @@ BASES = {
     "smooth conductor": ([], Conductor(**BRONZE)),
     "half-space": ([], HalfSpace([0.9, 0.7, 0.4], HenyeyGreenstein(0.4))),
 }
-# Metals with lobes take a minute at final quality; what is promised is told by the report at either.
+# Metals with lobes take a minute at final quality; the report gives the expected errors at either quality.
 QUALITY = {"lacquer over rough conductor": "preview", "rough conductor": "preview"}
 THICKNESSES = (0.0, 0.1, 0.5, 2.0, 8.0)
 
 VIEWS = baked_samples.gauss_views(3)
 LIGHTS = baked_samples.about_the_mirror_direction(VIEWS, 3, 6, 3.0)
 DENSE = baked_samples.about_the_mirror_direction(VIEWS, 32, 48, 4.0)
-# Between two columns weights are linear; between two rows as well, measured and told by the report.
+# Weights are linear between columns, and between rows, where the report gives the measured error.
 BETWEEN_COLUMNS = baked_samples.INTERPOLATION
 
 
@@ -88,8 +89,8 @@ def _colour(sample):
 
 
 def _between_rows(sample):
-    """Largest error that the report states between rows about this thickness, or the promise for what it does not
-    measure, preview tables."""
+    """The largest error that the report gives between rows near this thickness, or the general limit for preview
+    tables, whose report does not measure it."""
     told = sample.lut.report.get("tau_error")
     if sample.row == int(sample.row):
         return 0.0
@@ -116,13 +117,14 @@ def test_radiance_is_as_near_to_the_exact_function_as_the_report_says(sample, re
 
 
 def _is_black(sample):
-    """Where nothing but a mirror image is to be seen: a clean smooth metal."""
+    """True if only a mirror image is visible: a clean smooth metal."""
     return DENSE.norm2(sample.slices("reflection", "top", DENSE)) == 0.0
 
 
 @pytest.mark.parametrize("name", BASES)
 def test_thickness_0_is_the_clean_base(addon, tables, samples, name):
-    """Row 0 of the table is the bake of the stack without its dust, closure by closure, and so is what Cycles shows."""
+    """Row 0 of the table equals the bake of the stack without its dust, closure by closure, and so does Cycles'
+    result."""
     layers, base = BASES[name]
     # A stack of no layers is a layer of thickness 0.
     stack = Stack(layers or [dataclasses.replace(DUST, tau=0.0, varying=False)], base)

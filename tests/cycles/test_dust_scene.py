@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The dust demo: its shell is as thick as it says, and the baked dust agrees with it."""
+"""The dust demo: its shell has the stated thickness, and the baked dust agrees with it."""
 
 import json
 import subprocess

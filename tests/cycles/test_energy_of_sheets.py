@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sheets, and dark materials, in a white furnace: what Cycles shows of light that strays above the horizon, and of
+"""Sheets, and dark materials, in a white furnace: the effect in Cycles of light that strays above the horizon, and of
 small weights."""
 
 import math
@@ -24,8 +24,8 @@ STACKS = {
     "dark": Stack([Medium(1e-3, tau=1.0)], lamina.Black()),
 }
 REPEATS, SAMPLES, SIGMAS = 16, 512, 4.5
-# Of the light that a view shows, beside what the report states: the closed form of Cycles' estimator knows neither
-# lobes that cross the horizon from above, nor the table of Fresnel's factor to better than its interpolation.
+# Error relative to a view's light, in addition to the report's: the closed form of Cycles' estimator neglects lobes
+# that cross the horizon from above, and the interpolation error of Cycles' table of the Fresnel factor.
 MODEL = 0.004
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials seen exactly along the normal: orthographic views from above, and bakes into textures.
 
-There the plane of incidence is undefined, and directions made of it would be zero vectors. Every preset of the library
-is seen at 0 and .5 degrees in a white furnace, which does not depend on the plane of incidence."""
+There the plane of incidence is undefined, and directions made from it would be zero vectors. Every preset of the
+library is rendered at 0 and .5 degrees in a white furnace, which does not depend on the plane of incidence."""
 
 import math
 
@@ -73,7 +73,7 @@ def test_both_kinds_of_directions_are_among_the_presets(samples):
 
 
 def _convex_body(material):
-    """A cube, whose normals single precision holds exactly; each face has a UV square of its own."""
+    """A cube, whose normals are exact in single precision; each face has its own UV square."""
     bpy.ops.mesh.primitive_cube_add()
     body = bpy.context.object
     body.data.materials.clear()

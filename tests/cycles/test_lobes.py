@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every closure of the dictionary, and some made to measure, in Cycles against their closed forms."""
+"""Every closure of the dictionary, and some closures made for a stack, in Cycles against their closed forms."""
 import math
 
 import goniophotometer
@@ -15,7 +15,7 @@ DIRECTIONS = [
     (0.5, 0.9, 2.0), (0.5, 0.5, 3.1), (0.35, 0.06, 0.0), (0.3, 0.7, 1.57), (0.2, 0.3, 0.1),
     (0.2, 0.25, 2.5), (0.1, 0.7, 3.0), (0.05, 0.04, 0.4),
 ]
-# Near the mirror direction and near straight through, where narrow lobes are all that they are.
+# Directions near the mirror direction and near straight through, where narrow lobes have all of their light.
 DIRECTIONS += [
     (mu, mu * share, dphi) for mu in (0.95, 0.6, 0.25) for share, dphi in ((1.0, 0.01), (0.97, 0.02), (1.02, 0.1))
 ]
@@ -36,7 +36,7 @@ STEEPEST = 3.0  # tangent of the largest elevation among the directions
 
 
 def tolerance(lobe):
-    """Relative: 1e-4, and what single precision in Cycles' own formulas does to narrow lobes.
+    """Relative tolerance: 1e-4, plus the effect of single precision in Cycles' own formulas on narrow lobes.
 
     Facets: the distribution's denominator is sin^2 + alpha^2 cos^2 of the half vector, squared, and Cycles takes
     sin^2 as 1 - cos^2. Hair: two elevations, halved, and an azimuth, off by FAST_ACOS each; a Lorentzian of width w

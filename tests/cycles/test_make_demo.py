@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The order of the demo scenes, and when each is announced."""
+"""The order of the demo scenes, and the time of each announcement."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ import make_demo
 
 @pytest.fixture
 def rendered(monkeypatch, capsys):
-    """Scenes that render nothing; the names of those that ran, each with what had been printed when it began."""
+    """Scenes that render nothing; the names of those that ran, each with the output printed before it began."""
     ran = []
 
     def make(names, *_arguments):

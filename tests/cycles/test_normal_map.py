@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The group's Normal input: a flat patch with a tilted normal looks like the material on a patch turned by as much.
+"""The group's Normal input: a flat patch with a tilted normal looks like the material on a patch tilted by the same
+angle.
 
-Away from grazing light and views, where Cycles bends shading normals that mirror the viewer below the surface. The
-sun alone, by which closures are evaluated: Cycles 4.5 samples tilted microfacets otherwise than it evaluates them."""
+Views and lights are away from grazing, where Cycles bends shading normals that would reflect the viewer below the
+surface. The only light is a sun, for which closures are evaluated: Cycles 4.5 samples tilted microfacets differently
+from their evaluation."""
 
 import math
 

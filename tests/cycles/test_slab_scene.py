@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The slab demo: its volume is the exact scattering function, and its verdict can be trusted.
+"""The slab demo: its volume agrees with the exact scattering function, and its verdict is reliable.
 
-Seeds are fixed, and Cycles gives the same pixels for the same seed, so that no test here is a matter of luck.
+Seeds are fixed, and Cycles gives the same pixels for the same seed, so no test here depends on chance.
 """
 
 import dataclasses

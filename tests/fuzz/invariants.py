@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What holds for every stack, whatever is in it: each function returns sentences about what does not hold."""
+"""Invariants of all stacks: each function returns sentences about violations."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ QUALITY = "preview"
 TOLERANCE = tolerance_of(QUALITY)
 MU = np.array([0.05, 0.13, 0.37, 0.62, 0.88, 1.0])
 DPHI = np.array([0.0, 0.4, 1.3, 2.4, math.pi])
-# Of a slice's largest value: fainter light is not promised (flanks of lobes, see lamina.solve).
-FAINT = 3e-3
-ENERGY = 1e-4  # what the solver allows a rough boundary to gain
+# In stacks with boundaries, the tolerance of lamina.solve is relative to the largest of the value, this share of its
+# mean over azimuths, and this value in 1/sr.
+FAINT = 1e-3
+ENERGY = 1e-4  # largest gain of a rough boundary that the solver allows
 WALK_SAMPLES = 1 << 16
 WALK_POINTS = 3
 
@@ -38,27 +39,25 @@ def ends_in_air(stack: Stack) -> bool:
     return stack.base is not None or not indices or indices[-1] == 1.0
 
 
-def of_values(found: dict) -> list[str]:
+def of_values(stack: Stack, found: dict) -> list[str]:
     """Values are numbers, not negative, and reciprocal."""
     wrong = []
     for (path, side), f in found.items():
         if not np.all(np.isfinite(f)):
             wrong.append(f"{path} {side}: not finite")
             continue
-        largest = _by_slice(f)
-        negative = float((-f - 1e-3 * FAINT * largest).max())
-        if negative > 0.0:
-            wrong.append(f"{path} {side}: negative by {float((-f / (largest + 1e-300)).max()):.2g} of the slice")
+        negative = float((-f / promised(f, stack)).max())
+        if negative > TOLERANCE:
+            wrong.append(f"{path} {side}: negative by {negative:.2g} of what the tolerance is relative to")
         other = f if path == "reflect" else found[path, "bottom" if side == "top" else "top"]
-        turned = np.moveaxis(other, 0, 1)
-        off = _difference(f, turned)
+        off = difference(f, np.moveaxis(other, 0, 1), stack)
         if off > 1e-6:
             wrong.append(f"{path} {side}: reciprocity broken by {off:.2g}")
     return wrong
 
 
 def of_energy(solved) -> list[str]:
-    """No more leaves than arrives, and all of it where nothing absorbs."""
+    """Not more light leaves than arrives, and all of it without absorption."""
     wrong = []
     for side in ("top", "bottom") if solved.stack.base is None and ends_in_air(solved.stack) else ("top",):
         for mu0 in (MU, "diffuse"):
@@ -93,9 +92,35 @@ def of_splitting(stack: Stack, found: dict, chance: random.Random) -> list[str]:
         return [f"layers[{k}] divided at {share:.2g}: refused, {error}"]
     wrong = []
     for sight, f in found.items():
-        off = _difference(divided[sight], f)
+        off = difference(divided[sight], f, stack)
         if off > 2.0 * TOLERANCE:
             wrong.append(f"layers[{k}] divided at {share:.2g}: {' '.join(sight)} differs by {off:.2g}")
+    return wrong
+
+
+def of_thickness(solved, chance: random.Random) -> list[str]:
+    """A layer that is given another thickness is the layer of that thickness, solved anew."""
+    whole = [k for k, layer in enumerate(solved.stack.layers) if isinstance(layer, Medium) and layer.tau is not None
+             and layer.profile is None and layer.color is None]
+    if not whole:
+        return []
+    k, tau = chance.choice(whole), math.exp(chance.uniform(math.log(1e-6), math.log(10.0)))
+    layers = list(solved.stack.layers)
+    layers[k] = replace(layers[k], tau=tau)
+    anew = Stack(layers, solved.stack.base)
+    try:
+        fresh = grids(lamina.solve(anew, QUALITY, threads=1))
+    except lamina.SolveError:
+        return []
+    try:
+        grown = grids(solved.with_thickness(k, tau))
+    except lamina.SolveError as error:
+        return [f"layers[{k}] given tau {tau:.2g}: refused, {error}"]
+    wrong = []
+    for sight, f in fresh.items():
+        off = difference(grown[sight], f, anew)
+        if off > 2.0 * TOLERANCE:
+            wrong.append(f"layers[{k}] given tau {tau:.2g}: {' '.join(sight)} differs by {off:.2g} from a new solve")
     return wrong
 
 
@@ -111,7 +136,7 @@ def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> li
         value = found[path, side][o, i, p]
         walk = lamina.estimate(solved.stack, MU[o], MU[i], DPHI[p], "transfer", WALK_SAMPLES, seed=chance.randrange(
             1 << 30), threads=1, side=side, path=path)
-        allowed = TOLERANCE * (np.abs(value) + FAINT * _by_slice(found[path, side])[o, 0, 0] / TOLERANCE)
+        allowed = TOLERANCE * promised(found[path, side], solved.stack)[o, i, p]
         z = (np.abs(value - walk.value) - allowed) / np.maximum(walk.stderr, 1e-300)
         if np.any(z > limit):
             c = int(z.argmax())
@@ -121,7 +146,7 @@ def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> li
 
 
 def of_table(lut) -> list[str]:
-    """A baked table holds finite weights, none of them negative, and sane errors."""
+    """A baked table holds finite weights, none of them negative, and plausible errors."""
     wrong = []
     if not np.all(np.isfinite(lut.weights)) or lut.weights.min() < 0.0:
         wrong.append("table: weights negative or not finite")
@@ -130,15 +155,20 @@ def of_table(lut) -> list[str]:
     return wrong
 
 
-def _by_slice(f: np.ndarray) -> np.ndarray:
-    """The largest value by view and channel."""
-    return np.abs(f).max(axis=(1, 2), keepdims=True)
+def promised(f: np.ndarray, stack: Stack) -> np.ndarray:
+    """What the tolerance of values is relative to, [o, i, dphi, channel]. In stacks of media alone that is the value,
+    or rounding noise of the largest value."""
+    value = np.abs(f)
+    if any(isinstance(layer, Interface) for layer in stack.layers) or isinstance(stack.base, Conductor):
+        steps = np.diff(DPHI)[:, None]
+        mean = (0.5 * (value[:, :, 1:] + value[:, :, :-1]) * steps).sum(axis=2, keepdims=True) / math.pi
+        return np.maximum(value, FAINT * np.maximum(mean, 1.0))
+    return value + 1e-12 * value.max() + 1e-300
 
 
-def _difference(a: np.ndarray, b: np.ndarray) -> float:
-    """Largest difference relative to the value and to what is faint beside the largest of its slices."""
-    scale = np.abs(b) + FAINT / TOLERANCE * np.minimum(_by_slice(b), np.abs(b).max(axis=(0, 2), keepdims=True))
-    return float((np.abs(a - b) / (scale + 1e-300)).max())
+def difference(a: np.ndarray, b: np.ndarray, stack: Stack) -> float:
+    """The largest difference, relative to what the tolerance is relative to."""
+    return float((np.abs(a - b) / promised(b, stack)).max())
 
 
 def _keeps_all(stack: Stack) -> bool:

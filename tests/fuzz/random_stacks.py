@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random stacks over everything that a stack's JSON allows. A stack follows from its seed and number alone."""
+"""Random stacks from everything that a stack's JSON allows. A stack depends only on its seed and number."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ class _Maker:
         color = self.chance.uniform(0.02, 0.9)
         if over is None:
             return Medium(color=color, tau=tau, phase=HenyeyGreenstein(self.chance.uniform(-0.5, 0.85)))
-        # Close to what lies below, so that some albedo shows the colour.
+        # Close to the colour below, so that some albedo gives the colour.
         return Medium(color=over * math.exp(-0.1 * tau), over=over, tau=tau)
 
     def graded(self) -> Medium:

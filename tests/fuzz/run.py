@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solves and bakes random stacks and checks what holds for all of them; each runs in a process of its own, which
-tells its CPU time and memory. A refusal in one sentence is counted and listed.
+"""Solves and bakes random stacks and checks invariants of all stacks. Each runs in a separate process, which reports
+its CPU time and memory. A refusal in one sentence is counted and listed.
 
 python tests/fuzz/run.py --count 3000 --seed 1 [--first 0] [--results FILE]
 
-With --results each finding is a line of JSON in that file as soon as the stack is done. Stacks that the file already
-holds are not examined again: an interrupted run goes on where it stopped."""
+With --results each finding is written as a line of JSON as soon as the stack is done. Stacks that are already in the
+file are skipped, so an interrupted run can be continued."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LARGEST = 6 << 30  # bytes of address space
 
 
 def examine(seed: int, number: int, comparisons: int, walked: bool, baked: bool = True) -> dict:
-    """What is found of one stack: `wrong`, sentences; or `refused`, one; CPU seconds of solve and bake."""
+    """The findings for one stack: `wrong`, sentences; or `refused`, one sentence; CPU seconds of solve and bake."""
     stack = random_stack(seed, number)
     chance = random.Random(f"points {seed}:{number}")
     found = {"number": number, "wrong": [], "refused": "", "solve": 0.0, "bake": 0.0}
@@ -49,7 +49,7 @@ def examine(seed: int, number: int, comparisons: int, walked: bool, baked: bool 
         found["solve"] = cpu() - started
         values = invariants.grids(solved)
         found["megabytes"] = peak_megabytes()
-        found["wrong"] += invariants.of_values(values) + invariants.of_energy(solved)
+        found["wrong"] += invariants.of_values(stack, values) + invariants.of_energy(solved)
         if baked:
             started = cpu()
             table = lamina.bake(stack, invariants.QUALITY, threads=1)
@@ -57,6 +57,7 @@ def examine(seed: int, number: int, comparisons: int, walked: bool, baked: bool 
             found["megabytes"] = peak_megabytes()
             found["wrong"] += invariants.of_table(table)
         found["wrong"] += invariants.of_splitting(stack, values, chance)
+        found["wrong"] += invariants.of_thickness(solved, chance)
         if walked:
             found["wrong"] += invariants.of_walks(solved, values, chance, comparisons)
     except (lamina.SolveError, lamina.StackError) as error:
@@ -103,7 +104,7 @@ def apart(work) -> dict:
 
 
 def read_results(path: Path | None, seed: int) -> dict[int, dict]:
-    """Findings of an earlier run by number; a last line that was cut short is left out."""
+    """Findings of an earlier run by number; an incomplete last line is ignored."""
     found = {}
     if path and path.exists():
         for line in path.read_text().splitlines():
@@ -117,7 +118,7 @@ def read_results(path: Path | None, seed: int) -> dict[int, dict]:
 
 
 def summary(results: list[dict]) -> str:
-    """What was found, with the worst by time and by memory."""
+    """A summary of the findings, with the worst by time and by memory."""
     wrong = [r for r in results if r["wrong"]]
     refused = [r for r in results if r["refused"]]
     slow = [r for r in results if seconds(r) > MOST_SECONDS]
@@ -150,7 +151,8 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     # Tables that all bakes share are made once, before the clock runs.
     for warm in (lamina.Stack([lamina.Medium(albedo=0.5, tau=1.0)]),
-                 lamina.Stack([lamina.Interface(1.5, 0.1)], lamina.Lambert(0.5))):
+                 lamina.Stack([lamina.Interface(1.5, 0.1)], lamina.Lambert(0.5)),
+                 lamina.Stack([lamina.Interface(1.5, 0.1), lamina.Interface(1.0, 0.1)])):
         lamina.bake(warm, invariants.QUALITY, threads=1)
     numbers = range(given.first, given.first + given.count)
     every = given.walk_every

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pytest puts this folder on the path because of this file: the helpers here serve the tests of all rooms."""
+"""Because of this file pytest adds this folder to the path: all tests of the package use the helpers here."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two independent solvers, asked in Lamina's words: PythonicDISORT and CDISORT (through nanodisort).
+"""Two independent solvers with Lamina's conventions: PythonicDISORT and CDISORT (through nanodisort).
 
 Media are (albedo, tau, phase); a stack is a list of them, top first, on a Lambert surface or none.
 """
@@ -55,7 +55,7 @@ def pythonic(media, mu0: float, reflectance=None, streams: int = 64, moment_coun
     mu, up, down, _, radiance = pydisort(depth, albedo, streams, chi, mu0, 1.0 / mu0, 0.0, NLeg=streams,
                                          f_arr=chi[:, streams], NT_cor=True, NFourier=min(streams, 64),
                                          **lower)
-    # Nodes come downwelling (negative) or upwelling (positive), its azimuth is that of travel, like ours.
+    # Nodes are downwelling (negative) or upwelling (positive); the azimuth is that of travel, as in Lamina.
     above, below = mu > 0.0, mu < 0.0
     order_above, order_below = np.argsort(mu[above]), np.argsort(-mu[below])
     diffuse, direct = down(depth[-1])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes whose dust is known, and others that try the settling."""
+"""Meshes with known dust, and others that are difficult for settling."""
 
 import numpy as np
 

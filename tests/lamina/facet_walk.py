@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A photon walk through a rough GGX boundary over a Henyey-Greenstein medium over a Lambert surface, coded
-apart from the solver: facets are sampled by their density, and scatter once."""
+"""A photon walk through a rough GGX boundary over a Henyey-Greenstein medium over a Lambert surface, independent of the
+solver's code: facets are sampled by their density, and scatter once."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exact light that a pencil beam along the normal sends back from an isotropic half-space with matched index: the
+"""Exact reflection of a pencil beam along the normal by an isotropic half-space with matched index: the
 H function at a lateral frequency, from H_q(u) = exp(-(u/pi) int_0^inf ln(1 - a atan(K)/K) / (1 + u^2 k^2) dk),
 K^2 = k^2 + q^2. Lengths in mean free paths."""
 

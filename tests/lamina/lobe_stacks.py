@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random lacquered, frosted and coated stacks, in which lobes of rough boundaries meet mirrors and each other."""
+"""Random lacquered, frosted and coated stacks, in which light of rough boundaries' lobes meets mirrors and lobes."""
 
 import math
 import random

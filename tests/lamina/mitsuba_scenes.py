@@ -20,8 +20,8 @@ def measured(path, variant: str = "scalar_rgb"):
 
 
 def evaluate(bsdf, mu_o, mu_i, dphi, wavelengths=None) -> np.ndarray:
-    """f cos(theta_o), [direction, channel], at cosines and azimuths of light's travel as in S.brdf. The frame
-    is turned by an odd angle: the surface has no direction of its own."""
+    """f cos(theta_o), [direction, channel], at cosines and azimuths of light's travel as in S.brdf. The frame is turned
+    by an arbitrary angle: the surface has no preferred direction."""
     at = mi.SurfaceInteraction3f()
     if wavelengths is not None:
         at.wavelengths = wavelengths
@@ -58,7 +58,7 @@ def direction(cosine: float, azimuth: float):
 # Media are this thick, in the scene's units: Mitsuba's rays start about 1e-4 of their place's distance from the
 # origin beside a surface, so that optical thicknesses are right to some 1e-4.
 THICKNESS = 10.0
-# Half the width of all surfaces: light that leaves by the edges is below (THICKNESS / WIDTH)^2.
+# Half the width of all surfaces: the share of light that leaves through the edges is below (THICKNESS / WIDTH)^2.
 WIDTH = 1e5
 
 
@@ -124,7 +124,7 @@ def _dielectric(layer, above: float, below: float, index: int, visible: bool) ->
 def _base(base, ior: float, index: int, visible: bool) -> dict:
     if isinstance(base, lamina.Conductor):
         facets = _facets(base, index, visible)
-        # Mitsuba takes the metal's index as relative to what lies on it.
+        # Mitsuba's index of a metal is relative to the medium above.
         return {"type": "roughconductor" if facets else "conductor", "eta": channel(base.eta, index) / ior,
                 "k": channel(base.k, index) / ior, **facets}
     return {"type": "diffuse", "reflectance": {"type": "rgb", "value": channel(base.reflectance, index)}}
@@ -132,22 +132,22 @@ def _base(base, ior: float, index: int, visible: bool) -> dict:
 
 def estimate(stack: lamina.Stack, mu_o: float, quantity: str, samples: int, seed: int,
              mu_i: float | None = None, dphi: float = 0.0, visible: bool = True) -> tuple[float, float]:
-    """(mean, standard error) of "reflectance" or "transmittance" for light at mu_o, by Mitsuba's volpath: the
-    radiance seen at mu_o under unit radiance from that whole side, which by reciprocity is the same. "brdf"
-    takes a single light at mu_i, with its mirror image left out by not being hit.
+    """(mean, standard error) of "reflectance" or "transmittance" for light at mu_o, by Mitsuba's volpath: the radiance
+    at mu_o under unit radiance from the whole side, which is equal by reciprocity. "brdf" uses a single light at mu_i,
+    which specular paths cannot hit, so the mirror image is left out.
 
     Each of 32^2 pixels is an independent estimate."""
     mi.set_variant("scalar_rgb")
     shapes, bottom = slab(stack, visible=visible)
     black = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}}}
     if quantity == "brdf":
-        # Light travels on with azimuth 0, the camera sees what leaves at dphi.
+        # Light travels with azimuth 0; the camera sees light that leaves at dphi.
         light = {"type": "directional", "irradiance": {"type": "rgb", "value": 1.0 / mu_i},
                  "direction": -direction(mu_i, math.pi)}
         lid: dict = {}
     else:
         light = {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}}
-        # What hides the other half of the light. The camera stands below an upper lid.
+        # A screen hides the other half of the light. The camera stands below an upper lid.
         z = bottom - 1.0 if quantity == "reflectance" else 10.0
         lid = {"lid": {**_plane(z, black, None, None)}}
     towards = direction(mu_o, dphi)

@@ -42,8 +42,8 @@ def henyey_greenstein(g, rng, count):
 
 
 def walk(slab: Slab, count: int, seed: int):
-    """(x and y of reflected light, of transmitted light), each of shape (n, 2); light mirrored at the top is left out
-    and known to be fresnel(ior, 1)."""
+    """(x and y of reflected light, of transmitted light), each of shape (n, 2); light reflected specularly at the top
+    is left out, its share is fresnel(ior, 1)."""
     rng = np.random.default_rng(seed)
     scatter, absorb, thick, g = (np.array(values, float) for values in zip(*slab.layers, strict=True))
     tops = np.concatenate([[0.0], np.cumsum(thick)])
@@ -93,7 +93,7 @@ def walk(slab: Slab, count: int, seed: int):
 
 
 def at_frequency(points: np.ndarray, q: float, count: int) -> tuple[float, float]:
-    """(value, standard error) of the flux times J0(q r): by symmetry that of the mean of cos(q x) and cos(q y)."""
+    """(value, standard error) of the flux times J0(q r): by symmetry the mean of cos(q x) and cos(q y)."""
     waves = 0.5 * (np.cos(q * points[:, 0]) + np.cos(q * points[:, 1]))
     mean = waves.sum() / count
     return mean, np.sqrt(max((waves**2).sum() / count - mean**2, 1e-12) / count)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ten stacks with lengths in millimetres on which all roads to the searchlight are held against each other, with five
-lateral frequencies (1/mm) for each, and the walks that know them."""
+"""Ten stacks with lengths in millimetres on which all methods for the searchlight are compared, with five lateral
+frequencies (1/mm) for each, and the walks that support them."""
 
 from typing import NamedTuple
 

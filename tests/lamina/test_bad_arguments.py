@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bad arguments, files and parts get one sentence each, and values are cut short in it."""
+"""Bad arguments, files and parts give one sentence each, in which long values are shortened."""
 
 import copy
 import io
@@ -166,7 +166,7 @@ def test_an_archive_that_claims_too_much_is_refused_by_its_size(tmp_path, shape,
     content[which] = member(which, shape, b"", "<f4")
     path.write_bytes(archive(*content.values()))
     assert path.stat().st_size < 700
-    with pytest.raises(LutError, match="not a whole Lamina lookup table"):
+    with pytest.raises(LutError, match="not a complete Lamina lookup table"):
         Lut.load(path)
 
 
@@ -174,7 +174,7 @@ def test_a_packed_archive_is_refused(tmp_path):
     path = tmp_path / "bomb.npz"
     path.write_bytes(archive(member("header", "(2,)", b"{}", "|u1"),
                              member("weights", "(1000000,)", bytes(4000000), compression=zipfile.ZIP_DEFLATED)))
-    with pytest.raises(LutError, match="not a whole Lamina lookup table"):
+    with pytest.raises(LutError, match="not a complete Lamina lookup table"):
         Lut.load(path)
 
 
@@ -243,7 +243,7 @@ DAMAGE = {
     "table error": (lambda part: part.update(table_error=math.inf), "table_error = inf: must be a number from 0"),
     "shard": (lambda part: part.update(shard=[3, 2]), "shard = 3/2: must be i/n"),
     "blocks": (lambda part: part["job"].update(blocks=10**30), "job.blocks = 1000.*: must be a whole number"),
-    "job": (lambda part: part["job"].pop("seed"), "not a whole part of an estimate"),
+    "job": (lambda part: part["job"].pop("seed"), "not a complete part of an estimate"),
 }
 
 

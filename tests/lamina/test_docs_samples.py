@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The documents keep their word: samples run, and links lead to files."""
+"""The samples of the documents run, and links lead to files."""
 
 import re
 import subprocess
@@ -14,7 +14,7 @@ PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
 @pytest.mark.parametrize(("page", "least"), [("docs/python.md", 10), ("README.md", 1)])
 def test_every_sample_runs(page, least, tmp_path):
-    """One after the other, in an empty folder; the samples hold assertions of their own."""
+    """Samples run in sequence, in an empty folder; they contain assertions of their own."""
     samples = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
     assert len(samples) >= least
     script = tmp_path / "samples.py"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The benchmark's peer: Mitsuba renders the slab by LLVM where the system has a library for it, and by scalar code."""
+"""The benchmark's peer: Mitsuba renders the slab by LLVM, if the system has a library for it, and by scalar code."""
 
 import sys
 from pathlib import Path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The version stands in pyproject.toml alone; all others read it."""
+"""The version is defined in pyproject.toml alone; everything else reads it."""
 
 import tomllib
 from pathlib import Path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A share of `make fuzz`: the first random stacks, solved; a refusal has to be one short sentence."""
+"""A part of `make fuzz`: the first random stacks, solved; a refusal must be one short sentence."""
 
 import random
 import sys
@@ -26,7 +26,7 @@ def test_what_holds_for_every_stack(number):
         assert str(refusal).startswith("the stack cannot be resolved") and len(str(refusal)) < 500
         return
     found = invariants.grids(solved)
-    assert invariants.of_values(found) + invariants.of_energy(solved) == []
+    assert invariants.of_values(stack, found) + invariants.of_energy(solved) == []
     if number % 4 == 1:
         assert invariants.of_splitting(stack, found, random.Random(number)) == []
 
@@ -36,11 +36,11 @@ def test_the_invariants_notice_what_is_wrong():
     stack = lamina.Stack([lamina.Medium(albedo=1.0, tau=1.0, phase=lamina.HenyeyGreenstein(0.5))])
     solved = lamina.solve(stack, invariants.QUALITY)
     good = invariants.grids(solved)
-    assert invariants.of_values(good) + invariants.of_energy(solved) == []
+    assert invariants.of_values(stack, good) + invariants.of_energy(solved) == []
     for change, word in ((lambda f: f * float("nan"), "finite"), (lambda f: f - 0.5 * f.max(), "negative")):
-        assert any(word in text for text in invariants.of_values({k: change(f) for k, f in good.items()}))
+        assert any(word in text for text in invariants.of_values(stack, {k: change(f) for k, f in good.items()}))
     turned = {k: f * (1.0 + 1e-4 * invariants.MU[:, None, None, None]) for k, f in good.items()}
-    assert any("reciprocity" in text for text in invariants.of_values(turned))
+    assert any("reciprocity" in text for text in invariants.of_values(stack, turned))
     off = {k: 1.1 * f for k, f in good.items()}
     assert invariants.of_splitting(stack, off, random.Random(1))
     assert invariants.of_splitting(stack, good, random.Random(1)) == []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The type stubs describe the compiled modules as they are."""
+"""The type stubs are those of the present compiled modules."""
 
 import subprocess
 import sys

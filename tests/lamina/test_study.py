@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The study's harness on two cells and one stack: whole outputs, sane scores, pictures of what the data say."""
+"""The study's harness on two cells and one stack: complete outputs, plausible scores, pictures of the data."""
 
 import math
 import subprocess

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stacks and directions on which walks are held against the solver: (name, stack, query)."""
+"""Stacks and directions on which walks are compared with the solver: (name, stack, query)."""
 
 import math
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dust/mesh.hpp"
+#include "mesh/mesh_scene.hpp"
 #include "numeric/thread_pool.hpp"
 
 namespace lamina {

@@ -11,16 +11,16 @@
 namespace lamina {
 namespace {
 
-/// Optical depth below which the table's depths are about equally spaced, and above which they are spaced by a factor.
+/// Below this optical depth the depths of the table are about uniform, above they form a geometric sequence.
 constexpr double kUnit = 0.05;
 /// Azimuth orders are summed until one adds less than this, relative to the table's maximum.
 constexpr double kUnseen = 2e-3;
-/// Floor of each depth's section, relative to its maximum, where the orders left out make it zero or negative.
+/// Floor of the values at one depth, relative to their maximum: truncated orders leave some values zero or negative.
 constexpr float kFloor = 1e-3F;
 
 }  // namespace
 
-/// What all azimuth orders share while the table is filled.
+/// Quantities common to all azimuth orders while the table is filled.
 struct AdjointSource::Tabulation {
   const ReflectionByHeight& reflection;
   TruncatedMedium whole;
@@ -62,7 +62,7 @@ AdjointSource::Tabulation::Tabulation(const ReflectionByHeight& coarse, double t
   share = (2.0 * mu_out * whole.albedo) * directions.weight.cwiseQuotient(directions.scale.head(n));
 }
 
-/// One azimuth order of a layer as the nodes and the viewer see it.
+/// One azimuth order of a layer, between the nodes and the viewer's direction.
 ScatteringFunction AdjointSource::Tabulation::layer(const HomogeneousModes& modes, const PhaseKernel& phase,
                                                     const LayerShapes& shapes, int m, double thickness) const {
   if (thickness <= 0.0) {
@@ -83,7 +83,7 @@ AdjointSource::AdjointSource(const GradedMedium& medium, const Ray& out) {
   cells_per_log_ = static_cast<float>(1.0 / step);
   table_.assign(kDepths * kCosines * kAzimuths, 0.0F);
 
-  // Sum azimuth orders until one adds nothing that a guide would miss
+  // Sum azimuth orders until the contribution of one is negligible for a guide
   const Eigen::VectorXd viewer = Eigen::VectorXd::Constant(1, out.z);
   const ReflectionByHeight reflection(medium, {tau}, guide_nodes(medium), viewer);
   const Tabulation tabulation(reflection, tau, step, out.z);
@@ -132,7 +132,8 @@ double AdjointSource::add_order(const Tabulation& tabulation, int m) {
     const Eigen::VectorXd down = (Eigen::MatrixXd::Identity(n, n) - back * kernel).partialPivLu().solve(first).eval();
     const Eigen::VectorXd up = once + kernel * down;
 
-    // Scatter it once into the table's directions; the light of the walk travels the opposite way
+    // Scatter it once into the directions of the table, reversed, because the light of the walk travels the opposite
+    // way
     const Eigen::VectorXd of_down = turned * down + passed * up;
     const Eigen::VectorXd of_up = passed * down + turned * up;
     largest = std::max({largest, of_down.cwiseAbs().maxCoeff(), of_up.cwiseAbs().maxCoeff()});

@@ -13,10 +13,10 @@
 namespace lamina {
 
 /// Approximate importance, for a viewer above, of a collision in a homogeneous slab: the light that reaches the viewer
-/// after at least one more collision. A function of the collision's depth and of the direction of the light before it.
-/// It is the source function of the adjoint problem: by reciprocity, that of the diffuse light of a beam from the
-/// viewer, from coarse solutions of the layers above and below. In these units the next event is
-/// k exp(-depth / mu_o).
+/// after at least one more collision. It is a function of the depth of the collision and of the direction of the light
+/// before it, and equals the source function of the adjoint problem: by reciprocity, the source function of the diffuse
+/// light of a beam from the viewer. It is computed from coarse solutions of the layers above and below. In these units
+/// the next event is k exp(-depth / mu_o).
 ///
 /// The table is linear between its points, which are uniform in log(1 + depth / unit), in sqrt(1 - |mu|) on both sides
 /// of the horizon, and in sin(dphi / 2).

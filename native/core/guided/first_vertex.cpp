@@ -14,7 +14,7 @@ namespace {
 
 /// Least value of a square, relative to the mean.
 constexpr double kLeastSquare = 0.02;
-/// Least value of a square, relative to its largest neighbour: it may hold a piece of the horizon that its points miss.
+/// Least value of a square, relative to its largest neighbour: sample points may miss a part that is above the horizon.
 constexpr float kLeastOfNeighbours = 0.2F;
 /// Least share of SkS, relative to kS + Sk.
 constexpr double kLeastTerm = 0.01;
@@ -85,7 +85,8 @@ FirstVertex::FirstVertex(const GradedMedium& medium, const ScatteringGuide& guid
   }
 }
 
-/// Divides the rows: half of them of equal probability, then the widest in angle is halved until all are made.
+/// Chooses the rows: half of them with equal probability, then the row widest in angle is halved until there are
+/// enough.
 void FirstVertex::divide() {
   constexpr std::size_t kEqual = kRows / 2;
   const auto angle = [&](double u) { return std::acos(std::clamp(scattering_.sample(u), -1.0, 1.0)); };

@@ -12,9 +12,9 @@
 namespace lamina {
 
 /// The first vertex of a walk of the scattering equation in a homogeneous slab. Its two directions are the same for all
-/// samples, so tables give nearly exactly what the terms kS, Sk and SkS add at each height and, for kS and Sk, from
-/// each direction. Directions are tabulated in rectangles of the phase function's two uniform numbers, where k is
-/// constant however peaked it is. The rectangles are small in angle too, so that they resolve S.
+/// samples, so tables give the terms kS, Sk and SkS nearly exactly: their sums at each height and, for kS and Sk, the
+/// distribution of directions. Directions are tabulated in rectangles of the phase function's two uniform numbers,
+/// where k is constant even for a sharp peak. The rectangles are small in angle too, so they resolve S.
 class FirstVertex {
  public:
   FirstVertex(const GradedMedium& medium, const ScatteringGuide& guide, const SlabRay& a, const SlabRay& b);
@@ -24,9 +24,9 @@ class FirstVertex {
     Term term;
     double t;
     std::size_t cell;
-    double up;      ///< way up in the cell
+    double up;      ///< fraction of the cell below the vertex
     double weight;  ///< one over the probability and density of the choice
-    SlabRay ray;    ///< the direction after scattering, for kOfA and kOfB; no light comes from below the horizon
+    SlabRay ray;    ///< the direction after scattering, for kOfA and kOfB; below the horizon there is no light
   };
   /// For kOfA and kOfB the weight includes k / mu'; for kBoth it does not include S k S.
   Choice draw(Rng& rng) const;
@@ -35,8 +35,8 @@ class FirstVertex {
   double rest() const { return total_; }
 
  private:
-  static constexpr std::size_t kRows = 48;   // of the uniform number for the cosine
-  static constexpr std::size_t kTurns = 48;  // of that for the azimuth
+  static constexpr std::size_t kRows = 48;   // rows of the uniform number for the cosine
+  static constexpr std::size_t kTurns = 48;  // columns of the uniform number for the azimuth
   static constexpr std::size_t kSquares = kRows * kTurns;
   struct Side {
     SlabRay from;

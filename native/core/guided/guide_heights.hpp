@@ -60,7 +60,7 @@ class GuideHeights {
   std::vector<double> above_zero() const { return {t_.begin() + 1, t_.end()}; }
 
  private:
-  static constexpr std::size_t kMostOwn = 12;  // leaves half of the heights to the plain sequence
+  static constexpr std::size_t kMostOwn = 12;  // leaves half of the heights to the geometric sequence
 
   /// The heights of the medium's knots. If there are too many, jumps come first, and the tables interpolate across the
   /// others.

@@ -13,8 +13,8 @@ namespace lamina {
 /// A vertex of a guided walk.
 struct GuidedVertex {
   double t;
-  std::size_t cell;  ///< of the guide's heights
-  double up;         ///< way up in the cell
+  std::size_t cell;  ///< cell of the guide's heights
+  double up;         ///< fraction of the cell below the vertex
 
   /// The value of a table's column here, linear between the heights.
   double at(const GuideHeights::Column& column) const {

@@ -23,7 +23,7 @@ using std::numbers::pi;
 constexpr int kCandidates = 32;
 using Values = Eigen::Array<float, kCandidates, 1>;
 
-/// Continuation probability of a collision that is worth as much as the first ones, and least continuation probability.
+/// Continuation probability of a collision as important as the first ones (weight times importance), and its minimum.
 /// As in the residual walk, any values are unbiased.
 constexpr double kEager = 0.6;
 constexpr double kLeastOn = 0.05;
@@ -60,14 +60,14 @@ class GuidedTransferWalk final : public Walk {
         in_{sine_of(mu_i), 0.0, -mu_i},
         out_{sine_of(mu_o) * std::cos(dphi), sine_of(mu_o) * std::sin(dphi), mu_o},
         exit_(out_),
-        worth_(medium_, out_),
+        importance_(medium_, out_),
         both_(fitted(NextEvent::kFitting, *scattering_.p) == NextEvent::kFromBothEnds),
         once_(scattering_.evaluate(in_.dot(out_)) * single_reflection(mu_o, mu_i, tau_) / (4.0 * pi)),
         collides_(-std::expm1(-tau_ / mu_i)) {
-    // Integrate the worth of the first collision over its probability
-    double before = worth(0.0, in_);
+    // Integrate the importance of the first collision over its probability
+    double before = importance(0.0, in_);
     for (std::size_t k = 0; k < kFirst; ++k) {
-      const double after = worth(first_depth(static_cast<double>(k + 1) / kFirst), in_);
+      const double after = importance(first_depth(static_cast<double>(k + 1) / kFirst), in_);
       below_[k] = total_;
       total_ += 0.5 * (before + after);
       before = after;
@@ -81,29 +81,29 @@ class GuidedTransferWalk final : public Walk {
       return once_;
     }
 
-    // Draw the first collision in proportion to its worth
+    // Sample the first collision in proportion to its importance
     const double place = rng.uniform() * total_;
     const auto above = std::upper_bound(below_.begin() + 1, below_.end() - 1, place);
     const auto bin = static_cast<std::size_t>(above - below_.begin()) - 1;
     const double mass = below_[bin + 1] - below_[bin];
     const double depth = first_depth((static_cast<double>(bin) + rng.uniform()) / kFirst);
-    Collision at{in_, depth, worth(depth, in_)};
+    Collision at{in_, depth, importance(depth, in_)};
     double weight = collides_ / kFirst * total_ / mass;
 
     const double usual = collides_ / kFirst * total_;
     double score = 0.0;
     while (true) {
-      // Continue with probability q, else take the table's worth
-      const double q = std::clamp(kEager * weight * at.worth / usual, kLeastOn, 1.0);
+      // Continue with probability q, else score the table's importance
+      const double q = std::clamp(kEager * weight * at.importance / usual, kLeastOn, 1.0);
       if (rng.uniform() >= q) {
-        score += weight * at.worth;
+        score += weight * at.importance;
         break;
       }
-      score += weight * at.worth * (1.0 - 1.0 / q);
+      score += weight * at.importance * (1.0 - 1.0 / q);
       weight /= q;
       ++events;
 
-      // Score the next event along several flights, and go on from the end of one of them
+      // Score the next event along several flights, and continue from the end of one of them
       const Flights flights = flights_from(at, rng);
       score += weight * next_event(at, flights);
       const double factor = move_on(flights, at, rng);
@@ -121,7 +121,7 @@ class GuidedTransferWalk final : public Walk {
   struct Collision {
     Ray ray;  ///< the direction that the light arrives in
     double depth;
-    double worth;
+    double importance;
   };
 
   /// Candidates for the flight after a collision.
@@ -169,15 +169,15 @@ class GuidedTransferWalk final : public Walk {
     return static_cast<double>((share * k_out * kept * decayed(rate.abs(), length)).mean());
   }
 
-  /// Moves to the end of one flight, resampled by the table's worth of the ends. Returns the factor of the weight,
-  /// 0 where no flight ends in a collision of any worth.
+  /// Moves to the end of one flight, resampled by the tabulated importance of the ends. Returns the factor of the
+  /// weight, 0 if no flight ends in a collision of any importance.
   double move_on(const Flights& flights, Collision& at, Rng& rng) const {
     const auto& [rays, x, y, z, share, part, length] = flights;
     const auto here = static_cast<float>(at.depth);
     const Values collides = -(-length).expm1();
     const Values way = -(-part.min(0.9999999F) * collides).log1p();
     const Values ends = (here - z * way).max(0.0F).min(static_cast<float>(tau_));
-    const Values further = worth_(ends, x, y, z);
+    const Values further = importance_(ends, x, y, z);
     const Values chances = share * collides * further;
     const auto all = static_cast<double>(chances.sum());
     if (!(all > 0.0)) {
@@ -196,19 +196,19 @@ class GuidedTransferWalk final : public Walk {
     }
     at = {rays[static_cast<std::size_t>(chosen)], static_cast<double>(ends[chosen]),
           static_cast<double>(further[chosen])};
-    return all / (kCandidates * at.worth);
+    return all / (kCandidates * at.importance);
   }
 
   double first_depth(double u) const { return std::min(tau_, in_.z * std::log1p(-u * collides_)); }
 
-  double worth(double depth, const Ray& ray) const {
+  double importance(double depth, const Ray& ray) const {
     using One = Eigen::Array<float, 1, 1>;
     const auto one = [](double x) { return One::Constant(static_cast<float>(x)); };
-    return static_cast<double>(worth_(One(one(depth)), One(one(ray.x)), One(one(ray.y)), One(one(ray.z)))[0]);
+    return static_cast<double>(importance_(One(one(depth)), One(one(ray.x)), One(one(ray.y)), One(one(ray.z)))[0]);
   }
 
   /// Fills `rays` with directions after a collision, on a lattice: kOwn scattered from `ray`, the others scattered
-  /// backwards from the exit. Returns the albedo times their weights by the balance heuristic.
+  /// backwards from the exit. Returns the albedo times the weights of the balance heuristic.
   template <int kOwn>
   Values scatter(const Ray& ray, std::array<Ray, kCandidates>& rays, Rng& rng) const {
     constexpr int kBack = kCandidates - kOwn;
@@ -249,12 +249,13 @@ class GuidedTransferWalk final : public Walk {
   Ray in_;
   Ray out_;
   RayFrame exit_;
-  AdjointSource worth_;
+  AdjointSource importance_;
   bool both_;
   double once_;                             ///< the BRDF's single scattering
   double collides_;                         ///< probability that the first flight collides
   double total_ = 0.0;                      ///< the last of `below_`
-  std::array<double, kFirst + 1> below_{};  ///< integral of the first collision's worth, by equal probability
+  std::array<double, kFirst + 1> below_{};  ///< integral of the importance of the first collision, in steps of equal
+                                            ///< probability
 };
 
 }  // namespace

@@ -8,14 +8,15 @@
 
 namespace lamina {
 
-/// The BRDF of a homogeneous slab by a photon walk of the equation of transfer. As the residual walk of the scattering
-/// equation, it is guided by a coarse deterministic solution: here the worth of a collision to the viewer (its
-/// importance, AdjointSource). Single scattering is exact, and the first collision is drawn in proportion to its worth.
-/// The worth C of a collision is estimated as
+/// The BRDF of a homogeneous slab by a photon walk of the equation of transfer. Like the residual walk of the
+/// scattering equation it is guided by a coarse deterministic solution, here the importance of a collision to the
+/// viewer (AdjointSource). Single scattering is exact, and the first collision is sampled in proportion to its
+/// importance. The importance C of a collision is estimated as
 ///   C~ + (C' - C~) / q with probability q, else C~,
 /// where C~ is the table's value. C' comes from several flights, sampled by the phase function from the ray and from
-/// the exit direction: the next events along all of them in closed form, plus the worth at the end of one, resampled by
-/// the table. Unbiased for any table. Throws std::invalid_argument for graded media and for media over a surface.
+/// the exit direction: the next events along all of them in closed form, plus the importance at the end of one,
+/// resampled by the table. Unbiased for any table. Throws std::invalid_argument for graded media and for media over a
+/// surface.
 std::unique_ptr<Walk> make_guided_transfer_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi);
 
 }  // namespace lamina

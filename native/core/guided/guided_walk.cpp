@@ -16,7 +16,7 @@ using std::numbers::pi;
 
 /// Least probability of a term. Bounds the weight of a term that the tables miss; any value is unbiased.
 constexpr double kLeast = 0.02;
-/// Floor of the guide's source in a graded medium, relative to its maximum, so that no height is left out.
+/// Floor of the guide's source in a graded medium, relative to its maximum, so that every height can be sampled.
 constexpr float kLeastSource = 1e-3F;
 
 }  // namespace
@@ -58,7 +58,7 @@ GuidedWalk::Guidance GuidedWalk::guidance(const Branch& branch) const {
     for (std::size_t j = 0; j <= branch.cell + 1; ++j) {
       source[static_cast<Eigen::Index>(j)] += static_cast<float>(medium_.at(heights[j]).evaluate(cosine));
     }
-    // The medium may scatter between two heights although it does not at either.
+    // Between two heights the medium may scatter although it does not scatter at either height.
     source = source.max(kLeastSource * source.maxCoeff());
   }
   return {terms, cosine, single, repeated, source};
@@ -75,7 +75,7 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
     const SlabRay b = branch.b;
     const Guidance guidance = this->guidance(branch);
 
-    // End the branch on the surface below, or go on in the slab
+    // End the branch on the surface below, or continue in the slab
     if (medium_.ground() > 0.0 &&
         GroundEnd(medium_.ground(), a.mu, b.mu, heights, branch.top, guidance.source).taken(rng, weight)) {
       if (!waiting.pop(branch)) {
@@ -106,7 +106,7 @@ double GuidedWalk::sample(Rng& rng, std::uint64_t& events) const {
     const double all = mass[0] + mass[1] + mass[2] + mass[3];
     const std::array<double, 3> odds = {mass[0] / all, mass[1] / all, mass[2] / all};
 
-    // Choose a term and follow it
+    // Choose a term and follow its branches
     const double u = rng.uniform();
     const bool ended = u < odds[0];
     if (ended) {

@@ -12,10 +12,10 @@ namespace lamina {
 
 /// The BRDF of a slab by an unbiased walk of the integral scattering equation
 ///   S(tau) = int exp(-(1/mu + 1/mu0)(tau - t)) (k + kS(t) + S(t)k + S(t)kS(t)) dt
-/// guided by coarse tables of S. The height t is drawn in proportion to the tables' sum of the terms, then one term
-/// is drawn. k is exact and ends the branch. The other terms go on into S of thinner slabs; their directions are
-/// resampled from several candidates in proportion to the tables (resampled importance sampling, Talbot 2005; the
-/// candidates lie on a randomly shifted lattice).
+/// guided by coarse tables of S. The height t is sampled in proportion to the tabulated sum of the terms, then one term
+/// is sampled. The term k is exact and ends the branch. The other terms continue into S of thinner slabs. Their
+/// directions are resampled from several candidates in proportion to the tables (resampled importance sampling, Talbot
+/// 2005); the candidates lie on a randomly shifted lattice.
 class GuidedWalk final : public Walk {
  public:
   /// `candidates` for each direction: 8, 16 or 32. The guide, of the same medium, may be shared.

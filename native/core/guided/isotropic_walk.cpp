@@ -22,7 +22,7 @@ struct Branch {
 
 /// Least probability of either choice at a side. Bounds the weight where the tables are wrong; any value is unbiased.
 constexpr double kLeast = 0.01;
-/// Floor of the guide's source in a graded medium, relative to its maximum, so that no height is left out.
+/// Floor of the guide's source in a graded medium, relative to its maximum, so that every height can be sampled.
 constexpr float kLeastSource = 1e-3F;
 
 }  // namespace
@@ -49,11 +49,11 @@ double IsotropicWalk::sample(Rng& rng, std::uint64_t& events) const {
     const GuideHeights::Column escapes[2] = {guide_.escape(place_a), guide_.escape(place_b)};
     GuideHeights::Column source = guide_.albedo() * escapes[0] * escapes[1];
     if (!medium_.is_homogeneous()) {
-      // The medium may scatter between two heights although it does not at either.
+      // Between two heights the medium may scatter although it does not scatter at either height.
       source = source.max(kLeastSource * source.maxCoeff());
     }
 
-    // End the branch on the surface below, or go on in the slab
+    // End the branch on the surface below, or continue in the slab
     if (medium_.ground() > 0.0 &&
         GroundEnd(medium_.ground(), branch.a, branch.b, heights, branch.top, source).taken(rng, weight)) {
       if (!waiting.pop(branch)) {

@@ -21,7 +21,7 @@ using std::numbers::pi;
 constexpr double kLeast = 0.02;
 /// Floor of the tables' kS + Sk + SkS, relative to albedo^2 t / (1 + t).
 constexpr double kFloor = 1e-3;
-/// Least share of S that the residual R~ is taken for in the continuation probability.
+/// In the continuation probability, the residual R~ counts at least as this share of S.
 constexpr double kLeastRest = 0.05;
 /// Continuation probability of a branch with the whole residual, and least continuation probability.
 constexpr double kEager = 0.6;
@@ -54,7 +54,7 @@ ResidualWalk::ResidualWalk(const GradedMedium& medium, double mu_o, double mu_i,
   if (!medium.is_homogeneous() || medium.ground() > 0.0) {
     throw std::invalid_argument("medium: must be homogeneous, over nothing");
   }
-  // Linear in t where thin, as kS is, and positive where rounding leaves zero in the tables.
+  // The floor is linear in t for thin slabs, as kS is, and positive where rounding leaves zero in the tables.
   const ScatteringGuide::Column& t = guide_->heights().column();
   floor_ = static_cast<float>(kFloor * scattering_.albedo() * scattering_.albedo()) * t / (1.0F + t);
 }
@@ -65,21 +65,21 @@ ResidualWalk::Branch ResidualWalk::branch(const GuidedVertex& vertex, const Slab
   return {vertex.t, vertex.cell, a, b, once, std::max(0.0, value - once)};
 }
 
-/// An estimate of the branch's S. `worth` times S is the branch's part of the sample, relative to R~ of the whole.
-double ResidualWalk::estimate(Branch branch, double worth, Rng& rng, std::uint64_t& events) const {
+/// Estimates S of the branch. `importance`: the factor of S in the sample, relative to R~ of the whole slab.
+double ResidualWalk::estimate(Branch branch, double importance, Rng& rng, std::uint64_t& events) const {
   const GuideHeights& heights = guide_->heights();
   double sum = 0.0;
   double weight = 1.0;
   while (true) {
-    // Continue with probability q, else take the tables' residual
+    // Continue with probability q, else score the tabulated residual
     const double all = branch.once + branch.rest;
-    const double q = std::clamp(kEager * worth * std::max(branch.rest, kLeastRest * all), kLeastOn, 1.0);
+    const double q = std::clamp(kEager * importance * std::max(branch.rest, kLeastRest * all), kLeastOn, 1.0);
     if (rng.uniform() >= q) {
       return sum + weight * all;
     }
     sum += weight * (all - branch.rest / q);
     weight /= q;
-    worth /= q;
+    importance /= q;
     ++events;
 
     // Draw the height of the vertex
@@ -118,12 +118,12 @@ double ResidualWalk::estimate(Branch branch, double worth, Rng& rng, std::uint64
         return sum;
       }
       const double side =
-          estimate(this->branch(vertex, pair.p, a, pair.value_p), worth * factor * pair.value_q, rng, events);
+          estimate(this->branch(vertex, pair.p, a, pair.value_p), importance * factor * pair.value_q, rng, events);
       branch = this->branch(vertex, pair.q, b, pair.value_q);
       factor *= side;
     }
     weight *= factor;
-    worth *= std::abs(factor);
+    importance *= std::abs(factor);
   }
 }
 
@@ -136,22 +136,22 @@ double ResidualWalk::sample(Rng& rng, std::uint64_t& events) const {
   }
   const GuidedVertex vertex{choice.t, choice.cell, choice.up};
 
-  // Estimate S on the sides that the term goes on to
-  const double worth = choice.weight / root_.rest();
+  // Estimate S on the sides where the term continues
+  const double importance = choice.weight / root_.rest();
   double rest = choice.weight;
   if (choice.term == FirstVertex::Term::kBoth) {
     const GuidedDirections::Pair pair = directions_.both_sides(vertex, scattering_, view_, light_, rng);
     if (!(pair.weight > 0.0)) {
       return once_;
     }
-    const double factor = pair.weight * worth;
+    const double factor = pair.weight * importance;
     const double side = estimate(branch(vertex, pair.p, view_, pair.value_p), factor * pair.value_q, rng, events);
     rest *= pair.weight * side *
             estimate(branch(vertex, pair.q, light_, pair.value_q), factor * std::abs(side), rng, events);
   } else {
     const SlabRay& other = choice.term == FirstVertex::Term::kOfA ? light_ : view_;
     const double value = guide_->value(vertex.cell, vertex.up, vertex.t, choice.ray, other, scattering_);
-    rest *= estimate(branch(vertex, choice.ray, other, value), worth, rng, events);
+    rest *= estimate(branch(vertex, choice.ray, other, value), importance, rng, events);
   }
   return once_ + scale_ * rest;
 }

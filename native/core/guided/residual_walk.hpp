@@ -16,9 +16,9 @@ namespace lamina {
 ///   S = S1 + R,  R = int exp(-(1/mu + 1/mu0)(tau - t)) (kS + Sk + SkS) dt.
 /// Single scattering S1 is exact. R is estimated as
 ///   R~ + (R' - R~) / q with probability q, else R~,
-/// where R~ is the tables' value and R' adds one vertex whose S are estimated in the same way. The mean is R whatever
-/// R~ is. q is proportional to the walk's weight times R~, so that light branches end early and heavy ones go on. The
-/// first vertex has tables of its own, since its two directions are the same for all samples.
+/// where R~ is the tables' value and R' adds one vertex whose factors S are estimated in the same way. The mean is R
+/// for any R~. q is proportional to the walk's weight times R~, so branches of small weight end early. The first vertex
+/// has its own tables, since its two directions are the same for all samples.
 class ResidualWalk final : public Walk {
  public:
   /// `candidates` for each direction after the first: 8, 16 or 32. The guide, of the same medium, may be shared.
@@ -32,7 +32,7 @@ class ResidualWalk final : public Walk {
   struct Branch;
 
   Branch branch(const GuidedVertex& vertex, const SlabRay& a, const SlabRay& b, double value) const;
-  double estimate(Branch branch, double worth, Rng& rng, std::uint64_t& events) const;
+  double estimate(Branch branch, double importance, Rng& rng, std::uint64_t& events) const;
 
   GradedMedium medium_;
   std::shared_ptr<const ScatteringGuide> guide_;

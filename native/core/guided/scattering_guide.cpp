@@ -43,7 +43,7 @@ void ScatteringGuide::tabulate(const GradedMedium& medium) {
   one_side_.assign(kPairs * kPoints, Column::Zero());
   repeated_ = one_side_;
 
-  // Sum azimuth orders until one adds nothing that a guide would miss
+  // Sum azimuth orders until the contribution of one is negligible for a guide
   for (int m = 0; m < reflection.orders(); ++m) {
     if (add_order(reflection, grid, m) < kUnseen) {
       break;

@@ -120,7 +120,7 @@ ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, dou
     chosen.walk = build(medium, mu_o, mu_i, dphi, chosen.name, guide);
     return chosen;
   }
-  // A seed far from those that runs are likely to use.
+  // Derive a seed that runs are unlikely to use.
   const std::uint64_t pilot_seed = seed ^ 0x9bd1e5b0c2f4a837U;
   double best = std::numeric_limits<double>::infinity();
   std::uint64_t spent_samples = 0;
@@ -129,12 +129,12 @@ ScatteringWalk make_scattering_walk(const GradedMedium& medium, double mu_o, dou
   for (const Candidate& candidate : all) {
     std::unique_ptr<Walk> walk = build(medium, mu_o, mu_i, dphi, candidate.name, guide);
     const bool fallback = candidate.name == all.front().name;
-    // A short pilot may miss rare large samples of a guided walk, so it must win by this factor.
+    // A short pilot may miss rare large samples of a guided walk, so a guided walk must be better by this factor.
     constexpr double kDoubt = 1.5;
     const auto cost_of = [&](const Tally& tally) {
       return price(tally, candidate.cost) * (fallback ? 1.0 / kDoubt : 1.0);
     };
-    // A few samples rule out a hopeless walk, at this multiple of the best price.
+    // After a few samples, drop walks whose price is this multiple of the best price.
     constexpr std::uint64_t kFew = 256;
     constexpr std::uint64_t kMany = 2048;
     constexpr double kHopeless = 4.0;

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Index;
 
-/// The delta parts of all layers, the base last, for the beam.
+/// The delta parts of all layers for the beam; the base comes last.
 std::vector<ScatteringFunction> delta_layers(const LateralStack& stack) {
   const std::vector<Directions>& directions = stack.directions();
   const std::vector<Layer>& layers = stack.measured().stack.layers;
@@ -44,10 +44,10 @@ std::vector<ScatteringFunction> delta_layers(const LateralStack& stack) {
   return functions;
 }
 
-/// The medium next to a face, with the boundaries between, or nothing.
+/// The medium next to a face and the smooth boundaries between both; no medium if light is scattered elsewhere first.
 struct NextMedium {
   std::size_t layer = 0;
-  std::vector<double> indices;  ///< from that of the medium outwards, to that outside
+  std::vector<double> indices;  ///< refractive indices from the medium outwards
 };
 
 std::optional<NextMedium> next_medium(const LateralStack& stack, bool top) {
@@ -72,7 +72,7 @@ std::optional<NextMedium> next_medium(const LateralStack& stack, bool top) {
   return std::nullopt;
 }
 
-/// What leaves of light at a cosine in the first of these media, through smooth boundaries into the last.
+/// The share of light at cosine `mu` in the first medium that passes all smooth boundaries into the last medium.
 double passing(const std::vector<double>& indices, double mu) {
   double reflected = 0.0;
   double passed = 1.0;
@@ -84,7 +84,7 @@ double passing(const std::vector<double>& indices, double mu) {
     }
     const double r = fresnel(cosine, next, indices[k], indices[k + 1]);
     const double between = 1.0 - reflected * r;
-    // Both boundaries together, as light from the first medium sees them.
+    // Combine the boundaries so far into one, as seen from the first medium.
     passed = passed * (1.0 - r) / between;
     reflected = r + (1.0 - r) * (1.0 - r) * reflected / between;
     cosine = next;
@@ -92,7 +92,7 @@ double passing(const std::vector<double>& indices, double mu) {
   return passed;
 }
 
-/// Light of lower cosines in the first of these media does not reach the last: one of them reflects it totally.
+/// Light below this cosine in the first medium does not reach the last: a medium in between reflects it totally.
 double critical_cosine(const std::vector<double>& indices) {
   double critical = 0.0;
   for (const double ior : indices) {
@@ -103,7 +103,7 @@ double critical_cosine(const std::vector<double>& indices) {
   return critical;
 }
 
-/// The beam at the faces of a layer, for light that leaves through the top or the bottom of the stack.
+/// The beam at the faces of a layer, for light that leaves the stack at the top or at the bottom.
 OnceScatteredBeam::Beam arriving(const DeltaField& field, std::size_t layer, Index beam, bool top) {
   const double down = field.from_above[layer].down[beam];
   const double up = field.from_above[layer].up[beam];
@@ -125,8 +125,8 @@ std::optional<OnceScatteredBeam> once_scattered(const LateralStack& stack, bool 
       [indices = next->indices](double mu) { return passing(indices, mu); }, critical_cosine(next->indices));
 }
 
-/// The share of light that passes the smooth boundaries on its way from the first of these indices to the last, without
-/// what returns after reflections between them.
+/// The share of light that passes the smooth boundaries from the first medium to the last, without reflections between
+/// boundaries.
 double passing_once(const std::vector<double>& indices, double mu) {
   double passed = 1.0;
   double cosine = mu;
@@ -144,7 +144,7 @@ double passing_once(const std::vector<double>& indices, double mu) {
 std::vector<OnceScatteredBeam> deeper_scattered(const LateralStack& stack, bool top) {
   std::vector<OnceScatteredBeam> found;
   const std::vector<Layer>& layers = stack.measured().stack.layers;
-  // The sublayers of a graded medium are too many for fine quadratures of each.
+  // A graded medium has too many sublayers for a fine quadrature of each.
   constexpr std::ptrdiff_t kMostMedia = 4;
   const auto media =
       std::count_if(stack.media().begin(), stack.media().end(), [](const auto& m) { return m.has_value(); });
@@ -221,7 +221,7 @@ Rings unscattered_rings(const LateralStack& stack) {
   const std::vector<ScatteringFunction> layers = delta_layers(stack);
   const Index beam = stack.directions().front().nodes;
   struct Light {
-    std::size_t gap;  // above this layer
+    std::size_t gap;  // light is above this layer
     bool down;
     double flux;
     double direct;
@@ -323,7 +323,7 @@ double ForwardPeaks::at(double q) const {
     }
     return sum;
   };
-  // Of Poisson's distribution, all but the light that no peak has scattered.
+  // The number of peak scatterings has a Poisson distribution; leave out the light with none.
   return std::expm1(spread(q)) / std::expm1(spread(0.0));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a pencil beam leaves near itself: light scattered once, rings of unscattered light, forward peaks.
+// Light of a pencil beam that needs closed forms: light scattered once, rings of unscattered light, forward peaks.
 #pragma once
 #include <optional>
 #include <vector>
@@ -9,34 +9,34 @@
 
 namespace lamina {
 
-/// Light that a beam along the normal leaves singular near itself, for each face of a stack: see OnceScatteredBeam.
+/// Single scattering that is singular near a beam along the normal, for each face of a stack; see OnceScatteredBeam.
 /// Empty where a rough boundary or a layer that does not scatter lies at that face. Keeps references into the stack.
 std::optional<OnceScatteredBeam> once_scattered_upward(const LateralStack& stack);
 std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& stack);
 
-/// Light that deeper media scatter once on its way to a face, see OnceScatteredBeam: all that scatter, up to the first
-/// rough boundary, but the one next to the face. Empty for beams at a slant and for more than four media. Keeps
+/// Single scattering by media that are not next to the face where light leaves, see OnceScatteredBeam: one entry for
+/// each scattering medium up to the first rough boundary. Empty for oblique beams and for more than four media. Keeps
 /// references into the stack.
 std::vector<OnceScatteredBeam> deeper_scattered_upward(const LateralStack& stack);
 std::vector<OnceScatteredBeam> deeper_scattered_downward(const LateralStack& stack);
 
-/// Unscattered light of an oblique beam, which leaves beside the point of entry: a ring of this radius, in the mean
-/// over azimuths.
+/// Unscattered light of an oblique beam that leaves at a distance from the point of entry. The mean over azimuths is a
+/// ring.
 struct Ring {
   double radius;  ///< mm
-  double flux;    ///< truncated peaks count as unscattered
-  double direct;  ///< without them
+  double flux;    ///< flux, including light of truncated peaks
+  double direct;  ///< flux without light of truncated peaks
 };
 struct Rings {
   std::vector<Ring> reflected;
   std::vector<Ring> transmitted;
 };
-/// Followed through mirrors until less than 1e-9 of the beam is left. Empty along the normal.
+/// The rings of specular paths with at least 1e-9 of the beam's power. Empty for a beam along the normal.
 Rings unscattered_rings(const LateralStack& stack);
 
-/// How forward peaks, which truncation counts as unscattered, spread a beam along the normal: the spectrum of their
-/// light, 1 at q = 0 and 0 in the limit, on the way down (`legs` 1) or down and up again (2). Small angles: a peak's
-/// light is held to be scattered by peaks alone, any number of times.
+/// The lateral spread of a beam along the normal by forward peaks, which truncation counts as unscattered: the spectrum
+/// of their light, 1 at q = 0 and 0 in the limit. `legs` is 1 for light on the way down, 2 for light down and up again.
+/// Small-angle approximation: light of a peak is scattered by peaks only, any number of times.
 class ForwardPeaks {
  public:
   ForwardPeaks(const LateralStack& stack, int legs);
@@ -49,7 +49,7 @@ class ForwardPeaks {
     double distance;
   };
   std::vector<Term> terms_;
-  double whole_ = 0.0;  ///< mean number of times that peaks scatter the beam
+  double whole_ = 0.0;  ///< mean number of scattering events in the peaks
 };
 
 }  // namespace lamina

@@ -26,7 +26,7 @@ Nodes graded(double low, double high, double finest, bool root_at_high) {
   double from = low;
   double length = std::min(finest, end - low);
   while (from < end) {
-    // The last piece takes a rest that would be short.
+    // Extend the last piece if the rest would be short.
     const double to = from + 1.5 * length >= end ? end : from + length;
     add_piece(nodes, from, to);
     from = to;

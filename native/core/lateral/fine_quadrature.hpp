@@ -5,17 +5,17 @@
 
 namespace lamina {
 
-/// Places and weights of an integral.
+/// Nodes and weights of a quadrature.
 struct Nodes {
   std::vector<double> place;
   std::vector<double> weight;
 };
 
-/// Gauss's rule on pieces of (low, high) that double in length away from `low`, where the first is as long as `finest`;
-/// towards `high` as well where the integrand has a root there.
+/// Gauss-Legendre rules on pieces of (low, high). The first piece has the length `finest`, and pieces double in length
+/// away from `low`. With `root_at_high` they also shrink towards `high`, for integrands with a square root there.
 Nodes graded(double low, double high, double finest, bool root_at_high);
 
-/// For functions of a cosine between `critical` and 1: pieces shrink towards both ends.
+/// Quadrature over cosines between `critical` and 1, with pieces that shrink towards both ends.
 Nodes between_cosines(double critical);
 
 }  // namespace lamina

@@ -9,18 +9,19 @@
 
 namespace lamina {
 
-/// Rows of operators at one lateral frequency: for each azimuth all nodes of the stack, then the beam at its own
-/// azimuths. The beam is a target (see Directions): columns lead from it to the nodes, no row leads from nodes to it.
+/// Rows of operators at one lateral frequency: all nodes of the stack for each azimuth, then the beam at its azimuths.
+/// The beam is a target (see Directions): columns lead from the beam to the nodes, but no row leads from nodes to the
+/// beam.
 struct LateralRows {
   const AzimuthRule& azimuths;       ///< of the nodes
-  const AzimuthRule& beam_azimuths;  ///< of the beam; along the normal it has but one
+  const AzimuthRule& beam_azimuths;  ///< of the beam; one azimuth for a beam along the normal
   Eigen::Index nodes;                ///< of the stack, live or not
 
   Eigen::Index beam() const { return nodes * azimuths.count; }
   Eigen::Index size() const { return beam() + beam_azimuths.count; }
 };
 
-/// The scattering function of a layer at one lateral frequency. Delta parts of nodes lie on the diagonals.
+/// The scattering function of a layer at one lateral frequency. Delta parts of nodes are on the diagonals.
 struct LateralFunction {
   Eigen::MatrixXd reflect_above;
   Eigen::MatrixXd down;
@@ -28,11 +29,11 @@ struct LateralFunction {
   Eigen::MatrixXd up;
 };
 
-/// The operator on azimuths of one that is known by azimuth orders, each a matrix over the nodes and one target, in
-/// the symmetric scaling of Directions.
+/// Converts an operator from azimuth orders, each a matrix over the nodes and one target in the symmetric scaling of
+/// Directions, to azimuth nodes.
 Eigen::MatrixXd from_orders(const std::vector<Eigen::MatrixXd>& orders, const LateralRows& rows);
 
-/// A delta part by nodes and one target, the same at all azimuths.
+/// The operator of a delta part, given by nodes and one target, which is the same at all azimuths.
 Eigen::MatrixXd from_delta(const Eigen::VectorXd& delta, const LateralRows& rows);
 
 }  // namespace lamina

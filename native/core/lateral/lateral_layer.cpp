@@ -16,17 +16,17 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kFaintest = 1e-9;  // an albedo below this scatters nothing that shows
+constexpr double kFaintest = 1e-9;  // media of smaller albedo count as not scattering
 
 struct LayerPair {
   MatrixXd reflect;
   MatrixXd transmit;
 };
 
-/// A layer so thin that the fastest mode falls by e or less across half of it.
+/// A layer so thin that the fastest mode decays by at most e across half of it.
 LayerPair thin_layer(const MatrixXd& a, const MatrixXd& b, double half) {
   const MatrixXd one = MatrixXd::Identity(a.rows(), a.cols());
-  // tanh(x) / x = (10395 + 1260 y + 21 y^2) / (10395 + 4725 y + 210 y^2 + y^3), y = x^2: errs by y^6 / 1.4e9.
+  // tanh(x) / x = (10395 + 1260 y + 21 y^2) / (10395 + 4725 y + 210 y^2 + y^3), y = x^2: relative error y^6 / 1.4e9.
   const MatrixXd y = (half * half) * (a * b);
   const MatrixXd y2 = y * y;
   const MatrixXd numerator = 10395.0 * one + 1260.0 * y + 21.0 * y2;
@@ -35,13 +35,13 @@ LayerPair thin_layer(const MatrixXd& a, const MatrixXd& b, double half) {
   const MatrixXd f = half * denominator.partialPivLu().solve(numerator);
   const MatrixXd g = b * f;
   const MatrixXd h = f * a;
-  // (1 - G) (1 + G)^-1 = 2 (1 + G)^-1 - 1, and so for H.
+  // (1 - G) (1 + G)^-1 = 2 (1 + G)^-1 - 1, and likewise for H.
   const MatrixXd alike = (one + g).partialPivLu().inverse();
   const MatrixXd opposite = (one + h).partialPivLu().inverse();
   return {alike - opposite, alike + opposite - one};
 }
 
-/// Twice as thick. Returns whether anything still comes through.
+/// Doubles the thickness of a layer. Returns false if nothing is transmitted any more.
 bool redouble(LayerPair& layer) {
   constexpr double kNothing = 1e-15;
   MatrixXd back = -layer.reflect * layer.reflect;
@@ -125,7 +125,7 @@ LateralMedium::Transfer LateralMedium::transfer(double q, const LateralRows& row
   return {less_scattering(odd_), less_scattering(even_)};
 }
 
-/// Light that only passes: for each direction and pair of azimuths a complex attenuation.
+/// Transmission without scattering: a complex attenuation for each direction and pair of azimuths.
 MatrixXd LateralMedium::passing(double q, const LateralRows& rows) const {
   const Index live = directions_.live;
   const Index first = live * rows.azimuths.count;
@@ -179,7 +179,7 @@ LateralFunction LateralMedium::at(double q, const LateralRows& rows) const {
     return {MatrixXd::Zero(size, size), through, MatrixXd::Zero(size, size), through};
   }
   const Transfer m = transfer(q, rows);
-  // An endless medium: until nothing comes through, or where nothing is absorbed, until what does is lost in rounding.
+  // Double a half-space until nothing is transmitted; without absorption, until transmission is lost in rounding.
   constexpr double kEndless = 1e10;
   const double tau = std::min(medium_.tau, kEndless);
   const double steepest = std::hypot(1.0, q / extinction_) / directions_.mu.head(directions_.live).minCoeff();
@@ -200,7 +200,7 @@ LateralFunction LateralMedium::at_infinity(const LateralRows& rows) const {
   LateralFunction none{MatrixXd::Zero(size, size), MatrixXd::Zero(size, size), MatrixXd::Zero(size, size),
                        MatrixXd::Zero(size, size)};
   if (rows.beam_azimuths.count == 1) {
-    // All that leaves the beam does so elsewhere, the truncated peak included.
+    // All scattered light, including the truncated peak, leaves beside the beam.
     none.down(rows.beam(), rows.beam()) = none.up(rows.beam(), rows.beam()) = std::exp(-whole_tau_);
   }
   return none;

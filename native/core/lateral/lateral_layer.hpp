@@ -9,36 +9,36 @@
 
 namespace lamina {
 
-/// A homogeneous medium on the directions of a stack, with what no frequency changes.
+/// A homogeneous medium on the directions of a stack, with all quantities that do not depend on frequency.
 ///
-/// With u and v, the sum and the difference of down- and upwelling radiance, the equation of transfer reads
-/// du/dt = -A v, dv/dt = -B u as without a wave, but A and B have the wave's coupling of azimuths in their extinction
-/// and are no longer symmetric. Light that enters both faces of a layer alike or oppositely sees
+/// With u and v, the sum and the difference of down- and upwelling radiance, the equation of transfer is du/dt = -A v,
+/// dv/dt = -B u as without a wave. But the extinction in A and B couples azimuths, and A and B are no longer symmetric.
+/// For light that enters both faces of a layer with equal or opposite signs,
 ///   R + T = (1 - G) (1 + G)^-1,   G = B f(A B),   R - T = -(1 - H) (1 + H)^-1,   H = f(A B) A,
-/// where f(k^2) = tanh(k tau / 2) / k. For a thin layer f is a quotient of polynomials (Pade's approximant), good to
-/// rounding; thicker layers follow by doubling. That needs no modes, so neither their complex pairs nor the vanishing
-/// rate of conservative media are special.
+/// where f(k^2) = tanh(k tau / 2) / k. For a thin layer f is a Pade approximant, accurate to rounding; thicker layers
+/// follow by doubling. The method needs no modes, so complex pairs of modes and the vanishing rate of conservative
+/// media need no special treatment.
 class LateralMedium {
  public:
-  /// `moments` that the directions resolve; `extinction` per millimetre and `thickness` in millimetres.
+  /// `moments`: number of moments that the directions resolve; `extinction` in 1/mm; `thickness` in mm.
   LateralMedium(const Medium& medium, int moments, const Directions& directions, double extinction, double thickness);
 
   const TruncatedMedium& medium() const { return medium_; }
   const PhaseFunction& phase() const { return phase_; }
-  /// Of the truncated medium, per millimetre.
+  /// Extinction of the truncated medium, 1/mm.
   double extinction() const { return extinction_; }
   double thickness() const { return thickness_; }
   /// The optical thickness of the peak that truncation counts as unscattered.
   double truncated_tau() const { return std::isinf(whole_tau_) ? 0.0 : whole_tau_ - medium_.tau; }
   bool scatters() const { return scatters_; }
 
-  /// At the frequency q in radians per millimetre.
+  /// The scattering function at the lateral frequency q, 1/mm.
   LateralFunction at(double q, const LateralRows& rows) const;
-  /// In the limit of high frequencies: only the beam comes through, if it runs along the normal.
+  /// The limit of high frequencies: only the unscattered beam is transmitted, and only along the normal.
   LateralFunction at_infinity(const LateralRows& rows) const;
 
  private:
-  /// Blocks over live nodes and the target.
+  /// Matrices A and B, with blocks over live nodes and the target.
   struct Transfer {
     Eigen::MatrixXd a;
     Eigen::MatrixXd b;
@@ -54,9 +54,9 @@ class LateralMedium {
   double thickness_;
   double whole_tau_;  // before truncation
   bool scatters_;
-  Eigen::VectorXd sine_;               // of live nodes, then of the target
-  std::vector<Eigen::MatrixXd> even_;  // by order: what A has of scattering, between live nodes and the target
-  std::vector<Eigen::MatrixXd> odd_;   // what B has
+  Eigen::VectorXd sine_;               // sin(theta) of live nodes, then of the target
+  std::vector<Eigen::MatrixXd> even_;  // by order: scattering part of A, between live nodes and the target
+  std::vector<Eigen::MatrixXd> odd_;   // the same of B
 };
 
 }  // namespace lamina

@@ -16,9 +16,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// By refractive index, the least cosine that nodes must resolve: the thickness of the thinnest layer that scatters
-/// repeatedly, and where a layer is almost clear, one at which light runs far along it.
+/// The least cosine that nodes must resolve, by refractive index: the optical thickness of the thinnest layer with
+/// multiple scattering; in an almost clear layer, a cosine at which light travels far along the layer.
 std::map<double, double> least_cosines(const MeasuredStack& measured, const std::vector<double>& indices) {
+  constexpr double kThinnestRepeated = 1e-9;  // thinner layers scatter light once
   constexpr double kClear = 0.3;
   constexpr double kGrazing = 0.02;
   std::map<double, double> least;
@@ -39,7 +40,7 @@ std::map<double, double> least_cosines(const MeasuredStack& measured, const std:
   return least;
 }
 
-/// The flux that leaves along the nodes of a medium, for radiance by rows: the mean over azimuths times C.
+/// Weights that give the flux leaving along the nodes of a medium from radiance by rows: mean over azimuths times C.
 VectorXd flux_weights(const Directions& directions, const LateralRows& rows) {
   VectorXd common = VectorXd::Zero(rows.nodes);
   common.head(directions.live) = directions.ior * directions.scale.head(directions.live);
@@ -84,7 +85,9 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
 LateralStack::Lobes LateralStack::lobes(const RoughSurface& surface, std::size_t layer, ThreadPool& pool) const {
   Lobes found;
   const Directions& below = directions_[std::min(layer + 1, directions_.size() - 1)];
-  for (ScatteringFunction& order : surface.on(directions_[layer], below, pool).orders) {
+  const RoughSurface::Operators operators = surface.on(directions_[layer], below, pool);
+  for (int m = 0; m < operators.orders(); ++m) {
+    ScatteringFunction order = operators.order(m);
     found.up.emplace_back(order.transmit.kernel.transpose());
     found.reflect_above.push_back(std::move(order.reflect_above.kernel));
     found.down.push_back(std::move(order.transmit.kernel));
@@ -103,7 +106,7 @@ LateralFunction LateralStack::boundary(std::size_t layer, const LateralRows& row
   return {from_delta(smooth.reflect_above.delta, rows), through, from_delta(smooth.reflect_below.delta, rows), through};
 }
 
-/// What the base reflects; of no size where nothing is below.
+/// The reflection operator of the base; empty if nothing is below.
 MatrixXd LateralStack::base(const LateralRows& rows) const {
   const Base& base = measured_.stack.base;
   const Directions& above = directions_.back();
@@ -120,15 +123,15 @@ MatrixXd LateralStack::base(const LateralRows& rows) const {
   return {};
 }
 
-/// Joins layers from below, then follows the beam down. `layer_of` gives each medium's function.
+/// Joins layers from the bottom up, then follows the beam down. `layer_of` gives the function of each medium.
 template <typename LayerOf>
 LateralFlux LateralStack::joined(const LateralRows& rows, const LayerOf& layer_of) const {
   struct Step {
     LateralFunction layer;
-    MatrixXd below;  // what lies below reflects; of no size: nothing
+    MatrixXd below;  // reflection of everything below; empty if nothing is below
     std::optional<Eigen::PartialPivLU<MatrixXd>> between;
   };
-  std::vector<Step> steps;  // from the bottom
+  std::vector<Step> steps;  // bottom first
   MatrixXd reflect = base(rows);
   const std::vector<Layer>& layers = measured_.stack.layers;
   std::vector<std::size_t> present;
@@ -154,7 +157,7 @@ LateralFlux LateralStack::joined(const LateralRows& rows, const LayerOf& layer_o
       reflect.noalias() += step.layer.up * (step.below * step.between->solve(step.layer.down));
     }
   }
-  // The beam holds the mean over azimuths of the direction of the wave.
+  // The beam is the mean over azimuths (order 0), measured from the direction of the wave.
   VectorXd down = VectorXd::Zero(rows.size());
   down.tail(rows.beam_azimuths.count) = rows.beam_azimuths.from_orders.col(0);
   VectorXd up = steps.empty() && reflect.size() > 0 ? VectorXd(reflect * down) : VectorXd::Zero(rows.size());
@@ -192,7 +195,7 @@ LateralFlux LateralStack::at(double q, const AzimuthRule& azimuths) const {
 
 LateralFlux LateralStack::at_infinity() const {
   const AzimuthRule mean = AzimuthRule::mean();
-  // A beam that is not along the normal has left the point of entry where it comes out of a medium.
+  // An oblique beam leaves every medium beside the point of entry.
   const AzimuthRule other(along_normal() ? 1 : 2, 0.0, 1);
   const LateralRows rows{mean, other, directions_.front().nodes};
   return joined(rows, [&](const LateralMedium& medium) { return medium.at_infinity(rows); });

@@ -12,18 +12,18 @@
 
 namespace lamina {
 
-/// One channel of a stack of homogeneous layers with its lengths in millimetres, by layer.
+/// One channel of a stack of homogeneous layers, with lengths in millimetres by layer.
 struct MeasuredStack {
   Stack stack;
-  std::vector<double> extinction;  ///< of a medium, 1/mm
-  std::vector<double> thickness;   ///< of a medium, mm; infinite for a half-space
+  std::vector<double> extinction;  ///< by layer, of media: 1/mm
+  std::vector<double> thickness;   ///< by layer, of media: mm; infinite for a half-space
 };
 
-/// How finely lateral light is discretised.
+/// The discretisation of directions at lateral frequencies.
 struct LateralResolution {
-  int nodes = 12;              ///< of a range of cosines from 0 to 1
-  Eigen::Index azimuths = 12;  ///< the most that any frequency takes
-  double bend = 0.2;           ///< of the azimuths' path
+  int nodes = 12;              ///< number of nodes for cosines from 0 to 1
+  Eigen::Index azimuths = 12;  ///< largest number of azimuths at any frequency
+  double bend = 0.2;           ///< bend of the azimuths' path, see AzimuthRule
   int moments() const { return 2 * nodes; }
 };
 
@@ -31,28 +31,28 @@ struct LateralResolution {
 struct LateralFlux {
   double reflected = 0.0;
   double transmitted = 0.0;
-  double mirrored = 0.0;     ///< of the reflected flux, what only mirrors have turned
-  double unscattered = 0.0;  ///< of the transmitted flux; truncated peaks count as unscattered
+  double mirrored = 0.0;     ///< part of the reflected flux that was only reflected specularly
+  double unscattered = 0.0;  ///< part of the transmitted flux; truncated peaks count as unscattered
 };
 
-/// A stack on directions, ready for any lateral frequency.
+/// A stack on given directions, to be evaluated at any lateral frequency.
 class LateralStack {
  public:
-  /// For a beam whose cosine in air is mu. Throws std::runtime_error where a rough boundary cannot be resolved.
+  /// `mu`: cosine of the beam in air. Throws std::runtime_error if a rough boundary cannot be resolved.
   LateralStack(const MeasuredStack& measured, const LateralResolution& resolution, double mu, ThreadPool& pool);
 
-  /// At the frequency q, 1/mm. Safe to be called by several threads at once.
+  /// Fluxes at the lateral frequency q, 1/mm. Thread-safe.
   LateralFlux at(double q, const AzimuthRule& azimuths) const;
-  /// The limit for high frequencies: light that leaves where the beam enters.
+  /// The limit of high frequencies: light that leaves at the point of entry.
   LateralFlux at_infinity() const;
 
   const MeasuredStack& measured() const { return measured_; }
   const LateralResolution& resolution() const { return resolution_; }
   double mu() const { return mu_; }
   bool along_normal() const { return mu_ == 1.0; }
-  /// The index of refraction and the directions above each layer, then below the last; the beam is their target.
+  /// Directions above each layer and below the last, with their refractive indices; the beam is their target.
   const std::vector<Directions>& directions() const { return directions_; }
-  /// By layer; empty where there is no medium or one of no thickness.
+  /// Media by layer; empty for boundaries and for media without thickness.
   const std::vector<std::optional<LateralMedium>>& media() const { return media_; }
 
  private:

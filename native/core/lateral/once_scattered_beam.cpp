@@ -23,8 +23,8 @@ Complex mean_decay(Complex z) {
   return (1.0 - std::exp(-z)) / z;
 }
 
-/// Integrals over the optical depth below the face where light leaves, of attenuation by `rate` on the way there, for
-/// a beam that runs from this face (`turned`) or towards it (`forward`).
+/// Integrals of attenuation over the optical depth below the face where light leaves. Scattered light is attenuated by
+/// `rate` on its way to the face; the beam runs away from the face (`turned`) or towards it (`forward`).
 struct Attenuation {
   Complex turned;
   Complex forward;
@@ -35,7 +35,7 @@ struct Attenuation {
       forward = 0.0;
     } else {
       turned = tau * mean_decay(tau * (rate + 1.0));
-      // The same for either order of both exponents; the one that decays is taken.
+      // The integral is symmetric in both exponents; take the form with a decaying exponential.
       forward = rate.real() >= 1.0 ? std::exp(-tau) * tau * mean_decay(tau * (rate - 1.0))
                                    : std::exp(-tau * rate) * tau * mean_decay(tau * (1.0 - rate));
     }
@@ -152,7 +152,7 @@ double OnceScatteredBeam::density_times_radius(double r) const {
   const double thickness = medium_->thickness();
   const double extinction = medium_->extinction();
   const double scattering = extinction * medium_->medium().single_scattering_albedo();
-  // Light leaves at the angle x to the normal, after the distance r / sin(x), from the depth r / tan(x).
+  // Light at the angle x to the normal leaves after the distance r / sin(x), from the depth r / tan(x).
   const double first = std::isinf(thickness) ? 0.0 : std::atan2(r, thickness);
   const double last = std::acos(critical_);
   if (!(first < last)) {
@@ -187,7 +187,7 @@ double OnceScatteredBeam::inside(double r) const {
 }
 
 double OnceScatteredBeam::moment(int power) const {
-  // Light that has gone so far is attenuated by exp(-40).
+  // Light from this distance is attenuated by at least exp(-40).
   const double farthest = 40.0 / medium_->extinction();
   const Nodes radii = graded(0.0, farthest, 1e-4 * farthest, false);
   double sum = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A pencil beam scattered once in one medium, on its way to a face, in closed form.
+// Single scattering of a pencil beam in one medium, on its way to a face, in closed form.
 #pragma once
 #include <Eigen/Core>
 #include <functional>
@@ -9,17 +9,18 @@
 
 namespace lamina {
 
-/// The truncated phase function by its moments.
+/// The truncated phase function at a cosine, summed from its moments.
 double truncated_phase(const TruncatedMedium& medium, double cosine);
 
-/// Light of a beam along the normal that one medium has scattered once, on its way to a face through smooth boundaries
-/// and other media. If the medium lies next to the face, the flux density falls as 1 / r near the beam and its spectrum
-/// as 1 / q: this light is taken off and added in closed form. Light that has crossed other media is smooth in r, but
-/// in a discretised stack it comes in discrete directions: the difference of `at` and `discretised` corrects that.
+/// Light of a beam along the normal that one medium has scattered once and that leaves through smooth boundaries and
+/// other media. If the medium lies next to the face, the flux density near the beam falls as 1 / r and its spectrum as
+/// 1 / q, so this light is subtracted from the spectrum and added in closed form. Light that has crossed other media is
+/// smooth in r, but in a discretised stack it travels in discrete directions; the difference of `at` and `discretised`
+/// corrects the discretisation.
 class OnceScatteredBeam {
  public:
-  /// What arrives of the beam at the medium's two faces, from the inside of the stack: `towards` runs to the face where
-  /// the light leaves, `away` runs from it. `passing` gives, for a cosine in the medium, what leaves through that face.
+  /// The power of the beam at the two faces of the medium, from inside. `towards` runs towards the face where light
+  /// leaves, `away` runs away from it.
   struct Beam {
     double away = 0.0;     ///< at the face where light leaves
     double towards = 0.0;  ///< at the other face
@@ -30,24 +31,25 @@ class OnceScatteredBeam {
     double thickness;   ///< mm
     double ior;         ///< refractive index relative to the medium that scatters
   };
-  /// Light of cosines below `critical` does not leave. Keeps references to `medium` and to its `directions`.
+  /// `passing`: share of light at a cosine in the medium that leaves through the face; light below `critical` does not
+  /// leave. Keeps references to `medium` and to its `directions`.
   OnceScatteredBeam(const LateralMedium& medium, const Directions& directions, Beam beam,
                     std::function<double(double mu)> passing, double critical, std::vector<Crossed> crossed = {});
 
-  /// The flux as a discretised stack has it, with the truncated phase function.
+  /// The flux in the discretised stack, with the truncated phase function.
   double discretised(double q, const AzimuthRule& azimuths) const;
-  /// The same with the medium's own phase function where the beam turns back, and fine quadratures.
+  /// The same with fine quadratures, and with the untruncated phase function for backscattering.
   double at(double q) const;
-  /// With the medium's own phase function everywhere.
+  /// The same with the untruncated phase function for all angles.
   double whole_at(double q) const;
 
-  // The following hold for light that crosses no other medium.
+  // The following functions are for light that crosses no other medium.
 
   /// Flux density times r of whole_at, mm^-1.
   double density_times_radius(double r) const;
   /// Flux within the radius r.
   double inside(double r) const;
-  /// The integral of the flux density times r^power.
+  /// The integral of the flux density times r^power over the surface.
   double moment(int power) const;
 
  private:
@@ -56,7 +58,7 @@ class OnceScatteredBeam {
     std::vector<double> forward;
   };
   double spectrum(double q, const Phases& phases) const;
-  /// Optical length, and length along the surface in mm, of the crossed media at a cosine in the scattering medium.
+  /// Optical length and lateral displacement in mm in the crossed media, for a cosine in the scattering medium.
   struct Crossing {
     double optical = 0.0;
     double aside = 0.0;
@@ -64,14 +66,14 @@ class OnceScatteredBeam {
   Crossing crossing(double mu) const;
 
   const LateralMedium* medium_;
-  const Directions* directions_;  // in the medium
+  const Directions* directions_;  // directions in the medium
   Beam beam_;
   std::function<double(double)> passing_;
   double critical_;
   std::vector<Crossed> crossed_;
   double tau_;
   std::vector<double> mu_;      // fine nodes
-  std::vector<double> weight_;  // with what passes
+  std::vector<double> weight_;  // weights, multiplied by `passing`
   Phases own_;
   Phases truncated_;
 };

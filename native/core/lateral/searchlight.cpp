@@ -28,7 +28,7 @@ bool is_endless_and_bright(const MeasuredStack& measured) {
   return false;
 }
 
-/// Whether light may run along a layer that takes nothing from it.
+/// True if light can travel along a layer without attenuation.
 bool has_clear_layer(const MeasuredStack& measured) {
   bool scatters = measured.stack.base.kind == Base::Kind::kLambert && measured.stack.base.reflectance > 0.0;
   bool clear = false;
@@ -79,8 +79,8 @@ Searchlight::Searchlight(MeasuredStack measured, double mu, const SearchlightQua
   }
 }
 
-/// Directions for the sharpest phase function: truncation leaves its moments below 2 nodes as they are, so that the
-/// first ones, which say how far light gets, are exact.
+/// Chooses directions for the sharpest phase function. Truncation keeps the moments below 2 * nodes, so the first
+/// moments, which determine the mean distances, are exact.
 void Searchlight::choose_resolution() {
   double peak = 0.0;
   bool bounded = false;
@@ -92,7 +92,7 @@ void Searchlight::choose_resolution() {
     const auto* interface = std::get_if<Interface>(&layer);
     bounded = bounded || (interface != nullptr && interface->ior != 1.0);
   }
-  // Without attenuation, waves along a layer oscillate at all cosines. Measured: these err by 1e-3.
+  // Without attenuation, waves along a layer oscillate at all cosines. Measured with this number: errors of 1e-3.
   constexpr int kForClearLayers = 16;
   constexpr double kTruncated = 0.05;
   constexpr double kSmooth = 0.3;
@@ -107,7 +107,8 @@ void Searchlight::choose_resolution() {
   resolution_.bend = sharp_ ? std::clamp(0.1 - 0.5 * std::log(peak), 0.1, 0.6) : 0.6;
 }
 
-/// Slowest: where the spectra begin to fall; fastest: where once scattered light and a tail are all that is left.
+/// Chooses the frequency scale: `slowest`, where the spectra begin to fall, and `fastest`, beyond which only single
+/// scattering and a tail are left.
 void Searchlight::choose_scale() {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double whole = 0.0;
@@ -143,7 +144,7 @@ void Searchlight::choose_scale() {
     fastest = 2.0;
   }
   constexpr double kSlowest = 0.03;
-  constexpr double kLow = 1.5;  // of the extinction
+  constexpr double kLow = 1.5;  // relative to the extinction
   extinction_ = std::isinf(least) ? slowest : least;
   decay_ = slowest > 0.0 ? slowest : 1e-3 * extinction_;
   scale_ = {std::max(slowest, kSlowest * extinction_)};
@@ -156,20 +157,20 @@ AzimuthRule Searchlight::azimuths_for(double q) const {
   if (q == 0.0) {
     return AzimuthRule::mean();
   }
-  // Measured: these leave 1e-8 of a half-space's flux at low and 1e-6 at high frequencies.
+  // Measured errors with these numbers, relative to the flux of a half-space: 1e-8 at low and 1e-6 at high frequencies.
   const double wave = q / extinction_;
   const Eigen::Index least = wave < 0.1 ? 6 : wave < 0.4 ? 8 : wave < 1.2 ? 10 : 12;
   const Eigen::Index count = std::min(sharp_ ? least : std::min<Eigen::Index>(least, 8), resolution_.azimuths);
   return AzimuthRule(count, resolution_.bend, count);
 }
 
-/// The spectrum at q without light at r = 0, without rings and without the closed form of single scattering.
+/// The spectrum at q without light at r = 0, rings, and the closed form of single scattering.
 Searchlight::Faces Searchlight::rest_at(double q) const {
   const AzimuthRule azimuths = azimuths_for(q);
   const LateralFlux flux = stack_->at(q, azimuths);
   Faces rest{};
   const auto scattered = [&](double all, double direct, double limit, const std::optional<ForwardPeaks>& peaks) {
-    // Along the normal, light of truncated peaks spreads; at a slant it stays in the rings.
+    // For a beam along the normal, light of truncated peaks spreads; for an oblique beam it stays in the rings.
     const double spread = peaks ? (direct - limit) * peaks->at(q) : 0.0;
     return all - direct + spread;
   };
@@ -193,7 +194,8 @@ void Searchlight::prepare(ThreadPool& pool) {
   limit_ = stack_->at_infinity();
 }
 
-/// Whether more directions change the flux, at no frequency and where light is scattered about once per wave.
+/// Compares fluxes with those of more nodes, at q = 0 and where light is scattered about once per wavelength. If they
+/// differ, adds nodes and returns true.
 bool Searchlight::refine(ThreadPool& pool) {
   constexpr int kMore = 4;
   LateralResolution finer = resolution_;
@@ -286,7 +288,7 @@ void Searchlight::advance(ThreadPool& pool) {
   }
 }
 
-/// Twice as many frequencies: every second one is known.
+/// Doubles the number of frequencies of a piece; half of them are known.
 void Searchlight::refine_piece(std::size_t number) {
   Piece& piece = pieces_[number];
   const bool first = piece.intervals == 0;
@@ -306,7 +308,7 @@ void Searchlight::refine_piece(std::size_t number) {
 }
 
 bool Searchlight::is_resolved(std::size_t number) const {
-  constexpr double kFaint = 1e-2;  // of the beam: what is less need not be as good, relatively
+  constexpr double kFaint = 1e-2;  // share of the beam: errors of smaller spectra are relative to this
   for (std::size_t face = 0; face < faces_.size(); ++face) {
     double largest = kFaint;
     for (const double value : pieces_[0].rest[face]) {
@@ -351,8 +353,8 @@ void Searchlight::finish() {
   progress_ = 1.0;
 }
 
-/// The mean of r is int (F(0) - F(q)) / q^2 dq, that of r^2 is 4 (F(0) - F(q)) / q^2 at q = 0. Near 0 a polynomial in
-/// q^2 holds the quotient.
+/// The mean of r is int (F(0) - F(q)) / q^2 dq, and the mean of r^2 is 4 (F(0) - F(q)) / q^2 at q = 0. Near 0 the
+/// quotient is a polynomial in q^2.
 void Searchlight::add_moments(std::size_t face) {
   LeavingLight& light = faces_[face];
   const bool none = face == 1 && measured_.stack.base.kind != Base::Kind::kNone;

@@ -12,48 +12,50 @@
 
 namespace lamina {
 
-/// The light that leaves one face of a stack, for a pencil beam of unit flux at r = 0, as a function of the distance.
-/// For a beam at a slant, in the mean over azimuths about the point of entry.
+/// The light that leaves one face of a stack by distance r from the point of entry, for a pencil beam of unit flux. For
+/// an oblique beam, the mean over azimuths about the point of entry.
 struct LeavingLight {
-  double flux = 0.0;                      ///< all
-  double at_entry = 0.0;                  ///< at r = 0: mirrored, or straight through
-  double direct = 0.0;                    ///< what neither media nor facets have scattered: at r = 0 and in rings
-  std::vector<Ring> rings;                ///< unscattered light of a beam at a slant
-  std::optional<OnceScatteredBeam> once;  ///< what is singular near the beam
+  double flux = 0.0;                      ///< total flux
+  double at_entry = 0.0;                  ///< flux at r = 0, reflected specularly or transmitted unscattered
+  double direct = 0.0;                    ///< flux that neither media nor facets have scattered, at r = 0 and in rings
+  std::vector<Ring> rings;                ///< unscattered light of an oblique beam
+  std::optional<OnceScatteredBeam> once;  ///< single scattering that is singular near the beam
   Spectrum rest;
-  double distance = 0.0;         ///< integral of the flux density times r, mm
-  double square_distance = 0.0;  ///< times r^2, mm^2
+  double distance = 0.0;         ///< integral of the flux density times r over the surface, mm
+  double square_distance = 0.0;  ///< integral of the flux density times r^2, mm^2
 
   double at(double q) const;
   double inside(double r) const;
-  /// Without the parts at r = 0 and in rings.
+  /// Flux density without light at r = 0 and in rings, 1/mm^2.
   double density(double r) const;
 };
 
-/// How good a searchlight is meant to be.
+/// Tolerances and first resolution of a searchlight.
 struct SearchlightQuality {
-  double resolution = 4e-6;  ///< largest change of a flux by finer directions
-  /// Of spectra over frequencies, relative: low ones, of which the tail of a profile is made, and high ones.
+  double resolution = 4e-6;  ///< largest change of a flux when directions are refined
+  /// Largest relative interpolation error of spectra over frequency: low frequencies, which determine the tail of a
+  /// profile, and high ones.
   std::array<double, 2> interpolation{2e-7, 2e-5};
   int nodes = 12;
-  int nodes_with_boundary = 8;  ///< the range of total reflection has nodes of its own
+  int nodes_with_boundary = 8;  ///< smaller, because the range of total reflection adds nodes
   Eigen::Index azimuths = 12;
-  int intervals = 16;  ///< between frequencies of a piece, at first
+  int intervals = 16;  ///< first number of intervals between the frequencies of a piece
 
   static SearchlightQuality preview() { return {2e-4, {1e-5, 1e-3}, 8, 6, 6, 8}; }
 };
 
-/// The 3D scattering function of a plane stack, for one beam: solved at lateral frequencies, one batch with each call
-/// of advance, until done.
+/// The 3D scattering function of a plane stack for one beam. Each call of advance() solves one batch of lateral
+/// frequencies.
 class Searchlight {
  public:
-  /// The beam comes from above; mu is its cosine in air.
+  /// For a beam from above; `mu` is its cosine in air.
   Searchlight(MeasuredStack measured, double mu, const SearchlightQuality& quality);
 
   bool done() const { return done_; }
-  /// The share of the work that is done, 0 to 1, never falling.
+  /// The completed share of the work, 0 to 1; never falls.
   double progress() const { return progress_; }
-  /// Throws std::runtime_error, with the numbers, where the finest directions do not resolve the stack.
+  /// Solves the next batch. Throws std::runtime_error, with the numbers, if the finest directions do not resolve the
+  /// stack.
   void advance(ThreadPool& pool);
 
   const LeavingLight& reflected() const { return faces_[0]; }
@@ -63,12 +65,12 @@ class Searchlight {
 
  private:
   using Faces = std::array<double, 2>;
-  /// A piece of both faces' spectra, while its frequencies are solved.
+  /// A piece of the spectra of both faces, while its frequencies are solved.
   struct Piece {
     double low;  // in s
     double high;
     int intervals = 0;
-    std::array<std::vector<double>, 2> rest;  // by node
+    std::array<std::vector<double>, 2> rest;  // by face and node
     double frequency(const FrequencyScale& scale, int node) const {
       return scale.frequency(SpectrumPiece::node(low, high, node, intervals));
     }
@@ -94,11 +96,11 @@ class Searchlight {
   SearchlightQuality quality_;
   LateralResolution resolution_;
   FrequencyScale scale_;
-  double decay_ = 1.0;       // of light that spreads sideways, 1/mm: the nearest singularity of the spectra
-  double extinction_ = 1.0;  // the least of a medium that scatters
-  bool spreads_ = false;     // whether the mean distances are infinite
-  bool runs_along_ = false;  // whether light runs along a clear layer, and mean squares are infinite
-  bool sharp_ = false;       // whether a phase function has a peak
+  double decay_ = 1.0;       // decay rate of lateral light, 1/mm: the nearest singularity of the spectra
+  double extinction_ = 1.0;  // least extinction of a scattering medium, 1/mm
+  bool spreads_ = false;     // true if the mean distances are infinite
+  bool runs_along_ = false;  // true if light travels along a clear layer and mean squares are infinite
+  bool sharp_ = false;       // true if a phase function has a sharp peak
   std::unique_ptr<LateralStack> stack_;
   std::optional<ForwardPeaks> peaks_down_;
   std::optional<ForwardPeaks> peaks_back_;

@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// The limit of a series of alternating terms from its partial sums: means of neighbours, again and again (Euler).
+/// The limit of an alternating series from its partial sums, by repeated means of neighbours (Euler transform).
 double limit_of(std::vector<double> sums) {
   for (std::size_t count = sums.size() - 1; count > 0; --count) {
     for (std::size_t k = 0; k < count; ++k) {
@@ -81,7 +81,7 @@ double Spectrum::at(double q) const {
 }
 
 void Spectrum::fit_tail(bool singular) {
-  // The upper end of what is known; the last value counts most, so that there is no step.
+  // Fit the upper end of the known frequencies. A large weight of the last value avoids a step.
   constexpr double kBelow = 6.0;
   constexpr double kLast = 100.0;
   const SpectrumPiece& last = pieces_.back();
@@ -118,7 +118,7 @@ void Spectrum::fit_tail(bool singular) {
 }
 
 /// int F(q) B(q r) q^power dq: up to the first root of the Bessel function by pieces that grow with q, then from root
-/// to root, where the terms alternate.
+/// to root, where the terms alternate in sign.
 template <typename Bessel>
 double Spectrum::transformed(double r, int power, double first_root, const Bessel& bessel) const {
   static const Quadrature rule(12);
@@ -138,7 +138,7 @@ double Spectrum::transformed(double r, int power, double first_root, const Besse
   for (int k = 0; k < pieces; ++k) {
     sum += piece(scale_.frequency(end * k / pieces), scale_.frequency(end * (k + 1) / pieces));
   }
-  // Past what changes at `slowest` the terms are smooth, and their sum is extrapolated.
+  // Beyond changes at the scale of `slowest` the terms are smooth, and their sum is extrapolated.
   constexpr int kExtrapolated = 24;
   constexpr int kMostDirect = 400;
   const int direct = static_cast<int>(std::clamp(8.0 * scale_.slowest * r / pi, 2.0, double(kMostDirect)));

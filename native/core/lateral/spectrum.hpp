@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A function of lateral frequency, and the flux density of which it is the transform.
+// A function of lateral frequency, and the flux density of which it is the Hankel transform.
 #pragma once
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace lamina {
 
-/// A scale of frequencies: q = slowest sinh(s). A spectrum that changes at `slowest` and at much higher frequencies is
+/// A frequency scale q = slowest sinh(s). A spectrum with features at `slowest` and at much higher frequencies is
 /// smooth in s.
 struct FrequencyScale {
   double slowest = 1.0;  ///< 1/mm
@@ -16,26 +16,26 @@ struct FrequencyScale {
   double place(double q) const { return std::asinh(q / slowest); }
 };
 
-/// A part of a spectrum, known at Chebyshev's extrema in s.
+/// A piece of a spectrum, known at the Chebyshev extrema in s.
 struct SpectrumPiece {
   double low = 0.0;  ///< in s
   double high = 1.0;
   std::vector<double> values;
 
-  /// Place number `index` of `intervals` + 1, ascending; those of half as many intervals are every second one.
+  /// Node `index` of `intervals` + 1, ascending. Every second node is a node of half as many intervals.
   static double node(double low, double high, int index, int intervals);
 
   double at(double s) const;
-  /// The largest of the last Chebyshev coefficients: what interpolation still misses.
+  /// The largest of the last Chebyshev coefficients, an estimate of the interpolation error.
   double roughness() const;
 };
 
-/// A spectrum F(q) that falls at least as 1 / q, and the flux density of which it is the integral with J0(q r).
+/// A spectrum F(q) that falls at least as 1 / q, and the flux density that is its integral with J0(q r).
 class Spectrum {
  public:
   Spectrum() = default;
-  /// Pieces in ascending order, without gaps. `singular`: it may fall as 1 / q, else it falls as log(q) / q^2 or
-  /// faster.
+  /// `pieces`: ascending, without gaps. `singular`: true if F may fall as 1 / q, false if it falls at least as log(q) /
+  /// q^2.
   Spectrum(const FrequencyScale& scale, std::vector<SpectrumPiece> pieces, bool singular);
 
   double at(double q) const;
@@ -52,7 +52,7 @@ class Spectrum {
   FrequencyScale scale_;
   std::vector<SpectrumPiece> pieces_;
   double fastest_ = 1.0;
-  std::array<double, 4> tail_{};  // of fastest / q: first power, square, square times log(q / fastest), cube
+  std::array<double, 4> tail_{};  // coefficients of x, x^2, -x^2 log(x) and x^3 with x = fastest / q
 };
 
 }  // namespace lamina

@@ -9,11 +9,11 @@ namespace lamina {
 
 DepthScale::DepthScale(std::vector<Knot> knots) : knots_(std::move(knots)) {
   if (knots_.size() < 2) {
-    throw std::invalid_argument("depth knots: must be two at least");
+    throw std::invalid_argument("depth knots: must be at least two");
   }
   for (std::size_t k = 1; k < knots_.size(); ++k) {
     if (!(knots_[k].tau >= knots_[k - 1].tau && knots_[k].depth >= knots_[k - 1].depth)) {
-      throw std::invalid_argument("depth knots: must descend");
+      throw std::invalid_argument("depth knots: tau and depth must not decrease");
     }
   }
   uniform_ = knots_.size() == 2 && knots_[0].sigma_t == knots_[1].sigma_t && knots_[0].sigma_t > 0.0;

@@ -9,7 +9,7 @@
 
 namespace lamina {
 
-/// Where the light of one sample leaves: above or below, at distances in mm from where the beam entered, with weights.
+/// Exits of one sample: the side, the distance in mm from the point where the beam entered, and the weight.
 class Leaving {
  public:
   struct Exit {
@@ -23,12 +23,12 @@ class Leaving {
   const Exit* end() const { return exits_.data() + count_; }
 
  private:
-  static constexpr std::size_t kMost = 4;  ///< scattered and not, above and below
+  static constexpr std::size_t kMost = 4;  ///< a scattered and an unscattered exit on each side
   std::array<Exit, kMost> exits_;
   std::size_t count_ = 0;
 };
 
-/// A random walk of a pencil beam's light, which carries positions.
+/// A random walk of a pencil beam's light with positions.
 class LateralWalk {
  public:
   LateralWalk() = default;
@@ -36,12 +36,13 @@ class LateralWalk {
   LateralWalk& operator=(const LateralWalk&) = delete;
   virtual ~LateralWalk() = default;
 
-  /// One sample, at most two exits above and two below: the expected weight that leaves on a side within an area is
-  /// the flux through it, for a beam of unit flux. Counts its scattering events. Called from many threads at once.
+  /// Draws one sample, with at most two exits above and two below. The expected weight that leaves through an area of a
+  /// side is the flux through this area, for a beam of unit flux. Adds the number of scattering events to `events`.
+  /// Thread-safe.
   virtual Leaving sample(Rng& rng, std::uint64_t& events) const = 0;
 
-  double mirrored = 0.0;     ///< flux that leaves above without being scattered, which samples include
-  double unscattered = 0.0;  ///< the same below
+  double mirrored = 0.0;     ///< unscattered flux that leaves above; samples include it
+  double unscattered = 0.0;  ///< unscattered flux that leaves below; samples include it
 };
 
 }  // namespace lamina

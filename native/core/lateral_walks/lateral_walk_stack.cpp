@@ -9,7 +9,7 @@ namespace lamina {
 LateralWalkStack::LateralWalkStack(const Stack& stack, std::vector<DepthScale> layer_scales)
     : walked(stack, Side::kTop), scales(std::move(layer_scales)) {
   if (scales.size() != stack.layers.size()) {
-    throw std::invalid_argument("scales: must be one a layer");
+    throw std::invalid_argument("scales: must have one entry per layer");
   }
   scales.resize(walked.elements.size());
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {

@@ -72,10 +72,10 @@ class PhotonWalk final : public LateralWalk {
     std::ptrdiff_t element;
     bool from_above;
     Ray in;
-    double until;  ///< sum of the powers scattered, up to this one
+    double until;  ///< cumulative power that is scattered, up to and including this start
   };
 
-  /// The beam arrives at an element, where this power may be scattered first.
+  /// Adds an element where the beam arrives with this power and may be scattered for the first time.
   void add_start(std::size_t element, bool from_above, const Ray& in, double power) {
     const Element& here = stack_.walked.elements[element];
     double share = 0.0;
@@ -90,7 +90,7 @@ class PhotonWalk final : public LateralWalk {
     }
   }
 
-  /// False when the photon is lost. With `first` a medium is taken to scatter it for certain.
+  /// Returns false if the photon is lost. With `first`, scattering in a medium is forced.
   bool meet(std::size_t element, Photon& photon, bool first, Rng& rng, std::uint64_t& events) const {
     const Element& here = stack_.walked.elements[element];
     if (here.kind == Kind::kMedium) {
@@ -106,8 +106,7 @@ class PhotonWalk final : public LateralWalk {
     return scatter_at_surface(here, photon.ray, photon.weight, rng);
   }
 
-  /// What lies below the end of a conservative medium without end returns light elsewhere: see
-  /// LateralWalkStack::spread.
+  /// Displaces light that returns from below the end of a conservative half-space, see LateralWalkStack::spread.
   void displace(Photon& photon, Rng& rng) const {
     const double u = rng.uniform();
     const double r = stack_.spread * std::sqrt((1.0 - u) * (1.0 + u)) / u;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The classical photon walk of a pencil beam's light.
+// The classical photon walk for a pencil beam.
 #pragma once
 #include <memory>
 #include <vector>
@@ -11,9 +11,9 @@
 namespace lamina {
 
 /// Photons of the equation of transfer through any stack, for a pencil beam of cosine `mu_i` in air that enters above.
-/// The first scattering of the beam is forced; exits are analog, without next-event estimation. Absorption by weights,
-/// with Russian roulette; facets by visible normals. `scales`: lengths in millimetres, one a layer. Throws
-/// std::invalid_argument.
+/// The first scattering of the beam is forced. Exits are analog, without next-event estimation. Absorption is by
+/// weights with Russian roulette; facets are sampled by visible normals. `scales`: lengths in millimetres, one per
+/// layer. Throws std::invalid_argument.
 std::unique_ptr<LateralWalk> make_photon_walk(const Stack& stack, const std::vector<DepthScale>& scales, double mu_i);
 
 }  // namespace lamina

@@ -19,7 +19,7 @@ namespace {
 using std::numbers::pi;
 using Place = DepthScale::Place;
 
-/// S of what lies below an optical depth, waiting to be walked: between directions a, up, and b, down.
+/// A pending factor S of the part below an optical depth, between directions a (up) and b (down).
 struct Branch {
   double depth = 0.0;
   Place place;
@@ -29,7 +29,7 @@ struct Branch {
   double slowness() const { return 1.0 / a.mu + 1.0 / b.mu; }
 };
 
-/// Branches that wait, without allocation for the usual few.
+/// The branches still to be walked.
 using Waiting = std::vector<Branch>;
 
 struct Displacement {
@@ -43,8 +43,9 @@ struct Displacement {
   double distance() const { return std::hypot(x, y); }
 };
 
-/// Share of directions drawn uniformly over a hemisphere, where `forward` is the mean cosine with its side of the
-/// layer: all where light is scattered evenly, few where most lands there anyway, half where little does.
+/// The share of directions sampled uniformly over a hemisphere instead of from the phase function. `forward` is the
+/// mean cosine with that hemisphere: 1 for isotropic scattering, small if most light goes into the hemisphere, at least
+/// 1/2 if little does.
 double uniform_share(double forward) {
   constexpr double kHalf = 0.5;
   return forward > 0.0 ? (1.0 - forward) * (1.0 - forward) : std::max(kHalf, 1.0 + forward);
@@ -82,7 +83,7 @@ class PlaneScatteringWalk final : public LateralWalk {
   }
 
  private:
-  /// Flux: S / (4 pi mu_b) over all directions a, which are drawn in proportion to their cosines.
+  /// Samples the reflected flux: S / (4 pi mu_b) over all directions a, with a density proportional to their cosines.
   void reflect(Leaving& leaving, Rng& rng, std::uint64_t& events) const {
     const SlabRay out = SlabRay::of(std::sqrt(rng.uniform()), 2.0 * pi * rng.uniform());
     Displacement moved;
@@ -115,7 +116,7 @@ class PlaneScatteringWalk final : public LateralWalk {
       const double chance = guide_.before(ray.mu, depth, scattering.albedo());
       const bool from_below = rng.uniform() < chance;
       if (from_below) {
-        // Light goes into what lies below and comes back to be scattered here.
+        // Light passes into the part below and comes back to be scattered here.
         const SlabRay back = any_direction(rng);
         weight *= 1.0 / (2.0 * back.mu * chance);
         if (!walk({depth, place, back, ray}, weight, moved, rng, events)) {
@@ -132,11 +133,11 @@ class PlaneScatteringWalk final : public LateralWalk {
     }
   }
 
-  /// Multiplies the weight by a sample of S of the branch, and adds its displacement; false when the sample is 0.
+  /// Multiplies the weight by a sample of S of the branch, and adds its displacement. Returns false if the sample is 0.
   bool walk(Branch branch, double& weight, Displacement& moved, Rng& rng, std::uint64_t& events) const {
     Waiting waiting;
-    // 1/s of a branch is in the value as soon as the branch is there, and that of the first apart, so that roulette
-    // sees what the branches are worth.
+    // Divide by the slowness s of each branch when it is created, and by that of the first branch outside `value`.
+    // Russian roulette then acts on the expected contribution of the branches.
     weight /= branch.slowness();
     double value = 1.0;
     for (;;) {
@@ -170,7 +171,7 @@ class PlaneScatteringWalk final : public LateralWalk {
       const double one_side = on_a ? shares.on_a : shares.on_b;
       value *= span / (on_a && on_b ? shares.on_both : on_a || on_b ? one_side : shares.none());
       if (on_a && on_b) {
-        // Up along q, scattered here, down along p.
+        // Light goes up along q, is scattered here, and goes down along p.
         const SlabRay q = any_direction(rng);
         const SlabRay p = turned(q, true, scattering, value, rng);
         if (!(p.mu > 0.0)) {
@@ -201,7 +202,7 @@ class PlaneScatteringWalk final : public LateralWalk {
     return value != 0.0;
   }
 
-  /// Down along b and up along a, to where the optical depth has grown by `fall`.
+  /// Moves down along b and up along a, until the optical depth has grown by `fall`.
   void move(const Branch& branch, const Place& to, double fall, Displacement& moved) const {
     for (const SlabRay& ray : {branch.a, branch.b}) {
       moved.add(ray, scale_.length(branch.place, to, fall / ray.mu, ray.mu));
@@ -217,9 +218,9 @@ class PlaneScatteringWalk final : public LateralWalk {
     return true;
   }
 
-  /// A direction that scatters to `from` or out of it, on the same side of the layer or `back` on the other; beyond the
-  /// horizon its cosine is negative. Drawn from the phase function or uniformly; the value is multiplied by k / (4 pi)
-  /// over the density of both.
+  /// Samples a direction of light that scatters into `from`, or out of it: on the same side of the layer, or with
+  /// `back` on the other side. A direction beyond the horizon has a negative cosine. Directions are drawn from the
+  /// phase function or uniformly, and `value` is multiplied by k / (4 pi) over the probability density of the mixture.
   SlabRay turned(const SlabRay& from, bool back, const LocalScattering& scattering, double& value, Rng& rng) const {
     const double uniform = back ? uniform_back_ : uniform_on_;
     SlabRay ray;
@@ -239,7 +240,7 @@ class PlaneScatteringWalk final : public LateralWalk {
   bool has_base_;
   SlabRay in_;
   TermGuide guide_;
-  double uniform_on_;      ///< share of directions drawn uniformly on the same side of the layer
+  double uniform_on_;      ///< share of directions sampled uniformly on the same side of the layer
   double uniform_back_;    ///< the same on the other side
   double straight_ = 0.0;  ///< mm by which unscattered light is displaced
 };
@@ -251,9 +252,9 @@ std::unique_ptr<LateralWalk> make_plane_scattering_walk(const Stack& stack, cons
   GradedMedium medium = joined_media(stack, true);
   const bool endless = std::isinf(medium.tau());
   if (endless && medium.knots().back().albedo == 1.0) {
-    throw std::invalid_argument("the scattering equation's walk of a conservative medium without end does not end");
+    throw std::invalid_argument("the walk of the scattering equation cannot end in a conservative half-space");
   }
-  // Interfaces that are none have no length.
+  // Skip interfaces, which do nothing here and have no length.
   std::vector<DepthScale> lengths;
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {
     if (!std::holds_alternative<Interface>(stack.layers[k])) {

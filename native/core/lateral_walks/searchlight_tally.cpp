@@ -44,7 +44,7 @@ void SearchlightTally::add_sample(const SearchlightScores& scores, const Leaving
   ++count;
   for (std::size_t s = 0; s < sides.size(); ++s) {
     Side& side = sides[s];
-    // At most two exits a side, the nearer one first.
+    // At most two exits per side; sort them by distance.
     std::array<Leaving::Exit, 2> exits;
     std::size_t found = 0;
     for (const Leaving::Exit& exit : leaving) {
@@ -68,7 +68,7 @@ void SearchlightTally::add_sample(const SearchlightScores& scores, const Leaving
       }
       inside += exits[k].weight;
     }
-    // The vector of scores, and its products with itself.
+    // The vector v of scores, and the products of its components.
     std::array<double, kPowers> powers = {};
     for (std::size_t k = 0; k < found; ++k) {
       const double r = exits[k].r;

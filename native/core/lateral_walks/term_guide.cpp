@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMostPeak = 0.99;
 constexpr double kMostReturned = 3.0;
-constexpr double kLeast = 0.0125;  ///< no term shall be missed where the guess is off
+constexpr double kLeast = 0.0125;  ///< least probability of a term: bounds the weights where the estimate is poor
 
 }  // namespace
 
@@ -52,7 +52,7 @@ double TermGuide::returned(double mu, double depth, double albedo) const {
   const double gamma = std::sqrt((1.0 - albedo) / (1.0 - peak));
   const double left = medium_.tau() - depth;
   const double media = 2.0 * mu * (1.0 - gamma) / (1.0 + 2.0 * mu * gamma) * -std::expm1(-left * (1.0 - peak) / mu);
-  // A Lambert surface: 2 mu exp(-left / mu) E_2(left) for each unit of reflectance.
+  // A Lambert surface: 2 mu exp(-left / mu) E_2(left) per unit of reflectance.
   const double lit = medium_.ground() > 0.0 ? std::exp(-left / mu - left) / (1.0 + 0.5 * left) : 0.0;
   return std::min(kMostReturned, media + 2.0 * mu * medium_.ground() * lit);
 }

@@ -42,7 +42,7 @@ double UnscatteredPath::draw(std::ptrdiff_t element, bool from_above, Rng& rng) 
     if (from_above && element == 0) {
       return place;
     }
-    // What the light met last.
+    // Go back to the element that the light met last.
     element += from_above ? -1 : 1;
     const Step& last = steps_[static_cast<std::size_t>(element)];
     if (!last.turns) {

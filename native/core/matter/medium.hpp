@@ -7,8 +7,8 @@
 
 namespace lamina {
 
-/// Thinner layers are ignored. They remove less light from a beam than this, and between totally reflecting boundaries
-/// that amount is lost in the rounding of 1 - exp(-2 tau / mu).
+/// Layers thinner than this are ignored. They remove less light from a beam than this share. Between totally reflecting
+/// boundaries such a share is lost in the rounding of 1 - exp(-2 tau / mu).
 inline constexpr double kThinnestSeen = 1e-12;
 
 /// A homogeneous scattering layer for one channel.

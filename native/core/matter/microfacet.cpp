@@ -82,7 +82,7 @@ ArrayXd transmission(const Facets& facets, double ior, double beyond, double mu,
   return possible.select(facets.density(normal.max(1e-9)) * passed * jacobian * mask, 0.0);
 }
 
-/// Calls `one` for each column of azimuths, with the masking.
+/// Calls `one` for each column of azimuths, with the masking of its direction.
 template <typename One>
 ArrayXXd of_pairs(const Facets& facets, double mu, const FacetPairs& pairs, const One& one) {
   const ArrayXd mask = masking(facets, mu, pairs.mu);

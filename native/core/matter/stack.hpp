@@ -28,7 +28,7 @@ using Layer = std::variant<Medium, Interface, GradedMedium>;
 /// The surface below the last layer.
 struct Base {
   enum class Kind { kNone, kLambert, kConductor };
-  Kind kind = Kind::kNone;        ///< none: a thin sheet, which light leaves at the bottom
+  Kind kind = Kind::kNone;        ///< kNone: the stack is a thin sheet, and light leaves at the bottom
   double reflectance = 0.0;       ///< of a Lambert surface, [0, 1]
   std::complex<double> ior = {};  ///< of a conductor, n + ik, absolute
   Facets facets{.alpha = 0.0};    ///< of a conductor

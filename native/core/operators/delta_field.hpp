@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Specular light in a stack: mirrored, refracted and attenuated, but not scattered.
+// Specular light in a stack: reflected, refracted and attenuated, but not scattered.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -14,7 +14,7 @@ struct Deltas {
   Eigen::ArrayXd transmit;
   Eigen::ArrayXd reflect_below;
 
-  /// Light passes unchanged.
+  /// No layer: light passes unchanged.
   static Deltas nothing(Eigen::Index size) {
     return {Eigen::ArrayXd::Zero(size), Eigen::ArrayXd::Ones(size), Eigen::ArrayXd::Zero(size)};
   }

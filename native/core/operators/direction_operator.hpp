@@ -9,8 +9,8 @@ namespace lamina {
 /// direction, or its mirror direction). Integrals run over the first `nodes` directions only. The rows and columns
 /// after them are targets (see Directions).
 ///
-/// Targets may be of two kinds, the first `views` of them views and the others lights. Then of the blocks between
-/// targets only those between the two kinds are computed; the others are never written or read.
+/// Targets may be of two kinds: the first `views` of them are views, the others lights. Of the blocks between targets,
+/// only those between the two kinds are then computed; the others are never written or read.
 struct DirectionOperator {
   Eigen::MatrixXd kernel;
   Eigen::VectorXd delta;

@@ -56,7 +56,7 @@ DirectionSet::DirectionSet(std::vector<double> indices, int count, const std::ma
   constexpr int kFewest = 8;    // least number of nodes beyond a critical angle
   constexpr int kGrazing = 14;  // nodes of each further range towards grazing
   for (std::size_t k = 0; k < indices.size(); ++k) {
-    // From grazing to the critical angle with the next less dense medium.
+    // The range extends from grazing incidence to the critical angle with the next less dense medium.
     const double critical = k == 0 ? 1.0 : refracted_cosine(0.0, indices[k - 1], indices[k]);
     double low = 0.0;
     // Directions that are grazing in this medium are grazing in no other.

@@ -20,7 +20,7 @@ inline double fresnel(double mu_above, double mu_below, double ior_above, double
 /// totally reflected.
 ScatteringFunction smooth_interface(const Directions& above, const Directions& below);
 
-/// A polished conductor of absolute complex index n + ik; opaque.
+/// A smooth conductor of absolute complex index n + ik; opaque.
 ScatteringFunction smooth_conductor(std::complex<double> ior, const Directions& above);
 
 }  // namespace lamina

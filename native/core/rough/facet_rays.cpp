@@ -18,7 +18,7 @@ using std::numbers::pi;
 constexpr int kMostPoints = 256;
 constexpr std::size_t kMostCuts = 24;
 
-/// Gauss-Legendre rules on (0, 1) by number of points, made when first wanted.
+/// Gauss-Legendre rules on (0, 1) by number of points, computed on first use.
 const Quadrature& gauss(int points) {
   static std::array<std::once_flag, kMostPoints> made;
   static std::array<std::unique_ptr<const Quadrature>, kMostPoints> rules;
@@ -27,7 +27,7 @@ const Quadrature& gauss(int points) {
   return *rules[k];
 }
 
-/// A point of (0, 1) moved so that points are denser towards the ends at which functions have square roots.
+/// A point of (0, 1), mapped so that points are denser towards ends where the integrand has a square root.
 struct Graded {
   double at;
   double slope = 1.0;
@@ -48,7 +48,7 @@ struct Graded {
 
 double sine(double cosine) { return std::sqrt(std::max(0.0, 1.0 - cosine * cosine)); }
 
-/// Fresnel's reflectance, `ratio` = index beyond by index here.
+/// Fresnel reflectance; `ratio` = index on the other side / index on the ray's side.
 double reflectance_between(double cosine, double refracted, double ratio) {
   const double s = (cosine - ratio * refracted) / (cosine + ratio * refracted);
   const double p = (ratio * cosine - refracted) / (ratio * cosine + refracted);
@@ -108,7 +108,7 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
     rays->mu.clear();
     rays->azimuth.clear();
   }
-  // angle = alpha sinh(x): even steps across the lobe, even ratios in its tail.
+  // angle = alpha sinh(x): uniform steps across the lobe, geometric steps in its tail.
   constexpr double kPerLobe = 6.0;
   constexpr double kPerWave = 0.5;
   const Incident in{mu, sine(mu), facets_.lambda(mu)};
@@ -121,7 +121,7 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
                                                         kPerWave * pieces_.degree * (high - low)));
       const Quadrature& rule = gauss(points);
       for (Eigen::Index k = 0; k < rule.mu.size(); ++k) {
-        // Where circles touch a division, sums over them begin or end as square roots.
+        // Where circles touch a division, sums over circles begin or end with a square root.
         const Graded point(rule.mu[k], low > 0.0, high < steepest_);
         const double x = x0 + (x1 - x0) * point.at;
         const double step = (x1 - x0) * rule.weight[k] * point.slope;
@@ -132,7 +132,7 @@ void FacetRays::scatter(double mu, Rays& reflected, Rays& transmitted) const {
   }
 }
 
-/// All facets of one tilt; `weight` is the step of the angle.
+/// Scatters from all facets of one tilt; `weight` is the step of the angle.
 void FacetRays::circle(const Incident& in, double angle, double weight, Rays& reflected, Rays& transmitted) const {
   const double mu = in.mu;
   const Tilt tilt{std::cos(angle), std::sin(angle)};
@@ -142,11 +142,11 @@ void FacetRays::circle(const Incident& in, double angle, double weight, Rays& re
   const double density = 2.0 * facets_.density(upright) * flat / mu * weight;
   constexpr double kPerCircle = 5.0;
   constexpr double kPerWave = 1.0;
-  // Rays that leave all around the normal see whole waves of the azimuth.
+  // Outgoing azimuths cover the whole circle, and whole waves, only for tilts beyond the angle of incidence.
   const double around = std::min(1.0, flat / std::max(in.across, 1e-9));
   const double points = kPerCircle * pieces_.density + kPerWave * pieces_.degree * around;
 
-  // Azimuths at which something ends, from 0 to the last one that faces the ray.
+  // Azimuths of divisions, from 0 to the last azimuth where a facet faces the ray.
   std::array<double, kMostCuts> cuts{};
   std::size_t count = 0;
   cuts[count++] = 0.0;
@@ -179,7 +179,7 @@ void FacetRays::circle(const Incident& in, double angle, double weight, Rays& re
   const bool turned = mean < swing;
   cuts[count++] = turned ? std::acos(std::max(-1.0, -mean / swing)) : pi;
   if (count == 2 && !turned) {
-    // Smooth all around: equal steps are best.
+    // The integrand is smooth and periodic: use equal steps.
     const int steps = static_cast<int>(std::ceil(points));
     for (int k = 0; k < steps; ++k) {
       facet(in, tilt, pi * (k + 0.5) / steps, density * pi / steps, reflected, transmitted);
@@ -193,7 +193,7 @@ void FacetRays::circle(const Incident& in, double angle, double weight, Rays& re
     }
     const Quadrature& rule = gauss(2 + static_cast<int>(std::ceil(1.3 * points * span / pi)));
     for (Eigen::Index j = 0; j < rule.mu.size(); ++j) {
-      // What passes, and cosines in a thinner medium, end as square roots.
+      // Transmitted light, and cosines in a less dense medium, end with a square root.
       const Graded point(rule.mu[j], k > 1, k + 1 < count);
       facet(in, tilt, cuts[k - 1] + span * point.at, density * span * rule.weight[j] * point.slope, reflected,
             transmitted);
@@ -201,7 +201,7 @@ void FacetRays::circle(const Incident& in, double angle, double weight, Rays& re
   }
 }
 
-/// One facet, tilted at an azimuth from the ray's.
+/// Scatters from one facet; `azimuth` is relative to the ray.
 void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, double weight, Rays& reflected,
                       Rays& transmitted) const {
   const auto& [mu, across, lambda] = in;

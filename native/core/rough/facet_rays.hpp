@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rays that the facets of a rough boundary scatter, as a quadrature of each lobe.
+// Rays scattered by the facets of a rough boundary, a quadrature of each lobe.
 #pragma once
 #include <functional>
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace lamina {
 
-/// Rays that leave a boundary: shares of the incident flux, cosines with the normal, cosines of the azimuth
-/// (1 forward).
+/// Rays that leave a boundary: shares of the incident flux, cosines with the normal, and cosines of the azimuth (1 is
+/// forward).
 struct Rays {
   std::vector<double> share;
   std::vector<double> mu;
@@ -18,34 +18,34 @@ struct Rays {
   void add(double flux, double cosine, double x, double y);
 };
 
-/// Light of one direction after one meeting with the facets of a boundary, as rays: a quadrature over the
-/// facets' normals, weighted by how many facets face that way, so that its cost hardly depends on how narrow
-/// the lobes are and reflection and transmission share one energy.
+/// Scatters light from one direction once at the facets of a boundary. The rays are a quadrature over facet normals,
+/// weighted by the density of normals. The cost therefore hardly depends on the width of the lobes, and reflected and
+/// transmitted rays share the energy of each facet.
 ///
-/// The normals lie on circles about the mean normal. On a circle all that happens depends on the angle
-/// between ray and facet alone, so the circle, and the set of circles, can be divided where a facet turns
-/// away, where the ray would leave on the wrong side, and where total reflection begins.
+/// The quadrature runs over circles of normals about the mean normal. On a circle, the reflectance and the outgoing
+/// cosines depend only on the angle between ray and facet. Circles, and the range of circles, are therefore divided
+/// where a facet turns away from the ray, where a ray would leave on the wrong side, and where total reflection begins.
 class FacetRays {
  public:
-  /// What the rays will be integrated with: polynomials of that degree in the azimuth and in the cosine, other
-  /// ones between any two of these ends, cosines on the light's side and beyond, which start with 0.
+  /// The functions to be integrated over the rays: piecewise polynomials of `degree` in the azimuth and in the cosine.
+  /// The pieces end at the cosines `here` on the incident side and `beyond` on the other side; both lists start with 0.
   struct Pieces {
     int degree;
     std::vector<double> here;
     std::vector<double> beyond;
-    double density = 1.0;  ///< multiplies the points of a lobe
+    double density = 1.0;  ///< factor on the number of points per lobe
   };
 
-  /// Between dielectrics; `ratio`: index on the other side by that on the ray's.
+  /// Facets between dielectrics; `ratio` = index on the other side / index on the ray's side.
   FacetRays(const Facets& facets, double ratio, Pieces pieces);
-  /// Facets through which nothing passes, of that reflectance by cosine.
+  /// Opaque facets with a reflectance by cosine.
   FacetRays(const Facets& facets, std::function<double(double)> reflectance, Pieces pieces);
 
-  /// Rays for light whose cosine with the normal is `mu`, in (0, 1]; those before are dropped.
+  /// Computes the rays for light of cosine `mu` in (0, 1] with the normal. Replaces the contents of both lists.
   void scatter(double mu, Rays& reflected, Rays& transmitted) const;
 
  private:
-  /// The light's direction, and Smith's Lambda there.
+  /// The direction of the light, and Smith's Lambda there.
   struct Incident {
     double mu;
     double across;
@@ -62,8 +62,8 @@ class FacetRays {
   std::vector<double> divisions(double mu) const;
 
   Facets facets_;
-  double ratio_ = 0.0;                         // 0: nothing passes
-  double critical_ = 0.0;                      // cosine at a facet where total reflection ends, 0: there is none
+  double ratio_ = 0.0;                         // 0 if the facets are opaque
+  double critical_ = 0.0;                      // cosine with a facet where total reflection ends; 0 if there is none
   std::function<double(double)> reflectance_;  // empty for dielectrics
   double steepest_;                            // angle beyond which there are no facets
   Pieces pieces_;

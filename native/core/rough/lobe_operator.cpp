@@ -36,7 +36,7 @@ Index live_nodes(const std::vector<Part>& parts) {
   return parts.empty() ? 0 : parts.back().first + parts.back().range->nodes.mu.size();
 }
 
-/// Sums over rays in a medium of share * polynomial * cos(m phi).
+/// Sums share * polynomial * cos(m phi) over the rays in a medium.
 class Projection {
  public:
   Projection(const std::vector<Part>& parts, double ior)
@@ -49,7 +49,7 @@ class Projection {
     }
   }
 
-  /// [live node, order].
+  /// The sums, [live node, order].
   MatrixXd sum(const Rays& rays, int orders) {
     for (WaveGrid& grid : grids_) {
       grid.clear();
@@ -65,7 +65,7 @@ class Projection {
   }
 
  private:
-  /// Adds a ray to its range, with its cosine in the medium of the range.
+  /// Adds a ray to the grid of its range, with its cosine in the medium of the range.
   void add(double share, double mu, double azimuth) {
     double own = mu;
     std::size_t chosen = 0;
@@ -92,8 +92,10 @@ class Projection {
 
 }  // namespace
 
-std::shared_ptr<const LobeOperator::Columns> LobeOperator::from(const VectorXd& mu, const VectorXd& common,
-                                                                ThreadPool& pool) const {
+std::shared_ptr<const LobeOperator::Columns> LobeOperator::from_targets(const Directions& directions,
+                                                                        ThreadPool& pool) const {
+  const VectorXd mu = directions.mu.tail(directions.targets);
+  const VectorXd common = directions.ior * directions.scale.tail(directions.targets);
   {
     const std::scoped_lock guard(last_->lock);
     if (last_->columns && last_->mu.size() == mu.size() && last_->mu == mu && last_->common == common) {
@@ -143,7 +145,7 @@ LobeOperator::Columns LobeOperator::columns_from(const VectorXd& mu, const Vecto
 }
 
 LobeOperator::Columns LobeOperator::on_nodes(ThreadPool& pool) const {
-  constexpr double kFiner = 1.5;  // of the sum on the incoming side, see LobeOperator
+  constexpr double kFiner = 1.5;  // density of the quadrature on the incoming side, see LobeOperator
   const DirectionSet fine = set_.finer_by(kFiner);
   const Directions in = fine.in_medium(ior_, VectorXd());
   const Index live = set_.in_medium(ior_, VectorXd()).live;

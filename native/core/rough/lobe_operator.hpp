@@ -14,9 +14,9 @@ namespace lamina {
 /// The glossy lobes of a boundary for light from one of its sides, as matrices by azimuth order.
 ///
 /// Lobes may be narrower than the spacing of the nodes. They are therefore projected onto the polynomials through the
-/// nodes (Galerkin), which is exact where the other factor of a product is smooth, and conserves fluxes. The outgoing
-/// side is projected by a sum over the rays from the facets, the incoming side by a sum over finer nodes of the same
-/// ranges.
+/// nodes (Galerkin). The projection is exact where the other factor of a product is smooth, and it conserves fluxes.
+/// The outgoing side is projected by a sum over the rays from the facets, the incoming side by a sum over finer nodes
+/// of the same ranges.
 class LobeOperator {
  public:
   /// Projections of outgoing light, reflected and transmitted, by order: [live node of that medium, incoming
@@ -26,15 +26,15 @@ class LobeOperator {
     std::vector<Eigen::MatrixXd> transmitted;
   };
 
-  /// Light from the medium of index `ior` to that of index `beyond`; 0 for an opaque boundary.
+  /// For light from the medium of index `ior` to the medium of index `beyond`; `beyond` = 0 for an opaque boundary.
   LobeOperator(FacetRays rays, DirectionSet set, double ior, double beyond, int orders)
       : rays_(std::move(rays)), set_(std::move(set)), ior_(ior), beyond_(beyond), orders_(orders) {}
 
-  /// The columns for incoming directions of the medium of `ior`; `common` is C of each, see Directions. The last result
-  /// is cached, because the rows of a lookup table use the same directions.
-  std::shared_ptr<const Columns> from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
+  /// The columns for the targets of the medium of `ior`. The last result is cached, because the rows of a lookup table
+  /// use the same directions.
+  std::shared_ptr<const Columns> from_targets(const Directions& directions, ThreadPool& pool) const;
 
-  /// The columns for the nodes' polynomials: [live node, live node].
+  /// The columns for the nodes of the set: [live node, live node].
   Columns on_nodes(ThreadPool& pool) const;
 
  private:

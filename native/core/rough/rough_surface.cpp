@@ -17,19 +17,19 @@ using Eigen::ArrayXXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// C = n scale of all directions, 1 at targets, 0 where there is none.
+/// C = n scale of all directions: 1 at targets, 0 where the direction does not exist in the medium.
 VectorXd common_scale(const Directions& directions) { return directions.ior * directions.spread(directions.scale); }
 
-/// For each incoming direction the flux that leaves into all directions: sum over nodes of C_j M_ji.
+/// The flux that leaves into all directions, for each incoming direction i: sum over nodes of C_j M_ji.
 VectorXd leaving_flux(const MatrixXd& matrix, const Directions& out) {
   return matrix.topRows(out.nodes).transpose() * common_scale(out).head(out.nodes);
 }
 
-/// What of the incident flux, C_i, is missing; rounding does not count as a gain.
+/// The missing part of the incident flux C_i; a gain by rounding counts as 0.
 VectorXd lost_flux(const Directions& in, const VectorXd& kept) { return (common_scale(in) - kept).cwiseMax(0.0); }
 
-/// The largest share of flux that is gained, by the nodes together or by any target that is not grazing: facets
-/// cannot gain, only too coarse a quadrature can.
+/// The largest relative gain of flux, over all nodes together and over each target that is not grazing. Facets cannot
+/// gain flux, so a gain means that the quadrature is too coarse.
 double gain(const Directions& in, const VectorXd& kept) {
   constexpr double kGrazing = 0.04;
   const VectorXd gained = kept - common_scale(in);
@@ -57,7 +57,7 @@ void require_no_gain(double gained) {
   }
 }
 
-/// Polynomials orthonormal in flux on each range of a medium's live nodes, as columns, and their degrees.
+/// Polynomials that are orthonormal in flux on each range of a medium's live nodes, as columns, and their degrees.
 struct Modes {
   MatrixXd basis;
   Eigen::VectorXi degree;
@@ -81,8 +81,9 @@ struct Modes {
   }
 };
 
-/// The same map discretised from both of its ends. Sums over facets are least sure of the highest polynomials on
-/// the side where light leaves: between two of them, that one counts which found the lower at that side.
+/// Merges two discretisations of one operator: `one` sums over rays that leave on the side `out`, `other` is its
+/// reverse. Sums over rays are least accurate for high polynomials on the side where light leaves. For each pair of
+/// polynomials, the result takes the sum whose outgoing polynomial has the lower degree.
 MatrixXd merged(const MatrixXd& one, const MatrixXd& other, const Modes& out, const Modes& in) {
   MatrixXd modes = out.basis.transpose() * one * in.basis;
   const MatrixXd back = in.basis.transpose() * other * out.basis;
@@ -100,10 +101,10 @@ MatrixXd merged(const MatrixXd& one, const MatrixXd& other, const Modes& out, co
 
 MatrixXd merged(const MatrixXd& reflection, const Modes& modes) {
   const MatrixXd once = merged(reflection, reflection, modes, modes);
-  return 0.5 * (once + once.transpose());  // rounding
+  return 0.5 * (once + once.transpose());  // removes the asymmetry of rounding
 }
 
-/// Puts back on the diagonal of a reflection what merging took from the flux out of each node.
+/// Restores on the diagonal of a reflection the flux out of each node that merging changed.
 void restore(MatrixXd& reflection, const VectorXd& exact, const VectorXd& kept, const VectorXd& common) {
   reflection.diagonal() += (exact - kept).cwiseQuotient(common);
 }
@@ -115,13 +116,13 @@ MatrixXd merged_keeping_flux(const MatrixXd& one, const Modes& modes, const Dire
   return reflection;
 }
 
-/// Cosines in a medium at which ranges of nodes end.
+/// Cosines in a medium where ranges of nodes end.
 std::vector<double> ends(const DirectionSet& set, double ior) {
   std::vector<double> cosines{0.0};
   for (const DirectionSet::Range& range : set.ranges()) {
     const double own = range.nodes.high();
     const double cosine = refracted_cosine(own, range.ior, ior);
-    // The end of a denser medium's ranges is the beginning of the next thinner one's.
+    // The end of a range in a denser medium is the beginning of the next range, of a less dense medium.
     if (range.ior <= ior && cosine > 0.0 && cosine < 1.0) {
       cosines.push_back(cosine);
     }
@@ -138,8 +139,8 @@ FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int
   return {static_cast<int>(degree), ends(set, ior), beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
 }
 
-/// Writes one part of an operator: its block on live nodes, and columns and rows of targets. `arriving` is light
-/// that comes in along targets, `leaving` what goes out along them, by incoming live nodes.
+/// Writes one part of an operator: its block on live nodes, and the columns and rows of targets. `arriving`: light that
+/// comes in along targets; `leaving`: light that goes out along targets, by incoming live nodes.
 void fill(MatrixXd& kernel, const Directions& out, const Directions& in, const MatrixXd& nodes,
           const MatrixXd& arriving, const MatrixXd& leaving) {
   kernel.topLeftCorner(out.live, in.live) = nodes;
@@ -205,59 +206,77 @@ RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, doubl
 }
 
 RoughSurface::Operators RoughSurface::on(const Directions& above, const Directions& below, ThreadPool& pool) const {
-  const auto targets = [&](const LobeOperator& rays, const Directions& in) {
-    return rays.from(in.mu.tail(in.targets), in.ior * in.scale.tail(in.targets), pool);
-  };
-  const std::shared_ptr<const LobeOperator::Columns> downward = targets(*from_above_, above);
-  const std::shared_ptr<const LobeOperator::Columns> upward = from_below_ ? targets(*from_below_, below) : nullptr;
-  std::vector<ScatteringFunction> orders;
-  for (std::size_t m = 0; m < nodes_.size(); ++m) {
-    ScatteringFunction& order = orders.emplace_back(ScatteringFunction::nothing(above.size(), above.nodes));
-    fill(order.reflect_above.kernel, above, above, nodes_[m].reflect_above, downward->reflected[m],
-         downward->reflected[m].transpose());
-    if (from_below_) {
-      fill(order.transmit.kernel, below, above, nodes_[m].transmit, downward->transmitted[m],
-           upward->transmitted[m].transpose());
-      fill(order.reflect_below.kernel, below, below, nodes_[m].reflect_below, upward->reflected[m],
-           upward->reflected[m].transpose());
+  Operators operators(*this, above, below);
+  operators.downward_ = from_above_->from_targets(above, pool);
+  if (from_below_) {
+    operators.upward_ = from_below_->from_targets(below, pool);
+  }
+  operators.compensate(pool);
+  return operators;
+}
+
+const MatrixXd& RoughSurface::Operators::from_targets(Face from, Face to, int m) const {
+  const LobeOperator::Columns& columns = from == Face::kTop ? *downward_ : *upward_;
+  return (from == to ? columns.reflected : columns.transmitted)[static_cast<std::size_t>(m)];
+}
+
+ScatteringFunction RoughSurface::Operators::lobes(int m) const {
+  const auto k = static_cast<std::size_t>(m);
+  const Nodes& nodes = surface_->nodes_[k];
+  ScatteringFunction order = ScatteringFunction::nothing(above_->size(), above_->nodes);
+  const MatrixXd& reflected = downward_->reflected[k];
+  fill(order.reflect_above.kernel, *above_, *above_, nodes.reflect_above, reflected, reflected.transpose());
+  if (upward_) {
+    const MatrixXd& returned = upward_->reflected[k];
+    fill(order.transmit.kernel, *below_, *above_, nodes.transmit, downward_->transmitted[k],
+         upward_->transmitted[k].transpose());
+    fill(order.reflect_below.kernel, *below_, *below_, nodes.reflect_below, returned, returned.transpose());
+  }
+  return order;
+}
+
+ScatteringFunction RoughSurface::Operators::order(int m) const {
+  ScatteringFunction order = lobes(m);
+  if (m == 0 && share_ > 0.0) {
+    order.reflect_above.kernel += share_ * lost_above_ * lost_above_.transpose();
+    if (upward_) {
+      order.transmit.kernel += share_ * lost_below_ * lost_above_.transpose();
+      order.reflect_below.kernel += share_ * lost_below_ * lost_below_.transpose();
     }
   }
-  ScatteringFunction lobes = orders.front();
-  MatrixXd& mean_above = orders.front().reflect_above.kernel;
-  if (!from_below_) {
-    if (perfect_) {
-      const MatrixXd whole = targets(*perfect_, above)->reflected.front();
-      MatrixXd all = MatrixXd::Zero(above.size(), above.size());
-      fill(all, above, above, perfect_nodes_, whole, whole.transpose());
-      const VectorXd kept = leaving_flux(all, above);
-      require_no_gain(gain(above, kept));
-      const VectorXd lost = lost_flux(above, kept);
-      const double loss = node_sum(lost, above);
-      if (loss > 0.0) {
-        // Reflected again and again, each time with the mean reflectance, until it gets out.
-        const double share = loss / node_sum(common_scale(above), above);
-        const double again = mean_fresnel_ * mean_fresnel_ * (1.0 - share) / (1.0 - mean_fresnel_ * share);
-        mean_above += again / loss * lost * lost.transpose();
-      }
+  return order;
+}
+
+/// Finds what single scattering by facets loses in each direction. Throws std::runtime_error if it gains.
+void RoughSurface::Operators::compensate(ThreadPool& pool) {
+  if (upward_) {
+    const ScatteringFunction mean = lobes(0);
+    const MatrixXd& through = mean.transmit.kernel;
+    const VectorXd kept_above = leaving_flux(mean.reflect_above.kernel, *above_) + leaving_flux(through, *below_);
+    const VectorXd kept_below =
+        leaving_flux(mean.reflect_below.kernel, *below_) + leaving_flux(through.transpose(), *above_);
+    require_no_gain(std::max(gain(*above_, kept_above), gain(*below_, kept_below)));
+    if (surface_->compensate_) {
+      lost_above_ = lost_flux(*above_, kept_above);
+      lost_below_ = lost_flux(*below_, kept_below);
+      const double loss = node_sum(lost_above_, *above_) + node_sum(lost_below_, *below_);
+      share_ = loss > 0.0 ? 1.0 / loss : 0.0;
     }
-    return {std::move(orders), std::move(lobes)};
-  }
-  MatrixXd& through = orders.front().transmit.kernel;
-  MatrixXd& mean_below = orders.front().reflect_below.kernel;
-  const VectorXd kept_above = leaving_flux(mean_above, above) + leaving_flux(through, below);
-  const VectorXd kept_below = leaving_flux(mean_below, below) + leaving_flux(through.transpose(), above);
-  require_no_gain(std::max(gain(above, kept_above), gain(below, kept_below)));
-  if (compensate_) {
-    const VectorXd up = lost_flux(above, kept_above);
-    const VectorXd down = lost_flux(below, kept_below);
-    const double loss = node_sum(up, above) + node_sum(down, below);
+  } else if (surface_->perfect_) {
+    const MatrixXd whole = surface_->perfect_->from_targets(*above_, pool)->reflected.front();
+    MatrixXd all = MatrixXd::Zero(above_->size(), above_->size());
+    fill(all, *above_, *above_, surface_->perfect_nodes_, whole, whole.transpose());
+    const VectorXd kept = leaving_flux(all, *above_);
+    require_no_gain(gain(*above_, kept));
+    lost_above_ = lost_flux(*above_, kept);
+    const double loss = node_sum(lost_above_, *above_);
     if (loss > 0.0) {
-      mean_above += up * up.transpose() / loss;
-      through += down * up.transpose() / loss;
-      mean_below += down * down.transpose() / loss;
+      // Lost light is reflected repeatedly, each time with the mean reflectance, until it leaves (Kulla and Conty).
+      const double lost = loss / node_sum(common_scale(*above_), *above_);
+      const double fresnel = surface_->mean_fresnel_;
+      share_ = fresnel * fresnel * (1.0 - lost) / (1.0 - fresnel * lost) / loss;
     }
   }
-  return {std::move(orders), std::move(lobes)};
 }
 
 template <typename... Towards>

@@ -2,6 +2,7 @@
 // The scattering function of a rough boundary or of a rough metal.
 #pragma once
 #include <complex>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -11,58 +12,80 @@
 
 namespace lamina {
 
-/// The two sides of a boundary: light meets it, or leaves it, above or below.
+/// The two faces of a boundary, where light arrives or leaves.
 enum class Face { kTop, kBottom };
 
-/// A rough boundary, between two dielectrics or of a conductor, as operators of all azimuth orders.
+/// A rough boundary between two dielectrics, or of a conductor, as operators in all azimuth orders.
 ///
-/// What single-scattering facets lose to shadowing is given back in proportion to the loss of the
-/// directions on both sides (Kulla and Conty, SIGGRAPH 2017 course), so that a dielectric boundary absorbs
-/// nothing; without compensation it stays lost.
+/// Single scattering by facets loses energy to shadowing. Compensation returns the energy in proportion to the losses
+/// of the directions on both sides (Kulla and Conty, SIGGRAPH 2017 course), so a dielectric boundary absorbs nothing.
+/// Without compensation the energy stays lost.
 class RoughSurface {
  public:
-  /// `fineness` multiplies the density of facets: 1 will do beside what scatters smoothly, lobes that meet lobes
-  /// or mirrors need more.
+  /// `fineness` multiplies the density of facet normals. 1 is enough beside smoothly scattering media; lobes that meet
+  /// other lobes or mirrors need more.
   RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
                double fineness = 1.0);
   RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
                double fineness = 1.0);
 
-  /// A rough boundary on directions with targets.
-  struct Operators {
-    std::vector<ScatteringFunction> orders;
-    ScatteringFunction lobes;  ///< order 0 without what is given back
+  /// The boundary on directions with targets, one azimuth order at a time. Refers to the boundary and the directions.
+  class Operators {
+   public:
+    /// Lobes between two targets are left out, see LobeOperator; the compensation, which is smooth, is included.
+    ScatteringFunction order(int m) const;
+    /// One order of the lobes alone, from targets on one face to the live nodes of the medium at another:
+    /// [live node, target].
+    const Eigen::MatrixXd& from_targets(Face from, Face to, int m) const;
+    int orders() const { return static_cast<int>(surface_->nodes_.size()); }
+
+   private:
+    friend class RoughSurface;
+    Operators(const RoughSurface& surface, const Directions& above, const Directions& below)
+        : surface_(&surface), above_(&above), below_(&below) {}
+
+    ScatteringFunction lobes(int m) const;
+    void compensate(ThreadPool& pool);
+
+    const RoughSurface* surface_;
+    const Directions* above_;
+    const Directions* below_;
+    std::shared_ptr<const LobeOperator::Columns> downward_;
+    std::shared_ptr<const LobeOperator::Columns> upward_;
+    // The compensation from any direction to any other is the product of the losses there times this share.
+    double share_ = 0.0;
+    Eigen::VectorXd lost_above_;
+    Eigen::VectorXd lost_below_;
   };
-  /// Lobes between two targets are left out, see LobeOperator; what is given back is smooth and there.
   Operators on(const Directions& above, const Directions& below, ThreadPool& pool) const;
 
-  /// The lobes in closed form, for light that falls on one face and leaves by one, with cosines in the media there, at
-  /// azimuths dphi of these cosines: radiance divided by the square of the index there, for unit irradiance, 1/sr.
-  /// The same in both senses.
+  /// The lobes in closed form, for light that arrives at the face `from` and leaves at the face `to`. `mu_from` and
+  /// `mu_to` are cosines in the media there, `cosines` those of the azimuths dphi. Radiance in 1/sr for unit
+  /// irradiance, divided by the square of the index on the side `to`; symmetric in the two directions.
   Eigen::ArrayXd value(Face from, Face to, double mu_from, double mu_to, const Eigen::ArrayXd& cosines) const;
-  /// The same towards many directions, each at azimuths of its own: [direction, azimuth].
+  /// The same towards many directions, each at its own azimuths: [direction, azimuth].
   Eigen::ArrayXXd values(Face from, Face to, double mu_from, const FacetPairs& pairs) const;
 
  private:
-  /// One azimuth order on live nodes; of a conductor the first alone.
+  /// One azimuth order on live nodes; a conductor has only reflect_above.
   struct Nodes {
     Eigen::MatrixXd reflect_above;
     Eigen::MatrixXd transmit;
     Eigen::MatrixXd reflect_below;
   };
 
-  /// Whether light that comes from one face may leave by the other.
+  /// True if light that arrives at one face can leave at the other.
   bool exists(Face from, Face to) const { return !metal_ || (from == Face::kTop && to == Face::kTop); }
-  /// A lobe that exists, towards one direction or many, as the functions of microfacet.hpp take them.
+  /// A lobe that exists, towards one or many directions, with the arguments of the functions in microfacet.hpp.
   template <typename... Towards>
   auto lobe(Face from, Face to, double mu_from, const Towards&... towards) const;
 
   Facets facets_;
-  std::optional<std::complex<double>> metal_;  // index of a conductor, relative to that above
+  std::optional<std::complex<double>> metal_;  // index of a conductor, relative to the medium above
   std::optional<LobeOperator> from_above_;
   std::optional<LobeOperator> from_below_;  // empty for a conductor
   std::vector<Nodes> nodes_;                // by order
-  std::optional<LobeOperator> perfect_;     // of a conductor to be compensated: facets that reflect everything
+  std::optional<LobeOperator> perfect_;     // of a conductor with compensation: its facets, reflecting everything
   Eigen::MatrixXd perfect_nodes_;
   double mean_fresnel_ = 1.0;
   double ior_above_;

@@ -13,17 +13,17 @@ namespace {
 using Eigen::Index;
 using std::numbers::pi;
 
-constexpr int kWidth = 12;             // lines of the grid that a ray touches
-constexpr Index kMargin = kWidth / 2;  // lines beyond either end of the grid that rays touch
+constexpr int kWidth = 8;              // lines of the grid that a ray touches
+constexpr Index kMargin = kWidth / 2;  // lines beyond each end of the grid that rays touch
 using KernelWeights = Eigen::Array<double, kWidth, 1>;
 constexpr double kSteepness = 2.3 * kWidth;
-constexpr double kFiner = 2.0;  // lines for each wave
+constexpr double kFiner = 2.0;  // lines per wave
 
 Index lines_for(int waves) {
   return std::max<Index>(kWidth, static_cast<Index>(std::ceil(kFiner * static_cast<double>(waves))));
 }
 
-/// cos(j angle) at the lines of a grid, pi (a + 1/2) / lines, divided by the kernel's own share in that wave:
+/// cos(j angle) at the lines of a grid, pi (a + 1/2) / lines, divided by the kernel's Fourier coefficient of wave j:
 /// [line, j]. Both the waves and the lines are even about 0 and about pi.
 Eigen::MatrixXd waves_on(Index lines, int waves) {
   const Quadrature rule(40);
@@ -41,8 +41,8 @@ Eigen::MatrixXd waves_on(Index lines, int waves) {
   return table;
 }
 
-/// The kernel on the lines that it touches, as polynomials in the place of its centre between two of them, good to
-/// 1e-12 (Barnett, Magland and af Klinteberg 2019, section 5.3).
+/// The values of the kernel on the lines that it touches, as polynomials in the offset of its centre between two lines.
+/// Accurate to 1e-8 (Barnett, Magland and af Klinteberg 2019, section 5.3).
 class KernelTable {
  public:
   KernelTable() {
@@ -64,7 +64,7 @@ class KernelTable {
     }
   }
 
-  /// `offset` in [0, 1]: from the end of the kernel to the first line.
+  /// `offset` in [0, 1]: distance from the end of the kernel to the first line.
   KernelWeights operator()(double offset) const {
     const double at = 2.0 * offset - 1.0;
     KernelWeights sum = terms_.back();
@@ -75,11 +75,11 @@ class KernelTable {
   }
 
  private:
-  static constexpr int kTerms = 17;
+  static constexpr int kTerms = 12;
   std::array<KernelWeights, kTerms> terms_;
 };
 
-/// The lines near an angle, counted from half a kernel before the grid's first, and the kernel there.
+/// The lines near an angle, counted from half a kernel before the first line of the grid, and the kernel there.
 struct Spread {
   Index first;
   KernelWeights weight;
@@ -93,7 +93,7 @@ struct Spread {
   }
 };
 
-/// Waves are even about 0 and about pi: adds to the lines of the grid what lies beyond its ends, mirrored.
+/// Adds the lines beyond the ends of the grid to their mirror images in the grid: waves are even about 0 and about pi.
 template <typename Lines>
 void fold(Lines lines) {
   const Index count = lines.rows() - 2 * kMargin;
@@ -112,7 +112,7 @@ WaveTables::WaveTables(const Quadrature& nodes, int orders) : low(nodes.low()), 
   for (int j = 0; j < count; ++j) {
     waves.col(j) = (static_cast<double>(j) * angle).cos().matrix();
   }
-  // A polynomial's waves from its values at the nodes are waves^-1.
+  // waves^-1 maps the values of a polynomial at the nodes to its waves.
   to_nodes = waves.transpose().partialPivLu().solve(waves_on(lines_for(count), count).transpose());
   to_orders = waves_on(lines_for(orders), orders);
 }

@@ -43,8 +43,7 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
   std::size_t scatterer = 0;
   std::size_t surface = 0;
   const auto rough = [&](const Directions& here) {
-    functions.push_back(kernels ? surfaces_[surface].orders[static_cast<std::size_t>(order)]
-                                : ScatteringFunction::bare(here.size(), here.nodes));
+    functions.push_back(kernels ? surfaces_[surface].order(order) : ScatteringFunction::bare(here.size(), here.nodes));
     ++surface;
   };
   const auto push_smooth = [&](ScatteringFunction deltas) {
@@ -107,7 +106,7 @@ ScatteringFunction Assembly::without_single(int order) const {
   const bool base_reflects = stack.base.kind == Base::Kind::kConductor ||
                              (stack.base.kind == Base::Kind::kLambert && order == 0 && stack.base.reflectance > 0.0);
   if (stack.layers.size() == 1 && scatterers.size() == 1 && !base_reflects) {
-    // A single medium: its multiple scattering is the result.
+    // A single medium: the assembly is its multiple scattering.
     const Directions& here = directions_.front();
     const LayerKernels alone =
         multiple_on(here, solution_.multiple(order, 0), scatterers.front().medium, shapes_[0], order);

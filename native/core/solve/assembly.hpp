@@ -15,21 +15,18 @@ class Assembly {
   /// With `views` (see Directions) kernels are joined only between views and lights.
   Assembly(const Solution& solution, const Eigen::VectorXd& targets, ThreadPool& pool,
            Eigen::Index views = DirectionOperator::kAllTargets);
-  /// Directions and delta field only, for any number of targets; cannot be joined.
+  /// Directions and delta field only, for any number of targets. Such an assembly has no layers to join.
   Assembly(const Solution& solution, const Eigen::VectorXd& targets);
 
   const Solution& solution() const { return solution_; }
   /// The directions in the media between the layers, top first: one more than layers.
   const std::vector<Directions>& directions() const { return directions_; }
-  /// The lobes of a rough boundary in one order, without the compensation of lost energy.
-  const ScatteringFunction& lobes(std::size_t boundary, int order) const {
-    const RoughSurface::Operators& surface = surfaces_[boundary];
-    return order == 0 ? surface.lobes : surface.orders[static_cast<std::size_t>(order)];
-  }
-  /// Specular light, scattered by no medium and no rough boundary; by layer, the base last.
+  /// A rough boundary on these directions.
+  const RoughSurface::Operators& surface(std::size_t boundary) const { return surfaces_[boundary]; }
+  /// Specular light that no medium and no rough boundary has scattered; by layer, the base last.
   const DeltaField& deltas() const { return deltas_; }
 
-  /// The whole stack in one azimuth order, without lobes of rough boundaries between two targets.
+  /// The whole stack in one azimuth order. Lobes of rough boundaries between two targets are left out.
   ScatteringFunction joined(int order) const { return joined(order, once(order)); }
 
   /// The stack without single scattering by a medium or a rough boundary, and without delta parts: smooth in azimuth.

@@ -16,7 +16,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Sorted cosines without repetition, and where each of the given ones stands among them.
+/// Sorted cosines without duplicates; find() returns the index of a given cosine.
 struct Targets {
   Eigen::VectorXd mu;
 
@@ -43,8 +43,8 @@ Eigen::MatrixXd kernel_of(const ScatteringFunction& s, Side side, Path path) {
   return s.transmit.kernel.transpose();
 }
 
-/// Lagrange's interpolation on six neighbouring knots of a uniform grid in the angle, for lists too long
-/// to be targets themselves.
+/// Lagrange interpolation on six neighbouring knots of a uniform grid in the angle, for lists of cosines that are too
+/// long to be targets themselves.
 struct AngleTable {
   static constexpr Eigen::Index kKnots = 241;
   static constexpr Eigen::Index kStencil = 6;
@@ -183,7 +183,7 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
       const Eigen::Index column = exact.find(i);
       sum = sum / pi + once(row, column, Eigen::ArrayXd::Constant(1, std::cos(dphi[point])))[0] +
             meetings.value(side, path, row, column, Eigen::ArrayXd::Constant(1, dphi[point]))[0];
-      values[k] = std::max(0.0, sum);  // what is below is within the tolerance, see check_returned
+      values[k] = std::max(0.0, sum);  // negative values are within the tolerance, see check_returned
     }
   });
   return values;
@@ -198,7 +198,7 @@ Fluxes fluxes_on(const Assembly& assembly, Side side) {
   }
   const Directions& entry = side == Side::kTop ? directions.front() : directions.back();
   const Directions& exit = side == Side::kTop ? directions.back() : directions.front();
-  // The flux of scaled radiance is its product with C = n scale.
+  // The flux of scaled radiance is its scalar product with C = n scale.
   const auto flux = [](const Directions& where) {
     Eigen::VectorXd all = Eigen::VectorXd::Zero(where.nodes);
     all.head(where.live) = where.ior * where.scale.head(where.live);
@@ -209,7 +209,8 @@ Fluxes fluxes_on(const Assembly& assembly, Side side) {
   result.reflected = s.reflect_above.kernel.leftCols(entry.nodes) * flux(entry);
   result.mirrored = s.reflect_above.delta.cwiseProduct(own);
   const Eigen::VectorXd passed = s.transmit.kernel.topRows(entry.nodes).transpose() * flux(exit);
-  // The direct beam of the true, not the truncated, thickness; the rest counts as scattered.
+  // The direct beam passes the true thickness, not the truncated one; the rest of the transmitted light counts as
+  // scattered.
   Eigen::VectorXd longer = Eigen::VectorXd::Zero(own.size());
   for (const Solution::Scatterer& scatterer : solution.scatterers()) {
     const Directions& here = directions[scatterer.layer];
@@ -223,7 +224,7 @@ Fluxes fluxes_on(const Assembly& assembly, Side side) {
 }
 
 Fluxes fluxes(const Solution& solution, Side side, const Eigen::VectorXd& mu, ThreadPool& pool) {
-  // In parts: every target is joined with every other.
+  // Evaluate in parts: an assembly joins every target with every other target.
   constexpr Eigen::Index kPart = 96;
   Fluxes result;
   const auto parts = [](Fluxes& f) { return std::array{&f.reflected, &f.mirrored, &f.transmitted, &f.direct}; };

@@ -20,20 +20,20 @@ enum class Path { kReflect, kTransmit };
 std::vector<double> evaluate_grid(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
                                   const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool);
 
-/// A side where light enters and a path; evaluate_grids assembles the stack once for several of them.
+/// The side where light enters, and reflection or transmission; evaluate_grids assembles the stack once for several.
 struct Passage {
   Side side;
   Path path;
 };
-/// For each passage and azimuth order, the smooth part of pi f between all targets of an assembly: without single
-/// scattering by media, and without single and double scattering by facets.
+/// For each passage and azimuth order, the smooth part of pi f between all targets of an assembly. Single scattering by
+/// media, and single and double scattering by facets, are not part of it.
 std::vector<std::vector<Eigen::MatrixXd>> smooth_orders(const Assembly& assembly, const FacetMeetings& meetings,
                                                         const std::vector<Passage>& passages, ThreadPool& pool);
 std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const std::vector<Passage>& passages,
                                                 const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,
                                                 const Eigen::VectorXd& dphi, ThreadPool& pool);
 
-/// The values for lists of equal length, one for each triple.
+/// The values at a list of points (mu_o, mu_i, dphi), given as three lists of equal length.
 std::vector<double> evaluate_points(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
                                     const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool);
 

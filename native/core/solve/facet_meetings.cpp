@@ -15,12 +15,12 @@ using Eigen::VectorXd;
 
 constexpr std::array kFaces{Face::kTop, Face::kBottom};
 
-/// By how much a facet's slope turns a ray, in n sin(theta): reflection on either side, or refraction.
+/// Factor from a facet's slope to the change of n sin(theta) of a ray, for reflection or refraction.
 double turn(double ior_here, double ior_beyond, bool reflects) {
   return reflects ? 2.0 * ior_here : std::abs(ior_beyond - ior_here);
 }
 
-/// Cosines on one side at which directions of a thinner medium end.
+/// Cosines on one side at which the directions of a less dense medium end.
 std::vector<double> critical_cosines(const std::vector<double>& indices, double ior) {
   std::vector<double> cosines{0.0};
   for (const double other : indices) {
@@ -33,7 +33,8 @@ std::vector<double> critical_cosines(const std::vector<double>& indices, double 
   return cosines;
 }
 
-/// What a beam from outside brings to a face of a layer, and by reciprocity takes out of it, by direction.
+/// The share of a beam from outside that arrives at a face of a layer; by reciprocity, also the share of light from the
+/// face that leaves the stack. By direction.
 const VectorXd& at_face(const DeltaField::Arrival& arrival, Face face) {
   return face == Face::kTop ? arrival.down : arrival.up;
 }
@@ -45,7 +46,7 @@ FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), se
   const Stack& stack = solution.stack();
   const std::vector<double> indices = refractive_indices(stack);
   const std::vector<Solution::Boundary>& rough = solution.boundaries();
-  // Of all lobes the narrowest: rays must be dense enough to see it from any other.
+  // The narrowest lobe: rays of all lobes must be dense enough to sample it.
   double narrowest = 1e300;
   const auto facets = [&](const Solution::Boundary& boundary) -> const Facets& {
     return boundary.layer == stack.layers.size() ? stack.base.facets
@@ -66,7 +67,7 @@ FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), se
   for (const Solution::Boundary& boundary : rough) {
     double widest = 0.0;
     each_lobe(boundary, [&](double width) { widest = std::max(widest, width); });
-    // Along the tail of a lobe, features of another are as wide as the root of the ratio of both widths.
+    // In the tail of a lobe, features of a narrower lobe are as wide as the square root of the ratio of both widths.
     constexpr double kDensity = 1.6;
     constexpr int kDegree = 8;
     const double density = kDensity * std::sqrt(widest / narrowest);
@@ -97,12 +98,12 @@ FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), se
       meetings_.push_back({k - 1, Face::kBottom, k, Face::kTop, k, &Deltas::transmit});
     }
   }
-  // What is fainter may stay with the nodes' polynomials.
+  // Leave fainter meetings to interpolation through the nodes.
   const double faint = 0.1 * std::min(solution.resolution().tolerance, 1e-2);
   std::erase_if(meetings_, [&](const Meeting& meeting) { return !(between_nodes(meeting) > faint).any(); });
 }
 
-/// What of the light on nodes gets from one lobe to the other.
+/// The share of light at each node that passes specularly from the first lobe to the second.
 ArrayXd FacetMeetings::between_nodes(const Meeting& meeting) const {
   const std::vector<Directions>& directions = assembly_.directions();
   const auto cosines = [&](std::size_t gap) -> ArrayXd {
@@ -118,17 +119,13 @@ double FacetMeetings::cosine(std::size_t boundary, Face face, Index target) cons
   return here.mu[here.live + target];
 }
 
-/// What one order of a boundary's lobes sends from targets on one face to nodes on another: nodes by targets.
+/// Light that one order of a boundary's lobes sends from targets on one face to nodes on another: [node, target].
 MatrixXd FacetMeetings::to_nodes(std::size_t boundary, Face from, Face to, int order) const {
-  const ScatteringFunction& lobes = assembly_.lobes(boundary, order);
   const Directions& any = assembly_.directions().front();
-  if (from == to) {
-    const MatrixXd& kernel = (from == Face::kTop ? lobes.reflect_above : lobes.reflect_below).kernel;
-    return kernel.block(0, any.nodes, any.nodes, any.targets);
-  }
-  const MatrixXd& kernel = lobes.transmit.kernel;
-  return from == Face::kTop ? MatrixXd(kernel.block(0, any.nodes, any.nodes, any.targets))
-                            : MatrixXd(kernel.block(any.nodes, 0, any.targets, any.nodes).transpose());
+  const MatrixXd& live = assembly_.surface(boundary).from_targets(from, to, order);
+  MatrixXd all = MatrixXd::Zero(any.nodes, any.targets);
+  all.topRows(live.rows()) = live;
+  return all;
 }
 
 void FacetMeetings::take_from(ScatteringFunction& rest, int order) const {
@@ -202,8 +199,8 @@ std::shared_ptr<const FacetMeetings::Lobe> FacetMeetings::lobe(std::size_t bound
   return made;
 }
 
-/// The rays of the first lobe, met by the second, which belongs to a direction of cosine `mu` on `face`; `backwards`:
-/// those of the second, met by the first.
+/// Adds the rays of the first lobe, weighted with the second lobe's value for a direction of cosine `mu` on `face`.
+/// With `backwards`, adds the rays of the second lobe, weighted with the first lobe's value.
 void FacetMeetings::add_rays(ArrayXd& sum, const Meeting& meeting, bool backwards, const Lobe& own, const Lobe& other,
                              Face face, double mu, const ArrayXd& dphi) const {
   const std::vector<Directions>& directions = assembly_.directions();
@@ -230,7 +227,7 @@ void FacetMeetings::add_rays(ArrayXd& sum, const Meeting& meeting, bool backward
   for (std::size_t first = 0; first < live.size(); first += kChunk) {
     const std::vector<Index> rays(live.begin() + static_cast<std::ptrdiff_t>(first),
                                   live.begin() + static_cast<std::ptrdiff_t>(std::min(first + kChunk, live.size())));
-    // A ray stands for itself and its mirror image in the plane of incidence.
+    // Each ray also represents its mirror image in the plane of incidence.
     const ArrayXd along = own.azimuth(rays);
     const ArrayXd across = (1.0 - along.square()).max(0.0).sqrt();
     FacetPairs pairs{arriving(rays), Eigen::ArrayXXd(along.size(), 2 * azimuths)};

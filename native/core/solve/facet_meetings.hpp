@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Light that rough boundaries scatter twice, integrated along the rays of both lobes.
+// Light that facets of rough boundaries scatter twice, integrated along the rays of both lobes.
 #pragma once
 #include <Eigen/Core>
 #include <map>
@@ -15,11 +15,11 @@
 
 namespace lamina {
 
-/// Light that facets scatter twice, with nothing but mirrors and attenuation between: a lobe seen in a lobe, of two
-/// rough boundaries or of one that a mirror shows to itself. The product of two narrow lobes is as narrow as they are,
-/// so polynomials through the nodes would ring. Between targets it is therefore integrated over the rays of both lobes:
-/// each ray counts with its lobe's share of the density of both (balance heuristic; Veach and Guibas 1995), so that
-/// the integrand is smooth on the scale of the rays of either.
+/// Light scattered twice by facets, with only specular reflection and attenuation in between: from the lobe of one
+/// rough boundary into the lobe of another, or of the same boundary by way of a mirror. The product of two narrow lobes
+/// is as narrow as the lobes, and polynomials through the nodes would ring. Between targets the product is therefore
+/// integrated over the rays of both lobes. Each ray is weighted by its lobe's share of the density of both lobes
+/// (balance heuristic, Veach and Guibas 1995), so the integrand is smooth on the scale of the rays of either lobe.
 class FacetMeetings {
  public:
   /// Keeps references into the assembly.
@@ -27,14 +27,14 @@ class FacetMeetings {
 
   bool none() const { return meetings_.empty(); }
 
-  /// Takes out of an azimuth order between targets what the nodes' polynomials say of such light.
+  /// Subtracts the interpolation of such light through the nodes from one azimuth order between targets.
   void take_from(ScatteringFunction& rest, int order) const;
 
-  /// BRDF or BTDF in 1/sr between two targets, of light that enters on `side`. For any number of threads.
+  /// BRDF or BTDF in 1/sr between two targets, of light that enters on `side`. Thread-safe.
   Eigen::ArrayXd value(Side side, Path path, Eigen::Index o, Eigen::Index i, const Eigen::ArrayXd& dphi) const;
 
  private:
-  /// From a face of one boundary, as light leaves, to a face of one, as light arrives.
+  /// A specular path from the face of a boundary where light leaves to the face of a boundary where light arrives.
   struct Meeting {
     std::size_t first;
     Face leaving;
@@ -54,26 +54,26 @@ class FacetMeetings {
   }
   Eigen::ArrayXd between_nodes(const Meeting& meeting) const;
   double cosine(std::size_t boundary, Face face, Eigen::Index target) const;
-  /// Nothing leaves a conductor below.
+  /// Light does not enter or leave a conductor from below.
   bool exists(std::size_t boundary, Face face) const {
     return face == Face::kTop || boundaries_[boundary].rays.size() > 1;
   }
-  /// A lobe's rays into one side.
+  /// The rays of a lobe on one side of a boundary.
   struct Lobe {
-    Eigen::ArrayXd mu;       ///< cosines there
+    Eigen::ArrayXd mu;       ///< cosines with the normal
     Eigen::ArrayXd azimuth;  ///< cosines of the azimuth, 1 forward
-    Eigen::ArrayXd share;    ///< of the incident flux
-    Eigen::ArrayXd density;  ///< of the lobe along its own rays, of whole flux 1
+    Eigen::ArrayXd share;    ///< shares of the incident flux
+    Eigen::ArrayXd density;  ///< density of the lobe at its rays, normalised to a flux of 1
     double whole = 0.0;      ///< the sum of the shares
   };
   using LobeKey = std::tuple<std::size_t, Face, Face, double>;
-  /// Lobes by boundary, face that light comes from, face that it leaves by, and cosine.
+  /// Cached lobes by boundary, the face where light arrives, the face where light leaves, and incident cosine.
   struct Lobes {
     std::mutex lock;
     std::map<LobeKey, std::shared_ptr<const Lobe>> known;
     std::size_t rays = 0;
   };
-  /// Made once and kept for later calls, as long as all that are kept take no more than some megabytes.
+  /// A lobe from the cache, computed on first use. The cache is cleared when it exceeds kMostRays.
   std::shared_ptr<const Lobe> lobe(std::size_t boundary, Face from, Face to, double mu) const;
   Lobe made_lobe(std::size_t boundary, Face from, Face to, double mu) const;
   Eigen::MatrixXd to_nodes(std::size_t boundary, Face from, Face to, int order) const;

@@ -41,7 +41,7 @@ Deltas MirrorSections::layer(std::size_t layer, const Cosines& cosines) const {
   if (std::holds_alternative<Interface>(stack.layers[layer])) {
     const ArrayXd below = cosines(layer + 1);
     for (Eigen::Index k = 0; k < above.size(); ++k) {
-      // Directions that exist on one side only are totally reflected.
+      // Light is totally reflected where the direction exists on one side only.
       const double back =
           above[k] > 0.0 && below[k] > 0.0 ? fresnel(above[k], below[k], indices_[layer], indices_[layer + 1]) : 1.0;
       deltas.reflect_above[k] = deltas.reflect_below[k] = back;
@@ -50,7 +50,7 @@ Deltas MirrorSections::layer(std::size_t layer, const Cosines& cosines) const {
     return deltas;
   }
   const auto medium = std::find_if(media_.begin(), media_.end(), [&](const Medium& m) { return m.layer == layer; });
-  constexpr double kLeast = 1e-300;  // a direction that does not exist
+  constexpr double kLeast = 1e-300;  // replaces the cosine 0 of a direction that does not exist
   deltas.transmit = (-medium->tau / above.max(kLeast)).exp();
   return deltas;
 }

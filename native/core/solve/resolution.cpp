@@ -90,9 +90,9 @@ int nodes_for(const PhaseFunction& phase, double albedo, double tolerance) {
 /// A boundary that reflects light, smooth or rough.
 struct Reflector {
   double alpha;
-  double refracted;  ///< width of a refracted lobe in n sin(theta); infinite: there is none
-  double reflected;  ///< of a reflected lobe
-  double depth;      ///< optical thickness above
+  double refracted;  ///< width of a refracted lobe in n sin(theta); infinite if there is none
+  double reflected;  ///< width of a reflected lobe in n sin(theta)
+  double depth;      ///< optical thickness above the boundary
 };
 
 std::vector<Reflector> reflectors_of(const Stack& stack) {
@@ -163,7 +163,7 @@ LobeChain slowest_chain(const Stack& stack, double tolerance) {
   return chain;
 }
 
-/// Throws if the lobes need more azimuth orders than allowed, with a factor 2 of doubt in the estimate.
+/// Throws if the lobes need more azimuth orders than allowed. The estimate may be too large by a factor of 2.
 void refuse_needles(const Stack& stack, double tolerance) {
   const LobeChain chain = slowest_chain(stack, tolerance);
   if (chain.orders > 2.0 * kMostOrders) {
@@ -181,7 +181,7 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
   refuse_needles(stack, tolerance);
   int nodes = fewest_nodes(tolerance);
   double thinnest = 1.0;
-  const auto scatter = [&](double albedo, const PhaseFunction& phase) {
+  const auto resolve = [&](double albedo, const PhaseFunction& phase) {
     constexpr int kLast = 2 * kMostNodes;
     const double rest = albedo * std::abs(phase.moment(kLast));
     if (rest > kUnresolved && !only_noise_beyond(phase, albedo, kLast, tolerance)) {
@@ -189,26 +189,23 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
     }
     nodes = std::max(nodes, nodes_for(phase, albedo, tolerance));
   };
-  const auto add_medium = [&](double tau) {
-    if (tau > kThinnestRepeated) {
-      thinnest = std::min(thinnest, tau);
-    }
-  };
+  // Single scattering uses the phase function itself. Only multiple scattering needs nodes.
+  const double least = thinnest_resolved(tolerance);
   for (const Layer& layer : stack.layers) {
     const auto* medium = std::get_if<Medium>(&layer);
-    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > 0.0) {
-      scatter(medium->albedo, medium->phase);
-      add_medium(medium->tau);
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > least) {
+      resolve(medium->albedo, medium->phase);
+      thinnest = std::min(thinnest, medium->tau);
     }
-    // For a graded layer the total thickness counts: single sublayers need not be resolved.
+    // The total thickness of a graded layer counts: single sublayers need not be resolved.
     const auto* graded = std::get_if<GradedMedium>(&layer);
-    if (graded != nullptr && graded->largest_albedo() > 0.0) {
+    if (graded != nullptr && graded->largest_albedo() > 0.0 && graded->tau() > least) {
       for (const GradedMedium::Knot& knot : graded->knots()) {
         if (knot.albedo > 0.0) {
-          scatter(knot.albedo, knot.phase);
+          resolve(knot.albedo, knot.phase);
         }
       }
-      add_medium(graded->tau());
+      thinnest = std::min(thinnest, graded->tau());
     }
   }
   Resolution resolution;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The resolution of a solve: numbers of nodes and azimuth orders, chosen from the stack.
 #pragma once
+#include <algorithm>
+
 #include "matter/stack.hpp"
 
 namespace lamina {
@@ -14,13 +16,21 @@ struct Resolution {
   double tolerance = 1e-3;          ///< largest admitted estimate of the relative pointwise error
 
   int moments() const { return 2 * nodes; }
+  /// Optical thickness up to which a layer needs no nodes of its own, see below.
+  double thinnest_resolved() const;
 };
 
-/// Thinner layers scatter only once. The relative error is about the thickness times its logarithm.
+/// Thinner layers scatter light only once.
 inline constexpr double kThinnestRepeated = 1e-9;
 
-/// Ranges of nodes are divided down to cosines like this thickness. In thinner layers, part of the multiple scattering
-/// of grazing light is missed; its share is about the thickness times its logarithm.
+/// Optical thickness up to which multiple scattering within a layer may be coarse: it is a share of about the thickness
+/// times its logarithm of what the layer scatters, a tenth of the tolerance. Single scattering is always exact.
+inline double thinnest_resolved(double tolerance) { return 1e-2 * std::min(tolerance, 1e-2); }
+
+inline double Resolution::thinnest_resolved() const { return lamina::thinnest_resolved(tolerance); }
+
+/// Ranges of nodes are divided down to cosines similar to the thickness, but not below this. In thinner layers part of
+/// the multiple scattering of grazing light is missed; its share is about the thickness times its logarithm.
 inline constexpr double kThinnestResolved = 1e-5;
 
 /// The resolution for the stack's phase functions. n Gauss nodes per hemisphere integrate products of the first 2n
@@ -28,14 +38,17 @@ inline constexpr double kThinnestResolved = 1e-5;
 /// cosines >= .05. Throws std::runtime_error if the largest number of nodes is not enough.
 Resolution choose_resolution(const Stack& stack, double tolerance);
 
-/// Azimuth orders for three successive lobes, to that relative error; 0 if light cannot get from lobe to lobe. Two
-/// successive lobes are integrated separately, see FacetMeetings.
+/// Number of azimuth orders for three successive lobes at the relative error `tolerance`; 0 if light cannot pass from
+/// lobe to lobe. Two successive lobes are integrated separately, see FacetMeetings.
 int orders_for_lobes(const Stack& stack, double tolerance);
 
 /// The largest number of azimuth orders that a solve tries.
 inline constexpr int kMostOrders = 200;
 
-/// Number of nodes whose resolution in the cosine matches that of so many orders in the azimuth.
+/// The slowest decay from one azimuth order to the next that the check of returned values assumes.
+inline constexpr double kSlowestDecay = 0.974;
+
+/// Number of nodes whose resolution in the cosine matches the resolution of `orders` in the azimuth.
 inline int nodes_beside(int orders) { return 8 * ((3 * orders + 79) / 80); }
 
 /// The next finer resolution, or the same if there is none.

@@ -17,20 +17,21 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 using std::numbers::pi;
 
-/// What a smaller value counts as: of the mean over azimuths, and in 1/sr.
+/// Errors are relative to the value, but at least to this share of the mean over azimuths and to this value in 1/sr.
 constexpr double kFaint = 1e-3;
 constexpr double kLeast = 1e-3;
 
-/// What the orders that follow may add at these azimuths. They decay geometrically: the last four against the four
-/// before. Where they keep their sign, or change it each time, their waves cancel but near azimuth 0, or pi.
+/// Bounds the contribution of the truncated orders at these azimuths. Orders are assumed to decay geometrically, at the
+/// ratio of the last four to the four before. If their signs are all equal, or alternate, the cosines cancel except
+/// near azimuth 0, or pi, and summation by parts gives a smaller bound.
 ArrayXd rest_of(const ArrayXd& orders, const ArrayXd& dphi) {
   constexpr Index kFew = 4;
-  constexpr double kSlowest = 0.9;
+  const double slowest = std::pow(kSlowestDecay, kFew);
   const Index few = std::min(kFew, orders.size() / 2);
   const ArrayXd tail = orders.tail(few);
   const double last = tail.abs().sum();
   const double before = orders.segment(orders.size() - 2 * few, few).abs().sum();
-  const double ratio = last < kSlowest * before ? last / before : kSlowest;
+  const double ratio = last < slowest * before ? last / before : slowest;
   const double all = last * ratio / (1.0 - ratio);
   const ArrayXd steps = tail.head(few - 1) * tail.tail(few - 1);
   ArrayXd rest = ArrayXd::Constant(dphi.size(), all);

@@ -5,8 +5,8 @@
 
 namespace lamina {
 
-/// Checks values at a few directions on all sides: the possible contribution of truncated azimuth orders, and the most
-/// negative value, both relative.
+/// Checks values at a few directions on all sides. Returns the relative contribution of truncated azimuth orders and
+/// the relative size of the most negative value.
 SolveChecks check_returned(const Solution& solution, ThreadPool& pool);
 
 }  // namespace lamina

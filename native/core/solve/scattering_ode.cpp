@@ -17,8 +17,8 @@ using Array = ExponentialSteps::Array;
 
 /// The number of azimuth orders that the phase functions need. Throws if the nodes do not resolve a peak.
 int needed_orders(const GradedMedium& medium, int nodes) {
-  constexpr double kUnresolved = 1e-5;  // largest moment beyond the nodes, as for the solver
-  constexpr double kUnseen = 1e-11;     // orders with smaller moments are left out
+  constexpr double kUnresolved = 1e-5;  // largest moment that the nodes may leave unresolved, as in the solver
+  constexpr double kUnseen = 1e-11;     // orders with smaller moments are skipped
   int orders = 1;
   for (const GradedMedium::Knot& knot : medium.knots()) {
     const double rest = knot.albedo * std::abs(knot.phase.moment(2 * nodes));

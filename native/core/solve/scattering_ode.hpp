@@ -12,15 +12,15 @@ namespace lamina {
 /// The discretisation of the differential form.
 struct OdeSettings {
   int nodes = 32;           ///< Gauss-Legendre nodes in (0, 1); must resolve the phase functions' peaks
-  double tolerance = 1e-8;  ///< of a step's error, relative to the largest S (1 at least)
+  double tolerance = 1e-8;  ///< largest error of a step, relative to the largest S (at least to 1)
 };
 
-/// A slab by the differential form of the scattering equation, on quadrature nodes and by azimuth orders:
+/// Solves a slab by the differential form of the scattering equation, on quadrature nodes and by azimuth orders:
 ///   dS/dt = -(1/mu + 1/mu0) S + k + kS + Sk + SkS,      S = 4 mu mu0 rho where t = 0, the bottom,
 /// and for light that is transmitted downwards, without the direct beam E = exp(-t/mu),
 ///   dT/dt = -T/mu0 + (E + T)(k + kS),
-/// where rho is the reflectance of the surface below. Integrated upwards through any profile, without adding and
-/// without eigenvectors: independent of the solver.
+/// where rho is the reflectance of the surface below. The equations are integrated upwards through any profile, without
+/// adding and without eigenvectors, independently of the solver.
 class OdeSolution {
  public:
   /// Throws std::invalid_argument if the nodes do not resolve a phase function's peak.
@@ -30,11 +30,11 @@ class OdeSolution {
   /// BRDF and BTDF in 1/sr for light from above, between targets (by index); dphi = 0: light keeps its azimuth.
   double brdf(Eigen::Index out, Eigen::Index in, double dphi) const { return sum(true, out, in, dphi); }
   double btdf(Eigen::Index out, Eigen::Index in, double dphi) const { return sum(false, out, in, dphi); }
-  /// The shares of a beam from each target that are reflected, or transmitted with scattering.
+  /// Shares of the flux of a beam from each target: reflected, and transmitted with scattering.
   Eigen::VectorXd reflectance() const { return flux(true); }
   Eigen::VectorXd transmittance() const { return flux(false); }
   int orders() const { return static_cast<int>(moments_.size()); }
-  int steps() const { return steps_; }  ///< of order 0
+  int steps() const { return steps_; }  ///< steps taken for order 0
 
  private:
   double sum(bool reflect, Eigen::Index out, Eigen::Index in, double dphi) const;
@@ -43,7 +43,7 @@ class OdeSolution {
   Eigen::Index nodes_;
   Eigen::VectorXd mu_;  // nodes, then targets
   Eigen::VectorXd weight_;
-  std::vector<Eigen::ArrayXXd> moments_;  // by order: S above T; columns: incident light
+  std::vector<Eigen::ArrayXXd> moments_;  // by order: S above T; column: incident direction
   int steps_ = 0;
 };
 

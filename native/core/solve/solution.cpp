@@ -7,13 +7,15 @@
 #include <stdexcept>
 #include <string>
 
+#include "rough/shared_surface.hpp"
+
 namespace lamina {
 namespace {
 
-/// Orders solved between two checks of convergence; fixed, so that results do not depend on the number of threads.
+/// Number of orders solved between two checks of convergence; fixed, so results do not depend on the number of threads.
 constexpr int kBlock = 4;
 
-/// True if multiple scattering exceeds rounding errors.
+/// True if the multiple scattering of the medium exceeds rounding errors.
 bool scatters_repeatedly(const TruncatedMedium& medium) {
   constexpr double kFaintest = 1e-7;  // albedo below which the difference from single scattering is rounding
   return medium.albedo > kFaintest && medium.tau > kThinnestRepeated;
@@ -29,15 +31,15 @@ double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double 
   return least;
 }
 
-/// By refractive index, the thickness of the thinnest layer with multiple scattering, at least `least`.
-std::map<double, double> thinnest_layers(const Stack& stack, double least) {
+/// The thickness of the thinnest layer that the nodes must resolve, by refractive index.
+std::map<double, double> thinnest_layers(const Stack& stack, const Resolution& resolution) {
   const std::vector<double> indices = refractive_indices(stack);
   std::map<double, double> thinnest;
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
     const auto* medium = std::get_if<Medium>(&stack.layers[layer]);
-    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > kThinnestRepeated) {
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > resolution.thinnest_resolved()) {
       double& known = thinnest.try_emplace(indices[layer], 1.0).first->second;
-      known = std::min(known, std::max(least, medium->tau));
+      known = std::min(known, std::max(resolution.thinnest, medium->tau));
     }
   }
   return thinnest;
@@ -59,7 +61,7 @@ Solution::Solution(SublayerStack sublayers, const Resolution& resolution, Thread
     : sublayers_(std::move(sublayers)),
       resolution_(resolution),
       set_(std::make_shared<DirectionSet>(refractive_indices(stack()), resolution.nodes,
-                                          thinnest_layers(stack(), resolution.thinnest))) {
+                                          thinnest_layers(stack(), resolution))) {
   const std::vector<double> indices = refractive_indices(stack());
   for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
     if (const auto* medium = std::get_if<Medium>(&stack().layers[layer])) {
@@ -71,14 +73,24 @@ Solution::Solution(SublayerStack sublayers, const Resolution& resolution, Thread
   solve(pool);
 }
 
+/// The number of azimuth orders that would pass the check if orders decayed as slowly as the check assumes.
+double Solution::orders_needed() const {
+  constexpr double kFewest = 64.0;  // fewer orders tell too little about the decay
+  if (orders() < kFewest) {
+    return orders();
+  }
+  return orders() + std::log(checks_.azimuth / resolution_.tolerance) / -std::log(kSlowestDecay);
+}
+
 Resolution Solution::finer() const {
+  constexpr double kHopeless = 1.75;  // the estimate may be this much too large
   Resolution finer = resolution_;
   if (!(checks_.azimuth < resolution_.tolerance)) {
-    finer.fewest_orders = std::min(kMostOrders, 8 * orders() / 5);
-    finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
-    if (orders() >= kMostOrders) {
+    if (orders() >= kMostOrders || orders_needed() > kHopeless * kMostOrders) {
       require_sound();
     }
+    finer.fewest_orders = std::min(kMostOrders, 8 * orders() / 5);
+    finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
     return finer;
   }
   finer = refined(resolution_);
@@ -95,12 +107,21 @@ Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& poo
     throw std::invalid_argument("with_thickness: layer " + std::to_string(layer) + " is not a medium");
   }
   Solution other = *this;
+  bool grown = false;  // from a thickness that the nodes need not resolve
   for (Scatterer& scatterer : other.scatterers_) {
     if (scatterer.layer >= begin && scatterer.layer < end) {
       Medium& medium = std::get<Medium>(other.sublayers_.stack.layers[scatterer.layer]);
+      const double before = medium.tau;
       medium.tau = sublayers_.share[scatterer.layer] * tau;
       scatterer.medium = TruncatedMedium(medium, resolution_.moments());
+      grown = grown || (medium.tau > resolution_.thinnest_resolved() && before <= resolution_.thinnest_resolved());
     }
+  }
+  if (grown && std::isfinite(resolution_.tolerance)) {
+    Resolution finer = choose_resolution(other.stack(), resolution_.tolerance);
+    finer.nodes = std::max(finer.nodes, resolution_.nodes);
+    finer.fewest_orders = resolution_.fewest_orders;
+    return {other.sublayers_, finer, pool};
   }
   other.solve(pool);
   return other;
@@ -176,13 +197,17 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
   multiple = multiple_scattering(solved, medium, phase, order, directions);
   if (order == 0) {
     checks = check_layer(solved, multiple, phase, medium, directions, *set_);
+    if (medium.tau <= resolution_.thinnest_resolved()) {
+      checks.resolution = 0.0;
+      checks.negativity = 0.0;
+    }
   }
 }
 
 /// The largest ratio of an order to the least scattering of a medium in any direction, estimated as single scattering
 /// plus a part of the mean of multiple scattering.
 double Solution::share_of_order(int order) const {
-  constexpr double kGrazing = 0.04;  // the tolerance holds above .05 only
+  constexpr double kGrazing = 0.04;  // the tolerance holds for cosines above .05 only
   // Cosines of the nodes in the least dense medium: light that is grazing there may be steep in a denser medium.
   std::vector<double> outside;
   for (const DirectionSet::Range& range : set_->ranges()) {
@@ -223,8 +248,8 @@ std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) con
   return all;
 }
 
-/// The least number of orders. Behind rough boundaries, single scattering needs as many orders as its phase function
-/// has; lobes that meet lobes need orders by their width.
+/// The least number of azimuth orders. Behind rough boundaries, single scattering needs as many orders as its phase
+/// function. Successive lobes need orders by their width.
 int Solution::fewest_orders() const {
   const std::vector<double> indices = refractive_indices(stack());
   bool rough = stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0;
@@ -258,15 +283,14 @@ void Solution::add_boundaries(ThreadPool& pool) {
   for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
     const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
     if (interface != nullptr && interface->is_rough(indices[layer])) {
-      boundaries_.push_back(
-          {layer, std::make_shared<RoughSurface>(*interface, *set_, indices[layer], orders(), pool, fineness)});
+      boundaries_.push_back({layer, shared_surface(*interface, *set_, indices[layer], orders(), pool, fineness)});
     }
   }
   if (stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0) {
-    boundaries_.push_back({stack().layers.size(), std::make_shared<RoughSurface>(stack().base, *set_, indices.back(),
-                                                                                 orders(), pool, fineness)});
+    boundaries_.push_back(
+        {stack().layers.size(), shared_surface(stack().base, *set_, indices.back(), orders(), pool, fineness)});
   }
-  // Evaluate once, so that lobes that are too narrow throw here, and not when values are evaluated.
+  // Evaluate once, so that lobes that are too narrow throw here and not in a later evaluation.
   const std::vector<Directions> here = directions(Eigen::VectorXd());
   for (const Boundary& boundary : boundaries_) {
     boundary.surface->on(here[boundary.layer], here[std::min(boundary.layer + 1, here.size() - 1)], pool);

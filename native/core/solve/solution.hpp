@@ -15,8 +15,8 @@
 
 namespace lamina {
 
-/// The solved layers of one channel: the multiple scattering of each medium in each azimuth order. The stack's
-/// scattering function for any directions follows from these.
+/// The solved layers of one channel: the multiple scattering of each medium in each azimuth order. The scattering
+/// function of the stack for any directions is computed from these.
 class Solution {
  public:
   Solution(SublayerStack sublayers, const Resolution& resolution, ThreadPool& pool);
@@ -75,6 +75,7 @@ class Solution {
   void limit_modes();
   double share_of_order(int order) const;
   int fewest_orders() const;
+  double orders_needed() const;
   void add_boundaries(ThreadPool& pool);
 
   SublayerStack sublayers_;

@@ -24,7 +24,7 @@ Eigen::MatrixXd coefficients(const Eigen::MatrixXd& table, const Quadrature& ran
 /// True for a range of directions that are grazing in a less dense medium. In this medium their cosines coincide within
 /// rounding, so functions are constant there and coefficients are rounding noise.
 bool falls_together(const DirectionSet::Range& range, double ior) {
-  constexpr double kGrazing = 0.04;  // the tolerance holds above .05 only
+  constexpr double kGrazing = 0.04;  // the tolerance holds for cosines above .05 only
   return range.ior < ior && range.nodes.high() < kGrazing;
 }
 
@@ -85,7 +85,7 @@ double tail_share(const Eigen::MatrixXd& repeated, const Eigen::MatrixXd& all, c
 }  // namespace
 
 void SolveChecks::worsen(const SolveChecks& other) {
-  // NaN counts as the worst.
+  // NaN is worse than any number.
   const auto worse = [](double a, double b) { return std::isnan(b) || b > a ? b : a; };
   quadrature = worse(quadrature, other.quadrature);
   phase = worse(phase, other.phase);
@@ -97,8 +97,8 @@ void SolveChecks::worsen(const SolveChecks& other) {
 }
 
 std::string SolveChecks::problem(double tolerance) const {
-  constexpr double kExact = 1e-9;   // moments are exact but for rounding
-  constexpr double kEnergy = 5e-7;  // exact but for rounding, which grows where nodes are grazing
+  constexpr double kExact = 1e-9;   // moments are exact except for rounding
+  constexpr double kEnergy = 5e-7;  // exact except for rounding, which grows at grazing nodes
   std::ostringstream text;
   const auto judge = [&](const char* name, double error, double allowed) {
     if (!(error < allowed)) {

@@ -9,12 +9,13 @@ namespace lamina {
 
 /// Results of the checks of every solve. All are errors, ideally 0.
 struct SolveChecks {
-  double quadrature = 0.0;   ///< of the nodes' moments
-  double phase = 0.0;        ///< of the normalisation of the discretised phase functions
-  double energy = 0.0;       ///< gained, or lost by conservative layers, at any node
-  double reciprocity = 0.0;  ///< asymmetry of the solved kernels, relative
-  double negativity = 0.0;   ///< most negative azimuthal mean of a layer's kernel, or value of the stack, relative
-  double azimuth = 0.0;      ///< of the stack's values, relative, from truncated azimuth orders
+  double quadrature = 0.0;   ///< error of the nodes' moments
+  double phase = 0.0;        ///< error of the normalisation of the discretised phase functions
+  double energy = 0.0;       ///< energy gained, or lost by conservative layers, at any node
+  double reciprocity = 0.0;  ///< relative asymmetry of the solved kernels
+  double negativity = 0.0;   ///< relative size of the most negative azimuthal mean of a layer's kernel, or value of the
+                             ///< stack
+  double azimuth = 0.0;      ///< relative error of the stack's values from truncated azimuth orders
   double resolution = 0.0;   ///< estimated relative error of the discretisation of directions
 
   void worsen(const SolveChecks& other);

@@ -10,7 +10,7 @@
 namespace lamina {
 namespace {
 
-/// Adds the check of the returned values for stacks with boundaries, whose lobes have azimuth orders of their own.
+/// Adds the check of returned values for stacks with boundaries, because lobes have azimuth orders of their own.
 Solution checked(Solution solution, ThreadPool& pool) {
   if (!has_only_media(solution.stack()) && std::isfinite(solution.resolution().tolerance)) {
     solution.add_checks(check_returned(solution, pool));

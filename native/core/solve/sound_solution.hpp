@@ -9,7 +9,7 @@ namespace lamina {
 /// the returned values are checked too. Throws std::runtime_error, with the numbers, if the finest resolution fails.
 Solution solve(const Stack& stack, double tolerance, ThreadPool& pool);
 
-/// Solves with that many nodes, without refinement: a quick look of unchecked accuracy.
+/// Solves with `nodes` nodes per hemisphere, without refinement: a fast preview without guaranteed accuracy.
 Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPool& pool);
 
 /// Solves at one resolution; failed checks are recorded but do not throw.

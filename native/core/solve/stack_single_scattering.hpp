@@ -9,9 +9,9 @@
 
 namespace lamina {
 
-/// Light scattered once, by a medium with its untruncated phase function or by the facets of a rough boundary. It
-/// arrives at either face of the layer and leaves from either, along the paths of the delta field. In closed form
-/// between targets, exact for narrow peaks too.
+/// Light scattered once in a stack, by a medium with its untruncated phase function or by the facets of a rough
+/// boundary. Light arrives at either face of the layer and leaves from either face, along the paths of the delta field.
+/// Values between targets are in closed form, so they are exact for narrow peaks too.
 class StackSingleScattering {
  public:
   /// For light that enters on `side`. Keeps references into the assembly.

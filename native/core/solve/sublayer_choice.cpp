@@ -13,7 +13,7 @@
 namespace lamina {
 namespace {
 
-/// Share of the tolerance for the division into sublayers.
+/// Share of the error tolerance that the division into sublayers may use.
 constexpr double kShare = 0.4;
 /// Halving the intervals reduces the error at least by this factor; measured: 9 to 15.
 constexpr double kGain = 6.0;

@@ -6,9 +6,9 @@
 
 namespace lamina {
 
-/// The stack with enough sublayers for the relative error `tolerance` at cosines >= .05. Each graded layer is solved
-/// alone on few nodes, with twice as many sublayers until the values agree. Throws std::runtime_error, with the
-/// numbers, if the finest two differ.
+/// Divides graded layers into enough sublayers for the relative error `tolerance` at cosines >= .05. Each graded layer
+/// is solved alone on few nodes, and its sublayers are doubled until the values agree. Throws std::runtime_error, with
+/// the numbers, if the two finest divisions differ.
 SublayerStack resolved_sublayers(const Stack& stack, double tolerance, ThreadPool& pool);
 
 }  // namespace lamina

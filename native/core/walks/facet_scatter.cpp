@@ -53,7 +53,7 @@ void FacetScatter::compensate_all() {
   if (metal_) {
     mirrors_ = false;
     const double mean = mean_conductor_fresnel(*metal_);
-    given_back_ = mean * mean * (1.0 - losses_[0].mean) / (1.0 - mean * losses_[0].mean);
+    compensation_ = mean * mean * (1.0 - losses_[0].mean) / (1.0 - mean * losses_[0].mean);
   } else {
     losses_[1] = loss_on(true);
     whole_loss_ += ior_below_ * ior_below_ * losses_[1].mean;
@@ -163,7 +163,7 @@ double FacetScatter::value(const Ray& in, const Ray& out) const {
   const Ray view = from_below ? -in.mirrored() : -in;
   double value = facet_value(view, from_below ? out.mirrored() : out, from_below);
   if (compensate_ && !(metal_ && to_below)) {
-    value += given_back_ * losses_[from_below ? 1 : 0](view.z) * losses_[to_below ? 1 : 0](std::abs(out.z)) /
+    value += compensation_ * losses_[from_below ? 1 : 0](view.z) * losses_[to_below ? 1 : 0](std::abs(out.z)) /
              (pi * whole_loss_);
   }
   return value;
@@ -178,7 +178,7 @@ FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
     const double above = ior_above_ * ior_above_ * losses_[0].mean / whole_loss_;
     const std::size_t side = rng.uniform() < above ? 0 : 1;
     Ray out = lambert_ray(rng);
-    const double weight = given_back_ * losses_[side](out.z) / losses_[side].mean;
+    const double weight = compensation_ * losses_[side](out.z) / losses_[side].mean;
     return {side == 0 ? out : out.mirrored(), weight};
   }
   const double u = rng.uniform();

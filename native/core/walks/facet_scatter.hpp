@@ -29,7 +29,8 @@ class FacetScatter {
   Outcome sample(const Ray& in, Rng& rng) const;
 
  private:
-  /// The energy that single scattering by the facets loses of light on one side, by the square root of the cosine.
+  /// The energy that single scattering by facets loses for light from one side, tabulated by the square root of the
+  /// cosine.
   struct Loss {
     static constexpr int kKnots = 40;
     std::array<double, kKnots + 1> at = {};
@@ -52,10 +53,10 @@ class FacetScatter {
   double ior_above_;
   double ior_below_;
   std::optional<std::complex<double>> metal_;  ///< relative to the index above
-  bool mirrors_ = false;                       ///< perfect reflection, while the losses of a metal are measured
+  bool mirrors_ = false;                       ///< reflect everything, while the losses of a conductor are measured
   bool compensate_;
   std::array<Loss, 2> losses_;  ///< above, below
-  double given_back_ = 1.0;     ///< share of the lost energy that is added back
+  double compensation_ = 1.0;   ///< share of the lost energy that is added back
   double whole_loss_ = 0.0;     ///< sum over sides of n^2 times the mean loss
 };
 

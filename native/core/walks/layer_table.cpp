@@ -52,8 +52,8 @@ double knot_of_cosine(double mu, double last) {
   return last * (kHalf - std::sqrt(std::max(0.0, kHalf * kHalf - kBend * share))) / kBend;
 }
 
-/// Knots in azimuth are denser by this factor ahead, at the peaks of phase functions, and sparser behind: tan(dphi / 2)
-/// is scaled by it, which keeps functions even about both ends.
+/// Knots in azimuth are denser by this factor near dphi = 0, where phase functions have peaks, and sparser near pi:
+/// tan(dphi / 2) is scaled by the factor, which keeps functions even about both ends.
 constexpr double kAhead = 0.6;
 
 double knot_azimuth(double knot, double last) {
@@ -302,7 +302,7 @@ bool LayerTable::cross(Ray& ray, double& weight, bool first, Rng& rng) const {
   const Sampling& sampling = sampling_[range_of(std::abs(ray.z))];
   const double passing = first ? 0.0 : unscattered(ray);
   const double scattering = sampling.once + sampling.repeated[kReflected] + sampling.repeated[kPassed];
-  // The rest to 1 is absorbed. The tables' sum may exceed 1.
+  // The remaining probability is absorption. The tables' sum may exceed 1.
   const double whole = first ? scattering : std::max(1.0, passing + scattering);
   double choice = rng.uniform() * whole;
   if (!first) {
@@ -364,7 +364,7 @@ bool LayerTable::scatter_again(Way way, const Sampling& sampling, Ray& ray, doub
   const double turn = begin + wide * rng.uniform();
   const double cosine = std::cos(turn);
   const double sine = std::copysign(sine_of(cosine), rng.uniform() - 0.5);
-  // The factor 2 stands for both signs of the azimuth.
+  // The factor 2 accounts for both signs of the azimuth.
   const double density = probability / (2.0 * (upper - lower) * wide);
   const double mu_i = std::max(kLeastCosine, std::abs(ray.z));
   weight *= repeated(way, mu, mu_i, cosine) * mu / density;

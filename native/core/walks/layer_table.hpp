@@ -64,7 +64,7 @@ class LayerTable {
   bool scatter_again(Way way, const Sampling& sampling, Ray& ray, double& weight, Rng& rng) const;
 
   struct Solved;
-  /// The table for one side; `graded` has that side on top.
+  /// The table for one side; `graded` has this side on top.
   LayerTable(const GradedMedium& graded, const Solved& solved, std::size_t side, ThreadPool& pool);
   void lay(const Solved& solved, std::size_t side, ThreadPool& pool);
   void compare(const Solved& solved, std::size_t side);

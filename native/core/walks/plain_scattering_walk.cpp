@@ -40,7 +40,7 @@ double PlainScatteringWalk::sample(Rng& rng, std::uint64_t& events) const {
     ++events;
     const double s = 1.0 / branch.a.mu + 1.0 / branch.b.mu;
 
-    // End the branch on the surface below, or go on in the slab
+    // End the branch on the surface below, or continue in the slab
     if (medium_.ground() > 0.0) {
       const double odds = std::exp(-branch.top) / (2.0 - std::exp(-branch.top));
       if (rng.uniform() < odds) {
@@ -60,7 +60,8 @@ double PlainScatteringWalk::sample(Rng& rng, std::uint64_t& events) const {
     const double albedo = scattering.albedo();
     weight *= span / s;
 
-    // Choose for each side whether it goes on into S, more often the thicker the slab below
+    // Choose for each side whether it continues into S, with a probability that grows with the thickness of the slab
+    // below
     const double dark = (1.0 - medium_.ground()) * std::exp(-t);
     const double chance = medium_.ground() > 0.0 ? (1.0 - dark) / (2.0 - dark) : -std::expm1(-t) / (2.0 - std::exp(-t));
     const bool on_a = rng.uniform() < chance;

@@ -6,9 +6,9 @@
 
 namespace lamina {
 
-/// The BRDF of a slab by the integral scattering equation: heights from the exponential, one term with probabilities
-/// from the thickness alone, directions from the phase function. Unbiased, but the variance grows without bound with
-/// the depth of the tree. For comparison with the guided walks.
+/// The BRDF of a slab by the integral scattering equation. Heights are sampled from the exponential, terms with
+/// probabilities that depend on the thickness alone, and directions from the phase function. Unbiased, but the variance
+/// grows without bound with the depth of the tree. For comparison with the guided walks.
 class PlainScatteringWalk final : public Walk {
  public:
   PlainScatteringWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi);

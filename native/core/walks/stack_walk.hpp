@@ -13,9 +13,9 @@ namespace lamina {
 /// base are the same for all.
 ///
 /// Next-event estimation: at each scattering, the light that leaves towards the target direction without another
-/// scattering is added in closed form, through smooth boundaries with all mirror reflections (WalkBeam). The walk goes
-/// on with the light that is scattered again. The first scattering of the beam from outside is computed before the
-/// walks, which start there.
+/// scattering is added in closed form, through smooth boundaries with all specular reflections (WalkBeam). The walk
+/// continues with the light that is scattered again. The first scattering of the beam from outside is computed in
+/// advance, and walks start there.
 ///
 /// Behind a rough boundary the target direction becomes a lobe inside the stack. Each walk samples one direction of the
 /// lobe, backwards, for its next events.
@@ -28,10 +28,11 @@ class StackWalk : public Walk {
 
   /// Sets up the starts of walks; derived classes call it at the end of their constructors.
   void begin();
-  /// Drops all walks: the value that is known before them is the result. Samples then have no events.
+  /// Drops all walks, so that the closed-form part alone is the result. Samples then have no events.
   void take_no_walk() { starts_.clear(); }
 
-  /// The ways from an element to the target direction: rays from its top and from its bottom, and their shares.
+  /// The specular paths from an element to the target direction: rays from its top and from its bottom, and their
+  /// shares.
   struct Exit {
     Ray up;
     Ray down;
@@ -39,7 +40,7 @@ class StackWalk : public Walk {
     double down_share;
   };
 
-  /// The light of a walk.
+  /// The light of a walk: its direction and weight.
   struct Light {
     Ray ray;
     double weight;
@@ -49,7 +50,7 @@ class StackWalk : public Walk {
   /// light is lost. With `first` the light is certain to scatter, and its first next event is already added.
   virtual bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
                      std::uint64_t& events) const = 0;
-  /// The next event of the first passage of light of unit power.
+  /// The next-event estimate for the first passage of light of unit power.
   virtual double leaving(std::size_t element, const Exit& out, const Ray& in) const = 0;
   /// The share of incoming light that counts as scattered.
   virtual double scattered_share(std::size_t element, const Ray& in) const = 0;
@@ -80,8 +81,8 @@ class StackWalk : public Walk {
   std::vector<Exit> exits_;                ///< to the target direction, by element
   std::optional<std::size_t> rough_exit_;  ///< the boundary before the target direction, if rough
   std::vector<Start> starts_;
-  double known_ = 0.0;  ///< the part that needs no walk
-  double power_ = 0.0;  ///< of all starts
+  double known_ = 0.0;  ///< closed-form part of the result
+  double power_ = 0.0;  ///< total power of all starts
 };
 
 }  // namespace lamina

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What happens to light that meets a boundary or the base.
+// Scattering of light at a boundary or at the base.
 #pragma once
 #include "walks/walk_elements.hpp"
 
 namespace lamina {
 
-/// Light meets a smooth boundary or a polished metal: its ray turns, its weight falls by what a metal absorbs. False
-/// when it is lost.
+/// Reflects or refracts light at a smooth boundary or a smooth conductor; a conductor reduces the weight by its
+/// reflectance. Returns false if the light is lost.
 bool meet_polished(const WalkElements& stack, std::size_t element, Ray& ray, double& weight, Rng& rng);
 
-/// Light is scattered by a rough boundary or a Lambert surface. False when it is lost.
+/// Scatters light at a rough boundary or a Lambert surface. Returns false if the light is lost.
 bool scatter_at_surface(const WalkElements::Element& surface, Ray& ray, double& weight, Rng& rng);
 
 }  // namespace lamina

@@ -84,7 +84,7 @@ class TransferWalk final : public StackWalk {
     return ray.z < 0.0 ? (depth - medium.tau) / ray.z : depth / ray.z;
   }
 
-  /// The sample from the other end: a flight scattered backwards from one of the exit directions.
+  /// The second sample of the balance heuristic: a flight scattered backwards from one of the exit directions.
   double from_exit(std::size_t element, const Exit& out, const Ray& in, double depth, Rng& rng) const {
     const Medium& medium = this->stack().elements[element].medium;
     const bool up = rng.uniform() * (out.up_share + out.down_share) < out.up_share;
@@ -94,8 +94,8 @@ class TransferWalk final : public StackWalk {
            on_flight(element, out, ray, depth, length, std::exp(-length));
   }
 
-  /// The balance heuristic's weight of a direction that was sampled from the ray with density `from_ray`. It also
-  /// serves for directions sampled from an exit, where the ratio of the densities cancels against the phase function.
+  /// The balance heuristic's weight of a direction sampled from the ray with density `from_ray`. The weight also
+  /// applies to directions sampled from an exit, where the ratio of the densities cancels against the phase function.
   double share_of_ray(std::size_t element, const Exit& out, double from_ray, const Ray& ray) const {
     const PhaseFunction& phase = this->stack().elements[element].medium.phase;
     double from_exit = 0.0;

@@ -44,7 +44,7 @@ struct Tally {
 /// Number of samples in a block, the unit of a run. Blocks are summed in order.
 inline constexpr std::uint64_t kWalkBlock = 4096;
 
-/// Runs blocks [first, last) of a walk with this seed: the same bytes for any number of threads.
+/// Runs blocks [first, last) of a walk. The result does not depend on the number of threads.
 Tally run_walk(const Walk& walk, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,
                ThreadPool& pool);
 

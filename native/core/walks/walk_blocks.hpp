@@ -12,8 +12,8 @@
 
 namespace lamina {
 
-/// The sum of blocks [first, last) of a walk with this seed: the same bytes for any number of threads.
-/// `draw(rng, tally)` adds one sample to a tally, `empty` is a tally without any.
+/// Sums blocks [first, last) of a walk; the result does not depend on the number of threads. `draw(rng, tally)` adds
+/// one sample to a tally, `empty` is a tally without samples.
 template <typename Tally, typename Draw>
 Tally sum_of_blocks(const Tally& empty, std::uint64_t seed, std::uint64_t first_block, std::uint64_t last_block,
                     ThreadPool& pool, const Draw& draw) {

@@ -14,8 +14,8 @@ namespace {
 using Element = WalkElements::Element;
 using Kind = Element::Kind;
 
-/// Thickness in transport lengths at which a conservative layer is as good as infinite, to rounding.
-constexpr double kForgotten = 30.0;
+/// Thickness in transport lengths at which a conservative layer equals an infinite one within rounding.
+constexpr double kEffectivelyInfinite = 30.0;
 
 Element element_of(const Layer& layer, double ior_above, double ior_below) {
   Element element;
@@ -56,7 +56,7 @@ Element element_of(const Base& base, double ior_above) {
 
 WalkElements::WalkElements(const Stack& stack, Side side, bool ended) : ior(refractive_indices(stack)) {
   if (side == Side::kBottom && stack.base.kind != Base::Kind::kNone) {
-    throw std::invalid_argument("side = 'bottom': a stack on a base has none");
+    throw std::invalid_argument("side = 'bottom': must be 'top' for a stack with a base");
   }
   std::vector<Layer> layers = stack.layers;
   if (side == Side::kBottom) {
@@ -77,7 +77,7 @@ WalkElements::WalkElements(const Stack& stack, Side side, bool ended) : ior(refr
       Element end;
       end.kind = Kind::kLambert;
       if (ended && medium.albedo == 1.0) {
-        medium.tau = kForgotten / (1.0 - medium.phase.moment(1));
+        medium.tau = kEffectivelyInfinite / (1.0 - medium.phase.moment(1));
         end.reflectance = 1.0;
       }
       elements.push_back(std::move(end));
@@ -101,7 +101,7 @@ WalkBeam::WalkBeam(const WalkElements& stack, std::size_t from, const Ray& withi
   const Ray heading = across > 0.0 ? Ray{within.x / across, within.y / across, 0.0} : Ray{1.0, 0.0, 0.0};
   pass(stack, down ? from + 1 : 0, down ? stack.elements.size() : from, across * stack.ior[down ? from + 1 : from],
        heading, !down);
-  // The light that returns to the element where the beam began.
+  // The light that returns to the element where the beam started.
   const Ray back{within.x, within.y, -within.z};
   at[from] = down ? Arrival{{}, back, 0.0, reflected} : Arrival{back, {}, reflected, 0.0};
 }
@@ -110,7 +110,7 @@ void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t la
                     bool from_below) {
   // Snell's law keeps n sin(theta).
   const auto cosine = [&](std::size_t gap) { return sine_of(sine / stack.ior[gap]); };
-  // An empty element at either end collects the light that leaves.
+  // An empty element at each end collects the light that leaves.
   ScatteringFunction empty = ScatteringFunction::bare(1, 0);
   empty.transmit.delta[0] = 1.0;
   std::vector<ScatteringFunction> deltas{empty};

@@ -42,7 +42,7 @@ struct WalkElements {
   WalkElements(const Stack& stack, Side side, bool ended = true);
 };
 
-/// The specular light of a beam from outside; by reciprocity also the specular way from each element to the outside.
+/// The specular light of a beam from outside; by reciprocity also the specular path from each element to the outside.
 class WalkBeam {
  public:
   /// At an element: the directions of travel at its top and at its bottom, and their shares of the power.
@@ -53,8 +53,8 @@ class WalkBeam {
     double at_bottom = 0.0;
   };
   std::vector<Arrival> at;
-  double reflected = 0.0;    ///< specular
-  double transmitted = 0.0;  ///< specular
+  double reflected = 0.0;    ///< power that leaves specularly on the side of incidence
+  double transmitted = 0.0;  ///< power that leaves specularly on the other side
 
   /// A beam with cosine `mu` in air, travelling along azimuth `phi`, from above or from below the stack.
   WalkBeam(const WalkElements& stack, double mu, double phi, bool from_below);

@@ -27,7 +27,7 @@ from .dropped_weights import folded
 from .fit_report import all_rows, fit_report
 from .lut import Lut
 from .lut_header import SCHEMA
-from .mixture import Effort, Mixture, mix
+from .mixture import Effort, FittedMixture, Mixture, mix
 from .slices import Slices, SolvedRows, slices, solve_rows
 from .strayed_light import compensated
 from .tau_error import tau_error
@@ -35,7 +35,7 @@ from .tau_error import tau_error
 
 @dataclass(frozen=True)
 class Basis:
-    """How many closures a table holds at most: (for lobes of rough boundaries, for other light, for both together)."""
+    """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together)."""
 
     reflected: tuple[int, int, int]
     transmitted: tuple[int, int, int]
@@ -46,7 +46,7 @@ CLOSURE_BASES = {
     "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2)),
     "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4)),
 }
-# How hard closures are searched for: see mixture.Effort.
+# Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},
           "final": {"overshoot": 2, "exchanges": 2, "column_stride": 4, "row_stride": 8}}
 
@@ -54,21 +54,22 @@ SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_s
 def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
          cancel: Callable[[], bool] | None = None, threads: int = 0, closures: Sequence[str] | None = None,
          row_stride: int = 1, nodes: int | None = None, basis: str = "standard") -> Lut:
-    """Bakes a stack into a lookup table for Cycles. The same arguments give the same bytes, whatever
-    `threads` (0: all hardware threads).
+    """Bakes a stack into a lookup table for Cycles. The same arguments give the same bytes for any number of `threads`
+    (0: all hardware threads).
 
-    `progress(fraction, text)` is called with the share that is done, from 0 to 1. `cancel()` is called often;
-    Cancelled is raised when it returns true.
-    `closures`: lobe ids, such as those of an earlier table, that are fitted in this order instead of a choice of the
-    best. Tables of one layout can then follow each other while a stack is edited. Closures are still chosen for a
-    kind of light of which the list holds none, or one that a sheet must not mix.
-    `row_stride` > 1 solves every so many rows of a varying layer's thickness and interpolates the others. This is for
-    pictures while a slider moves; they are off by some per cent, more for dark bases seen at grazing.
-    `nodes` replaces the solver's choice of nodes per hemisphere, without its promise; for such pictures too.
+    `progress(fraction, text)` is called with the completed share of the work, from 0 to 1. `cancel()` is called often;
+    the bake raises Cancelled if it returns true.
+    `closures`: lobe ids, such as those of an earlier table, that are fitted in this order instead of a new choice. All
+    tables then have the same layout while a stack is edited. Closures are still chosen for a kind of light (reflection
+    or transmission) without a closure in the list, or with one that a sheet must not mix.
+    `row_stride`: with n > 1 only every n-th row of a varying layer's thickness is solved, and the others are
+    interpolated. This is for previews while a slider moves; errors are some per cent, more for dark bases at grazing
+    views.
+    `nodes` replaces the solver's choice of nodes per hemisphere, without its guarantee of accuracy; also for previews.
     `basis`: "standard" renders about as fast as a Principled BSDF with coat and sheen; "accurate" takes some twenty
     closures.
-    Smooth boundaries reflect exactly, by a closure of their own, "mirror:ALPHA". Facets narrower than alpha .03 are
-    solved as smooth, and keep their width in that closure.
+    Smooth boundaries are exact, with a closure of their own, "mirror:ALPHA". Facets narrower than alpha .03 are solved
+    as smooth, and only this closure has their width.
     The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2
     error over solid angle relative to the slice's norm; `worst_slice` and `worst_slice_transmission`, the largest
     of these errors and where it is (`mu_o`, `channel`, `side` of the viewer, `tau` of a varying layer); those of
@@ -97,7 +98,7 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     pool = thread_pool(threads)
     grid = grid_for(quality, narrow_lobes.narrowest(stack))
 
-    # Evaluate the slices that the closures shall show
+    # Evaluate the slices to be fitted by closures
     if _is_textured(stack):
         seen, base = over_texture(solved, grid, pool, portion(step, 0.3, 0.7))
     else:
@@ -117,7 +118,7 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
                                              seen["transmission"], grid)
     parts: dict[str, Mixture] = {}
     for kind, wanted in seen.items():
-        parts[kind] = folded(fitted[kind], wanted, grid, solved.is_sheet)
+        parts[kind] = fitted[kind] = folded(fitted[kind], wanted, grid, solved.is_sheet)
         if np.any(wanted.direct):
             name = narrow_lobes.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])
@@ -128,9 +129,9 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
         below = fit("reflection", base.slices, limits.textured_base, given["base"], portion(step, 0.95, 0.97), False)
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
         below = folded(below, base.slices, grid, False, factor=base.gain(reflectance))
-        parts |= base.parts(reflectance, seen["reflection"], parts["reflection"], below)
+        parts |= base.parts(reflectance, seen["reflection"], fitted["reflection"], below)
 
-    # Measure what is lost between rows
+    # Measure the error of interpolation between rows
     between = None
     if stack.varying is not None and quality == "final":
         largest = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
@@ -153,8 +154,9 @@ class _Fit:
         self._made_clean = narrow_lobes.closures(without_varying(stack)) if self._varies else []
 
     def __call__(self, kind: str, wanted: Slices, counts: tuple[int, int, int], given: list[str], step: Progress,
-                 at_boundaries: bool) -> Mixture:
-        """`counts`: of closures at most, see Basis; `at_boundaries`: with closures made for the stack's boundaries."""
+                 at_boundaries: bool) -> FittedMixture:
+        """`counts`: largest numbers of closures, see Basis; `at_boundaries`: with closures made for the stack's
+        boundaries."""
         effort = Effort(*counts, **SEARCH[self._quality])
         made, made_clean = (self._made, self._made_clean) if at_boundaries else ((), ())
         mixed = self._solved.is_sheet
@@ -179,7 +181,7 @@ def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: d
         "stack_hash": stack.hash,
         "quality": quality,
         "basis": basis,
-        "seed": 0,  # a bake takes none, but readers of schema 1 ask for the key
+        "seed": 0,  # not used by a bake, but required by readers of schema 1
         "sides": solved.sides,
         "axes": {
             "view": {"count": COLUMNS, "parameter": "theta_o/(pi/2)"},
@@ -203,7 +205,7 @@ def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
     given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": []}
     for name in ids:
         if name in ("transparent", THROWN_BACK) or name.startswith("mirror:"):
-            continue  # always has a strip
+            continue  # always in the table
         try:
             lobe = lobes.by_id(name.removeprefix(PREFIX))
             given["base" if name.startswith(PREFIX) else lobe.side].append(lobe.id)

@@ -15,7 +15,7 @@ import numpy as np
 from ..closures.closure_table import LightGrid
 from ..common.progress import Progress, portion
 from ..kinds.table import PREFIX, THROWN_BACK
-from .mixture import Mixture, norms
+from .mixture import FittedMixture, Mixture, norms
 from .slices import Slices, SolvedRows, slices
 
 
@@ -32,16 +32,17 @@ class TexturedBase:
         rho = np.array(reflectance)[:, None]
         return rho / (1.0 - rho * self.thrown_back)
 
-    def parts(self, reflectance: list[float], black: Slices, dark: Mixture, fitted: Mixture) -> dict[str, Mixture]:
-        """The table's parts from the fits over black and of A. Their errors, for the stack's own reflectance, one per
-        channel, are upper bounds: the sum of both fits' errors."""
+    def parts(self, reflectance: list[float], black: Slices, dark: FittedMixture,
+              fitted: FittedMixture) -> dict[str, Mixture]:
+        """The table's parts, made of the fits over black and of A. The errors are for the stack's own reflectance, one
+        per channel, and are upper bounds: the sum of the errors of both fits."""
         gain = self.gain(reflectance)
         whole = norms(black.values + gain[..., None] * self.slices.values, self.grid)
         errors = np.nan_to_num(dark.errors) * norms(black.values, self.grid)
         errors = errors + np.nan_to_num(fitted.errors) * gain * norms(self.slices.values, self.grid)
         errors = np.where(whole > 0.0, errors / np.where(whole > 0.0, whole, 1.0), np.nan)
         return {
-            "reflection": Mixture(dark.closures, dark.weights, errors, dark.albedo_errors),
+            "reflection": FittedMixture(dark.closures, dark.weights, errors, dark.albedo_errors),
             "base": Mixture([PREFIX + name for name in fitted.closures], fitted.weights),
             "thrown back": Mixture([THROWN_BACK], self.thrown_back[:, None]),
         }
@@ -64,11 +65,11 @@ def over_texture(solved: SolvedRows, grid: LightGrid, pool,
 
 
 def _thrown_back(solved: SolvedRows, black: Slices, white: Slices) -> np.ndarray:
-    """r, [row, channel]: with g = 1 / (1 - r) over white and 1/2 / (1 - r/2) over grey, their ratio is
-    q = (2 - r) / (1 - r). Where no light reaches the base, 0. Seen at the first column, from straight above."""
+    """r, [row, channel]: with g = 1 / (1 - r) over white and 1/2 / (1 - r/2) over grey, the ratio of the gains is
+    q = (2 - r) / (1 - r). 0 where no light reaches the base. Evaluated at the first column, the normal view."""
     dark, bright = black.albedo[0, :, :, 0], white.albedo[0, :, :, 0]
     grey = np.array([function.with_base_reflectance(0.5).reflectance(1.0) for function in solved.functions])
-    grey = grey - black.direct[0, :, :, 0]  # what boundaries mirror is the same over any base
+    grey = grey - black.direct[0, :, :, 0]  # boundaries reflect the same over any base
     seen = grey - dark > 1e-12
     ratio = np.where(seen, (bright - dark) / np.where(seen, grey - dark, 1.0), 2.0)
     return np.clip((ratio - 2.0) / (ratio - 1.0), 0.0, 1.0)

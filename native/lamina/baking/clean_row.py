@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Row 0 of a varying layer's table: the stack without that layer, as good as in a bake of its own.
+"""Row 0 of a varying layer's table: the stack without that layer, as accurate as in a bake of its own.
 
-Closures chosen for the whole material fit the clean stack no better than other rows. So closures for the clean stack
-are chosen first. They are part of the choice for all rows, and row 0 has these alone."""
+Closures chosen for the whole material fit the clean stack no better than other rows. Closures for the clean stack are
+therefore chosen first. They are part of the choice for all rows, and row 0 has these alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 from ..closures.closure_table import LightGrid
 from ..common.progress import Progress, portion
 from ..material.stack import Stack
-from .mixture import Effort, Mixture, mix
+from .mixture import Effort, FittedMixture, mix
 from .slices import Slices
 
 
@@ -32,7 +32,7 @@ def without_varying(stack: Stack) -> Boundaries:
 
 
 def mix_rows(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *,
-             made: Sequence[str], made_clean: Sequence[str], given: Sequence[str], mixed: bool) -> Mixture:
+             made: Sequence[str], made_clean: Sequence[str], given: Sequence[str], mixed: bool) -> FittedMixture:
     """Like mixture.mix, for slices whose row 0 is the clean stack; `made_clean`: closures made for the clean stack.
     With `given` closures, row 0 has its own choice only if that choice is among them."""
     if not np.any(wanted.albedo[:, 0]):
@@ -49,8 +49,8 @@ def mix_rows(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, s
     weights[:, [names.index(name) for name in whole.closures]] = whole.weights
     weights[:, :, 0] = 0.0
     weights[:, [names.index(name) for name in clean.closures], 0] = clean.weights[:, :, 0]
-    return Mixture(names, weights, _with_first_row(whole.errors, clean.errors),
-                   _with_first_row(whole.albedo_errors, clean.albedo_errors))
+    return FittedMixture(names, weights, _with_first_row(whole.errors, clean.errors),
+                         _with_first_row(whole.albedo_errors, clean.albedo_errors))
 
 
 def _first_row(wanted: Slices) -> Slices:

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Weights that are too small for Cycles.
 
-Cycles leaves a closure out where the mean of its weight over R, G and B is below 1e-5. Such weights are moved to the
-other closures of the same view, so that the directional albedo of the rendered mixture stays exact."""
+Cycles drops a closure where the mean of its weight over R, G and B is below 1e-5. Such weights are moved to the other
+closures of the same view, so the directional albedo of the rendered mixture stays exact."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..closures.closure_table import LightGrid, only
-from .mixture import Mixture, reweighted
+from .mixture import FittedMixture, reweighted
 from .slices import Slices
 
 # Cycles' CLOSURE_WEIGHT_CUTOFF is 1e-5. Between a texel with a weight and one without, interpolation passes through all
@@ -17,8 +17,8 @@ from .slices import Slices
 LEAST_WEIGHT = 2e-5
 
 
-def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool,
-           factor: np.ndarray | None = None) -> Mixture:
+def folded(mixture: FittedMixture, wanted: Slices, grid: LightGrid, mixed: bool,
+           factor: np.ndarray | None = None) -> FittedMixture:
     """The mixture without weights that Cycles would drop, its errors measured again. `factor` [side, row, channel,
     column] multiplies the weights before Cycles sees them."""
     shown = mixture.weights * (1.0 if factor is None else factor[:, None])

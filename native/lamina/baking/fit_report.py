@@ -6,19 +6,19 @@ from __future__ import annotations
 import numpy as np
 
 from ..closures.closure_table import view_cosines
-from .mixture import Mixture
+from .mixture import FittedMixture, Mixture
 from .slices import Slices, SolvedRows
 from .strayed_light import strayed_report
 
-# Errors are reported for view cosines from this one on; nearer to grazing, closures are extrapolated.
+# Errors are reported for view cosines from here on; closer to grazing, closures are extrapolated.
 STATED_COSINE = 0.05
 
 
 def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: SolvedRows) -> dict:
     """The report of a table, see lamina.bake; `parts` by kind, "reflection" first; `seen`: the slices they fit."""
     stated = view_cosines() >= STATED_COSINE
-    reflection, through = parts["reflection"], parts.get("transmission")
-    fitted = [part for part in parts.values() if part.errors is not None]
+    fitted = {kind: part for kind, part in parts.items() if isinstance(part, FittedMixture)}
+    reflection, through = fitted["reflection"], fitted.get("transmission")
     functions = solved.functions
     through_errors = None if through is None else all_rows(np.nan_to_num(through.errors), solved, 1).round(6).tolist()
     return {
@@ -29,7 +29,7 @@ def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: Solve
         "worst_slice_transmission": None if through is None else _worst(through.errors, stated, solved),
         "slice_errors_transmission": through_errors,
         **_by_row(reflection.errors[..., stated], solved),
-        "albedo_error": max(float(part.albedo_errors[..., stated].max()) for part in fitted),
+        "albedo_error": max(float(part.albedo_errors[..., stated].max()) for part in fitted.values()),
         "strayed_light": strayed_report(parts, seen, stated) if solved.is_sheet else None,
         "energy_error": max(f.checks["energy"] for f in functions),
         "closures": sum(len(part.closures) for part in parts.values()),
@@ -62,7 +62,7 @@ def _mean(errors: np.ndarray) -> float:
 
 
 def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
-    """Fit error by thickness, of all rows; nothing where no layer varies."""
+    """Fit error by thickness, for all rows; empty if no layer varies."""
     if not solved.axis:
         return {}
     errors = np.moveaxis(all_rows(np.nan_to_num(errors), solved, 1), 1, 0).reshape(len(solved.axis), -1)

@@ -27,9 +27,9 @@ class Lut:
 
     @property
     def report(self) -> dict:
-        """How good the table is: fit_error (mean relative L2 error of the slices), worst_slice,
-        albedo_error, energy_error and more, see lamina.bake; and the `seconds` that the bake took, which are not saved,
-        so that equal bakes have equal bytes."""
+        """The accuracy of the table: fit_error (mean relative L2 error of the slices), worst_slice, albedo_error,
+        energy_error and more, see lamina.bake. Also the `seconds` of the bake, which are not saved, so equal bakes have
+        equal bytes."""
         return {**self.header["report"], "seconds": self.seconds}
 
     @property
@@ -45,7 +45,7 @@ class Lut:
         return texels
 
     def save(self, path: str | os.PathLike) -> None:
-        """Writes the table as .npz, whole or not at all. Raises OSError."""
+        """Writes the table as .npz, completely or not at all. Raises OSError."""
         save_archive(path, self.header, weights=self.weights)
 
     @classmethod
@@ -55,7 +55,7 @@ class Lut:
         try:
             header, (weights,) = load_archive(path, "weights")
         except Damaged:
-            raise LutError(f"{path}: not a whole Lamina lookup table") from None
+            raise LutError(f"{path}: not a complete Lamina lookup table") from None
         problem = lut_header.problem(header, weights)
         if problem:
             raise LutError(f"{path}: {problem}")

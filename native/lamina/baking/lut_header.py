@@ -16,7 +16,7 @@ SCHEMA = 1
 _MISSING = object()
 _TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
 _NUMBERS = "a list of numbers from 0"
-# Required entries and optional ones, by their place in the header.
+# Required and optional entries, by their path in the header.
 _ALWAYS = {
     "stack.layers": "a list", "stack_hash": _TEXT, "quality": _TEXT, "seed": _COUNT, "sides": "a list",
     "closures": "a list", "axes.view.count": _COUNT, "axes.tau.count": _COUNT, "axes.tau.values": _NUMBERS,
@@ -37,9 +37,9 @@ _IF_ANY = {
 
 
 def problem(header, weights: np.ndarray) -> str:
-    """What is wrong with a table, in words, or ''."""
+    """The first problem of a table, in words, or ''."""
     schema = header.get("schema") if isinstance(header, dict) else None
-    if not _is_whole(schema):
+    if not isinstance(schema, int) or isinstance(schema, bool):
         return "not a Lamina lookup table"
     if schema > SCHEMA:
         return f"schema {quoted(schema)} needs a newer Lamina, which reads up to {SCHEMA}"
@@ -102,7 +102,7 @@ def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
 
 
 def _at(header: dict, place: str):
-    """What the header holds at a place such as "axes.tau.count", or _MISSING."""
+    """The header's value at a path such as "axes.tau.count", or _MISSING."""
     value = header
     for key in place.split("."):
         value = value.get(key, _MISSING) if isinstance(value, dict) else _MISSING

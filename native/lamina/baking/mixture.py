@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mixtures of closures: choosing a few for a whole material, and fitting their weights to its slices.
 
-The lobes of rough boundaries are fitted first and alone, by closures made for them. Otherwise their height would
-decide the fit, and the rest would be fitted badly. What the lobes' closures leave over, the smooth rest and their own
-small error, is then fitted by closures of all kinds."""
+The lobes of rough boundaries are fitted first and alone, by closures made for them; their height would otherwise
+dominate the fit of the rest. The remainder, smooth light and the small error of the lobes' fit, is then fitted by
+closures of all kinds."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from .slices import Slices
 
 # The objective's factor for a Principled BSDF, which renders slower and noisier than the other closures.
 PRINCIPLED_PENALTY = 1.1
-# No more closures are added once the mean error of the slices is below this.
+# No more closures are added when the mean error of the slices is below this.
 ACCURATE = 5e-3
 # Closures that are available at every view.
 EVERYWHERE = {"reflection": "diffuse", "transmission": "translucent"}
-# A rest below this share of the albedo, everywhere, is left to the lobes' closures.
+# If the remainder is below this share of the albedo everywhere, it is not fitted separately.
 NEGLIGIBLE = 2e-3
-# Closures chosen at least beside fixed ones, for lobes and for the rest; closures for the rest at least.
+# Least numbers of closures beside fixed ones, for lobes and for the remainder; least number for the remainder.
 LOBES_BESIDE_FIXED, BESIDE_FIXED, LEAST_REST = 1, 3, 2
 
 
 @dataclass(frozen=True)
 class Effort:
-    """The effort of a fit. `lobes`, `rest`, `all`: closures at most for lobes, for the rest, and for both. `overshoot`:
-    closures that are added beyond these limits and then dropped. `exchanges`: rounds of exchange. The choice uses every
-    `column_stride`-th column and `row_stride`-th row; the fit uses all."""
+    """The effort of a fit. `lobes`, `rest`, `all`: largest numbers of closures for lobes, for the remainder, and for
+    both. `overshoot`: closures that are added beyond these limits and then dropped. `exchanges`: rounds of exchange.
+    The choice uses every `column_stride`-th column and `row_stride`-th row; the fit uses all."""
 
     lobes: int
     rest: int
@@ -47,25 +47,32 @@ class Effort:
 
 @dataclass(frozen=True)
 class Mixture:
-    """`weights` [side, closure, row, channel, column]; `errors`, relative to each slice's norm and nan where
-    it is black, and `albedo_errors`, relative, [side, row, channel, column]; None where nothing was fitted."""
+    """`weights` [side, closure, row, channel, column]."""
 
     closures: list[str]
     weights: np.ndarray
-    errors: np.ndarray | None = None
-    albedo_errors: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class FittedMixture(Mixture):
+    """`errors`, relative to each slice's norm and nan where the slice is black, and `albedo_errors`, relative: both
+    [side, row, channel, column]."""
+
+    errors: np.ndarray
+    albedo_errors: np.ndarray
 
 
 def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *, made: Sequence[str] = (),
-        given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = ()) -> Mixture:
-    """Chooses closures of a kind, among the dictionary's and those `made` for the lobes of boundaries, and fits them to
-    all slices. `given` closures are fitted as they are, without a choice; all of them are ignored if one was made for
-    other lobes, or if they leave a view without a closure. `mixed`: reflection and transmission share the material.
-    `fixed` closures are part of every choice, which then holds a few more."""
+        given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = ()) -> FittedMixture:
+    """Chooses closures of a kind, from the dictionary and from those `made` for the lobes of boundaries, and fits them
+    to all slices. `given` closures are fitted without a choice; all of them are ignored if one was made for other
+    lobes, or if they leave a view without a closure. `mixed`: the material both reflects and transmits. `fixed`
+    closures are part of every choice, which may then hold a few more."""
     given = list(given) if all(":" not in name or name in made for name in given) else []
     choice = _Choice(kind, grid, effort, pool, step, tuple(made), mixed, fixed)
     values, albedo = wanted.values, wanted.albedo
-    parts, errors, share = [], None, 1.0
+    parts, share = [], 1.0
+    left = errors = np.ones(albedo.shape)
 
     # Fit the lobes of rough boundaries
     if made and wanted.lobes is not None and np.any(wanted.lobes):
@@ -73,14 +80,14 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         found = _fit_lobes(wanted, choice, own)
         given = [name for name in given if name not in own]
         parts.append(found)
-        # What the lobes leave over is to be fitted next; errors are relative to the whole slices
+        # The remainder is fitted next; errors are relative to the whole slices
         values, albedo = wanted.values - found.values(), np.maximum(wanted.albedo - found.albedo(), 0.0)
         whole = norms(wanted.values, grid)
         left = norms(values, grid) / np.where(whole > 0.0, whole, np.inf)
         share = max(float(left.mean()), ACCURATE)
     taken = [name for part in parts for name in part.closures]
 
-    # Fit the rest, unless it is negligible
+    # Fit the remainder, unless it is negligible
     if not parts or np.any(albedo > NEGLIGIBLE * wanted.albedo):
         count = max(min(effort.rest, effort.all - len(taken)), LEAST_REST)
         if _serves_all_views(given, grid, mixed):
@@ -92,13 +99,12 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
         step(0.5, "Fitting closures")
         found, errors = _fit(names, values, albedo, grid, mixed, pool)
         parts.append(found)
-    if taken:
-        errors = left if errors is None else errors * left
+    errors = errors * left
 
     # Join both parts, and compare their directional albedo with the exact one
     reached = sum(part.albedo() for part in parts)
     exact = wanted.albedo > 0.0
-    return Mixture(
+    return FittedMixture(
         [name for part in parts for name in part.closures],
         np.concatenate([part.weights for part in parts], axis=1),
         np.where(exact, errors, np.nan),
@@ -120,8 +126,8 @@ class _Choice:
     fixed: Sequence[str]
 
     def of(self, values, albedo, count: int, allowed, accurate: float, for_lobes: bool = False) -> list[str]:
-        """At most `count` closures for these slices, and more where fixed ones ask for room. `allowed(name)`: whether
-        a closure may be chosen; no more are added once the mean error is below `accurate`."""
+        """At most `count` closures for these slices, or more beside fixed ones. `allowed(name)`: true if a closure may
+        be chosen; no more are added when the mean error is below `accurate`."""
         self.step(0.0 if for_lobes else 0.1, "Choosing closures")
         basis = with_more(self.kind, self.grid, self.mixed, self.effort.column_stride, self.made)
         candidates = [k for k, name in enumerate(basis.ids) if allowed(name)]
@@ -137,7 +143,7 @@ def _fit_lobes(wanted: Slices, choice: _Choice, own: list[str]) -> _Fitted:
     """The lobes of rough boundaries, fitted by closures `own`, or by a choice where that is empty."""
     grid, mixed, count = choice.grid, choice.mixed, choice.effort.lobes
     values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, wanted.albedo)
-    # A greedy choice among more closures is not always the better one: make both, and take that which fits better.
+    # A greedy choice among more closures is not always better: make both choices, and take the better fit.
     chosen = [own] if own else [choice.of(values, albedo, count, lambda name: name in choice.made, ACCURATE, True),
                                 choice.of(values, albedo, count, lambda _: True, ACCURATE, True)]
     found, _ = min((_fit(names, values, albedo, grid, mixed, choice.pool) for names in chosen),
@@ -145,8 +151,9 @@ def _fit_lobes(wanted: Slices, choice: _Choice, own: list[str]) -> _Fitted:
     return found
 
 
-def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid, mixed: bool) -> Mixture:
-    """The mixture with other weights, and the errors of these. Its albedo errors stay: they are those of the fit."""
+def reweighted(mixture: FittedMixture, weights: np.ndarray, wanted: Slices, grid: LightGrid,
+               mixed: bool) -> FittedMixture:
+    """The mixture with other weights and their errors. The albedo errors of the fit are kept."""
     fitted = _Fitted(only(grid, mixed, tuple(mixture.closures)), weights)
     whole = norms(wanted.values, grid)
     errors = norms(wanted.values - fitted.values(), grid) / np.where(whole > 0.0, whole, 1.0)
@@ -154,7 +161,7 @@ def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: Ligh
 
 
 class _Fitted:
-    """Weights [side, closure, row, channel, column] of closures, and what they add up to."""
+    """Weights [side, closure, row, channel, column] of closures, and the sums of the weighted closures."""
 
     def __init__(self, basis: Closures, weights: np.ndarray):
         self.closures = basis.ids
@@ -171,7 +178,7 @@ class _Fitted:
 
 
 def _fit(names: Sequence[str], values, albedo, grid: LightGrid, mixed: bool, pool):
-    """(what was fitted, errors relative to the norm of `values` [side, row, channel, column])."""
+    """(fitted closures, errors relative to the norm of `values` [side, row, channel, column])."""
     basis = only(grid, mixed, tuple(names))
     weights, errors = basis.table.fit(_targets(basis, values, albedo, pool), list(range(len(names))), pool)
     black = albedo <= 0.0
@@ -185,7 +192,7 @@ def _serves_all_views(names: Sequence[str], grid: LightGrid, mixed: bool) -> boo
 
 
 def _targets(basis: Closures, values: np.ndarray, albedo: np.ndarray, pool):
-    """The core's targets of all slices, flat but for columns."""
+    """The core's targets of all slices, with all axes except columns flattened."""
     columns = albedo.shape[3]
     flat = np.ascontiguousarray(values).reshape(-1, columns, values.shape[-1])
     return basis.table.targets(flat, np.ascontiguousarray(albedo).reshape(-1, columns), pool)
@@ -193,7 +200,7 @@ def _targets(basis: Closures, values: np.ndarray, albedo: np.ndarray, pool):
 
 def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candidates, fixed, pool,
             accurate) -> list[str]:
-    """The closures, `fixed` among them, that together fit all slices best: one choice for the whole material."""
+    """The closures, including `fixed`, that fit all slices best: one choice for the whole material."""
     rows = albedo.shape[1]
     kept = sorted({*range(0, rows, effort.row_stride), rows - 1})
     stride = effort.column_stride
@@ -211,6 +218,6 @@ def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candida
 
 
 def norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:
-    """L2 norms over solid angle, without the axis of lights."""
+    """L2 norms over solid angle, along the last axis of `values`."""
     return np.sqrt(np.maximum((values**2) @ grid.solid_angle, 0.0))
 

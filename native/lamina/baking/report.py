@@ -9,7 +9,7 @@ from .lut import Lut
 
 
 def describe(lut: Lut) -> str:
-    """Some lines of text: what was baked, with which closures, and how well they fit."""
+    """Some lines of text: the stack, the closures, and the accuracy of the fit."""
     report, header = lut.report, lut.header
     solver = report["solver"]
     lines = [
@@ -20,7 +20,7 @@ def describe(lut: Lut) -> str:
         f"fit error     {report['fit_error']:.2%} mean, {_worst(report['worst_slice'])}",
     ]
     if report["fit_error_transmission"] is not None:
-        through = report.get("worst_slice_transmission")  # tables of earlier versions do not hold it
+        through = report.get("worst_slice_transmission")  # not in tables of earlier versions
         lines.append(f"transmission  {report['fit_error_transmission']:.2%} mean" + (f", {_worst(through)}" if through
                                                                                    else " fit error"))
     if report.get("strayed_light"):
@@ -42,7 +42,7 @@ def _worst(worst: dict) -> str:
 
 
 def _by_thickness(report: dict) -> list[str]:
-    """Fit error by row, and what is lost between rows; tables of earlier versions tell neither."""
+    """Fit error by row, and interpolation error between rows; both are missing in tables of earlier versions."""
     lines = []
     if "row_errors" in report:
         rows = list(zip(*(report["row_errors"][key] for key in ("tau", "mean", "worst")), strict=True))

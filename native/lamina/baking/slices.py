@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The slices that a lookup table fits: for each side, row of thickness, channel and view cosine, the cosine-weighted
-scattering function over the light's directions."""
+"""The slices that a lookup table fits: the cosine-weighted scattering function over the light's directions, for each
+side, row of thickness, channel and view cosine."""
 
 from __future__ import annotations
 
@@ -23,10 +23,9 @@ ROWS_AT_ONCE = 4
 
 @dataclass(frozen=True)
 class Slices:
-    """`values`: f * cos(theta_i) in 1/sr, [side, row, channel, column, light]; `albedo`: their exact
-    integrals, [side, row, channel, column]; `lobes`: the part of the values that facets of rough boundaries
-    scatter once, or None where all are smooth; `direct`: what mirrors reflect or what passes unscattered, as
-    albedo."""
+    """`values`: f * cos(theta_i) in 1/sr, [side, row, channel, column, light]; `albedo`: their exact integrals, [side,
+    row, channel, column]; `lobes`: the part of the values that facets of rough boundaries scatter once, or None if all
+    boundaries are smooth; `direct`: specular reflection or unscattered transmission, shaped like albedo."""
 
     values: np.ndarray
     albedo: np.ndarray
@@ -38,7 +37,7 @@ class Slices:
 class SolvedRows:
     """A stack solved for thicknesses of its varying layer; one row when none varies.
 
-    `axis`: the table's thicknesses, all rows; `rows`: which of them were solved; `tau`: their thicknesses."""
+    `axis`: all thicknesses of the table; `rows`: indices of the solved ones; `tau`: their thicknesses."""
 
     axis: list[float]
     rows: list[int]
@@ -50,11 +49,11 @@ class SolvedRows:
 
 def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, str], None],
                stride: int = 1, nodes: int | None = None) -> SolvedRows:
-    """Solves every `stride`-th row and the last; `step(fraction, text)` is called before each and may raise
-    to stop."""
+    """Solves every `stride`-th row and the last; `step(fraction, text)` is called before each and may raise to
+    cancel."""
     step(0.0, "Solving the stack")
     full = solve(stack, quality, threads, nodes)
-    # Seen from below, the sheet is the reversed stack; if that is the same stack, one side serves both.
+    # Seen from below, the sheet is the reversed stack; if both are equal, one side is used for both.
     symmetric = stack.turned().canonical() == stack.canonical()
     is_sheet = stack.base is None
     sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
@@ -68,41 +67,43 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     for count, row in enumerate(rows):
         step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
         share = axis[row] / largest if largest > 0.0 else 0.0
-        # The lobes of boundaries are sharpest in the clean stack, so its resolution serves all other rows.
+        # The lobes of boundaries are sharpest in the clean stack, so its resolution is sufficient for all other rows.
         known = functions[0] if functions else full
         functions.append(known.with_thickness(stack.varying, [share * t for t in taus]))
     return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)
 
 
 def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> dict[str, Slices]:
-    """Of each kind, "reflection" and for sheets "transmission", all rows as a viewer on each side sees them;
-    `step` is called before each few."""
+    """The slices of each kind, "reflection" and for sheets "transmission", all rows for a viewer on each side; `step`
+    is called before each batch of rows."""
     kinds, sights = _sights(solved)
     made = []
     for first in range(0, len(solved.functions), ROWS_AT_ONCE):
         last = min(first + ROWS_AT_ONCE, len(solved.functions))
         step(first / len(solved.functions), f"Evaluating thickness {first + 1} of {len(solved.functions)}")
         made.append(_evaluate(solved.functions[first:last], sights, view_cosines(), grid, pool))
-    values, lobes, albedo, direct = (
-        None if parts[0] is None else np.concatenate(parts, axis=1) for parts in zip(*made, strict=True))
+    values, lobes, albedo, direct = zip(*made, strict=True)
+    joined = [np.concatenate(parts, axis=1) for parts in (values, albedo, direct)]
+    all_lobes = None if lobes[0] is None else np.concatenate(lobes, axis=1)
     by_kind = {}
     for number, kind in enumerate(kinds):
         mine = slice(number * len(solved.sides), (number + 1) * len(solved.sides))
-        by_kind[kind] = Slices(values[mine], np.maximum(albedo[mine], 0.0), None if lobes is None else lobes[mine],
-                               direct[mine])
+        values_here, albedo_here, direct_here = (part[mine] for part in joined)
+        by_kind[kind] = Slices(values_here, np.maximum(albedo_here, 0.0),
+                               None if all_lobes is None else all_lobes[mine], direct_here)
     return by_kind
 
 
 def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.ndarray, grid: LightGrid,
               pool) -> Slices:
-    """Slices of the stack `solved` with other thicknesses, `functions`, at view cosines `mu_o`; for a sheet, those of
+    """Slices of the stack `solved` with other thicknesses, `functions`, at view cosines `mu_o`. For a sheet, those of
     reflection and then those of transmission along the first axis."""
     values, lobes, albedo, direct = _evaluate(functions, _sights(solved)[1], mu_o, grid, pool)
     return Slices(values, np.maximum(albedo, 0.0), lobes, direct)
 
 
 def shares_of_thickness(largest: float, rows: np.ndarray) -> np.ndarray:
-    """Thickness at `rows`, whole or not, as shares of the largest."""
+    """Thickness at `rows`, integers or fractions between rows, as shares of the largest."""
     return tau_at(largest, rows) / largest if largest > 0.0 else np.zeros(len(rows))
 
 
@@ -119,7 +120,7 @@ def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, gri
     distinct = list({id(solution): solution for solution in solutions}.values())
     parts = _core.slices(distinct, sights, mu_o, grid.mu, grid.dphi, pool)
     place = {id(solution): k for k, solution in enumerate(distinct)}
-    every = [place[id(solution)] for solution in solutions]  # channels may be the same problem
+    every = [place[id(solution)] for solution in solutions]  # channels may share one solution
     shape = (len(sights), len(functions), len(functions[0].solutions))
 
     def by_channel(part):

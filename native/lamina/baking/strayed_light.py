@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light of a sheet's transmission lobes that strays above the horizon, and what Cycles makes of it.
+"""Light of a sheet's transmission lobes that strays above the horizon, and its effect in Cycles.
 
-Cycles samples a Hair lobe in all directions ahead of the viewer, also above the horizon, but evaluates it below only.
-For a sampled direction Cycles takes the sum of all closures' values over the sum of their densities, each closure with
-its share of the samples (the balance heuristic).  Above the horizon, for a lobe of density h and weight w, of mean W
-over R, G and B, and other closures of total value F and density P, this counts (w h + F) / (W h + P) where the lobe
-alone would count w / W.  Under a white sky the lobe's strayed light w h is off by
+Cycles samples a Hair lobe in all directions ahead of the viewer, also above the horizon, but evaluates it only below.
+For a sampled direction Cycles divides the sum of all closures' values by the sum of their densities, each closure
+with its share of the samples (the balance heuristic). Consider a direction above the horizon, a lobe of density h and
+weight w with the mean W over R, G and B, and other closures of total value F and density P. Cycles scores
+(w h + F) / (W h + P), while the lobe alone would score w / W. Under a white sky the error of the lobe's strayed light
+w h is
 
     gain = h (W F - w P) / (W h + P)
 
-integrated over the upper hemisphere.  The gain is 0 where F / P = w / W: the reflected light has the same colour as the
-transmitted light, and is sampled as it is distributed. Elsewhere transmitted closures are weighed by as much more or
-less as makes the sum of both sides exact again."""
+integrated over the upper hemisphere. The gain is 0 where F / P = w / W: the reflected light has the same colour as the
+transmitted light, and is sampled in proportion to its value. Elsewhere the weights of transmitted closures are scaled
+so that the sum of both sides is exact again."""
 
 from __future__ import annotations
 
@@ -24,23 +25,23 @@ import numpy as np
 from ..closures import lobes
 from ..closures.closure_table import DENSITY, LightGrid, light_grid, only, view_cosines
 from ..closures.lobes import directional_albedo, fresnel_ggx, ggx
-from .mixture import Mixture, reweighted
+from .mixture import FittedMixture, Mixture, reweighted
 from .slices import Slices
 
-# Strayed light is smooth apart from its rise towards the horizon, ahead of the viewer.
+# Strayed light is smooth, except that it rises towards the horizon ahead of the viewer.
 NODES = (12, 12)
-# Each round leaves a share of the previous error, about the share of light that strays.
+# Each round multiplies the error by about the share of light that strays.
 ROUNDS, NEGLIGIBLE = 10, 1e-6
 # Largest relative change of a transmitted slice's weights. More is needed only where the sheet transmits far less of a
 # colour than it reflects.
 MOST_CHANGE = 0.25
-# Cycles reads the mean Fresnel factor of a Principled closure's facets from a table: so many nodes each in the view
-# cosine and in the square root of (n - 1) / (n + 1).
+# Cycles reads the mean Fresnel factor of a Principled closure's facets from a table. Its number of nodes, in the view
+# cosine and in the square root of (n - 1) / (n + 1):
 FRESNEL_NODES = 16
 
 
-def compensated(reflected: Mixture, through: Mixture, wanted: Slices, grid: LightGrid) -> Mixture:
-    """The transmitted mixture, scaled so that a white sky shows the exact sum of both sides' albedos. Where that would
+def compensated(reflected: Mixture, through: FittedMixture, wanted: Slices, grid: LightGrid) -> FittedMixture:
+    """The transmitted mixture, scaled so that a white sky shows the exact sum of both sides' albedos. Where this would
     change a slice by more than MOST_CHANGE, part of the error remains."""
     above, weights, before = _reflected(reflected.weights, reflected.closures), through.weights, 1.0
     whole = np.where(wanted.albedo > 0.0, wanted.albedo, np.inf)
@@ -54,9 +55,9 @@ def compensated(reflected: Mixture, through: Mixture, wanted: Slices, grid: Ligh
 
 
 def strayed_report(parts: dict[str, Mixture], seen: dict[str, Slices], stated: np.ndarray) -> dict:
-    """Of the table's parts, over the columns `stated`: the largest `share` of all light that a view shows which strays
-    above the horizon, and the largest `furnace_error`, relative, by which a white sky shows more or less than all that
-    the sheet reflects and transmits."""
+    """Errors by strayed light in the columns `stated`: the largest `share` of a view's light that strays above the
+    horizon, and the largest relative `furnace_error` of the light under a white sky against the exact sum of reflection
+    and transmission."""
     closures = [name for part in parts.values() for name in part.closures]
     weights = np.concatenate([part.weights for part in parts.values()], axis=1)
     total = sum(one.albedo + one.direct for one in seen.values())
@@ -74,13 +75,14 @@ def strayed_report(parts: dict[str, Mixture], seen: dict[str, Slices], stated: n
 
 
 def gains(weights: np.ndarray, closures: Sequence[str]) -> np.ndarray:
-    """What a white sky shows above the exact albedo, [side, row, channel, column], for `weights` [side, closure, row,
+    """Excess over the exact albedo under a white sky, [side, row, channel, column], for `weights` [side, closure, row,
     channel, column] of one channel or three."""
     return _gains(_reflected(weights, closures), weights, closures)
 
 
 def _reflected(weights: np.ndarray, closures: Sequence[str]):
-    """Total value F [side, row, channel, column, light] and density P, which all channels share, of what reflects."""
+    """Total value F [side, row, channel, column, light] and density P, the same in all channels, of reflecting
+    closures."""
     names = tuple(name for name in closures if _side(name) == "reflection")
     values, densities = _above(names)
     own = weights[:, [closures.index(name) for name in names]]
@@ -102,7 +104,7 @@ def _gains(reflected, weights: np.ndarray, closures: Sequence[str]) -> np.ndarra
 
 
 def _side(name: str) -> str:
-    """"reflection" or "transmission"; "" for what is a delta."""
+    """"reflection" or "transmission"; "" for a closure of delta light."""
     return "" if name == "transparent" or name.startswith("mirror:") else lobes.by_id(name).side
 
 
@@ -119,14 +121,16 @@ def _directions():
 @functools.lru_cache(maxsize=64)
 def _strayed(name: str) -> np.ndarray:
     """Density above the horizon [column, light]."""
-    return lobes.by_id(name).strayed(*_directions()).reshape(len(view_cosines()), -1)
+    strayed = lobes.by_id(name).strayed
+    assert strayed is not None
+    return strayed(*_directions()).reshape(len(view_cosines()), -1)
 
 
 @functools.lru_cache(maxsize=8)
 def _above(names: tuple[str, ...]):
-    """(values, densities), each [column, closure, light], of reflecting closures of unit weight. Cycles
-    gives a Principled closure samples by its weight times the mean Fresnel factor of its facets, any other one by its
-    weight alone."""
+    """(values, densities), each [column, closure, light], of reflecting closures of unit weight. Cycles samples a
+    Principled closure with a probability in proportion to its weight times the mean Fresnel factor of its facets, and
+    any other closure in proportion to its weight."""
     table = only(_grid(), True, names)
     shape = (len(view_cosines()), -1)
     densities = table.values.copy()
@@ -142,7 +146,8 @@ def _above(names: tuple[str, ...]):
 
 @functools.lru_cache(maxsize=64)
 def _mean_fresnel(ior: float, roughness: float) -> np.ndarray:
-    """(F - F0) / (1 - F0) averaged over the facets that each column sees, linear between the nodes of Cycles' table."""
+    """(F - F0) / (1 - F0) averaged over the visible facets of each column, linear between the nodes of Cycles'
+    table."""
     place = math.sqrt((ior - 1.0) / (ior + 1.0)) * (FRESNEL_NODES - 1)
     node = min(int(place), FRESNEL_NODES - 2)
     mu = np.linspace(0.0, 1.0, FRESNEL_NODES)

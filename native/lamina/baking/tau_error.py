@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The error of interpolation between rows of thickness: slices half-way between two rows, solved exactly, against the
-mean of both rows, as a linear texture lookup gives it."""
+"""The error of interpolation between rows of thickness: exactly solved slices half-way between two rows, against the
+mean of both rows that a linear texture lookup gives."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .slices import SolvedRows, evaluated, shares_of_thickness
 
 # Rows (of 33) after which the half-way slices are tested; denser where layers are thin.
 LOOKED_AT = (0, 1, 2, 3, 5, 8, 12, 16, 20, 24, 28, 31)
-# Columns of the test, up to the last for which errors are reported.
+# Columns of the test, up to the last column for which errors are reported.
 COLUMNS = slice(4, 61, 8)
 
 
@@ -24,8 +24,8 @@ def tau_error(solved: SolvedRows, largest: list[float], layer: int, grid: LightG
     at the last row; None when not every row was solved.
 
     `mean` and `worst`: relative L2 error of slices over solid angle, over rows, views and channels; `mirror`: largest
-    error of what is mirrored or passes unscattered, relative to all light that goes there; `rows`: [thickness, mean,
-    worst] half-way in the parameter between two rows; `worst_at`: thickness and view cosine."""
+    error of specular reflection or unscattered transmission, relative to all light on that side; `rows`: [thickness,
+    mean, worst] half-way in the parameter between two rows; `worst_at`: thickness and view cosine."""
     axis = solved.axis
     if len(solved.rows) < len(axis) or axis[-1] <= 0.0:
         return None
@@ -48,7 +48,7 @@ def tau_error(solved: SolvedRows, largest: list[float], layer: int, grid: LightG
     light = wanted.albedo + wanted.direct
     mirror = np.abs(between(known.direct) - wanted.direct) / np.where(light > 0.0, light, np.inf)
     by_row = np.moveaxis(errors, 1, 0).reshape(len(after), -1)
-    # Half rows are tested more densely where layers are thin; the mean gives each half row the same weight.
+    # Half-way slices are denser where layers are thin; the mean gives each pair of rows the same weight.
     mean = np.interp(np.arange(len(axis) - 1), after, by_row.mean(axis=1)).mean()
     _, row, _, column = np.unravel_index(int(errors.argmax()), errors.shape)
     taus = [float(share * axis[-1]) for share in middle]

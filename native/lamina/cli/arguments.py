@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arguments that several commands have in common."""
+"""Arguments that several commands share."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ def add_threads(command: argparse.ArgumentParser) -> None:
 
 
 def add_seed(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--seed", type=_seed, default=0, metavar="N", help="of the random numbers (0)")
+    command.add_argument("--seed", type=_seed, default=0, metavar="N", help="seed of the random numbers (0)")
 
 
 def add_drawing(command: argparse.ArgumentParser) -> None:
-    """What every command that draws samples has."""
+    """Adds the arguments of all commands that draw samples."""
     command.add_argument("--samples", type=int, metavar="N", help=f"default {SAMPLES}")
     add_seed(command)
     add_threads(command)
     command.add_argument("--shard", type=_shard, metavar="I/N", help="run part I of N only, and write it")
-    command.add_argument("-o", "--output", metavar="PART.json", help="where --shard writes")
+    command.add_argument("-o", "--output", metavar="PART.json", help="the file for the part that --shard runs")
     command.add_argument("--json", action="store_true", help="the estimate as JSON")
     command.add_argument("--quiet", action="store_true", help="no progress")
 
@@ -37,11 +37,11 @@ def check(arguments: argparse.Namespace) -> None:
 
 
 def numbers(text: str) -> list[float]:
-    """Numbers with commas between."""
+    """Parses numbers separated by commas."""
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:
-        raise argparse.ArgumentTypeError("must be numbers with commas between") from None
+        raise argparse.ArgumentTypeError("must be numbers separated by commas") from None
 
 
 def _threads(text: str) -> int:

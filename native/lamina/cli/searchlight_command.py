@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command `estimate-searchlight`: a stack in, where a pencil beam's light leaves out."""
+"""The command `estimate-searchlight`: where the light of a pencil beam leaves a stack."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ from ..walks.estimate_searchlight import WALKS, SearchlightEstimate, Searchlight
 from ..walks.searchlight_moments import Measured
 from ..walks.searchlight_shards import run_searchlight_shard
 from .arguments import add_drawing, numbers
+from .drawing import draw
 
-# What is told of all light, then what is told at each radius and at each frequency.
+# Values for all light, then values at each radius and at each frequency.
 TOTALS = ("reflectance", "transmittance", "mirrored", "unscattered", "mean_distance", "mean_square_distance")
 AT_RADII = ("reflected_inside", "transmitted_inside")
 AT_FREQUENCIES = ("reflected_at", "transmitted_at")
 
 
-def add(commands, run) -> None:
-    """Adds the command to a parser; `run(arguments)` executes it."""
+def add(commands) -> None:
+    """Adds the command to a parser."""
     command = commands.add_parser("estimate-searchlight", help="estimate by Monte Carlo where a pencil beam's light "
                                                                "leaves a stack with lengths in millimetres")
     command.add_argument("stack", metavar="STACK.json")
@@ -33,10 +34,14 @@ def add(commands, run) -> None:
     command.add_argument("--q", type=numbers, default=[], metavar="1/MM,...",
                          help="lateral frequencies, for the flux density's integral times J0(q r)")
     add_drawing(command)
-    command.set_defaults(run=run)
+    command.set_defaults(run=_run)
 
 
-def estimated(arguments: argparse.Namespace, progress) -> SearchlightEstimate | dict:
+def _run(arguments: argparse.Namespace) -> int:
+    return draw(arguments, lambda progress: _estimated(arguments, progress), show)
+
+
+def _estimated(arguments: argparse.Namespace, progress) -> SearchlightEstimate | dict:
     """The estimate, or with --shard the part. Raises ValueError, OSError."""
     stack = Stack.load(arguments.stack)
     samples = SAMPLES if arguments.samples is None else arguments.samples
@@ -49,7 +54,7 @@ def estimated(arguments: argparse.Namespace, progress) -> SearchlightEstimate | 
 
 
 def show(found: SearchlightEstimate, as_json: bool) -> None:
-    """Prints an estimate without times: the same samples are the same bytes."""
+    """Prints an estimate without times, so equal samples print equal bytes."""
     if as_json:
         rows = {name: {"value": _plain(getattr(found, name).value), "stderr": _plain(getattr(found, name).stderr)}
                 for name in (*TOTALS, *AT_RADII, *AT_FREQUENCIES)}
@@ -72,7 +77,7 @@ def _text(measured: Measured) -> str:
 
 
 def _plain(values):
-    """As JSON has it: without NaN and infinities."""
+    """The values in JSON types, with None for NaN and infinities."""
     if isinstance(values, np.ndarray) and values.ndim:
         return [_plain(value) for value in values]
     number = float(values)

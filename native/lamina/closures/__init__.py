@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lobes that Cycles' closures stand for, and their values on the grid of a bake."""
+"""The lobes of Cycles' closures, and their values on the grid of a bake."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The axes of a lookup table: view angles across, thicknesses of a varying layer up."""
+"""The axes of a lookup table: view angles by column, thicknesses of a varying layer by row."""
 
 from __future__ import annotations
 
@@ -24,6 +24,6 @@ def tau_rows(largest: float) -> np.ndarray:
 
 
 def tau_at(largest: float, rows: np.ndarray) -> np.ndarray:
-    """Thickness at `rows` of that axis, whole ones or between two."""
+    """Thickness at `rows` of that axis, integers or fractions between two rows."""
     t = largest / (largest + TAU_BEND) * np.asarray(rows, float) / (TAU_ROWS - 1)
     return TAU_BEND * t / (1.0 - t)

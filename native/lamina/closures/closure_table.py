@@ -16,15 +16,15 @@ from .axes import column_angles
 from .lobe import Geometry, Lobe
 from .narrow_lobes import BROAD_ALPHA
 
-# Nodes of the light grid (cosines, azimuths): the smallest whose fit error is within 2 % of its true value.
+# Nodes of the light grid (cosines, azimuths): the smallest grid whose fit error is within 2 % of the true value.
 SMOOTH_NODES = {"preview": (16, 12), "final": (24, 16)}
 # For lobes of alpha .03 and more: azimuths are dense near the mirror direction.
 SHARP_NODES = {"preview": (40, 32), "final": (64, 48)}
 DENSITY = 5.0
 # Grazing columns are sampled a little above the horizon, where slices are still defined.
 LOWEST_COSINE = 6e-3
-# Largest share of a tilted lobe beyond the horizon, in a sheet: small where Cycles loses that light, larger where it
-# stays as light on the other side.
+# In a sheet, the largest share of a tilted lobe beyond the horizon: small if Cycles loses this light, larger if the
+# light stays as light on the other side.
 MOST_LOST, MOST_STRAYED = 0.04, 0.1
 
 
@@ -102,7 +102,7 @@ def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
     values, albedo = _sample(ids, grid, mu_o), _albedos(tuple(ids), stride)
     if mixed:
         available = _available(ids, albedo)
-        # Light that strays beyond the horizon is counted: the sum of both sides stays exact.
+        # Light that strays beyond the horizon counts, so that the sum of both sides is exact.
         strays = np.array([lobes.by_id(name).strays for name in ids])
         values, albedo = values * available[..., None], np.where(strays, 1.0, albedo) * available
     if first is not None:
@@ -115,13 +115,12 @@ def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
 @functools.lru_cache(maxsize=16)
 def _albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
     """Directional albedos [column, closure] on the closure's own side of the horizon. They have their own grids: finer
-    for closures with edges, denser near the mirror direction for narrow lobes. Cones wholly above the horizon are
-    integrated in closed form, because the edges of narrow ones are too fine for a grid."""
+    for closures with edges, denser near the mirror direction for narrow lobes. A cone that is wholly above the horizon
+    is integrated in closed form, because the edge of a narrow cone is too sharp for a grid."""
     dense, mu_o = light_grid(96, 64, DENSITY), view_cosines()[::stride]
     narrow = [name for name in ids if lobes.by_id(name).narrow]
-    values = _sample(narrow, dense, mu_o) @ dense.solid_angle if narrow else None
-    return np.stack([values[:, narrow.index(name)] if name in narrow else _albedo(lobes.by_id(name), mu_o)
-                     for name in ids], axis=1)
+    known = dict(zip(narrow, (_sample(narrow, dense, mu_o) @ dense.solid_angle).T, strict=True)) if narrow else {}
+    return np.stack([known[name] if name in known else _albedo(lobes.by_id(name), mu_o) for name in ids], axis=1)
 
 
 def _albedo(lobe: Lobe, mu_o: np.ndarray) -> np.ndarray:
@@ -138,11 +137,11 @@ def _albedo(lobe: Lobe, mu_o: np.ndarray) -> np.ndarray:
 
 
 def _available(ids: Sequence[str], albedo: np.ndarray) -> np.ndarray:
-    """1 where a closure may be part of a sheet's mixture, [column, closure]. Lobes about another direction than the
-    normal cross the horizon at oblique views, so they are left out where too much of them would. Tilted Diffuse, Toon
-    and Translucent closures are evaluated there in Cycles 4.5, but not sampled; for Hair closures it is the other way
-    round. Below the horizon, Hair closures are evaluated behind the viewer too, but not sampled; the same limit holds
-    for that share."""
+    """1 where a closure may be part of a sheet's mixture, [column, closure]. Tilted lobes cross the horizon at oblique
+    views, and are excluded where too much of them would be beyond. There Cycles 4.5 evaluates tilted Diffuse, Toon and
+    Translucent closures without sampling them, and samples Hair closures without evaluating them. Below the horizon
+    Cycles also evaluates Hair closures behind the viewer, without sampling them; the same limit applies to that
+    share."""
     most = np.array([(MOST_STRAYED if lobes.by_id(name).strays else MOST_LOST) if lobes.by_id(name).leans else 1.0
                      for name in ids])
     return np.where((albedo < 1.0 - most) | (albedo > 1.0 + most), 0.0, 1.0)

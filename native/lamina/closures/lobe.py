@@ -26,14 +26,13 @@ ASIDE = "I aside"
 class NodeRecipe:
     """How to build a closure out of one shader node; plain data, interpreted by the add-on.
 
-    `weight_input` takes the linear RGB weight.  `inputs` are socket values by name, `enums` are node
-    properties.  `normal` (fed into the socket `normal_input`) is "N", "I", "N+I" (the
-    normalised sum), ("lean", share): R + share N, where R mirrors I at N, or ("tilt", degrees): N turned
-    towards the viewer, in the plane of incidence.  `vectors` are further sockets that take such a direction: "I" is
-    the vector Geometry.Incoming, "T" the one in the plane of incidence that is square to it, "I aside" the
-    vector I turned by some 1e-5 radians.  A tangent must not be parallel to the normal, or Cycles renders
-    black; "I aside" is for tangents, since I is the normal where a surface is seen exactly from above.
-    `view_angles` are sockets that take that multiple of the view angle theta_o, in radians.
+    `weight_input` takes the linear RGB weight. `inputs` are socket values by name, `enums` are node properties.
+    `normal` (for the socket `normal_input`) is "N", "I", "N+I" (the normalised sum), ("lean", share): R + share N,
+    where R mirrors I at N, or ("tilt", degrees): N turned towards the viewer, in the plane of incidence. `vectors` are
+    further sockets that take a direction: "I" is the vector Geometry.Incoming, "T" the vector in the plane of incidence
+    that is perpendicular to I, "I aside" the vector I turned by some 1e-5 radians. Cycles renders black if a tangent is
+    parallel to the normal; "I aside" is a tangent that is valid also where I is the normal, seen exactly from above.
+    `view_angles` are sockets whose value is a multiple of the view angle theta_o, in radians.
     """
 
     type: str
@@ -58,9 +57,9 @@ class Cone:
 class Lobe:
     """One closure of unit weight: `evaluate(mu_o, mu_i, dphi)` -> f * |cos theta_i|, broadcast, 1/sr. `narrow`:
     integrals need directions that are dense about the mirror direction. `cone`: the extent of a lobe with an edge.
-    `density`: the density of directions that Cycles samples for a reflection lobe, 1/sr; None: equal to the value.
-    `strayed`: of a transmission lobe, the density of directions that Cycles samples above the horizon; None: it samples
-    none."""
+    `density`: the probability density of directions that Cycles samples for a reflection lobe, 1/sr; None: equal to the
+    value. `strayed`: for a transmission lobe, the probability density of directions that Cycles samples above the
+    horizon; None: it samples none."""
 
     id: str
     side: str
@@ -73,8 +72,8 @@ class Lobe:
 
     @property
     def leans(self) -> bool:
-        """True if the lobe is about another direction than the normal or the mirror direction, and can cross the
-        horizon. Such a lobe's integral over all directions is 1."""
+        """True if the lobe is about a direction other than the normal and the mirror direction, so that it can cross
+        the horizon. The integral of such a lobe over all directions is 1."""
         return self.node.normal != GEOMETRIC or self.strays
 
     @property

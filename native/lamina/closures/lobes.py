@@ -5,8 +5,8 @@ Closures are defined here only. A `Lobe` holds the cosine-weighted value f * |co
 unit weight reflects or transmits, and how to build the closure from a shader node. `tests/cycles/test_lobes.py`
 measures each of them in Cycles, so that a change of a closure in a Blender release is noticed.
 
-Weights depend on the view only.  Normals may be tilted for Diffuse, Translucent and Toon closures
-alone: Cycles 4.5 samples tilted microfacets wrongly.
+Weights depend on the view only. Only Diffuse, Translucent and Toon closures may have tilted normals: Cycles 4.5 samples
+tilted microfacets wrongly.
 """
 from __future__ import annotations
 
@@ -142,9 +142,9 @@ def sheen_ashikhmin(sigma: float) -> Lobe:
 # --- The dictionary -----------------------------------------------------------------------------
 
 # Found by backward elimination from 360 closures on random slabs (g from -.5 to .88, with and without a Lambertian
-# base): compared with all 360, the mean error of six closures per material is .1 percentage points higher.
-# tools/choose_lobes.py redoes such a choice. Refraction BSDFs are left out on purpose: Cycles evaluates them for half
-# vectors that it never samples, so that a rough one loses up to half of its light under a sky.
+# base). Compared with all 360, the mean error of six closures per material is .1 percentage points higher.
+# tools/choose_lobes.py repeats such a choice. Refraction BSDFs are excluded: Cycles evaluates them for half vectors
+# that it never samples, so a rough one loses up to half of its light under a sky.
 DICTIONARY: tuple[Lobe, ...] = (
     diffuse(),
     diffuse(("tilt", -15.0)),
@@ -221,9 +221,9 @@ _MADE: dict[str, Callable[..., Lobe]] = {
 
 @functools.lru_cache(maxsize=256)
 def by_id(lobe_id: str) -> Lobe:
-    """The lobe of that id: one of the dictionary, or one made for a stack, such as "ggx:0.1" (alpha), "beckmann:0.1",
-    "fresnel_ggx:1.5:0.1" (index, alpha) or "toon:0.3:0.05:0.2" (lean, size, smooth). KeyError with the id when there is
-    none."""
+    """The lobe with this id: one of the dictionary, or one made for a stack, such as "ggx:0.1" (alpha), "beckmann:0.1",
+    "fresnel_ggx:1.5:0.1" (index, alpha) or "toon:0.3:0.05:0.2" (lean, size, smooth). Raises KeyError for an unknown
+    id."""
     if lobe_id in _BY_ID:
         return _BY_ID[lobe_id]
     family, *numbers = lobe_id.split(":")
@@ -238,8 +238,8 @@ def by_id(lobe_id: str) -> Lobe:
 
 
 def recipe(closure: str) -> NodeRecipe:
-    """The node of a lobe, or of a closure for delta light: "transparent" for unscattered light, "mirror:ALPHA" for what
-    smooth boundaries reflect. KeyError with the id when there is none."""
+    """The node of a lobe, or of a closure for delta light: "transparent" for unscattered light, "mirror:ALPHA" for
+    specular reflection by smooth boundaries. Raises KeyError for an unknown id."""
     if closure == "transparent":
         return NodeRecipe("ShaderNodeBsdfTransparent", normal_input="")
     if closure.startswith("mirror:"):
@@ -248,7 +248,7 @@ def recipe(closure: str) -> NodeRecipe:
 
 
 def _mirror_alpha(closure: str) -> float:
-    """The microfacet width in the id of a mirror. KeyError with the id when there is none in [0, 1]."""
+    """The microfacet width in the id of a mirror. Raises KeyError if there is none in [0, 1]."""
     try:
         alpha = float(closure.removeprefix("mirror:"))
     except ValueError:
@@ -264,8 +264,8 @@ _gauss = functools.lru_cache(maxsize=4)(np.polynomial.legendre.leggauss)
 def directional_albedo(lobe: Lobe, mu_o, nodes: tuple[int, int] = (96, 64)) -> np.ndarray:
     """Integral of `evaluate` over the light's hemisphere, shape of `mu_o`.
 
-    `nodes` are those in theta (Gauss) and dphi (midpoint); the default is good to 3e-4 for every closure
-    of the dictionary, whose kinks need more nodes than a scattering function does.
+    `nodes`: numbers of nodes in theta (Gauss) and in dphi (midpoint). The default is accurate to 3e-4 for every closure
+    of the dictionary; their kinks need more nodes than a scattering function.
     """
     x, w = _gauss(nodes[0])
     theta = (x + 1.0) * np.pi / 4

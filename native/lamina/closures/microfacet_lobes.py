@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Closures made of microfacets: GGX and Beckmann, with and without Fresnel's factor, and mirrors.
 
-Height-correlated Smith masking throughout, as Cycles has it.  These closures stay about the normal: Cycles
-4.5 samples tilted microfacets wrongly.
+Smith masking is height-correlated, as in Cycles. These closures are always about the normal: Cycles 4.5 samples tilted
+microfacets wrongly.
 """
 from __future__ import annotations
 
@@ -83,9 +83,9 @@ def _fresnel(cosine, ior: float):
 def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:
     """P(n): GGX times (F - F0) / (1 - F0), a Lommel-Seeliger lobe with a forward phase function.
 
-    F depends on half the scattering angle alone.  The node is a Principled BSDF with everything but
-    its specular layer black; the tint of a coat of index 1, seen along its own normal, is a linear
-    weight without an upper limit.
+    F depends on half the scattering angle alone. The node is a Principled BSDF in which all layers except the specular
+    one are black. The weight is the tint of a coat of index 1 seen along its own normal, a linear factor without an
+    upper limit.
     """
     alpha = roughness**2
     normal_reflectance = ((ior - 1.0) / (ior + 1.0)) ** 2
@@ -137,7 +137,7 @@ def _beckmann_lambda(cosine, alpha: float):
 
 
 def mirror(roughness: float) -> NodeRecipe:
-    """Recipe of the closure for mirrored light: Glossy GGX, sharp at roughness 0."""
+    """Recipe of the closure for specular reflection: Glossy GGX, sharp at roughness 0."""
     return NodeRecipe(
         "ShaderNodeBsdfAnisotropic", inputs={"Roughness": roughness, "Anisotropy": 0.0}, enums={"distribution": "GGX"}
     )

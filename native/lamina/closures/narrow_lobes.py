@@ -13,17 +13,17 @@ from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..material.stack import Stack
 
-# Facets narrower than this are solved as smooth; only their closure has their width. The neglected light is a share of
-# alpha^2.
+# Facets narrower than this are solved as smooth, and only their closure has their width. The neglected light is of the
+# order of alpha^2.
 LEAST_ALPHA = 0.03
-# From this width on, the light grid for smooth slices resolves a lobe as well.
+# From this width on, the light grid for smooth slices also resolves a lobe.
 BROAD_ALPHA = 0.45
-# Width of the light that forward scattering sends through a sheet.
+# Width of the lobe of light scattered forward through a sheet.
 STRAIGHT_ALPHA = 0.2
 # Ratio of the widths of closures for lobes of unknown width.
 STEP = 1.35
 # Through a refracting boundary or an absorbing layer, a lobe is tilted from the mirror direction towards the normal.
-# Cones tilted by these shares serve it; (size, smooth) are for a lobe of alpha 1.
+# Cones tilted by these shares fit it; (size, smooth) are for a lobe of alpha 1.
 LEANS = (0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
 AWAY = (-0.2, -0.05, 0.1)
 CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
@@ -31,9 +31,7 @@ CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
 
 def resolved(stack: Stack) -> Stack:
     """The stack as a bake solves it: with smooth boundaries in place of facets too narrow for a table."""
-    layers = [replace(layer, alpha=0.0) if _is_sharp(layer) else layer for layer in stack.layers]
-    base = replace(stack.base, alpha=0.0) if _is_sharp(stack.base) else stack.base
-    return stack.with_facets(layers, base)
+    return stack.with_facets([_smoothed(layer) for layer in stack.layers], _smoothed(stack.base))
 
 
 def narrowest(stack: Stack) -> float | None:
@@ -43,7 +41,7 @@ def narrowest(stack: Stack) -> float | None:
         widths.append(STRAIGHT_ALPHA)
     if not widths:
         return None
-    # Light that passes a rough boundary, is mirrored and passes the boundary again is deflected less than by
+    # Light that crosses a rough boundary, is reflected and crosses the boundary again is deflected less than by
     # reflection.
     return min(widths) * (_refracted_share(stack) if _sees_through(stack) else 1.0)
 
@@ -54,38 +52,42 @@ def closures(stack) -> list[str]:
     rough = _rough(stack)
     for surface, above, below in rough:
         ids.append(_id(surface.distribution, surface.alpha))
-        # F as a function of the half angle. For a dielectric's GGX facets F0 ggx + (1 - F0) fresnel_ggx is exact; for
-        # metals and Beckmann's facets its shape serves.
+        # F as a function of the half angle. For GGX facets of a dielectric, F0 ggx + (1 - F0) fresnel_ggx is exact; for
+        # metals and Beckmann facets its shape is a good approximation.
         index = below / above if isinstance(surface, Interface) else 1.5
         widths = (1.0,) if surface.distribution == "ggx" else (0.9, 1.6)
         ids += [f"fresnel_ggx:{max(index, 1.0 / index):.4g}:{_rounded(min(1.0, surface.alpha * w)):g}" for w in widths]
         if surface.distribution == "beckmann":
             ids += [_id("beckmann", 0.9 * surface.alpha), f"fresnel_ggx:1.1:{_rounded(0.9 * surface.alpha):g}"]
-            # At grazing views Fresnel's factor moves the lobe past the mirror direction, and Beckmann's lobe has no
+            # At grazing views Fresnel's factor moves the lobe beyond the mirror direction, and a Beckmann lobe has no
             # tail that would hide the shift.
             ids += [_cone(lean, min(1.0, w * surface.alpha * size), min(1.0, w * surface.alpha * smooth))
                     for lean in AWAY for w in (1.0, 2.0) for size, smooth in CONES]
     if rough and (_covered(stack) or len(rough) > 1 or _sees_through(stack)):
         widest = max(surface.alpha * above for surface, above, _ in rough) * STEP
-        alpha = narrowest(stack)
+        alpha = least = narrowest(stack) or widest
         while alpha < min(1.0, widest) * STEP:
             ids.append(_id("ggx", min(alpha, 1.0)))
             alpha *= STEP
-        for width in sorted({_rounded(widest / STEP), _rounded(max(narrowest(stack), 0.3 * widest))}):
+        for width in sorted({_rounded(widest / STEP), _rounded(max(least, 0.3 * widest))}):
             ids += [_cone(lean, min(1.0, width * size), min(1.0, width * smooth)) for lean in LEANS
                     for size, smooth in CONES]
     return list(dict.fromkeys(ids))
 
 
 def mirror(stack: Stack) -> str:
-    """Id of the closure for what the smooth boundaries of `resolved(stack)` reflect: as wide as the widest of
-    those facets that are solved as smooth, seen through the media above."""
+    """Id of the closure for light that smooth boundaries of `resolved(stack)` reflect. Its width is that of the widest
+    facets that are solved as smooth, seen through the media above."""
     widths = [0.0, *(surface.alpha * above for surface, above, _ in _in_order(stack) if _is_sharp(surface))]
     return f"mirror:{_rounded(max(widths)):g}"
 
 
 def _is_sharp(surface) -> bool:
     return isinstance(surface, Interface | Conductor) and 0.0 < surface.alpha < LEAST_ALPHA
+
+
+def _smoothed(surface):
+    return replace(surface, alpha=0.0) if _is_sharp(surface) else surface
 
 
 def _in_order(stack: Stack) -> list[tuple]:
@@ -126,7 +128,7 @@ def _refracted_share(stack: Stack) -> float:
 
 
 def _mean(value) -> float:
-    """A quantity's mean over channels: one closure serves all channels."""
+    """A quantity's mean over channels: all channels share one closure."""
     return value if isinstance(value, int | float) else float(np.mean([channel(value, c) for c in range(len(value))]))
 
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lobes of light that comes through a sheet: Cycles' Hair BSDF on a mesh, component Transmission.
 
-The lobe is a product of two Lorentzians about a tangent T: one in the elevation from the plane square to T, one in
-the azimuth about T.  With T in the plane of incidence and square to the viewer, azimuth 0 is the direction straight
-through, -I, and the elevation turns that direction in the plane of incidence.  The socket Offset moves the
-elevation's centre, so that the lobe leans from -I towards the normal of the far side, -N.
+The lobe is a product of two Lorentzians about a tangent T: one in the elevation from the plane perpendicular to T, one
+in the azimuth about T. With T in the plane of incidence and perpendicular to the viewer, azimuth 0 is the direction
+straight through, -I, and the elevation turns this direction in the plane of incidence. The socket Offset moves the
+centre of the elevation, so the lobe leans from -I towards the normal of the far side, -N.
 """
 from __future__ import annotations
 

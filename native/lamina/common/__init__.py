@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every room uses: errors, checked arguments, progress, files that appear whole or not at all."""
+"""Common to all packages: errors, checked arguments, progress, files that are written completely or not at all."""

@@ -17,17 +17,17 @@ import numpy as np
 from . import json_file
 from .atomic import write_atomically
 
-# What reading a damaged or foreign archive may raise.
+# Exceptions from reading a damaged or foreign archive.
 _DAMAGE = (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, RuntimeError, RecursionError,
            NotImplementedError, zipfile.BadZipFile, zlib.error)
 
 
-class Damaged(Exception):  # noqa: N818 - callers say in their own words what file it is
+class Damaged(Exception):  # noqa: N818 - callers raise their own error with a description of the file
     """The file is not a complete archive of these arrays."""
 
 
 def save_archive(path, header: dict, **arrays: np.ndarray) -> None:
-    """Writes an .npz file, whole or not at all. Unlike numpy.savez, equal content gives equal bytes. The header is
+    """Writes an .npz file, completely or not at all. Unlike numpy.savez, equal content gives equal bytes. The header is
     stored as JSON in an array of bytes. Raises OSError."""
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), np.uint8)
     write_atomically(path, lambda file: _write(file, {"header": text, **arrays}))

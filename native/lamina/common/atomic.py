@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that appear whole or not at all."""
+"""Files that are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import BinaryIO
 
 
 def write_atomically(path: str | os.PathLike, write: Callable[[BinaryIO], object]) -> None:
-    """Calls `write` with a temporary file beside `path`, and renames that file to `path` when all is written.
+    """Calls `write` with a temporary file beside `path`, and renames this file to `path` when all is written.
 
-    After any failure, also an interruption, the earlier file is unchanged. Raises OSError."""
+    After any failure or interruption the earlier file is unchanged. Raises OSError."""
     path = Path(path)
     descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
     try:

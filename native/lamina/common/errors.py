@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The errors that Lamina raises on purpose. Each message is one sentence that can be shown to a user."""
+"""The errors that Lamina raises. Each message is one sentence that can be shown to a user."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import difflib
 
 from ..kinds.errors import LONGEST, DustError, StackError, clipped, quoted
 
-__all__ = ["ArgumentError", "Cancelled", "DustError", "DustUnavailable", "ExportError", "LutError", "MeshFileError",
-           "ShardError", "SolveError", "StackError", "UnknownName", "clipped", "quoted", "unknown"]
+__all__ = ["ArgumentError", "Cancelled", "DustError", "DustUnavailable", "ExportError", "InteriorError", "LutError",
+           "MeshFileError", "ShardError", "SolveError", "StackError", "UnknownName", "clipped", "quoted", "unknown"]
 
 
 class ArgumentError(ValueError):
     """A bad argument of a function: names the argument, its value and the allowed range."""
 
 
-class UnknownName(StackError, KeyError):  # noqa: N818 - reads as what it says
+class UnknownName(StackError, KeyError):  # noqa: N818 - clear without the suffix Error
     """A preset or metal that is not in the library; lists the most similar names."""
 
     __str__ = Exception.__str__  # a KeyError would quote the sentence
@@ -43,8 +43,12 @@ class ShardError(ValueError):
     """A part of an estimate that cannot be read, or that belongs to another one."""
 
 
-class DustUnavailable(RuntimeError):  # noqa: N818 - reads as what it says
-    """This installation cannot trace rays; says why."""
+class DustUnavailable(RuntimeError):  # noqa: N818 - clear without the suffix Error
+    """This installation cannot trace rays; the message gives the reason."""
+
+
+class InteriorError(ValueError):
+    """A bad interior or a bad mesh around one: names the field, its value and the allowed range."""
 
 
 class MeshFileError(ValueError):

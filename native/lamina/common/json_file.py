@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strict JSON: no key twice in an object."""
+"""Strict JSON: an object must not hold a key twice."""
 
 from __future__ import annotations
 

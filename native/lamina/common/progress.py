@@ -27,5 +27,5 @@ def stepper(work: str, progress: Progress | None, cancel: Callable[[], bool] | N
 
 
 def portion(step: Progress, first: float, last: float) -> Progress:
-    """A step function for one part of the work: its 0 to 1 is [first, last] of the whole."""
+    """A step function for one part of the work: its range 0 to 1 is [first, last] of the whole."""
     return lambda fraction, text: step(first + (last - first) * fraction, text)

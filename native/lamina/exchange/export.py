@@ -51,9 +51,9 @@ def default_azimuths() -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Export:
-    """What an archive holds. `header`: a JSON object with format, schema, stack, stack_hash, sides, channels,
-    units, conventions and solver. `arrays`: axes, kernels and fluxes by the names in `header["units"]`; a
-    stack on a base has no btdf."""
+    """The contents of an archive. `header`: a JSON object with format, schema, stack, stack_hash, sides, channels,
+    units, conventions and solver. `arrays`: axes, kernels and fluxes by the names in `header["units"]`; a stack on a
+    base has no btdf."""
 
     header: dict
     arrays: dict[str, np.ndarray]
@@ -66,8 +66,8 @@ def tabulate(solved: ScatteringFunction, theta_o=None, theta_i=None, dphi=None,
              progress: Callable[[float, str], object] | None = None) -> Export:
     """The scattering function on a product grid of angles in radians: thetas in [0, pi/2), dphi any.
 
-    Where a stack is glossy, give axes as fine as its peak. Raises ArgumentError, a ValueError, and StackError for a
-    sheet that does not end in air."""
+    For a glossy stack, the axes must be fine enough for its peak. Raises ArgumentError, a ValueError, and StackError
+    for a sheet that does not end in air."""
     check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returns")
     check_callable(progress, "progress")
     axes = {"theta_o": _thetas(theta_o, "theta_o"), "theta_i": _thetas(theta_i, "theta_i"),
@@ -103,8 +103,8 @@ def tabulate(solved: ScatteringFunction, theta_o=None, theta_i=None, dphi=None,
 
 def save_npz(solved: ScatteringFunction | Stack, path: str | os.PathLike, theta_o=None, theta_i=None, dphi=None,
              progress: Callable[[float, str], object] | None = None) -> None:
-    """Writes what tabulate makes as .npz, whole or not at all: no pickle, the header as bytes of JSON. A
-    stack is solved first, at quality "final". Raises ValueError, SolveError and OSError."""
+    """Writes the result of tabulate as .npz, completely or not at all: no pickle, the header as bytes of JSON. A stack
+    is solved first, at quality "final". Raises ValueError, SolveError and OSError."""
     if isinstance(solved, Stack):
         solved = solve(solved)
     export = tabulate(solved, theta_o, theta_i, dphi, progress)
@@ -112,8 +112,8 @@ def save_npz(solved: ScatteringFunction | Stack, path: str | os.PathLike, theta_
 
 
 def load_npz(path: str | os.PathLike) -> Export:
-    """Reads what save_npz wrote. Raises ExportError for a file that is truncated, foreign, or of a newer
-    schema, and OSError when it cannot be opened."""
+    """Reads a file that save_npz wrote. Raises ExportError for a file that is truncated, foreign, or of a newer schema,
+    and OSError when it cannot be opened."""
     try:
         header, _ = load_archive(path)
         if not isinstance(header, dict) or header.get("format") != FORMAT:
@@ -124,7 +124,7 @@ def load_npz(path: str | os.PathLike) -> Export:
         names = _names(header.get("sides"))
         _, arrays = load_archive(path, *names)
     except Damaged:
-        raise ExportError(f"{path}: not a whole scattering function exported by Lamina") from None
+        raise ExportError(f"{path}: not a complete scattering function exported by Lamina") from None
     export = Export(header, dict(zip(names, arrays, strict=True)))
     problem = _problem(export)
     if problem:
@@ -158,7 +158,7 @@ def _names(sides) -> list[str]:
 
 
 def _problem(export: Export) -> str:
-    """What is wrong with an archive, in words, or ''."""
+    """The first problem of an archive, in words, or ''."""
     header, arrays = export.header, export.arrays
     if not all(key in header for key in ("stack", "stack_hash", "channels", "units", "conventions", "solver")):
         return "the header is incomplete"

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solved stacks as .bsdf files of RGL, which Mitsuba 3 (plugin `measured`) and powitacq read.
 
-Format: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering".
-A file holds f cos(theta_o) of reflection on half vectors, and a density that renderers sample by. It has no
-place for mirror reflection nor for transmission: save_bsdf returns how much of the light it leaves out."""
+Format: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering". A file
+holds f cos(theta_o) of reflection on half vectors, and a probability density for sampling. The format has no place for
+mirror reflection and transmission; save_bsdf returns the share of light that is left out."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from ..solver.solve import ScatteringFunction
 
 # The most grazing angle of the tables; at the horizon itself the cosine is 0.
 GRAZING = math.radians(89.9)
-# Nodes of the product grid in theta_o and dphi that the half vectors are looked up in.
+# Nodes in theta_o and dphi of the product grid from which the half vectors are interpolated.
 TABLE = (256, 181)
 # Type numbers of the tensor file.
 _TYPES = {"uint8": 1, "float32": 10}
 
 
 def incident_angles(count: int) -> np.ndarray:
-    """theta_i of a file's slices in radians: from the normal to GRAZING, closer together near it, where
-    values change fastest."""
+    """theta_i of a file's slices in radians, from the normal to GRAZING. They are denser near GRAZING, where values
+    change fastest."""
     s = np.linspace(0.0, 1.0, count)
     return GRAZING * s * (2.0 - s)
 
@@ -37,16 +37,15 @@ def incident_angles(count: int) -> np.ndarray:
 def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 64, angles: int = 32,
               wavelengths: Sequence[float] | None = None,
               progress: Callable[[float, str], object] | None = None) -> float:
-    """Writes the reflection from the top as a .bsdf file, whole or not at all.
+    """Writes the reflection from the top as a .bsdf file, completely or not at all.
 
-    `size`: nodes of the half vector in elevation and in azimuth, [8, 1024]; `angles`: slices in theta_i,
-    [4, 512]. Readers interpolate linearly between them: errors fall with the squares of both.
+    `size`: nodes of the half vector in elevation and in azimuth, [8, 1024]; `angles`: slices in theta_i, [4, 512].
+    Readers interpolate linearly between them, so errors fall with the squares of both. Three channels are red, green
+    and blue (linear sRGB), in a file for RGB renderers; one channel is grey and is written three times. With
+    `wavelengths` (nm, one per channel, in any order) the file is for spectral renderers instead.
 
-    Channels: three are red, green and blue (linear sRGB), in a file for RGB renderers; one is grey, written
-    thrice. With `wavelengths` (nm, one per channel, in any order) the file is for spectral renderers instead.
-
-    Returns the largest share of a beam that is mirrored and so left out, over theta_i and channels. Raises
-    ValueError and OSError."""
+    Returns the largest share of a beam in the omitted mirror reflection, over theta_i and channels. Raises ValueError
+    and OSError."""
     for name, value, low, high in (("size", size, 8, 1024), ("angles", angles, 4, 512)):
         check_whole(value, name, low, high, f"must be a whole number in [{low}, {high}]")
     check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returns")
@@ -59,10 +58,10 @@ def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 6
     mirrored = float(solved.reflectance(np.cos(theta_i), parts=True)[1].max())
     fields = {
         "description": np.frombuffer(_describe(solved, mirrored, spectral).encode(), np.uint8),
-        # The values are f cos(theta_o) themselves, not yet to be multiplied by ndf / (4 sigma) ...
+        # The values are f cos(theta_o) itself, not to be multiplied by ndf / (4 sigma) ...
         "jacobian": np.zeros(1, np.uint8),
         "ndf": np.ones((2, 2)), "sigma": np.ones((2, 2)),
-        # ... on the plain grid of half vectors: a constant density warps nothing.
+        # ... on the plain grid of half vectors: a constant density does not warp it.
         "vndf": np.ones((1, angles, 2, 2)),
         "phi_i": np.zeros(1), "theta_i": theta_i,
         "luminance": importance[None],
@@ -77,8 +76,8 @@ def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 6
 
 
 def check_wavelengths(wavelengths: Sequence[float] | None, channels: int) -> np.ndarray | None:
-    """The wavelengths as an array, or None for a file in RGB or grey. Raises ValueError when a .bsdf file
-    cannot hold that many channels so."""
+    """The wavelengths as an array, or None for a file in RGB or grey. Raises ValueError if a .bsdf file cannot hold
+    this number of channels."""
     if wavelengths is None:
         if channels not in (1, 3):
             raise ArgumentError(f"the stack has {channels} channels: a .bsdf file without wavelengths holds 1 or 3")
@@ -110,25 +109,25 @@ def _tabulate(solved: ScatteringFunction, theta_i: np.ndarray, size: int, progre
         cosine = m @ wi
         wo = 2.0 * cosine[..., None] * m - wi
         valid[index] = (wo[..., 2] > 0.0) & (cosine > 0.0)
-        # Seen from above light that keeps its azimuth leaves opposite to where it came from.
+        # dphi is 0 when light keeps its azimuth: it then leaves opposite to the direction where it came from.
         dphi = np.abs(np.arctan2(wo[..., 1], -wo[..., 0]))
         elevation = np.arccos(np.minimum(np.abs(wo[..., 2]), 1.0))
         f = _bicubic(table[:, index], elevation / theta_o[1], dphi / azimuths[1])
-        # Below the horizon an odd continuation, so that what readers interpolate is 0 just there.
+        # Continue the values below the horizon as odd functions, so that linear interpolation is 0 at the horizon.
         values[index] = np.moveaxis(f * wo[..., 2:], -1, 0)
         density = 2.0 * math.pi**2 * u * np.sin(theta_m) * 4.0 * np.abs(cosine)
         importance[index] = f.mean(axis=-1) * np.abs(wo[..., 2]) * density
         progress((index + 1) / len(theta_i), "half vectors")
-    # Nodes that no cell with a true direction touches need no samples.
+    # Nodes outside all cells with a valid direction need no samples.
     importance *= _dilated(valid)
-    # A stack that reflects nothing still must have a density.
+    # A stack that reflects nothing also needs a density.
     importance += np.where(importance.sum(axis=(1, 2)) > 0.0, 0.0, 1.0)[:, None, None]
     return values, importance
 
 
 def _bicubic(table: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """`table` [x, y, channel] at fractional places; mirrored at the ends in y, which is dphi; its x ends are
-    the normal, where all azimuths meet, and grazing."""
+    """`table` [x, y, channel] at fractional indices. y, which is dphi, is mirrored at its ends; the ends of x are the
+    normal, where all azimuths meet, and grazing."""
     rows, columns = table.shape[:2]
     i, j = (np.clip(np.floor(t).astype(int), 0, n - 2) for t, n in ((x, rows), (y, columns)))
     total = 0.0
@@ -137,7 +136,7 @@ def _bicubic(table: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         for b, wb in enumerate(_cubic_weights(np.clip(y, 0.0, columns - 1) - j)):
             column = np.abs(j + b - 1)
             column = np.where(column >= columns, 2 * (columns - 1) - column, column)
-            # Beyond the normal lies the same plane's other side.
+            # Beyond the normal, continue on the other side of the same plane.
             across = np.where(row < 0, columns - 1 - column, column)
             total = total + (wa * wb)[..., None] * table[np.minimum(np.abs(row), rows - 1), across]
     return np.maximum(total, 0.0)
@@ -150,7 +149,8 @@ def _cubic_weights(t: np.ndarray):
 
 
 def _dilated(mask: np.ndarray) -> np.ndarray:
-    """The mask and all its neighbours; the last but one axis, the azimuth, is a circle whose ends coincide."""
+    """The mask and all neighbours of its true entries. The second-last axis, the azimuth, is periodic; its two ends are
+    the same azimuth."""
     grown = mask
     for axis, closed in ((0, False), (1, True), (2, False)):
         padded = np.moveaxis(grown, axis, 0)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bases: what lies below the layers. A stack without a base is a thin sheet.
+"""Bases: the surface or medium below the layers. A stack without a base is a thin sheet.
 
-A new base is a class here, with its name in __all__, KINDS and IN_PANEL, and its reflection in the core."""
+To add a base, write its class here, with its name in __all__, KINDS and IN_PANEL, and its reflection in the core."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ __all__ = ["Black", "Conductor", "HalfSpace", "Lambert"]
 
 
 class Base:
-    """`fields`: quantities; `forms`: sets of quantities of which one describes the base; `options`: choices;
-    `item`: the kind as an entry of the panel's list. `has_phase`: the base is a medium, with a member `phase`."""
+    """A kind of base. `fields`: quantities that always describe it; `forms`: alternative sets of quantities, of which
+    one is given; `options`: choices; `item`: its entry in the panel's list. `has_phase`: the base is a medium, with a
+    member `phase`."""
 
     kind = ""
     fields: tuple[Field, ...] = ()
@@ -27,25 +28,19 @@ class Base:
     options: tuple[Option, ...] = ()
     item: Item
     has_phase = False
-    # The add-on's property that says which form is given. Without one the panel offers the first form alone, which then
-    # has no item.
+    # Name of the add-on's property that selects the form; each form has an item.
     form_prop = ""
 
     @classmethod
-    def panel_forms(cls) -> tuple[Form, ...]:
-        """The forms that the panel offers."""
-        return cls.forms if cls.form_prop else cls.forms[:1]
-
-    @classmethod
     def panel_fields(cls, given) -> tuple[Field, ...]:
-        """The quantities of a base whose properties `given` has: those of its form, then the others."""
-        for form in cls.panel_forms():
-            if form.item is None or form.item.id == getattr(given, cls.form_prop):
+        """The quantities to edit for a base with the properties `given`: those of its form, then `fields`."""
+        for form in cls.forms:
+            if form.item is not None and form.item.id == getattr(given, cls.form_prop):
                 return *form, *cls.fields
         return cls.fields
 
     def in_channel(self, index: int) -> tuple:
-        """(name, parameters...) of one channel: the core's factory of the base and its arguments."""
+        """(name, parameters...) of one channel: the core's function that makes the base, and its arguments."""
         return (self.kind, *(channel(getattr(self, quantity.name), index) for quantity in self.fields))
 
 
@@ -67,8 +62,8 @@ class Lambert(Base):
 
 @dataclass(frozen=True)
 class Conductor(Base):
-    """A metal: its complex refractive index `eta` + i `k`, or the two colours from which the stack finds it,
-    `facing`, the reflectance at normal incidence, and `grazing`, that at 82 degrees from the normal, both in
+    """A metal: its complex refractive index `eta` + i `k`, or two colours from which the stack computes the index:
+    `facing`, the reflectance at normal incidence, and `grazing`, the reflectance at 82 degrees from the normal, both in
     [0, 1] and in air. Numbers, or one per channel. For the facets see Interface."""
 
     eta: Channels | None = None
@@ -81,7 +76,7 @@ class Conductor(Base):
     grazing: Channels | None = None
 
     kind = "conductor"
-    # The panel's defaults are the values of .blend files that never set them: they never change.
+    # The panel's defaults must never change: .blend files do not store unchanged values.
     forms = (
         Form((
             Field("eta", 1e-3, 100.0, panel=Panel(
@@ -108,7 +103,7 @@ class Conductor(Base):
 
 @dataclass(frozen=True)
 class Black(Base):
-    """Absorbs all that reaches it."""
+    """Absorbs all light."""
 
     kind = "black"
     item = Item(kind, "Black", "A surface that absorbs all light", 2)
@@ -119,8 +114,8 @@ class Black(Base):
 
 @dataclass(frozen=True)
 class HalfSpace(Base):
-    """An infinitely thick medium, given by `albedo`, in [0, 1], or by `sigma_s` and `sigma_a`, in 1/mm, which also say
-    how far light travels sideways. Numbers, or one a channel."""
+    """An infinitely thick medium, given by `albedo`, in [0, 1], or by `sigma_s` and `sigma_a`, in 1/mm, which also
+    determine how far light travels sideways. Numbers, or one per channel."""
 
     albedo: Channels | None = None
     phase: PhaseFunction = member(default_factory=Isotropic)
@@ -128,7 +123,11 @@ class HalfSpace(Base):
     sigma_a: Channels | None = None
 
     kind = "half-space"
-    forms = (Form((ALBEDO,)), Form((SIGMA_S, SIGMA_A)))
+    forms = (
+        Form((ALBEDO,), Item("optical", "Albedo", "By albedo", 0)),
+        Form((SIGMA_S, SIGMA_A), Item("coefficients", "Per mm", "By scattering and absorption per millimetre", 1)),
+    )
+    form_prop = "half_space_form"
     has_phase = True
     item = Item(kind, "Deep Medium", "A medium without bottom: soil, snow, thick paint", 3)
 

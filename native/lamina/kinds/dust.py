@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How dust falls and what stays: the options of settling, checked.
+"""The options of settling: how dust falls and how much stays.
 
-A new option is a member of Settling and, unless it is a vector, an entry of OPTIONS; the command line and the add-on's
-properties and panel follow from the entry."""
+To add an option, add a member of Settling and, unless it is a vector, an entry of OPTIONS. The command line and the
+add-on's properties and panel are made from the entry."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from .errors import DustError
 from .panel import Panel
 from .substances import extinction_of
 
-# Attributes of a Blender mesh that hold settled dust; the second is dust on back faces, where dust lies on both sides.
+# Attributes of a Blender mesh that hold settled dust; the second is dust on back faces, for two-sided dust.
 ATTRIBUTE, BACK_ATTRIBUTE = "lamina_dust", "lamina_dust_back"
 MOST_SPREAD = 1.5  # radians: grains that fall level never land
-MOST_WIND = 20.0  # over the speed of the fall
+MOST_WIND = 20.0  # relative to the speed of the fall
 
 
 @dataclass(frozen=True)
 class DustOption:
     """A number or switch of Settling; a number lies in [low, high]. `unit`: "rad" or "m". `optional`: may be None,
-    which a 0 in the panel stands for. `whole`: a whole number. `switch`: true or false. `help`: of the command line,
-    without the default; "" for no flag. `group`: the part of the panel, "fall", "stay" or "target"."""
+    shown as 0 in the panel. `whole`: a whole number. `switch`: true or false. `help`: text of the command line, without
+    the default; "" for no flag. `group`: the part of the panel, "fall", "stay" or "target"."""
 
     name: str
     low: float
@@ -50,7 +50,7 @@ class DustOption:
             raise DustError(f"settling.{self.name} = {value!r}: must lie in [{self.low:g}, {self.high:g}]")
 
 
-# In the order of the panel, which has the defaults of Settling where it has none of its own.
+# In the panel's order. The panel has the defaults of Settling, except where an entry has its own.
 OPTIONS = (
     DustOption("amount", 0.0, 1e3, Panel(
         "Amount", "Optical thickness on an open horizontal plate: 0.1 is a veil, 1 is dusty, 10 hides all", 1.0,
@@ -87,30 +87,30 @@ OPTIONS = (
 
 @dataclass(frozen=True)
 class Settling:
-    """How dust falls and what stays. Angles in radians, lengths in metres. Raises DustError.
+    """How dust falls and how much stays. Angles in radians, lengths in metres. Raises DustError.
 
     amount: optical thickness on an open horizontal plate, [0, 1000]; 1 if `grams` is not given.
     grams: areal mass in g/m^2 instead of the amount, [0, 1e6]; times `extinction` it is the optical thickness.
     extinction: of mass, in m^2/g, (0, 1000], or the id of a dust in `lamina.kinds.substances` (green channel).
-    time: how long it falls, in units of the time in which `amount` does, [0, 1e6].
+    time: duration of the fall, in units of the time in which `amount` falls, [0, 1e6].
     gravity: the direction down, of any length but 0.
     spread: half-angle of the cone from which grains fall, evenly over solid angle, [0, MOST_SPREAD].
-    wind: velocity of the wind over that of the fall, metres per metre; its part along gravity is left out. Of length
-        1 it tilts the fall by 45 degrees. Length at most 20.
+    wind: velocity of the wind relative to the speed of the fall; its part along gravity is ignored. Wind of length 1
+        tilts the fall by 45 degrees. Length at most 20.
     repose: slope at which half of the grains slide off, [0, pi]; pi: all stay wherever they touch.
-    repose_width: range of slopes, centred on it, over which that sets in, [0, pi].
-    concavity: how much of what would slide holds where nothing is open above, [0, 1]: a share concavity * (1 -
-        exposure) stays; exposure is the cosine-weighted part of the hemisphere that is open within `reach`.
+    repose_width: range of slopes, centred on `repose`, over which grains begin to slide, [0, pi].
+    concavity: how much of the sliding dust stays in concavities, [0, 1]: a share concavity * (1 - exposure) stays,
+        where exposure is the cosine-weighted part of the hemisphere that is open within `reach`.
     reach: distance up to which neighbours shelter, > 0; None: 5 % of the diagonal of the surface's box.
-    coverage: share of the surface, [0, 1], on which dust is left in soft-edged patches; elsewhere it is wiped off.
+    coverage: share of the surface, [0, 1], that keeps its dust, in soft-edged patches; elsewhere dust is wiped off.
     patch: size of those patches, > 0; None: 10 % of the diagonal.
-    two_sided: dust lies on either side of a face (leaves, cloth, normals not to be trusted): on both as a sum, and on
-        the back alone. Otherwise only on the side that the normal points to. Any face stops grains, whichever side
-        they meet.
-    rays: rays per point, 1 to 65536. From two on, what arrives is a ratio of sums over rays, exact where all is open.
-        Where a slope is partly hidden, the mean of such ratios over many seeds is off: on slopes of 40 to 80 degrees
-        with one half of the sky hidden by at most .004 of the amount with 2 rays, .002 with 4, .0004 with 8. A single
-        ray has no such bias, but is noisy on open slopes too."""
+    two_sided: dust lies on both sides of a face (leaves, cloth, unreliable normals). The result is the sum of both
+        sides, and the back alone. Otherwise dust lies only on the side of the normal. Any face stops grains, from
+        either side.
+    rays: rays per point, 1 to 65536. With two or more, dust is a ratio of sums over rays, exact where the sky is open.
+        On partly hidden slopes the ratio is biased: on slopes of 40 to 80 degrees with one half of the sky hidden, by
+        at most .004 of the amount with 2 rays, .002 with 4, .0004 with 8. A single ray has no bias, but is noisy also
+        on open slopes."""
 
     amount: float | None = None
     grams: float | None = None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The errors of bad input, and how their sentences quote a value."""
+"""The errors of bad input, and how their messages quote a value."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class _Short(reprlib.Repr):
 
 
 def quoted(value) -> str:
-    """A value for a sentence: on one line and about LONGEST characters long at most."""
+    """A value for a message: on one line, with at most about LONGEST characters."""
     return clipped(_Short().repr(value))
 
 

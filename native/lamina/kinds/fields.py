@@ -19,9 +19,9 @@ Channels = float | Sequence[float]
 
 @dataclass(frozen=True)
 class Field:
-    """A quantity: its name, its range [low, high] and its unit. `open_ended`: the ends do not belong to the range.
-    `infinite`: infinity is allowed as well. `optional`: a form is whole without it. `rule`: the range in words, if not
-    made from the numbers. `panel`: how the panel shows it, None where it does not."""
+    """A quantity: its name, its range [low, high] and its unit. `open_ended`: the ends are not part of the range.
+    `infinite`: infinity is allowed too. `optional`: may be missing from a form. `rule`: the range in words, if not made
+    from the numbers. `panel`: how the panel shows it, or None if the panel does not."""
 
     name: str
     low: float
@@ -58,13 +58,13 @@ class Field:
                 return self.check(value, path)
         if isinstance(value, list | tuple):
             if not value:
-                raise StackError(f"{path} = []: must hold one number a channel")
+                raise StackError(f"{path} = []: must hold one number per channel")
             items = [math.inf if isinstance(item, str) and item == "inf" else item for item in value]
             for index, item in enumerate(items):
                 if isinstance(item, bool) or not isinstance(item, numbers.Real):
                     raise StackError(f"{path}[{index}] = {quoted(item)}: must be a number")
             return tuple(self._check_number(_to_float(x, path), f"{path}[{i}]") for i, x in enumerate(items))
-        raise StackError(f"{path} = {quoted(value)}: must be a number or one number a channel")
+        raise StackError(f"{path} = {quoted(value)}: must be a number or one number per channel")
 
     def _check_number(self, number: float, path: str) -> float:
         if self.infinite and number == math.inf:
@@ -77,8 +77,8 @@ class Field:
 
 @dataclass(frozen=True)
 class Form:
-    """Quantities that together describe a thing. `item`: the form as an entry of the panel's list, None where the
-    panel has no such list. `local`: those of a medium that may change with depth."""
+    """Quantities that together describe a thing. `item`: the form's entry in the panel's list, or None if the panel has
+    no such list. `local`: the quantities of a medium that may change with depth."""
 
     fields: tuple[Field, ...]
     item: Item | None = None
@@ -90,7 +90,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Option:
-    """A choice. `values`: those allowed, the usual one first. `items`: a text's entries in the panel's list.
+    """A choice. `values`: the allowed values, the usual one first. `items`: entries of the panel's list, for texts.
     `advanced`: in the folded part of the panel."""
 
     name: str
@@ -102,7 +102,7 @@ class Option:
 
 
 def _end(number: float) -> str:
-    """One end of a range, as sentences write it: 1e12, not 1e+12."""
+    """One end of a range, as messages write it: 1e12, not 1e+12."""
     return "infinity" if number == math.inf else f"{number:g}".replace("e+", "e")
 
 
@@ -127,12 +127,12 @@ def channel_count(values: Sequence[tuple[str, float | tuple[float, ...]]]) -> in
 
 
 def channel(value: Channels | None, index: int) -> float:
-    """One channel's value, of a checked quantity that is given."""
+    """The value of a checked quantity in one channel."""
     return value[index] if isinstance(value, tuple) else cast(float, value)
 
 
 def all_fields(thing) -> list[Field]:
-    """Every quantity of a layer or base, each once: those of its forms, then the others."""
+    """Every quantity of a layer or base once: those of its forms, then the others."""
     named = {quantity.name: quantity for form in getattr(thing, "forms", ()) for quantity in form}
     return [*named.values(), *thing.fields]
 
@@ -175,7 +175,7 @@ def check_table(value, path: str, low: float, high: float, rule: str, most: int)
     value = value.tolist() if hasattr(value, "tolist") else value
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= most:
         count = f" has {len(value)} entries" if isinstance(value, list | tuple) else f" = {quoted(value)}"
-        raise StackError(f"{path}{count}: must be a list of 1 to {most} numbers, or one list a channel")
+        raise StackError(f"{path}{count}: must be a list of 1 to {most} numbers, or one list per channel")
     rows = [row.tolist() if hasattr(row, "tolist") else row for row in value]
     if isinstance(rows[0], list | tuple):
         for index, row in enumerate(rows):
@@ -190,7 +190,7 @@ def check_table(value, path: str, low: float, high: float, rule: str, most: int)
 
 
 def check_keys(entry, allowed: Set[str], path: str, required: Set[str] = frozenset()) -> None:
-    """Raises StackError unless `entry` is a JSON object with all required and no other than allowed keys."""
+    """Raises StackError unless `entry` is a JSON object with all required keys and no keys that are not allowed."""
     if not isinstance(entry, Mapping):
         raise StackError(f"{path} = {quoted(entry)}: must be a JSON object")
     for key in entry:
@@ -202,7 +202,7 @@ def check_keys(entry, allowed: Set[str], path: str, required: Set[str] = frozens
 
 
 def read_kind(entry, path: str) -> str:
-    """The entry's "kind". Raises StackError when there is none."""
+    """The entry's "kind". Raises StackError if it is missing."""
     if not isinstance(entry, Mapping):
         raise StackError(f"{path} = {quoted(entry)}: must be a JSON object")
     if "kind" not in entry:

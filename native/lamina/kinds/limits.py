@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers that lamina and the add-on share: the schema of a stack's JSON, and ranges of arguments."""
+"""Limits that lamina and the add-on share: the schema of a stack's JSON, and ranges of arguments."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ OVER = Field("over", 0.0, 1.0, optional=True, panel=Panel(
     words="colour of the base that it is over"))
 DEPTH = Field("depth", 0.0, 1.0)
 
-# In the order of the panel's list. `local`: what differs from knot to knot of a profile.
+# In the order of the panel's list. `local`: quantities that may differ between the knots of a profile.
 BY_COLOUR = Form((COLOR, OVER, TAU), Item("colour", "Colour", "By the colour that it shows, and optical thickness", 2),
                  local=(COLOR,))
 BY_ALBEDO = Form((ALBEDO, TAU), Item("optical", "Albedo", "By albedo and optical thickness", 0), local=(ALBEDO,))
@@ -43,6 +43,6 @@ ITEM = Item("medium", "Medium", "Scattering, absorbing particles: dust, pigment,
 
 
 def single_scattering_albedo(sigma_s: float, sigma_a: float) -> float:
-    """sigma_s / sigma_t; 0 where nothing is scattered or absorbed."""
+    """sigma_s / sigma_t; 0 without scattering and absorption."""
     sigma_t = sigma_s + sigma_a
     return sigma_s / sigma_t if sigma_t > 0.0 else 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Metals: a table by name, and the complex index behind two colours."""
+"""Metals: a table by name, and the complex index for two colours."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def reflectance(mu: float, eta: float, k: float) -> float:
 
 
 def _extinction(facing: float, eta: float) -> float:
-    """k of a metal of that reflectance at normal incidence (Gulbrandsen 2014)."""
+    """k of a metal of this reflectance at normal incidence (Gulbrandsen 2014)."""
     return math.sqrt(max(0.0, (facing * (eta + 1.0) ** 2 - (eta - 1.0) ** 2) / (1.0 - facing)))
 
 
@@ -43,7 +43,7 @@ def _ends(facing: float) -> tuple[float, float, float]:
 
 
 def grazing_range(facing: float) -> tuple[float, float]:
-    """(least, largest) reflectance at 82 degrees of metals of that facing colour; it falls as eta grows."""
+    """(least, largest) reflectance at 82 degrees of metals of this facing colour; it falls as eta grows."""
     facing, low, high = _ends(facing)
     return reflectance(GRAZING, high, _extinction(facing, high)), reflectance(GRAZING, low, _extinction(facing, low))
 
@@ -57,7 +57,7 @@ def indices(facing: float, grazing: float) -> tuple[float, float]:
 
 
 def _bisect(holds, low: float, high: float) -> float:
-    """The largest number in [low, high] for which `holds(number)` is true; it is true at `low`."""
+    """The largest number in [low, high] for which `holds(number)` is true. It must be true at `low`."""
     if holds(high):
         return high
     while high - low > 1e-15 * high:

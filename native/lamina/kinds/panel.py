@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How Blender's panel shows a field. Plain data: the add-on makes properties and rows of it."""
+"""How Blender's panel shows a field. Plain data, from which the add-on makes properties and rows."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Panel:
-    """A field as a property. What is None is left to Blender.
+    """A field as a property. Blender's defaults replace None.
 
-    `label`, `tip`: the property's name and tooltip. `default`: a number, or three where `rgb`. `low`, `high`: where
-    the property ends, if inside the field's range; `soft_high`: where its slider ends. `rgb`: one number per channel;
-    `subtype`: Blender's, such as COLOR or ANGLE. `text`: the label in the panel, if another. `slider`: drawn as one.
-    `prop`: the property's name in .blend files, if not the field's. `words`: the field in sentences to the user."""
+    `label`, `tip`: the property's name and tooltip. `default`: a number, or three with `rgb`. `low`, `high`: ends of
+    the property's range, if inside the field's; `soft_high`: end of its slider. `rgb`: one number per channel;
+    `subtype`: Blender's, such as COLOR or ANGLE. `text`: the label in the panel, if it differs. `slider`: drawn as a
+    slider. `prop`: the property's name in .blend files, if not the field's. `words`: the field's name in messages to
+    the user."""
 
     label: str
     tip: str
@@ -34,9 +35,9 @@ class Panel:
 
 @dataclass(frozen=True)
 class Item:
-    """One entry of a list of choices. .blend files keep `number`: a number never changes, new ones are added.
+    """One entry of a list of choices. .blend files store `number`: a number never changes, new ones are added.
 
-    `id`: the kind's name in JSON. `words`: the kind in sentences to the user, if not `label`."""
+    `id`: the kind's name in JSON. `words`: the kind's name in messages to the user, if not `label`."""
 
     id: str
     label: str
@@ -47,6 +48,6 @@ class Item:
 
     @property
     def entry(self) -> tuple:
-        """As bpy.props.EnumProperty takes it."""
+        """The tuple for bpy.props.EnumProperty."""
         icon = (self.icon,) if self.icon else ()
         return (self.id, self.label, self.tip, *icon, self.number)

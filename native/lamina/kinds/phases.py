@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions that numbers describe: how a medium turns light. The core evaluates them.
+"""Phase functions that are described by numbers. The core evaluates them.
 
-A new one is a class here, with its name in __all__, KINDS and IN_PANEL, and its C++ type in the core. Tables and
-mixtures of phase functions: see lamina.material.phase."""
+To add one, write its class here, with its name in __all__, KINDS and IN_PANEL, and its C++ type in the core. For tables
+and mixtures of phase functions see lamina.material.phase."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ G = _anisotropy("g", "Anisotropy", 0.6, "Forward (above 0) or backward (below 0)
 
 
 class PhaseFunction:
-    """What every phase function can do, for those that numbers alone, `fields`, describe.
+    """The interface of all phase functions, implemented for those that the numbers `fields` describe.
 
-    `item`: the kind as an entry of the panel's list; None for a kind that the panel does not edit."""
+    `item`: the kind's entry in the panel's list; None for a kind that the panel does not edit."""
 
     kind = ""
     fields: tuple[Field, ...] = ()
     item: Item | None = None
 
     def checked(self, path: str):
-        """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
+        """A copy with every quantity as floats. Raises StackError, with the quantity's path."""
         return replace(self, **{  # type: ignore[type-var]  # each kind is a dataclass
             q.name: q.check(getattr(self, q.name), f"{path}.{q.name}") for q in self.fields})
 
     def quantities(self, path: str):
-        """(path, value) of everything that may have channels."""
+        """(path, value) of every quantity that may have channels."""
         for quantity in self.fields:
             yield f"{path}.{quantity.name}", getattr(self, quantity.name)
 
@@ -49,17 +49,17 @@ class PhaseFunction:
         return (self.kind, *(channel(getattr(self, q.name), index) for q in self.fields))
 
     def to_json(self) -> dict:
-        """A plain object; read_phase reads it back."""
+        """A JSON object; read_phase reads it."""
         return {"kind": self.kind, **{q.name: to_plain(getattr(self, q.name)) for q in self.fields}}
 
     def canonical(self, channels: int) -> dict:
-        """The same with every quantity repeated for each channel."""
+        """The same JSON object, with every quantity repeated for each channel."""
         spread = {q.name: [channel(getattr(self, q.name), c) for c in range(channels)] for q in self.fields}
         return {"kind": self.kind, **spread}
 
     @classmethod
     def read(cls, entry, path: str):
-        """From a plain object. Raises StackError for missing and unknown keys; values are checked later."""
+        """From a JSON object. Raises StackError for missing and unknown keys; values are checked later."""
         names = {q.name for q in cls.fields}
         check_keys(entry, {"kind", *names}, path, required=names)
         return cls(**{name: entry[name] for name in names})
@@ -86,8 +86,8 @@ class HenyeyGreenstein(PhaseFunction):
 
 @dataclass(frozen=True)
 class DoubleHenyeyGreenstein(PhaseFunction):
-    """Two Henyey-Greenstein lobes, weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965): most often one forward
-    and a weak one back. `g1`, `g2` in (-1, 1), `weight` in [0, 1]; numbers or one per channel."""
+    """Two Henyey-Greenstein lobes, weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965), usually one forward and a weak
+    backward one. `g1`, `g2` in (-1, 1), `weight` in [0, 1]; numbers or one per channel."""
 
     g1: Channels
     g2: Channels
@@ -113,8 +113,8 @@ class Rayleigh(PhaseFunction):
 
 @dataclass(frozen=True)
 class CornetteShanks(PhaseFunction):
-    """Cornette and Shanks (1992): turns from Rayleigh scattering at g = 0 into a forward lobe. `g` in (-1, 1),
-    a number or one per channel; the mean cosine is 3 g (4 + g^2) / (5 (2 + g^2))."""
+    """Cornette and Shanks (1992): Rayleigh scattering at g = 0, a forward lobe for larger g. `g` in (-1, 1), a number
+    or one per channel; the mean cosine is 3 g (4 + g^2) / (5 (2 + g^2))."""
 
     g: Channels
 
@@ -125,9 +125,9 @@ class CornetteShanks(PhaseFunction):
 
 @dataclass(frozen=True)
 class Draine(PhaseFunction):
-    """Draine (2003): Henyey-Greenstein times 1 + alpha cos^2, normalised. `g` in (-1, 1), `alpha` in [0, 1000];
-    numbers or one per channel. alpha 0 is Henyey-Greenstein, alpha 1 Cornette-Shanks; droplets of fog and cloud
-    are well served by a Mixture of this and Henyey-Greenstein (Jendersie and d'Eon 2023)."""
+    """Draine (2003): Henyey-Greenstein times 1 + alpha cos^2, normalised. `g` in (-1, 1), `alpha` in [0, 1000]; numbers
+    or one per channel. alpha 0 is Henyey-Greenstein, alpha 1 Cornette-Shanks. A Mixture of this and Henyey-Greenstein
+    fits droplets of fog and cloud well (Jendersie and d'Eon 2023)."""
 
     g: Channels
     alpha: Channels
@@ -141,4 +141,4 @@ class Draine(PhaseFunction):
 
 KINDS = (Isotropic, HenyeyGreenstein, Rayleigh, DoubleHenyeyGreenstein, Draine, CornetteShanks)
 IN_PANEL = (Isotropic, HenyeyGreenstein, DoubleHenyeyGreenstein, Rayleigh, CornetteShanks, Draine)  # in this order
-USUAL = HenyeyGreenstein  # what a new medium has in the panel
+USUAL = HenyeyGreenstein  # the default of a new medium in the panel

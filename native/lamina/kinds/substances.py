@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dusts by mass: how much optical thickness a gram on a square metre makes, and how its grains scatter.
+"""Dusts by mass: the optical thickness per areal mass, and the scattering of their grains.
 
-From the optical-property files of biosnicar-py (Mie theory), at about 615, 545 and 465 nm. Mie grains scatter
-forward: at optical thickness 1 they reflect only .02 to .07 at normal incidence, so that a visibly dusty object needs
-several, or the lower g (about .3 or less) of rough grains and aggregates."""
+From the optical-property files of biosnicar-py (Mie theory), at about 615, 545 and 465 nm. Mie grains scatter forward:
+at optical thickness 1 they reflect only .02 to .07 at normal incidence. A visibly dusty object needs an optical
+thickness of several, or the lower g (about .3 or less) of rough grains and aggregates."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ SOURCE = "optical-property files of biosnicar-py (Mie theory) at about 615, 545 
 
 @dataclass(frozen=True)
 class DustMaterial:
-    """mass_extinction in m^2/kg, single-scattering albedo, and Henyey-Greenstein g; each R G B. `item`: its entry
-    in the panel's list."""
+    """mass_extinction in m^2/kg, single-scattering albedo, and Henyey-Greenstein g; each R G B. `item`: its entry in
+    the panel's list."""
 
     mass_extinction: tuple[float, float, float]
     albedo: tuple[float, float, float]
@@ -60,7 +60,7 @@ DUSTS = {
 
 
 def extinction_of(extinction: float | str) -> float:
-    """Mass extinction in m^2/g: a number in (0, 1000], or that of one of DUSTS in its green channel.
+    """Mass extinction in m^2/g: a given number in (0, 1000], or the green channel of the entry of DUSTS with this id.
     Raises DustError."""
     if isinstance(extinction, str):
         if extinction not in DUSTS:

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Constants of the lookup table that both its writer and the node group need."""
+"""Constants of the lookup table that its writer and the node group share."""
 
 from __future__ import annotations
 
 COLUMNS = 64  # view angles
 TAU_ROWS = 33  # thicknesses of a varying layer
-# Rows are uniform in t = tau / (tau + TAU_BEND): thin layers change fastest and so have the most rows.
+# Rows are uniform in t = tau / (tau + TAU_BEND), which gives the most rows to thin layers, where values change fastest.
 TAU_BEND = 0.5
-# Strips that a textured base weighs: closures after this prefix, and the share of diffuse light from the base that the
-# layers throw back to it.
+# Strips of a textured base: closures after this prefix, whose weights depend on the reflectance, and the share of
+# diffuse light from the base that the layers reflect back to it.
 PREFIX = "base/"
 THROWN_BACK = "base/thrown back"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stacks with lengths: what the core needs of one channel where light moves sideways, in millimetres."""
+"""Stacks with lengths in millimetres: the core's input for one channel, for light that travels sideways."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from ..material.profile import coefficients_at, mixed
 from ..material.stack import Stack
 from ..solver.solve import core_base, core_stack
 
-# Of an interval of a graded medium over its distance from the nearer face; and the distance, in optical thickness,
-# within which intervals no longer shrink.
+# Length of an interval of a graded medium relative to its distance from the nearer face; and the optical distance from
+# a face below which intervals no longer shrink.
 COARSENESS = {"final": 0.5, "preview": 1.0}
 FACE = 0.05
 
 
 def measured_layers(stack: Stack, index: int, quality: str) -> tuple[tuple, tuple]:
-    """(layers, base) of one channel, hashable. A layer is (kind, arguments, extinction, thickness), with the core's
-    type and its arguments; media with a profile are homogeneous slices. A base is (name, parameters...).
+    """(layers, base) of one channel, hashable. A layer is (kind, arguments, extinction, thickness), with the arguments
+    of the core's type; media with a profile become homogeneous slices. A base is (name, parameters...).
 
     Raises StackError for a medium without lengths."""
     require_millimetres(stack)
@@ -46,17 +46,17 @@ def measured_layers(stack: Stack, index: int, quality: str) -> tuple[tuple, tupl
 
 
 def measured_stack(layers: tuple, base: tuple) -> _core.MeasuredStack:
-    """The core's stack of what measured_layers returned."""
+    """The core's stack from the result of measured_layers."""
     core = _core.Stack([kind(*values) for kind, values, _, _ in layers], core_base(base))
     return _core.MeasuredStack(core, [extinction for _, _, extinction, _ in layers], [last for *_, last in layers])
 
 
 def _slices(medium: Medium, index: int, thickness: float, coarseness: float) -> list[tuple]:
-    """Homogeneous slices that stand for a medium whose coefficients are linear in depth between knots.
+    """Homogeneous slices that replace a medium whose coefficients are linear in depth between knots.
 
-    Over an interval of depth, two slices of half its length with the coefficients at 1/6 and 5/6 of the interval are
-    right to fourth order (commutator-free Magnus integrators: Blanes and Moan 2006). Intervals grow with the distance
-    from the nearer face."""
+    Over an interval of depth, two slices of half its length, with the coefficients at 1/6 and 5/6 of the interval, are
+    accurate to fourth order (commutator-free Magnus integrators: Blanes and Moan 2006). Intervals grow with the
+    distance from the nearer face."""
     whole = medium.optics(index)[1]
     slices = []
     before = 0.0
@@ -79,7 +79,7 @@ def _slices(medium: Medium, index: int, thickness: float, coarseness: float) -> 
 
 
 def _steps(tau: float, whole: float) -> float:
-    """Intervals of coarseness 1 above the optical depth tau."""
+    """Number of intervals of coarseness 1 above the optical depth tau."""
     half = math.log1p(0.5 * whole / FACE)
     upper = math.log1p(max(0.0, min(tau, whole - tau)) / FACE)
     return upper if tau <= 0.5 * whole else 2.0 * half - upper

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The 3D scattering function of a plane stack: what becomes of a pencil beam, by the distance at which light leaves."""
+"""The 3D scattering function of a plane stack: light of a pencil beam by the distance at which it leaves."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from .measured import measured_layers, measured_stack
 
 def searchlight(stack: Stack, mu_i: float = 1.0, quality: str = "final", threads: int = 0,
                 progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> Searchlight:
-    """What a stack makes of a pencil beam that falls on its top at the cosine `mu_i`, in (0, 1]. Deterministic.
+    """The response of a stack to a pencil beam on its top at the cosine `mu_i`, in (0, 1]. Deterministic.
 
-    Every medium needs lengths: `sigma_s` and `sigma_a` (1/mm) and `thickness` (mm), a half-space the first two.
-    `quality` "final" is good to about 1e-6 of the incident flux at a frequency and .1 % in a profile, "preview" to
-    1e-4 and 3 %. Under clear layers it is 2e-3 of the flux, and 1 % of the mean distance. `threads` 0 uses every
-    hardware thread; results do not depend on it. `progress(fraction, text)` is told how far it is, 0 to 1; `cancel()`
-    is asked often, and Cancelled is raised when it says yes.
+    Every medium needs lengths: `sigma_s` and `sigma_a` (1/mm) and `thickness` (mm); a half-space needs the first two.
+    `quality` "final" has errors of about 1e-6 of the incident flux at a frequency and .1 % in a profile, "preview" of
+    1e-4 and 3 %. Under clear layers the errors are 2e-3 of the flux, and 1 % of the mean distance. `threads` 0 uses
+    every hardware thread; results do not depend on it. `progress(fraction, text)` is called with the completed share, 0
+    to 1. `cancel()` is called often; Cancelled is raised if it returns true.
 
-    Raises StackError for a medium without lengths, SolveError, with the numbers, when the finest resolution misses
-    the tolerance, and ArgumentError, a ValueError, for arguments out of range.
-    Method: discrete ordinates at lateral frequencies, where azimuths are coupled, layers by doubling, joined by the
-    adding equations; a Hankel transform after single scattering is taken off. See docs/theory.md."""
+    Raises StackError for a medium without lengths, SolveError, with the numbers, if the finest resolution misses the
+    tolerance, and ArgumentError, a ValueError, for arguments out of range.
+    Method: discrete ordinates at lateral frequencies, which couple azimuths; layers by doubling, joined by the adding
+    equations; a Hankel transform after subtraction of single scattering. See docs/theory.md."""
     check_stack(stack)
     tolerance_of(quality)
     mu_i = check_number(mu_i, "mu_i", "must lie in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
@@ -50,10 +50,10 @@ def searchlight(stack: Stack, mu_i: float = 1.0, quality: str = "final", threads
 
 
 class Searchlight:
-    """What becomes of a pencil beam of unit flux at r = 0. Lengths are in millimetres.
+    """The response to a pencil beam of unit flux at r = 0. Lengths are in millimetres.
 
-    Fluxes and mean distances have the shape (channels,). What is asked at distances or frequencies has the shape of
-    these, and a last axis of channels when there are several. For a beam at a slant, all is the mean over azimuths
+    Fluxes and mean distances have the shape (channels,). Functions of distance or frequency return the shape of their
+    argument, with a last axis of channels if there are several. For an oblique beam all values are means over azimuths
     about the point of entry."""
 
     def __init__(self, stack: Stack, mu_i: float, channels: list, pool):
@@ -64,33 +64,34 @@ class Searchlight:
 
     @property
     def reflectance(self) -> np.ndarray:
-        """All reflected flux."""
+        """Total reflected flux."""
         return self._each(lambda light: light.flux)
 
     @property
     def transmittance(self) -> np.ndarray:
-        """All transmitted flux, unscattered light included; 0 over a base."""
+        """Total transmitted flux, unscattered light included; 0 over a base."""
         return self._each(lambda light: light.flux, "transmitted")
 
     @property
     def mirrored(self) -> np.ndarray:
-        """The reflected flux that neither media nor facets have scattered: what smooth boundaries and metals mirror."""
+        """Reflected flux that neither media nor facets have scattered: specular reflection by smooth boundaries and
+        metals."""
         return self._each(lambda light: light.direct)
 
     @property
     def unscattered(self) -> np.ndarray:
-        """The transmitted flux that no medium has scattered and that leaves where the beam does."""
+        """Transmitted flux that no medium has scattered and that leaves where the beam leaves."""
         return self._each(lambda light: light.direct, "transmitted")
 
     @property
     def mean_distance(self) -> np.ndarray:
-        """Mean distance of reflected light from the point of entry, mm. Mirrored light counts with its distance, 0
-        along the normal. Infinite where a half-space absorbs nothing; not a number where nothing is reflected."""
+        """Mean distance of reflected light from the point of entry, mm. Specular reflection counts with its distance, 0
+        along the normal. Infinite if a half-space absorbs nothing; NaN if nothing is reflected."""
         return self._each(lambda light: light.distance / light.flux if light.flux > 0.0 else np.nan)
 
     @property
     def mean_square_distance(self) -> np.ndarray:
-        """Mean square of that distance, mm^2."""
+        """Mean square of this distance, mm^2."""
         return self._each(lambda light: light.square_distance / light.flux if light.flux > 0.0 else np.nan)
 
     def reflected_inside(self, r) -> np.ndarray:
@@ -98,7 +99,8 @@ class Searchlight:
         return self._at("r", r, lambda light, places: light.inside(places, self._pool))
 
     def transmitted_inside(self, r) -> np.ndarray:
-        """Flux transmitted within the distance `r`, mm, from the point below that of entry. Raises ArgumentError."""
+        """Flux transmitted within the distance `r`, mm, from the point below the point of entry. Raises
+        ArgumentError."""
         return self._at("r", r, lambda light, places: light.inside(places, self._pool), "transmitted")
 
     def reflected_at(self, q) -> np.ndarray:
@@ -106,26 +108,26 @@ class Searchlight:
         return self._at("q", q, lambda light, places: light.at(places, self._pool))
 
     def transmitted_at(self, q) -> np.ndarray:
-        """The same of the transmitted flux density."""
+        """The same for the transmitted flux density."""
         return self._at("q", q, lambda light, places: light.at(places, self._pool), "transmitted")
 
     def profile(self, r) -> np.ndarray:
-        """Flux density of reflected light at the distance `r` > 0, 1/mm^2, without light that is mirrored or
-        unscattered. Raises ArgumentError."""
+        """Flux density of reflected light at the distance `r` > 0, 1/mm^2, without specular reflection and unscattered
+        light. Raises ArgumentError."""
         return self._at("r", r, lambda light, places: light.density(places, self._pool), least=0.0)
 
     def transmitted_profile(self, r) -> np.ndarray:
-        """The same of transmitted light."""
+        """The same for transmitted light."""
         return self._at("r", r, lambda light, places: light.density(places, self._pool), "transmitted", least=0.0)
 
     @property
     def nodes(self) -> int:
-        """Nodes per hemisphere that the solver chose."""
+        """Number of nodes per hemisphere, chosen by the solver."""
         return max(core.nodes for core in self._channels)
 
     @property
     def frequencies(self) -> int:
-        """Lateral frequencies between which it interpolates."""
+        """Number of lateral frequencies between which the solver interpolates."""
         return max(core.frequencies for core in self._channels)
 
     def _each(self, value, face: str = "reflected") -> np.ndarray:

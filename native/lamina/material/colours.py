@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colour that a medium shows, and the albedo that gives a wanted colour.
+"""The perceived colour of a medium, and the albedo that gives a wanted colour.
 
-A medium's colour is its hemispherical reflectance under a white sky (uniform diffuse light from above),
-without interfaces. The layer is infinitely thick, or has its own thickness and lies *over* a Lambert surface. The
-colour rises strictly with the albedo, so one albedo gives each colour. It is found with the solver that bakes use."""
+A medium's colour is its hemispherical reflectance under a white sky (uniform diffuse light from above), without
+interfaces. The layer is infinitely thick, or has its own thickness and lies *over* a Lambert surface. The colour is a
+strictly increasing function of the albedo, so one albedo gives each colour. The albedo is found with the solver of
+bakes."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ from .phase import Phase
 
 EXACT = 6e-6  # largest relative error of a shown colour, estimated by doubling the nodes
 FEW_NODES, MOST_NODES = 8, 256
-ALBEDOS = (0.05, 0.6, 0.95)  # where it is estimated
+ALBEDOS = (0.05, 0.6, 0.95)  # at which the error is estimated
 
 
 def shown(medium: Medium, over: Channels | None = None) -> list[float]:
@@ -41,10 +42,10 @@ def shown(medium: Medium, over: Channels | None = None) -> list[float]:
 
 def albedo_of(color: Channels, phase: Phase | None = None, tau: Channels = math.inf,
               over: Channels | None = None) -> list[float]:
-    """The albedo, one value per channel, with which a medium of this phase function (default: isotropic) shows `color`:
-    as an infinitely thick layer, or, with `over`, as a layer of optical thickness `tau` on a Lambert surface of that
-    reflectance. Colours 0 and 1 of an infinitely thick layer have albedo 0 and 1. Raises StackError for a colour that
-    no albedo gives, with the possible range."""
+    """The albedo, one value per channel, for which a medium of this phase function (default: isotropic) has the colour
+    `color`: as an infinitely thick layer, or, with `over`, as a layer of optical thickness `tau` on a Lambert surface
+    of that reflectance. Colours 0 and 1 of an infinitely thick layer have albedo 0 and 1. Raises StackError, with the
+    possible range, for a colour that no albedo gives."""
     phase = Isotropic() if phase is None else phase
     medium = Medium(color=color, tau=tau, over=over, phase=phase).checked("medium")
     return list(albedos_of(medium, _channels(medium, "medium"), "medium"))
@@ -61,7 +62,7 @@ def albedos_of(medium: Medium, channels: int, path: str) -> tuple[float, ...]:
         low, high = _range(*situation)
         if not low - 1e-9 <= wanted <= high + 1e-9:
             where = f"{path}.color" + (f"[{index}]" if isinstance(medium.color, tuple) else "")
-            # Rounded inwards, so that the ends named in the sentence are allowed.
+            # Round inwards, so that the ends given in the message are allowed.
             least, most = math.ceil(low * 1e4) / 1e4, math.floor(high * 1e4) / 1e4
             between = f"between {least:g} and {most:g}" if least < most else f"{round(low, 6):g}"
             raise StackError(f"{where} = {wanted:g}: a layer of tau {tau:g} over {over:g} shows {between}")
@@ -90,8 +91,8 @@ def _pool() -> _core.ThreadPool:
 
 
 def _reflectance(albedo: float, phase: tuple, tau: float, over: float, nodes: int) -> float:
-    """Reflectance under a white sky, with that many nodes. Fluxes need the azimuthal mean only, so the tolerance of
-    azimuth orders is wide."""
+    """Reflectance under a white sky, solved with `nodes` nodes. Fluxes need the azimuthal mean only, so the tolerance
+    of azimuth orders is wide."""
     stack = _core.Stack([_core.Medium(albedo, tau, *phase)], _core.Base.lambert(over))
     solution = _core.solve_at(stack, nodes, 1.0, _pool(), min(tau, 1.0) or 1.0)
     fluxes = solution.diffuse_fluxes(_core.Side.top, _pool())
@@ -100,7 +101,7 @@ def _reflectance(albedo: float, phase: tuple, tau: float, over: float, nodes: in
 
 @lru_cache(maxsize=1024)
 def _nodes(phase: tuple, tau: float) -> int:
-    """How many nodes a colour needs: twice as many change it by less than EXACT."""
+    """The number of nodes for a colour: doubling it changes the colour by less than EXACT."""
     nodes = 2 * FEW_NODES
     while nodes < MOST_NODES:
         pairs = [[_reflectance(albedo, phase, tau, 0.0, n) for n in (nodes, 2 * nodes)] for albedo in ALBEDOS]
@@ -126,10 +127,10 @@ def _range(phase: tuple, tau: float, over: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=4096)
 def _albedo(wanted: float, phase: tuple, tau: float, over: float) -> float:
-    """The albedo that shows `wanted`, to 12 digits.
+    """The albedo for the colour `wanted`, to 12 digits.
 
-    A search with few nodes finds the approximate albedo and the slope there. Steps along that slope then correct the
-    error that is left with as many nodes as the colour needs."""
+    A search with few nodes finds the approximate albedo and the slope there. Steps along this slope then correct the
+    remaining error with the number of nodes that the colour needs."""
     low, high = _range(phase, tau, over)
     if wanted <= low:
         return 0.0
@@ -145,7 +146,7 @@ def _albedo(wanted: float, phase: tuple, tau: float, over: float) -> float:
             slope = (miss - before[1]) / (where - before[0])
         before = (where, miss)
         where = min(variable.black, max(variable.white, where - miss / slope))
-        # The slope is right to a fifth or better.
+        # The relative error of the slope is at most a fifth.
         if abs(miss) <= 1e-5 * wanted:
             break
     return float(f"{variable.albedo(where):.12g}")
@@ -153,12 +154,12 @@ def _albedo(wanted: float, phase: tuple, tau: float, over: float) -> float:
 
 class _Variable:
     """A variable in which colours are nearly linear: the similarity parameter s = sqrt((1 - albedo) / (1 - g albedo))
-    of a thick layer (van de Hulst 1980), turning into its square in a thin one."""
+    for a thick layer (van de Hulst 1980), with a transition to s^2 for a thin layer."""
 
     def __init__(self, phase: tuple, tau: float):
         self._g = float(_core.PhaseFunction(*phase).moment(1))
-        self.white = 1.0 / (1.0 + tau * (1.0 - self._g))  # where the albedo is 1
-        self.black = math.hypot(1.0, self.white)  # where it is 0
+        self.white = 1.0 / (1.0 + tau * (1.0 - self._g))  # the value for albedo 1
+        self.black = math.hypot(1.0, self.white)  # the value for albedo 0
 
     def albedo(self, where: float) -> float:
         square = max(0.0, (where - self.white) * (where + self.white))
@@ -166,7 +167,7 @@ class _Variable:
 
 
 def _find_roughly(wanted: float, phase: tuple, tau: float, over: float, variable: _Variable) -> tuple[float, float]:
-    """(place, slope) of a colour on few nodes: false position with the rule of Anderson and Bjorck (1973)."""
+    """(variable, slope) for a colour on few nodes: false position with the rule of Anderson and Bjorck (1973)."""
     low, high = _range(phase, tau, over)
     a, at_a, b, at_b = variable.white, high - wanted, variable.black, low - wanted
     where = _endless(wanted) if tau == math.inf else b - at_b * (b - a) / (at_b - at_a)
@@ -192,12 +193,12 @@ def _find_roughly(wanted: float, phase: tuple, tau: float, over: float, variable
 
 
 def _shrink(new: float, old: float) -> float:
-    """The factor for the value at the end of the bracket that stays a second time."""
+    """The factor for the value at the end of the bracket that was kept twice."""
     share = 1.0 - new / old
     return share if share > 0.0 else 0.5
 
 
 def _endless(wanted: float) -> float:
-    """About s of a layer without end: inverts R = (1 - s)(1 - .139 s) / (1 + 1.17 s) (van de Hulst 1980)."""
+    """Approximate s of a half-space: inverts R = (1 - s)(1 - .139 s) / (1 + 1.17 s) (van de Hulst 1980)."""
     b = 1.139 + 1.17 * wanted
     return (b - math.sqrt(b * b - 4.0 * 0.139 * (1.0 - wanted))) / (2.0 * 0.139)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Media, the layers that scatter."""
+"""Media, the scattering layers of a stack."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Medium:
     fields = ()
 
     def checked(self, path: str) -> Medium:
-        """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
+        """A copy with every quantity as floats. Raises StackError, with the quantity's path."""
         values = check_forms(self, path) if self.profile is None else check_profile(self, path)
         if not isinstance(self.varying, bool):
             raise StackError(f"{path}.varying = {quoted(self.varying)}: must be true or false")

@@ -14,21 +14,21 @@ from ..kinds.metals import GRAZING, grazing_range, indices, reflectance, table
 
 
 def names() -> list[str]:
-    """The metals that conductor() knows."""
+    """The names of metals that conductor() accepts."""
     return sorted(table())
 
 
 def conductor(name: str, alpha: float = 0.0, distribution: str = "ggx") -> Conductor:
     """A metal of the table by its two colours in air, linear Rec. 709 under D65: the reflectance of its published
-    spectrum, integrated with the CIE 1931 observer. What exceeds 1 (the red of gold) is outside the gamut and is 1.
-    Raises UnknownName, a KeyError and StackError."""
+    spectrum, integrated with the CIE 1931 observer. Values above 1 (the red of gold) are outside the gamut and set to
+    1. Raises UnknownName, a KeyError and StackError."""
     entry = _entry(name)
     return Conductor(facing=tuple(entry["facing"]), grazing=tuple(entry["grazing"]), alpha=alpha,
                      distribution=distribution)
 
 
 def source(name: str) -> str:
-    """Where a metal's colours come from. Raises UnknownName, a KeyError and StackError."""
+    """The source of a metal's colours. Raises UnknownName, a KeyError and StackError."""
     return f"{_entry(name)['source']}; spectrum integrated with the CIE 1931 observer under D65"
 
 
@@ -49,7 +49,7 @@ def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
 
 
 def indices_of(metal: Conductor, channels: int, path: str) -> tuple:
-    """(eta, k) of a checked conductor, computed from its two colours if it is given by these.
+    """(eta, k) of a checked conductor, computed from its two colours if they are given.
 
     Raises StackError, with `path` and the possible range, if no metal with its facing colour has its grazing colour."""
     if metal.facing is None:

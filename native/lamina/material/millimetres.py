@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lengths of a stack's media in millimetres, which light that travels sideways needs beside optical thickness."""
+"""Lengths of a stack's media in millimetres, which are needed for light that travels sideways."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .stack import Stack
 
 
 class DepthKnot(NamedTuple):
-    """One place of a medium: the optical depth below the medium's top, the depth in mm, and sigma_t in 1/mm."""
+    """One point of a medium: the optical depth below the medium's top, the depth in mm, and sigma_t in 1/mm."""
 
     tau: float
     depth: float
@@ -26,7 +26,7 @@ class DepthKnot(NamedTuple):
 
 def require_millimetres(stack: Stack) -> None:
     """Raises StackError unless all media of the stack are given by sigma_s and sigma_a in 1/mm and a thickness in mm,
-    and have an end where they neither scatter nor absorb."""
+    and media that neither scatter nor absorb have a finite thickness."""
     for index, layer in enumerate(stack.layers):
         if not isinstance(layer, Medium):
             continue
@@ -39,21 +39,33 @@ def require_millimetres(stack: Stack) -> None:
         if layer.profile is None:
             for c in range(stack.channels):
                 if sigma_t(layer, c) == 0.0 and math.isinf(channel(layer.thickness, c)):
-                    raise StackError(f"{path}.thickness = inf: a medium without end must scatter or absorb")
+                    raise StackError(f"{path}.thickness = inf: an infinitely thick medium must scatter or absorb")
     if isinstance(stack.base, HalfSpace):
         if stack.base.sigma_s is None:
             raise StackError("base: has no lengths, must have sigma_s and sigma_a (1/mm) instead of albedo where light "
                              "moves sideways")
         if any(sigma_t(stack.base, c) == 0.0 for c in range(stack.channels)):
-            raise StackError("base.sigma_s = 0: a medium without end must scatter or absorb")
+            raise StackError("base.sigma_s = 0: an infinitely thick medium must scatter or absorb")
+
+
+def has_lengths(stack: Stack) -> bool:
+    """True if the stack holds a medium or a half-space, and all of them are given in millimetres, so that
+    lamina.searchlight can compute how far light travels sideways."""
+    if not any(isinstance(part, Medium | HalfSpace) for part in (*stack.layers, stack.base)):
+        return False
+    try:
+        require_millimetres(stack)
+    except StackError:
+        return False
+    return True
 
 
 def depth_knots(stack: Stack, index: int) -> list[tuple[DepthKnot, ...]]:
-    """How optical depth becomes millimetres in one channel: the knots of every layer, top first, and of a half-space
-    that is the base; none for an interface.
+    """The relation of optical depth to millimetres in one channel: the knots of every layer, top first, and of a
+    half-space as the base; no knots for an interface.
 
-    Between two knots sigma_t is linear in the depth, so that its square is linear in the optical depth. Two knots at
-    one depth are a jump; two knots at one optical depth bound an empty part. A medium without end has its last knot at
+    Between two knots sigma_t is linear in the depth, so sigma_t^2 is linear in the optical depth. Two knots at one
+    depth are a jump; two knots at one optical depth bound a clear part. An infinitely thick medium has its last knot at
     infinity. Raises StackError as require_millimetres does."""
     require_millimetres(stack)
     found: list[tuple[DepthKnot, ...]] = []
@@ -70,8 +82,8 @@ def depth_knots(stack: Stack, index: int) -> list[tuple[DepthKnot, ...]]:
 
 
 def lengths_hash(stack: Stack) -> str:
-    """Name of the stack with its lengths: SHA-256 of the stack's hash and of all depth knots, hexadecimal. Two stacks
-    with one hash may differ in their lengths. Raises StackError as require_millimetres does."""
+    """Identifies the stack with its lengths: SHA-256 of the stack's hash and of all depth knots, hexadecimal. Stacks
+    with equal hashes may differ in their lengths. Raises StackError as require_millimetres does."""
     lengths = [[[[to_plain(number) for number in knot] for knot in knots] for knots in depth_knots(stack, c)]
                for c in range(stack.channels)]
     return hashlib.sha256(json.dumps([stack.hash, lengths]).encode()).hexdigest()

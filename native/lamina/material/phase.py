@@ -18,12 +18,12 @@ Phase = PhaseFunction
 
 @dataclass(frozen=True)
 class Tabulated(PhaseFunction):
-    """A phase function as a table, as a Mie code prints it. Lists, or one list per channel.
+    """A phase function as a table, for example from a Mie code. Lists, or one list per channel.
 
-    Either `moments`, the Legendre moments chi_0 = 1, chi_1 (the mean cosine) ... without the factor 2 l + 1,
-    each in [-1, 1], at most 2048, of a function that is nowhere negative; or samples: `values` (any unit, not
-    negative) at `cosines` of the scattering angle, which run from -1 to 1 or back, 2 to 20000, joined by
-    monotone cubics (Fritsch and Butland 1984) and normalised. `cosines` serve all channels."""
+    Either `moments`, the Legendre moments chi_0 = 1, chi_1 (the mean cosine) ... without the factor 2 l + 1, each in
+    [-1, 1], at most 2048, of a function without negative values; or samples: `values` (any unit, not negative) at
+    `cosines` of the scattering angle, from -1 to 1 or from 1 to -1, 2 to 20000, joined by monotone cubics (Fritsch and
+    Butland 1984) and normalised. All channels share `cosines`."""
 
     moments: Sequence[float] | Sequence[Sequence[float]] | None = None
     cosines: Sequence[float] | None = None
@@ -71,7 +71,7 @@ class Tabulated(PhaseFunction):
             raise StackError(f"{path}.cosines run from {cosines[0]:g} to {cosines[-1]:g}: must reach from -1 to 1")
         for where, row in _rows(values, f"{path}.values"):
             if len(row) != len(cosines):
-                raise StackError(f"{where} has {len(row)} values: must have {len(cosines)}, one a cosine")
+                raise StackError(f"{where} has {len(row)} values: must have {len(cosines)}, one per cosine")
             if not sum(row) > 0.0:
                 raise StackError(f"{where}: all values are 0: one must be positive")
         if backwards:
@@ -107,8 +107,8 @@ class Tabulated(PhaseFunction):
 
 @dataclass(frozen=True)
 class Mixture(PhaseFunction):
-    """A medium of several kinds of particles: `parts` are pairs (share, phase function). A share is that kind's part of
-    the scattering coefficient, in [0, 1], a number or one per channel; they sum to 1."""
+    """The phase function of several kinds of particles: `parts` are pairs (share, phase function). A share is the
+    kind's part of the scattering coefficient, in [0, 1], a number or one per channel; shares sum to 1."""
 
     parts: Sequence[tuple[Channels, Phase]]
 

@@ -9,12 +9,13 @@ from importlib.resources import files
 
 from ..common import json_file
 from ..common.errors import unknown
+from .millimetres import has_lengths
 from .stack import Stack
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A stack of the library: `id` is its file's name, `source` says where its numbers come from."""
+    """A stack of the library: `id` is its file's name, `source` the source of its numbers."""
 
     id: str
     stack: Stack
@@ -30,6 +31,11 @@ class Preset:
     @property
     def source(self) -> str:
         return self.stack.source
+
+    @property
+    def has_lengths(self) -> bool:
+        """True if all media of the stack are given in millimetres, as lamina.searchlight needs."""
+        return has_lengths(self.stack)
 
 
 @cache

@@ -13,25 +13,25 @@ from ..kinds.fields import Channels, Field, all_fields, channel, check_forms, ch
 from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, DEPTH, OVER
 from .phase import Phase, check_phase, read_phase
 
-# The largest thickness of a medium with a profile, by the quantity that it is given by.
+# The largest thickness of a medium with a profile, by the quantity that gives the thickness.
 THICKNESS = {
     "tau": Field("tau", 0.0, 1e9, rule="must lie in [0, 1e9] for a medium with a profile"),
     "thickness": Field("thickness", 0.0, 1e12, rule="must lie in [0, 1e12] mm for a medium with a profile"),
 }
-# Largest errors where lines in optical depth replace coefficients linear in millimetres: of the albedo, and of the
-# share of either end's phase function.
+# Largest errors of the linear interpolation in optical depth for coefficients linear in millimetres: of the albedo, and
+# of the share of the phase function at either end.
 ALBEDO_ERROR, SHARE_ERROR = 1e-4, 1e-3
 
 
 @dataclass(frozen=True)
 class Knot:
-    """What a medium is at one depth, 0 (top) to 1 (bottom). Quantities are numbers or one per channel.
+    """The medium at one depth, 0 (top) to 1 (bottom). Quantities are numbers or one per channel.
 
-    Either `albedo`, [0, 1], or `color`, [0, 1], of a homogeneous layer of the same thickness, in a medium with `tau`:
-    the depth is a share of the optical thickness, and albedo times phase function is linear in it between knots. Or
-    `sigma_s` and `sigma_a`, 1/mm, in a medium with `thickness`: the depth is a share of that, and the coefficients,
-    with the phase function in proportion to what it scatters, are linear in it. `phase` is the medium's where none is
-    given. Two knots of one depth are a jump."""
+    Either `albedo`, [0, 1], or `color`, [0, 1], the colour of a homogeneous layer of the same thickness, in a medium
+    with `tau`: the depth is a share of the optical thickness, and albedo times phase function is linear in it between
+    knots. Or `sigma_s` and `sigma_a`, 1/mm, in a medium with `thickness`: the depth is a share of the thickness, and
+    sigma_t and sigma_s times phase function are linear in it. `phase`: the medium's phase function if not given. Two
+    knots of one depth are a jump."""
 
     depth: float
     albedo: Channels | None = None
@@ -48,7 +48,7 @@ class Knot:
         return self.sigma_s is not None
 
     def checked(self, path: str) -> Knot:
-        """Itself with every quantity as floats. Raises StackError, with the quantity's path."""
+        """A copy with every quantity as floats. Raises StackError, with the quantity's path."""
         values = check_forms(self, path)
         depth = DEPTH.check(self.depth, f"{path}.depth")
         if isinstance(depth, tuple):
@@ -57,14 +57,14 @@ class Knot:
         return replace(self, depth=depth, phase=phase, **values)
 
     def quantities(self, path: str):
-        """(path, value) of everything that may have channels."""
+        """(path, value) of every quantity that may have channels."""
         for quantity in all_fields(self):
             yield f"{path}.{quantity.name}", getattr(self, quantity.name)
         if self.phase is not None:
             yield from self.phase.quantities(f"{path}.phase")
 
     def to_json(self) -> dict:
-        """A plain object; `read_profile` reads it back."""
+        """A JSON object; `read_profile` reads it."""
         values = {quantity.name: getattr(self, quantity.name) for quantity in all_fields(self)}
         entry: dict = {"depth": self.depth}
         entry.update({name: to_plain(value) for name, value in values.items() if value is not None})
@@ -74,7 +74,7 @@ class Knot:
 
 
 def read_profile(entries, path: str) -> list[Knot]:
-    """The knots from their plain objects. Raises StackError for missing and unknown keys; values are checked later."""
+    """The knots from their JSON objects. Raises StackError for missing and unknown keys; values are checked later."""
     if not isinstance(entries, list):
         raise StackError(f"{path} = {quoted(entries)}: must be a list of knots, top first")
     names = {quantity.name for form in Knot.forms for quantity in form}
@@ -155,8 +155,8 @@ def optical_knots(medium, albedos, index: int) -> list[tuple[float, float, tuple
     """Knots (optical depth, albedo, phase) of one channel, as the core's GradedMedium takes them; `albedos`: by knot
     and channel, of the knots that are given by a colour.
 
-    For coefficients linear in millimetres, more knots are inserted, so that linear interpolation between them is right
-    to ALBEDO_ERROR in the albedo and to SHARE_ERROR in the share of either end's phase function. With e = sigma_t both
+    For coefficients linear in millimetres, more knots are inserted, so that linear interpolation has errors of at most
+    ALBEDO_ERROR in the albedo and SHARE_ERROR in the share of the phase function at either end. With e = sigma_t both
     have the form A + B / e, and knots at equal steps of e^-1/2 distribute the interpolation error evenly."""
     knots = medium.profile
     if not knots[0].has_coefficients:
@@ -200,7 +200,7 @@ def _chords(above: tuple, below: tuple, tau: float, depth: float):
     """Knots of one piece, its ends included."""
     (s0, e0, p0), (s1, e1, p1) = above, below
     if e0 == 0.0 or e1 == 0.0:
-        # If one end is empty, the medium is everywhere like the other end.
+        # If one end is clear, albedo and phase function are everywhere those of the other end.
         s, e, p = (s1, e1, p1) if e0 == 0.0 else (s0, e0, p0)
         return [(depth, s / e, p), (depth + tau, s / e, p)]
     u0, u1 = e0**-0.5, e1**-0.5

@@ -8,8 +8,8 @@ import itertools
 import json
 import math
 import os
-from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, fields, replace
+from collections.abc import Collection, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
 from pathlib import Path
 
 from ..common import json_file
@@ -31,8 +31,8 @@ MOST_LAYERS = 64
 
 @dataclass(frozen=True)
 class Stack:
-    """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom. `name`,
-    `category` and `source` (where the numbers come from) are texts for the user and not part of the hash.
+    """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom. `name`, `category` and
+    `source` (of the numbers) are texts for the user and not part of the hash.
 
     A stack has at most 64 layers. Raises StackError if a value is out of range, channels disagree, or the stack is
     empty."""
@@ -42,6 +42,8 @@ class Stack:
     name: str = ""
     category: str = ""
     source: str = ""
+    _albedos: tuple = field(init=False, repr=False, compare=False)
+    _indices: tuple = field(init=False, repr=False, compare=False)
 
     texts = ("name", "category", "source")
 
@@ -66,7 +68,7 @@ class Stack:
         varying = [i for i, layer in enumerate(checked) if layer.varying]
         if len(varying) > 1:
             raise StackError(f"layers[{varying[1]}].varying = true: only one layer may vary")
-        if varying and max(checked[varying[0]].optics(c)[1] for c in range(self.channels)) == math.inf:
+        if varying and max(self._medium(varying[0]).optics(c)[1] for c in range(self.channels)) == math.inf:
             raise StackError(f"layers[{varying[0]}].tau = inf: a varying layer needs a largest thickness")
         object.__setattr__(self, "_albedos", self._find_albedos())
         if isinstance(self.base, Conductor):
@@ -84,7 +86,7 @@ class Stack:
 
     @property
     def hash(self) -> str:
-        """Name of the stack's content: SHA-256 of the canonical form, hexadecimal."""
+        """Identifies the stack's content: SHA-256 of the canonical form, hexadecimal."""
         return hashlib.sha256(self.canonical().encode()).hexdigest()
 
     def turned(self) -> Stack:
@@ -95,47 +97,54 @@ class Stack:
         return self._derived(layers, self.base, reversed(albedos))
 
     def with_facets(self, layers: Sequence[Medium | Interface], base: Base | None) -> Stack:
-        """The same stack with other facets: `layers` and `base` are its own but for the facets' width."""
+        """The same stack with other facets: `layers` and `base` may differ from the stack's only in the width of
+        facets."""
         return self._derived(layers, base, self._albedos)
 
     def _derived(self, layers, base, albedos) -> Stack:
-        """A stack of parts that have been checked already, and whose albedos are known."""
+        """A stack of checked parts with known albedos."""
         derived = object.__new__(Stack)
         for name, value in {**self.__dict__, "layers": tuple(layers), "base": base, "_albedos": tuple(albedos)}.items():
             object.__setattr__(derived, name, value)
         return derived
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
-        """(albedo, tau) of a layer in one channel. Of a layer given by a colour, the albedo with that colour; of a
+        """(albedo, tau) of a layer in one channel. For a layer given by a colour, the albedo for this colour; for a
         profile, the mean albedo over the optical depth."""
-        albedo, tau = self.layers[layer].optics(channel_index)
-        if self.layers[layer].profile is not None:
+        medium = self._medium(layer)
+        albedo, tau = medium.optics(channel_index)
+        if medium.profile is not None:
             knots = self.knots(layer, channel_index)
             parts = [0.5 * (a + b) * (below - above) for (above, a, _), (below, b, _) in itertools.pairwise(knots)]
             return (math.fsum(parts) / tau if tau > 0.0 else 0.0), tau
         return self._albedos[layer][channel_index] if albedo is None else albedo, tau
 
     def knots(self, layer: int, channel_index: int) -> list[tuple[float, float, tuple]]:
-        """Of a layer with a profile in one channel: (optical depth, albedo, phase function as the core takes it), top
-        first; between these, albedo times phase function is linear."""
-        return optical_knots(self.layers[layer], self._albedos[layer], channel_index)
+        """The knots of a layer with a profile in one channel: (optical depth, albedo, phase function as the core takes
+        it), top first. Between knots, albedo times phase function is linear."""
+        return optical_knots(self._medium(layer), self._albedos[layer], channel_index)
 
     def indices(self, channel_index: int) -> tuple[float, float]:
         """(eta, k) of a conductor base in one channel; computed from its two colours if these are given."""
         eta, k = self._indices
         return channel(eta, channel_index), channel(k, channel_index)
 
+    def _medium(self, index: int) -> Medium:
+        layer = self.layers[index]
+        assert isinstance(layer, Medium)
+        return layer
+
     def require_air_below(self) -> None:
-        """Raises StackError for a sheet that does not end in air. Directions below a sheet are directions in air, and
-        light beyond the critical angle has none."""
+        """Raises StackError for a sheet that does not end in air. Directions below a sheet are given in air, where
+        light beyond the critical angle has no direction."""
         indices = [layer.ior for layer in self.layers if isinstance(layer, Interface)]
         if self.base is None and indices and any(channel(indices[-1], c) != 1.0 for c in range(self.channels)):
             raise StackError(f"layers end at index {to_plain(indices[-1])}: a sheet that is baked, or whose directions "
                              "below are asked for, must end with an Interface of ior 1")
 
     def canonical(self) -> str:
-        """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, names left
-        out, keys sorted."""
+        """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, without
+        names, keys sorted."""
         channels = range(self.channels)
         layers = []
         for index, layer in enumerate(self.layers):
@@ -153,19 +162,19 @@ class Stack:
                 "phase": layer.phase.canonical(self.channels),
                 "varying": layer.varying,
             })
-        base = None if self.base is None else _canonical(self.base, self.channels)
+        base: dict = {} if self.base is None else _canonical(self.base, self.channels)
         if isinstance(self.base, Conductor):
             indices = [self.indices(c) for c in channels]
             base["eta"], base["k"] = [eta for eta, _ in indices], [k for _, k in indices]
         if isinstance(self.base, HalfSpace):
             base["albedo"] = [self.base.albedo_of(c) for c in channels]
-        return json.dumps({"schema": SCHEMA, "layers": layers, "base": base}, sort_keys=True)
+        return json.dumps({"schema": SCHEMA, "layers": layers, "base": base or None}, sort_keys=True)
 
     def to_json(self) -> dict:
-        """A plain object for json.dump; from_json reads it back."""
+        """A JSON object; from_json reads it."""
         layers = []
         for layer in self.layers:
-            entry = {"kind": layer.kind}
+            entry: dict = {"kind": layer.kind}
             if layer.name:
                 entry["name"] = layer.name
             if isinstance(layer, Interface):
@@ -184,7 +193,7 @@ class Stack:
 
     @classmethod
     def from_json(cls, data) -> Stack:
-        """Reads a plain object, written by to_json or by hand. Raises StackError."""
+        """Reads a JSON object, written by to_json or by hand. Raises StackError."""
         check_keys(data, {"schema", "layers", "base", *cls.texts}, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
@@ -228,12 +237,12 @@ class Stack:
             raise StackError(f"{path}: {error}") from None
 
     def save(self, path: str | os.PathLike) -> None:
-        """Writes the stack as JSON; the file appears whole or not at all."""
+        """Writes the stack as JSON, completely or not at all."""
         text = json.dumps(self.to_json(), indent=2) + "\n"
         write_atomically(path, lambda file: file.write(text.encode()))
 
     def _quantities(self):
-        """(path, value) of everything that may have channels."""
+        """(path, value) of every quantity that may have channels."""
         for index, layer in enumerate(self.layers):
             yield from _fields_of(layer, f"layers[{index}]")
             if isinstance(layer, Medium):
@@ -246,9 +255,10 @@ class Stack:
                 yield from self.base.phase.quantities("base.phase")
 
     def _find_albedos(self) -> tuple:
-        """The albedos of layers that are given by colours, by layer and channel; of a profile, by layer, knot and
+        """The albedos of layers that are given by colours, by layer and channel; for a profile, by layer, knot and
         channel."""
-        found, count = [], self.channels
+        found: list[tuple | None] = []
+        count = self.channels
         for index, layer in enumerate(self.layers):
             path = f"layers[{index}]"
             if isinstance(layer, Medium) and layer.profile is not None:
@@ -260,6 +270,7 @@ class Stack:
         return tuple(found)
 
     def _albedos_at(self, layer: Medium, number: int, path: str) -> tuple[float, ...] | None:
+        assert layer.profile is not None
         knot = layer.profile[number]
         if knot.color is None:
             return None
@@ -267,9 +278,9 @@ class Stack:
         return albedos_of(homogeneous, self.channels, f"{path}.profile[{number}]")
 
     def _canonical_profile(self, index: int) -> dict:
-        layer, channels = self.layers[index], range(self.channels)
+        layer, channels = self._medium(index), range(self.channels)
         knots = []
-        for number, knot in enumerate(layer.profile):
+        for number, knot in enumerate(layer.profile or ()):
             entry = {"depth": knot.depth, "phase": (knot.phase or layer.phase).canonical(self.channels)}
             if knot.has_coefficients:
                 entry["sigma_s"] = [channel(knot.sigma_s, c) for c in channels]
@@ -324,13 +335,13 @@ def _check_base(base):
 
 
 def _given(thing) -> dict:
-    """JSON form of the quantities by which a layer or base is described."""
+    """JSON object of the quantities by which a layer or base is given."""
     values = {quantity.name: getattr(thing, quantity.name) for quantity in all_fields(thing)}
     return {name: to_plain(value) for name, value in values.items() if value is not None}
 
 
 def _plain(thing) -> dict:
-    """JSON form of a base or an interface, without options that have their usual value."""
+    """JSON object of a base or an interface, without options that have their usual value."""
     entry = {"kind": thing.kind, **_given(thing), **_unusual(thing)}
     if thing.has_phase:
         entry["phase"] = thing.phase.to_json()
@@ -338,12 +349,12 @@ def _plain(thing) -> dict:
 
 
 def _unusual(thing) -> dict:
-    """Options without their usual value. Usual ones are left out, so that a new option changes no earlier hash."""
+    """Options with an unusual value. Usual values are omitted, so a new option does not change earlier hashes."""
     return {one.name: getattr(thing, one.name) for one in thing.options if getattr(thing, one.name) != one.values[0]}
 
 
 def _canonical(thing, channels: int) -> dict:
-    """The same with every quantity repeated for each channel."""
+    """The JSON object with every quantity repeated for each channel."""
     entry = {"kind": thing.kind, **_unusual(thing)}
     for quantity in thing.fields:
         value = getattr(thing, quantity.name)
@@ -374,7 +385,7 @@ def _read_base(entry, path: str):
     return base if phase is None else replace(base, phase=read_phase(phase, f"{path}.phase"))
 
 
-def _read(cls, entry, path: str, optional: set[str] = frozenset()):
+def _read(cls, entry, path: str, optional: Collection[str] = ()):
     """An interface or a base from its JSON object; members with a default may be missing."""
     names = {quantity.name for quantity in all_fields(cls)}
     usual = {field.name for field in fields(cls) if field.default is not MISSING}

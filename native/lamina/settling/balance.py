@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mass balance: grains traced down from above, an independent check of how much dust a surface gets."""
+"""Mass balance: grains traced from above, an independent check of the amount of dust on a surface."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ _STREAM = 0x6772_6169_6E73_0000  # separate random numbers
 
 @dataclass(frozen=True)
 class FallFrame:
-    """Directions of a fall: up and two across, orthonormal, and the wind along those two over the fall's speed."""
+    """Directions of a fall: up and two horizontal ones, orthonormal, and the wind along those two relative to the
+    fall."""
 
     up: np.ndarray
     across1: np.ndarray
@@ -37,14 +38,14 @@ class FallFrame:
         return cls(up, across1, across2, float(wind @ across1), float(wind @ across2), spread)
 
     def core(self, layer):
-        """The core's own."""
+        """The core's Fall."""
         return layer.Fall(self.up, self.across1, self.across2, self.wind1, self.wind2, math.sin(self.spread))
 
 
 @dataclass(frozen=True)
 class Forward:
-    """Areas in m^2 of an open horizontal plane that catches as much: what was launched, what met the front and the
-    back of the surface's faces, each of the occluders, and nothing; and the standard errors of what met the front, and
+    """Numbers of grains as areas in m^2 of an open horizontal plane: all grains, those on the front and on the back of
+    the surface's faces, those on each occluder, and those on nothing; and the standard errors for the front and for
     either side."""
 
     launched: float
@@ -61,8 +62,8 @@ def trace(scene, core_fall, fall: FallFrame, surface: np.ndarray, occluders: int
           grains: int = GRAINS) -> Forward:
     """`surface`: (n, 3) vertices of the scene's first mesh in its frame, whose unit is `scale` metres.
 
-    Grains are aimed at a rectangle above the surface's highest point, so large that each grain that could touch the
-    surface's box passes through it."""
+    Grains pass through a rectangle above the surface's highest point. The rectangle is so large that each grain that
+    can touch the surface's bounding box passes through it."""
     (low_up, top), (low1, high1), (low2, high2) = (_extent(surface, axis) for axis in
                                                   (fall.up, fall.across1, fall.across2))
     top += LIFT

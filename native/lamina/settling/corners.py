@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sharp edges: which corners of a vertex share a normal, and so a point of dust."""
+"""Sharp edges: groups of corners at a vertex that share a normal, and so a point of dust."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from . import embree
 from .mesh import Corners, Mesh, Points, unit_normals
 
-SAME = math.radians(0.1)  # normals that are closer are one
-# An edge whose angle equals the limit (a cylinder of twelve sides, at 30 degrees) is smooth, also if rounding of the
+SAME = math.radians(0.1)  # normals closer than this are equal
+# An edge with exactly the limiting angle (a cylinder of twelve sides, at 30 degrees) is smooth, even if rounding of the
 # normals makes the angle slightly larger.
 SLACK = 1e-5
 BLOCK = 1 << 20
@@ -20,26 +20,27 @@ BLOCK = 1 << 20
 def corners_of(mesh: Mesh) -> Corners:
     """The points of a checked mesh. Raises DustUnavailable."""
     count = len(mesh.vertices)
-    by_corner = mesh.normals is not None and mesh.normals.ndim == 3
-    if not by_corner and (mesh.normals is not None or mesh.sharp_angle >= math.pi):
+    given = mesh.normals
+    by_corner = given is not None and given.ndim == 3
+    if not by_corner and (given is not None or mesh.sharp_angle >= math.pi):
         first = np.full(count, -1, np.int64)
         flat = mesh.triangles.ravel()
         first[flat[::-1]] = np.arange(flat.size, dtype=np.int64)[::-1]
         return Corners(mesh.triangles, np.arange(count, dtype=np.uint32), first)
-    if by_corner:
-        normals, cosine = unit_normals(mesh.normals.reshape(-1, 3)), math.cos(SAME)
+    if given is not None:
+        normals, cosine = unit_normals(given.reshape(-1, 3)), math.cos(SAME)
     else:
         normals, cosine = _face_normals(mesh), math.cos(mesh.sharp_angle) - SLACK
     return Corners(*embree.layer().corner_points(mesh.triangles, normals, cosine, count))
 
 
 def moved_off_edges(mesh: Mesh, points: Points, corners: Corners, distance: float) -> Points:
-    """`points`, those of `corners`, with the points of split vertices moved by `distance` (in metres; less where the
-    face is small) into one of their faces.
+    """`points`, those of `corners`, with the points of split vertices moved by `distance` (in metres; less if the face
+    is small) into one of their faces.
 
     Where walls meet in a groove, their common vertex lies in the planes of both, and a ray that starts off one wall
-    along its normal may start behind the other. Of a point's faces the one with the widest corner is taken, and the
-    middle of this corner."""
+    along its normal may start behind the other. The point is moved into the face with its widest corner, along the
+    bisector of this corner."""
     several = np.bincount(corners.vertex, minlength=len(mesh.vertices)) > 1
     triangle, corner = np.nonzero(several[mesh.triangles])
     if not len(triangle):
@@ -54,7 +55,7 @@ def moved_off_edges(mesh: Mesh, points: Points, corners: Corners, distance: floa
     spread = np.linalg.norm(middle, axis=1)  # 2 cos(angle / 2)
     sine = 0.5 * np.linalg.norm(a - b, axis=1)  # sin(angle / 2)
     usable = wide & (spread > 1e-6) & (sine > 1e-6)
-    # The share of each side that a step of length 1 along the middle takes is 1 / (spread * length).
+    # A step of length 1 along the bisector covers the share 1 / (spread * length) of each side.
     across = np.divide(1.0, lengths[0], out=np.zeros_like(spread), where=usable) + np.divide(
         1.0, lengths[1], out=np.zeros_like(spread), where=usable)
     most = np.divide(0.25 * spread, across, out=np.zeros_like(spread), where=usable)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The compiled ray tracing module `_mesh` (Embree), loaded when it is first needed. If it is missing or broken,
-everything that traces no rays still works."""
+"""The compiled ray tracing module `_mesh` (Embree), loaded on first use. Without it, everything except ray tracing
+still works."""
 
 from __future__ import annotations
 
@@ -31,5 +31,5 @@ def layer():
 
 
 def why_not() -> str:
-    """One sentence that says why no rays can be traced, or ''."""
+    """One sentence with the reason why no rays can be traced, or ''."""
     return _load()[1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes that dust falls on: checks, a frame in which floats resolve them, normals and areas."""
+"""Meshes for dust: checks, a frame for single precision, normals and areas."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 from ..common.errors import DustError
 from ..common.progress import Progress
 
-FARTHEST = 1e12  # metres; beyond it not even doubles resolve a surface well enough
-MOST = 1 << 31  # vertices, triangles: what 32-bit indices of the core can count
+FARTHEST = 1e12  # metres; beyond it even doubles do not resolve a surface well enough
+MOST = 1 << 31  # vertices or triangles: the range of 32-bit indices in the core
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,10 +21,10 @@ class Mesh:
     outside. A mesh need not be closed or manifold; faces without area are ignored.
 
     normals: of any length; (n, 3), one per vertex; or (m, 3, 3), one for each corner of each triangle; or None:
-        angle-weighted means of the faces' normals (they do not depend on how a flat face is cut), taken across all
-        edges but the sharp ones.
-    sharp_angle: without given normals, an edge is sharp where the normals of its two faces are farther apart than
-        this, in radians, [0, pi]; pi: no edge is sharp. The default, 30 degrees, is that of Blender's automatic
+        angle-weighted means of the faces' normals, which do not depend on the triangulation of a flat face, taken
+        across all edges except sharp ones.
+    sharp_angle: without given normals, an edge is sharp if the angle between the normals of its two faces is larger
+        than this, in radians, [0, pi]; pi: no edge is sharp. The default, 30 degrees, is that of Blender's automatic
         smoothing.
     name: the mesh's name in messages, or ""."""
 
@@ -37,11 +37,11 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Points of a mesh, where a vertex at a sharp edge has several, one for each of its normals. Point v is the first
-    one of vertex v; the further ones follow.
+    """Points of a mesh. A vertex at a sharp edge has several, one for each of its normals. Point v is the first point
+    of vertex v; the further points follow.
 
-    point: (m, 3) uint32, of each triangle's corners; vertex: (k,) uint32, of each point; first: (k,) int64, the first
-    corner of each point, as 3 * triangle + corner, or -1 at a vertex of no face."""
+    point: (m, 3) uint32, the point of each triangle's corners; vertex: (k,) uint32, the vertex of each point; first:
+    (k,) int64, the first corner of each point, as 3 * triangle + corner, or -1 at a vertex without faces."""
 
     point: np.ndarray
     vertex: np.ndarray
@@ -49,14 +49,14 @@ class Corners:
 
     @property
     def split(self) -> bool:
-        """Whether some vertex has several points."""
+        """True if some vertex has several points."""
         return len(self.vertex) > 0 and len(np.unique(self.vertex)) < len(self.vertex)
 
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Points of a surface. positions, normals: (n, 3); areas: (n,) in m^2 that each stands for, or None. A point
-    whose normal is zero gets no dust."""
+    """Points of a surface. positions, normals: (n, 3); areas: (n,), the surface area in m^2 of each point, or None. A
+    point with normal 0 gets no dust."""
 
     positions: np.ndarray
     normals: np.ndarray
@@ -64,8 +64,8 @@ class Points:
 
 
 def checked_mesh(mesh: Mesh, name: str) -> Mesh:
-    """The mesh with float64 vertices, uint32 triangles and float64 normals. Messages use the mesh's own name where it
-    has one. Raises DustError."""
+    """The mesh with float64 vertices, uint32 triangles and float64 normals. Messages use the mesh's own name if it has
+    one. Raises DustError."""
     if not isinstance(mesh, Mesh):
         raise DustError(f"{name} = {type(mesh).__name__}: must be a lamina.dust.Mesh")
     name = mesh.name or name
@@ -131,7 +131,7 @@ def triples(values, name: str) -> np.ndarray:
         return np.zeros((0, 3))
     if array.ndim != 2 or array.shape[1] != 3:
         raise DustError(f"{name} has shape {array.shape}: must be (n, 3)")
-    # One pass that is fast when all is well: NaN fails the comparison too.
+    # One fast pass for valid values: NaN fails the comparison too.
     if not (max(-array.min(), array.max()) <= FARTHEST):
         row, column = np.argwhere(~(np.abs(array) <= FARTHEST))[0]
         raise DustError(f"{name}[{row}] has the coordinate {array[row, column]!s}: must lie within +-{FARTHEST:g}")
@@ -139,20 +139,20 @@ def triples(values, name: str) -> np.ndarray:
 
 
 def used_vertices(mesh: Mesh) -> np.ndarray:
-    """(n,) bool: which vertices are of some face."""
+    """(n,) bool: true for vertices of faces."""
     used = np.zeros(len(mesh.vertices), bool)
     used[mesh.triangles.ravel()] = True
     return used
 
 
 def vertex_points(mesh: Mesh, step: Progress = lambda fraction, text: None, corners: Corners | None = None) -> Points:
-    """The vertices of a checked mesh, or its points where `corners` splits them, with their normals and the areas they
-    stand for, a third of each of their faces'. Vertices of no face have normal 0 unless the mesh gives normals of
-    vertices, and area 0 in any case."""
+    """The vertices of a checked mesh, or its points if `corners` splits them, with their normals and areas, a third of
+    the area of each face. Vertices without faces have normal 0 unless the mesh gives normals of vertices, and always
+    area 0."""
     count = len(mesh.vertices) if corners is None else len(corners.vertex)
     areas = np.zeros(count)
     normals = np.zeros((count, 3))
-    block = 1 << 20  # triangles at a time: ten million faces must not need gigabytes here
+    block = 1 << 20  # triangles per block, so that ten million faces do not need gigabytes
     for first in range(0, len(mesh.triangles), block):
         step(first / len(mesh.triangles), "normals")
         triangles = mesh.triangles[first:first + block]
@@ -174,27 +174,27 @@ def vertex_points(mesh: Mesh, step: Progress = lambda fraction, text: None, corn
 
 
 def _given_normals(normals: np.ndarray, corners: Corners) -> np.ndarray:
-    """Of each point, from normals of vertices or of corners."""
+    """The normal of each point, from normals of vertices or of corners."""
     if normals.ndim == 2:
         return normals[corners.vertex]
     return np.where(corners.first[:, None] >= 0, normals.reshape(-1, 3)[corners.first], 0.0)
 
 
 def unit_normals(normals: np.ndarray) -> np.ndarray:
-    """(n, 3) float32 of length 1, or 0 where there is none."""
+    """(n, 3) float32 of length 1, or 0 for vectors of length 0."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.divide(normals, length, out=np.zeros_like(normals), where=length > 1e-30).astype(np.float32)
 
 
 def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Between vectors, exact for small and for flat angles."""
+    """The angles between vectors, accurate for small and for flat angles."""
     return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ij,ij->i", a, b))
 
 
 @dataclass(frozen=True)
 class Frame:
-    """The frame of single-precision coordinates, (world - centre) / scale: the surface lies within the unit sphere for
-    any position and size."""
+    """The frame of single-precision coordinates, (world - centre) / scale, in which the surface lies within the unit
+    sphere for any position and size."""
 
     centre: np.ndarray
     scale: float
@@ -209,7 +209,7 @@ class Frame:
 
 
 def common_frame(surface: Mesh) -> Frame:
-    """Of the vertices that faces of a checked surface use. Raises DustError when it has no extent."""
+    """The frame of the vertices that faces of a checked surface use. Raises DustError if the surface has no extent."""
     if not len(surface.triangles):
         raise DustError(f"{surface.name}.triangles is empty: must have at least one face for dust to settle on")
     vertices = surface.vertices[used_vertices(surface)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Patches of dust: where it was left and where it was wiped off, as a smooth random field in space."""
+"""Patches of dust that was not wiped off, as a smooth random field in space."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from statistics import NormalDist
 import numpy as np
 
 WAVES = 48
-EDGE = 0.15  # of the area, over which a patch fades
+EDGE = 0.15  # share of the area in which a patch fades
 
 
 def patches(positions: np.ndarray, coverage: float, size: float, seed: int) -> np.ndarray:
-    """(n,) float64 in [0, 1]: the share of dust left at (n, 3) positions; its mean over space is `coverage`.
+    """(n,) float64 in [0, 1]: the share of dust that stays at (n, 3) positions; its mean over space is `coverage`.
 
-    A sum of plane waves of random direction and phase, wavelengths about `size`, is nearly normal; its
-    quantile is then uniform in [0, 1], and a ramp of the quantile has exactly the wanted mean."""
+    A sum of plane waves of random direction and phase, with wavelengths of about `size`, is nearly normally
+    distributed. Its quantile is then uniform in [0, 1], and a ramp of the quantile has exactly the wanted mean."""
     edge = min(EDGE, 2.0 * coverage, 2.0 * (1.0 - coverage))
     if edge <= 0.0:
         return np.full(len(positions), coverage)

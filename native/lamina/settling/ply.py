@@ -34,9 +34,8 @@ class _Element:
 
 
 def load(path: str | os.PathLike) -> Mesh:
-    """The mesh of a .ply or .ply.gz file, as it stands there: neither turned nor scaled. Faces of n corners become
-    n - 2 triangles; those with fewer than three are left out. Lines may end as on any system. Raises MeshFileError,
-    OSError."""
+    """The mesh of a .ply or .ply.gz file, neither turned nor scaled. Faces of n corners become n - 2 triangles; those
+    with fewer than three are ignored. Any line ends are accepted. Raises MeshFileError, OSError."""
     data = Path(path).read_bytes()
     if data[:2] == b"\x1f\x8b":
         try:
@@ -57,7 +56,7 @@ def load(path: str | os.PathLike) -> Mesh:
     except _BadFileError as error:
         raise MeshFileError(f"{path}: {error}") from None
     except (ValueError, IndexError, OverflowError):
-        raise MeshFileError(f"{path}: is not a whole PLY file") from None
+        raise MeshFileError(f"{path}: is not a complete PLY file") from None
     if not columns:
         raise MeshFileError(f"{path}: has no vertices")
     vertices = np.column_stack([columns[name] for name in "xyz"]).astype(np.float64)
@@ -68,14 +67,15 @@ def load(path: str | os.PathLike) -> Mesh:
 
 
 class _BadFileError(Exception):
-    """With the rest of a sentence that begins with the path."""
+    """Holds the rest of a sentence that begins with the path."""
 
 
 def _header(data: bytes) -> tuple[str | None, list[_Element], bytes]:
     """(byte order or None for ASCII, elements, the bytes after the header)."""
     if data[:3] != b"ply":
         raise _BadFileError("is not a PLY file")
-    # The first line tells how all end: after the last one a byte like a line's end may belong to binary numbers.
+    # The first line determines the line end of the header. After the header, such a byte may be part of a binary
+    # number.
     end = b"\r\n" if data[3:5] == b"\r\n" else data[3:4]
     if end not in (b"\n", b"\r", b"\r\n"):
         end = b"\n"
@@ -108,7 +108,7 @@ def _header(data: bytes) -> tuple[str | None, list[_Element], bytes]:
         else:
             raise _BadFileError(f"has a header line that is not understood: {line.strip()[:60]!r}")
     if order == "":
-        raise _BadFileError("does not tell its format")
+        raise _BadFileError("has no format line")
     return order, elements, data[start:]
 
 
@@ -123,9 +123,9 @@ class _Binary:
         return {name: rows[f"p{i}"] for i, (name, _, _) in enumerate(element.properties) if name in wanted}
 
     def lists(self, element: _Element, wanted: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
-        """(lengths, all items after another) of the one list property wanted."""
+        """(lengths, all items in sequence) of the wanted list property."""
         _list_of(element, wanted)
-        # Nearly all files hold faces of one size: read as a table, and checked to be one.
+        # Most files hold faces of one size: read them as a table, and check that all sizes are equal.
         start = self._at
         for size in (3, 4):
             table = self._table(element, size)
@@ -176,9 +176,9 @@ class _Binary:
 
 class _Ascii:
     def __init__(self, body: bytes):
-        # Words as numbers, all at once: positions are counted in words, lines do not matter.
+        # Convert all words to numbers at once: positions are counted in words, independent of lines.
         with warnings.catch_warnings():
-            warnings.simplefilter("error")  # fromstring only warns of what it cannot read
+            warnings.simplefilter("error")  # fromstring only warns about invalid words
             try:
                 self._words = np.fromstring(body.decode("ascii"), dtype=np.float64, sep=" ")
             except (ValueError, DeprecationWarning):
@@ -240,7 +240,7 @@ def _list_of(element: _Element, wanted: tuple[str, ...]) -> None:
 
 
 def _fans(lengths: np.ndarray, items: np.ndarray) -> np.ndarray:
-    """(m, 3) triangles of faces given by their lengths and all their corners after another."""
+    """(m, 3) triangles of faces, given by the lengths and the corners of all faces in sequence."""
     starts = np.concatenate([[0], np.cumsum(lengths)[:-1]]).astype(np.int64) if len(lengths) else lengths
     counts = np.maximum(lengths - 2, 0)
     first = np.repeat(starts, counts)

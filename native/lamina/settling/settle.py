@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust that settles: the optical thickness of what falls from above and stays, at each point of a surface.
+"""Dust that settles: the optical thickness of dust that falls from above and stays, at each point of a surface.
 
-Grains fall with directions spread over a cone, and wind is added to their velocity. The amount is what falls through an
-open horizontal plane. A surface with normal n gets the share n.d of grains that come from direction d = up + t (t
-across gravity), if nothing is in their way. Grains slide off beyond the angle of repose, and stay in concavities. The
-factors are those of Hsu and Wong, "Simulating Dust Accumulation" (1995): exposure to the source, inclination,
-stickiness; here with the flux of the grains in place of tuned functions, so that mass is conserved."""
+Grains fall with directions spread over a cone, and wind is added to their velocity. The amount is the dust that falls
+through an open horizontal plane. A surface with normal n receives the share n.d of grains that come from the direction
+d = up + t (t horizontal), if nothing is in their way. Grains slide off beyond the angle of repose, and stay in
+concavities. The factors are those of Hsu and Wong, "Simulating Dust Accumulation" (1995): exposure to the source,
+inclination, stickiness; here with the flux of the grains in place of tuned functions, so that mass is conserved."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ from .statistics import Statistics, Sums
 from .texels import TexelMap, spread
 
 BLOCK = 1 << 18  # points at a time, to limit memory
-INSET = 16.0 * OFFSET  # how far points at sharp edges are moved into their face, relative to the surface's size
+INSET = 16.0 * OFFSET  # distance by which points at sharp edges are moved into a face, relative to the surface's size
 
 
 @dataclass(frozen=True, eq=False)
 class Dust:
-    """tau: (n,) float32, optical thickness along the normal of what stays at each point, or (height, width) of an
-    image; arrived: of what fell there, likewise. `settings`, `seed`: what it was made with.
+    """tau: (n,) float32, optical thickness along the normal of the dust that stays at each point, or (height, width) of
+    an image; arrived: that of the dust that fell there, likewise. `settings`, `seed`: the arguments of settle.
 
-    back: the part of tau that lies on the side that the normal points away from, likewise; None unless two-sided.
-    vertices: (n,), the vertex of the surface that each value is at: first one for each vertex, in their sequence, then
-        those for the further normals of vertices at sharp edges. None for given points and images.
-    corners: (m, 3), the value that each corner of each triangle has: `tau[corners]`. None likewise."""
+    back: the part of tau on the side opposite to the normal, likewise; None unless two-sided.
+    vertices: (n,), the vertex of each value: first each vertex in sequence, then the further normals of vertices at
+        sharp edges. None for given points and images.
+    corners: (m, 3), the index of the value of each corner of each triangle: `tau[corners]`. None likewise."""
 
     tau: np.ndarray
     arrived: np.ndarray
@@ -56,7 +56,7 @@ class Dust:
 
 
 def available() -> str:
-    """Empty when dust can settle; otherwise one sentence that says why not (no working Embree layer)."""
+    """Empty if dust can settle, otherwise one sentence with the reason (no working Embree layer)."""
     return embree.why_not()
 
 
@@ -65,12 +65,12 @@ def settle(surface: Mesh, points: Points | tuple | None = None, occluders: Itera
            cancel: Callable[[], bool] | None = None, threads: int = 0) -> Dust:
     """Dust on a surface among occluders, all in world space and metres.
 
-    `points`: where; None: the surface's vertices, in their sequence, and after them further values for the vertices
-    that have several normals (see Mesh.sharp_angle, Dust.corners). Otherwise Points, or (positions, normals), each
-    (n, 3), such as `texel_points` makes. Vertices of no face get none. The same seed gives the same bytes, whatever
-    `threads` (0: all). `progress(fraction, text)` is called with the share done; `cancel()` is called often, and
-    Cancelled is raised when it returns true. Raises DustError, ValueError, and DustUnavailable without a working Embree
-    layer."""
+    `points`: where dust is wanted. None: the surface's vertices in sequence, and after them further values for vertices
+    with several normals (see Mesh.sharp_angle, Dust.corners). Otherwise Points, or (positions, normals), each (n, 3),
+    for example from `texel_points`. Vertices without faces get no dust. The same seed gives the same bytes for any
+    number of `threads` (0: all). `progress(fraction, text)` is called with the completed share. `cancel()` is called
+    often; Cancelled is raised if it returns true. Raises DustError, ValueError, and DustUnavailable without a working
+    Embree layer."""
     run = _Run(surface, occluders, settings, seed, progress, cancel, threads)
     corners = None
     if points is None:
@@ -94,11 +94,11 @@ def settle_image(surface: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[in
                  settings: Settling | None = None, seed: int = 0, progress: Progress | None = None,
                  cancel: Callable[[], bool] | None = None, threads: int = 0, margin: int = 4) -> Dust:
     """Dust on a surface as an image over a UV map: `texel_points`, `settle` and `dilate` in one, a band of rows at a
-    time, so that a large image needs little extra memory. tau, arrived and back are (height, width), rows from the
-    bottom; around the islands the dust is spread over `margin` texels, arrived is not.
+    time, so a large image needs little extra memory. tau, arrived and back are (height, width), rows from the bottom.
+    tau and back are extended over `margin` texels around the islands, arrived is not.
 
-    Raises as those do, and DustError when no texel lies on the surface. Notes of the statistics tell when the UV map
-    leaves some of the surface out."""
+    Raises the errors of these functions, and DustError if no texel lies on the surface. The notes of the statistics
+    mention parts of the surface that the UV map leaves out."""
     run = _Run(surface, occluders, settings, seed, progress, cancel, threads)
     texels = TexelMap(run.surface, uvs_per_corner, size)
     images = [np.zeros((texels.height, texels.width), np.float32) for _ in range(3 if run.settings.two_sided else 2)]
@@ -140,7 +140,7 @@ class _Run:
         self._sums = Sums(self.settings)
 
     def laid(self, blocks: Iterator, total: int, done=lambda place: place.stop) -> Iterator[tuple[slice, Laid]]:
-        """(place, what is laid there) of blocks (first number, place, points); `done(place)` of `total` follows."""
+        """(indices, dust) of each block (first number, indices, points); progress is `done(indices)` of `total`."""
         before = 0
         for number, place, points in blocks:
             part = portion(self.step, 0.25 + 0.7 * before / total, 0.25 + 0.7 * min(done(place), total) / total)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sky over a surface: how much dust falls on points among triangles, and how much stays."""
+"""The sky over a surface: the dust that falls on points among triangles, and the share that stays."""
 
 from __future__ import annotations
 
@@ -16,16 +16,17 @@ from .mesh import Mesh, Points, common_frame, unit_normals, used_vertices
 from .patches import patches
 
 CHUNK_RAYS = 1 << 21  # between two calls of `cancel`
-# Rays start this far off the surface, relative to its size: 100 times the rounding of single precision, and less than 1
-# % of an edge in a mesh of a million faces.
+# Distance of ray origins from the surface, relative to its size: 100 times the rounding of single precision, and less
+# than 1 % of an edge in a mesh of a million faces.
 OFFSET = 2.0**-17
-_SHELTER_STREAM = 0x7368_656C_7465_7200  # separate random numbers
+_SHELTER_STREAM = 0x7368_656C_7465_7200  # a stream of random numbers of its own
 
 
 @dataclass(frozen=True, eq=False)
 class Laid:
-    """arrived: (n,) optical thickness that falls; stays, left: (n,) shares of it that do not slide, and that are not
-    wiped then; back_share: (n,) of what arrives, on the side that the normal points away from, or None."""
+    """arrived: (n,) optical thickness of the dust that falls; stays: (n,) share of it that does not slide; left: (n,)
+    share of the rest that is not wiped off; back_share: (n,) share of `arrived` on the side opposite to the normal, or
+    None."""
 
     arrived: np.ndarray
     stays: np.ndarray
@@ -38,7 +39,7 @@ class Laid:
 
 
 class Sky:
-    """Checked meshes as one scene, and rays through it. `rays` counts them."""
+    """Checked meshes as one scene, and rays through it. `rays` counts the rays."""
 
     def __init__(self, surface: Mesh, occluders: list[Mesh], settings: Settling, seed: int, threads: int,
                  step: Progress):
@@ -56,12 +57,12 @@ class Sky:
         self._sheltered = layer.Options(max(16, settings.rays // 4), seed ^ _SHELTER_STREAM, False, OFFSET)
 
     def grains(self) -> balance.Forward:
-        """Grains from above."""
+        """Grains traced from above."""
         return balance.trace(self._scene, self._core, self._fall, self._used, len(self.names), self.frame.scale,
                                   self._seed)
 
     def lay(self, points: Points, first: int, step: Progress) -> Laid:
-        """Dust on checked points, whose random numbers are those of `first` and the following."""
+        """Dust on checked points. Their random numbers are those of the point numbers from `first`."""
         settings = self._settings
         positions, normals = self.frame.floats(points.positions), unit_normals(points.normals)
         shares = self._chunks(positions, normals, first, settings.rays, portion(step, 0.0, 0.8), lambda *chunk:
@@ -76,7 +77,7 @@ class Sky:
         return Laid(shares * settings.tau, stays, left, back_share)
 
     def _retention(self, positions, normals, share, first: int, step: Progress) -> np.ndarray:
-        """(n,) float64: the part of what arrives that does not slide off."""
+        """(n,) float64: the share of arriving dust that does not slide off."""
         settings = self._settings
         cosine = np.clip(normals.astype(np.float64) @ self._fall.up, -1.0, 1.0)
         if settings.two_sided:
@@ -86,7 +87,7 @@ class Sky:
         sliding = (stays < 1.0) & (share > 0.0)
         if settings.concavity > 0.0 and sliding.any():
             reach = 0.1 if settings.reach is None else settings.reach / self.frame.scale
-            # A point without a normal costs no rays; the others keep their numbers.
+            # A point without a normal costs no rays; the numbers of other points do not change.
             needed = normals * sliding[:, None].astype(np.float32)
             exposure = self._chunks(positions, needed, first, max(16, settings.rays // 4), step, lambda *chunk:
                                     self._scene.exposures(*chunk, self._sheltered, reach))
@@ -106,7 +107,7 @@ class Sky:
 
 
 def _slope_retention(slope: np.ndarray, repose: float, width: float) -> np.ndarray:
-    """1 on flat ground, 0 on what is too steep, smoothly between, one half at the angle of repose."""
+    """1 on flat ground, 0 on steep slopes, smooth in between, one half at the angle of repose."""
     if repose >= math.pi:
         return np.ones_like(slope)
     if width == 0.0:

@@ -11,24 +11,24 @@ import numpy as np
 from ..kinds.dust import Settling
 from .balance import Forward
 
-KEEPS_ALL = 0.95  # of the grains, from which on an occluder is named
+KEEPS_ALL = 0.95  # share of the grains; an occluder that stops more is named
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """What settling amounts to. Masses are optical thickness times area in m^2; the first four need areas, and are
-    None for points without.
+    """Totals of settling. Masses are optical thickness times area in m^2; the first four need areas, and are None for
+    points without areas.
 
-    arrived = deposited + slid + wiped, summed over the points. By other rays, traced from above along `grains`
-    grains: launched = fell + behind + stopped + missed, `fell` on faces from the side that takes dust and `behind` on
-    their other side, `stopped` by occluders; `fell_stderr` is the standard error of `fell`. arrived and fell are two
-    estimates of one quantity; they differ by that error and by the coarseness of the mesh. `keepers`: names of
+    arrived = deposited + slid + wiped, summed over the points. By separate rays, traced from above along `grains`
+    grains: launched = fell + behind + stopped + missed. `fell`: on faces from the side that takes dust; `behind`: on
+    their other side; `stopped`: on occluders; `fell_stderr`: standard error of `fell`. arrived and fell are two
+    estimates of one quantity; they differ by this error and by the coarseness of the mesh. `keepers`: names of
     occluders that alone stop nearly all grains, as a closed dome does."""
 
     points: int
     rays: int
     seconds: float
-    mean: float  # optical thickness, over the area where areas are known
+    mean: float  # optical thickness; a mean over area if areas are known
     maximum: float
     covered: float  # share of the points (of the area) with more than 1 % of the amount
     arrived: float | None
@@ -55,18 +55,18 @@ class Statistics:
 
 
 class Sums:
-    """Of blocks of points, in their sequence."""
+    """Sums over blocks of points, in their sequence."""
 
     def __init__(self, settings: Settling):
         self.settings = settings
         self.points, self.maximum = 0, 0.0
         self.has_areas = True
-        self._plain = np.zeros(2)  # thickness and coverage, one for each point
-        self._by_area = np.zeros(7)  # area, thickness, coverage, arrived, deposited, slid, wiped
+        self._plain = np.zeros(2)  # sums over points: thickness and coverage
+        self._by_area = np.zeros(7)  # sums over area: area, thickness, coverage, arrived, deposited, slid, wiped
 
     def add(self, arrived: np.ndarray, stays: np.ndarray, left: np.ndarray, areas: np.ndarray | None) -> None:
-        """(n,) each: optical thickness that arrives, the share of it that does not slide, and the share of that which
-        is not wiped."""
+        """(n,) each: optical thickness of arriving dust, the share of it that does not slide, and the share of the rest
+        that is not wiped off."""
         tau = arrived * stays * left
         covered = tau > 0.01 * self.settings.tau
         self.points += len(tau)
@@ -79,7 +79,7 @@ class Sums:
             self._by_area += [areas @ x for x in (np.ones(len(tau)), tau, covered, arrived, tau, slid, wiped)]
 
     def statistics(self, forward: Forward, names: list[str], traced: int, seconds: float, notes=()) -> Statistics:
-        """`names`: of the occluders; `notes`: further ones."""
+        """`names`: of the occluders; `notes`: further notes."""
         weight, mean, share = self._by_area[:3]
         if not (self.has_areas and weight > 0.0):
             weight, mean, share = max(self.points, 1), *self._plain

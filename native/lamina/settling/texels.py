@@ -20,12 +20,12 @@ LOST = 0.02  # share of the surface without texels from which a note is added
 def texel_points(mesh: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int]) -> tuple[Points, np.ndarray]:
     """(points, mask): the surface's points below the texels of an image, where a triangle covers the texel's centre.
 
-    `uvs_per_corner`: (m, 3, 2), u to the right and v up, over [0, 1]; what lies outside is left out. `size`: of a
-    square image, or (width, height), each 1 to 16384. mask: (height, width) bool, rows from the bottom, as Blender
-    keeps images; points: one for each texel in the mask, row by row, with the normals of the triangle's corners
-    interpolated (at sharp edges each triangle has its own) and the area that the texel stands for. Where triangles
-    overlap, the lowest number has the texel. A texel takes some 150 bytes: `settle_image` needs less for large
-    images. Raises DustError, DustUnavailable."""
+    `uvs_per_corner`: (m, 3, 2), u to the right and v up, over [0, 1]; parts outside are ignored. `size`: of a square
+    image, or (width, height), each 1 to 16384. mask: (height, width) bool, rows from the bottom, as in Blender's
+    images. points: one for each texel in the mask, row by row, with interpolated normals of the triangle's corners (at
+    sharp edges each triangle has its own) and the surface area of the texel. If triangles overlap, the texel belongs to
+    the lowest number. A texel takes some 150 bytes: `settle_image` needs less for large images. Raises DustError,
+    DustUnavailable."""
     embree.layer()
     texels = TexelMap(checked_mesh(mesh, "mesh"), uvs_per_corner, size)
     bands = [(points, mask) for _, points, mask in texels.bands()]
@@ -57,7 +57,7 @@ class TexelMap:
         self._painted = 0.0
 
     def bands(self) -> Iterator[tuple[slice, Points, np.ndarray]]:
-        """(rows, points, mask of those rows), from the bottom."""
+        """(rows, points, mask of these rows), from the bottom."""
         layer = embree.layer()
         rows = max(1, BAND // self.width)
         self._painted = 0.0
@@ -66,7 +66,7 @@ class TexelMap:
             triangle, weights = layer.texels(self._uvs, self.width, self.height, first, count)
             mask = triangle >= 0
             points = self._points(triangle[mask], weights[mask].astype(np.float64))
-            self._painted += float(points.areas.sum())
+            self._painted += float(self._texel_areas[triangle[mask]].sum())
             yield slice(first, first + count), points, mask
 
     def _points(self, triangle: np.ndarray, weights: np.ndarray) -> Points:
@@ -76,7 +76,7 @@ class TexelMap:
         return Points(positions, normals, self._texel_areas[triangle])
 
     def require_texels(self, found: bool) -> None:
-        """Raises DustError, with what is wrong with the UV map, unless a texel was found."""
+        """Raises DustError, with the fault of the UV map, unless a texel was found."""
         if found:
             return
         name = self._mesh.name
@@ -90,7 +90,7 @@ class TexelMap:
                         "larger image, or larger islands")
 
     def notes(self) -> tuple[str, ...]:
-        """What the UV map leaves out, after the bands."""
+        """Parts of the surface that the UV map leaves out; call it after the bands."""
         whole = float(self._areas.sum())
         low, high = self._uvs.min(axis=(0, 1)), self._uvs.max(axis=(0, 1))
         outside = ((self._uvs < -1e-6) | (self._uvs > 1.0 + 1e-6)).any(axis=(1, 2))
@@ -110,9 +110,8 @@ class TexelMap:
 
 
 def dilate(values: np.ndarray, mask: np.ndarray, margin: int = 4) -> np.ndarray:
-    """(height, width) float32: `values`, one a texel of the mask, spread over `margin` texels around it, each the
-    mean of its filled neighbours, so that filtered look-ups at seams find dust and not nothing; 0 beyond. Raises
-    DustError."""
+    """(height, width) float32: `values`, one per texel of the mask, extended over `margin` texels around it. Each new
+    texel is the mean of its filled neighbours, so filtered lookups at seams find dust; 0 beyond. Raises DustError."""
     mask = np.asarray(mask, bool)
     values = np.asarray(values, np.float32)
     if mask.ndim != 2 or values.shape != (int(mask.sum()),):
@@ -123,7 +122,8 @@ def dilate(values: np.ndarray, mask: np.ndarray, margin: int = 4) -> np.ndarray:
 
 
 def spread(image: np.ndarray, mask: np.ndarray, margin: int) -> np.ndarray:
-    """`image`, 0 outside `mask`, as `dilate` does it: a band at a time, whose result depends on `margin` rows more."""
+    """Extends `image`, 0 outside `mask`, like `dilate`, in bands of rows. The result of a band depends on `margin` rows
+    more."""
     result = np.empty_like(image)
     rows = max(1, BAND // image.shape[1])
     for first in range(0, len(image), rows):
@@ -153,7 +153,7 @@ def _grown(values: np.ndarray, mask: np.ndarray, margin: int) -> np.ndarray:
 
 
 def _areas(mesh: Mesh, uvs: np.ndarray, texels: int) -> tuple[np.ndarray, np.ndarray]:
-    """For each triangle, its area in m^2, and that which one texel of it stands for; 0 where it has no texels."""
+    """For each triangle, its area in m^2, and the area per texel; 0 if the triangle has no texels."""
     corners = mesh.vertices[mesh.triangles]
     world = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     u, v = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]

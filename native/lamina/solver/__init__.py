@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The deterministic solver: a stack in, its scattering function out."""
+"""The deterministic solver: from a stack to its scattering function."""

@@ -34,11 +34,11 @@ _PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
 
 
 def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | None = None) -> ScatteringFunction:
-    """The scattering function of a stack, to a relative pointwise tolerance (cosines >= .05) of .1 %
-    ("final") or 1 % ("preview"). `threads` 0 uses every hardware thread; results do not depend on it.
-    In stacks with boundaries, values below 1e-3 per steradian, or below 1e-3 of their mean over azimuths, have this
-    tolerance relative to these limits instead of themselves. At most 200 azimuth orders are tried. `nodes` sets the
-    number of nodes per hemisphere, without a check of the tolerance: for a quick look.
+    """The scattering function of a stack, with a relative pointwise tolerance (cosines >= .05) of .1 % ("final") or 1 %
+    ("preview"). `threads` 0 uses every hardware thread; results do not depend on it. In stacks with boundaries, the
+    tolerance is relative to at least 1e-3 per steradian and to at least 1e-3 of the mean over azimuths. At most 200
+    azimuth orders are tried. `nodes` sets the number of nodes per hemisphere, without a check of the tolerance, for
+    previews.
 
     Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
     ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
@@ -70,7 +70,7 @@ def check_nodes(nodes: int | None) -> int | None:
 
 
 def thread_pool(threads: int) -> _core.ThreadPool:
-    """The core's pool of that many threads, 0 for all hardware threads. Raises ArgumentError."""
+    """The core's pool of `threads` threads, 0 for all hardware threads. Raises ArgumentError."""
     return _core.ThreadPool(check_threads(threads))
 
 
@@ -80,8 +80,7 @@ def tolerance_of(quality: str) -> float:
 
 
 def core_stack(stack: Stack, index: int):
-    """(key, layers, base) of one channel, as the core takes them; channels with the same key are the same
-    problem."""
+    """(key, layers, base) of one channel, as the core takes them; channels with the same key share one solution."""
     entries: list[tuple] = []
     for number, layer in enumerate(stack.layers):
         if isinstance(layer, Interface):
@@ -130,13 +129,14 @@ class ScatteringFunction:
     """A solved stack. Cosines lie in (0, 1] and belong to directions in air, above and below the stack. The last axis
     of every result is that of channels. Cosines below 1e-9 count as 1e-9, where BRDFs have their limit at grazing.
 
-    A sheet may end in another medium than air (its last Interface has another ior than 1). Then `brdf`, `reflectance`
-    and `transmittance` answer for light from the top, whose directions are in air; the flux into the medium below is
-    the transmittance. `btdf` and everything with side "bottom" need a direction in that medium and raise StackError,
-    because light beyond the critical angle has no direction in air. End such a sheet with an Interface of ior 1.
+    A sheet may end in a medium other than air (its last Interface has an ior other than 1). Then `brdf`, `reflectance`
+    and `transmittance` are defined for light from the top, whose directions are in air; the transmittance is the flux
+    into the medium below. `btdf` and everything with side "bottom" need a direction in that medium and raise
+    StackError, because light beyond the critical angle has no direction in air. End such a sheet with an Interface of
+    ior 1.
 
-    `nodes` and `orders` are the solver's choices; `checks` is a dict of the errors that its checks found, the worst of
-    all channels."""
+    `nodes` and `orders` are the solver's choices; `checks` is a dict of the errors that its checks found, the maxima
+    over channels."""
 
     def __init__(self, stack: Stack, channels: list, pool):
         self.stack = stack
@@ -162,8 +162,8 @@ class ScatteringFunction:
         return list(self._channels)
 
     def with_thickness(self, layer: int, taus) -> ScatteringFunction:
-        """The same stack with layer number `layer` of optical thickness `taus`, a number or one per channel, in
-        [0, infinity], or in [0, 1e9] where the layer has a profile; much faster than a new solve. Raises
+        """The same stack with the optical thickness `taus` of the layer with index `layer`, a number or one per
+        channel, in [0, infinity], or in [0, 1e9] for a layer with a profile; much faster than a new solve. Raises
         StackError, ArgumentError and SolveError."""
         layer = check_whole(layer, "layer", 0, len(self.stack.layers) - 1)
         medium = self.stack.layers[layer]
@@ -184,8 +184,8 @@ class ScatteringFunction:
         return ScatteringFunction(self.stack, channels, self._pool)
 
     def with_base_reflectance(self, reflectance: float) -> ScatteringFunction:
-        """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; takes hardly
-        any time. Raises ArgumentError, also for another kind of base."""
+        """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; takes almost
+        no time. Raises ArgumentError, also for another kind of base."""
         if not isinstance(self.stack.base, Lambert):
             raise ArgumentError("reflectance: the base of the stack must be a Lambert surface")
         reflectance = check_number(reflectance, "reflectance", "must lie in [0, 1]", lambda r: 0.0 <= r <= 1.0)
@@ -193,12 +193,12 @@ class ScatteringFunction:
         return ScatteringFunction(self.stack, [made[id(solution)] for solution in self._channels], self._pool)
 
     def brdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
-        """BRDF in 1/sr, without mirror parts. `mu_o`, `mu_i` in (0, 1], `dphi` in radians with 0 forward
-        (light keeps its azimuth); arrays broadcast. Shape: broadcast + (channels,). Raises ValueError."""
+        """BRDF in 1/sr, without specular parts. `mu_o`, `mu_i` in (0, 1], `dphi` in radians with 0 forward (light keeps
+        its azimuth); arrays broadcast. Shape: broadcast + (channels,). Raises ValueError."""
         return self._evaluate(_core.Path.reflect, mu_o, mu_i, dphi, side)
 
     def btdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
-        """BTDF in 1/sr, without unscattered light; arguments as for brdf, `side` is where light enters."""
+        """BTDF in 1/sr, without unscattered light; arguments as for brdf, light enters on `side`."""
         return self._evaluate(_core.Path.transmit, mu_o, mu_i, dphi, side)
 
     def grid(self, path: str, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
@@ -211,8 +211,8 @@ class ScatteringFunction:
             lambda s: s.grid(side_of(side), where, *lists, azimuths, self._pool))
 
     def reflectance(self, mu0, side: str = "top", parts: bool = False):
-        """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light.
-        Shape: that of mu0 + (channels,). With `parts` the pair (without the mirror image, mirror image)."""
+        """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light. Shape: that of
+        mu0 + (channels,). With `parts` the pair (without specular reflection, specular reflection)."""
         scattered, mirrored, _, _ = self._fluxes(mu0, side)
         return (scattered, mirrored) if parts else scattered + mirrored
 
@@ -222,7 +222,7 @@ class ScatteringFunction:
         return (diffuse, direct) if parts else diffuse + direct
 
     def absorption(self, mu0, side: str = "top") -> np.ndarray:
-        """The share of the incident flux that stays: 1 - reflectance - transmittance."""
+        """The absorbed share of the incident flux: 1 - reflectance - transmittance."""
         return 1.0 - sum(self._fluxes(mu0, side))
 
     def _by_channel(self, call) -> np.ndarray:
@@ -263,12 +263,12 @@ class ScatteringFunction:
 
 
 def path_of(path: str) -> _core.Path:
-    """The core's name of a path. Raises ArgumentError."""
+    """The core's value for a path. Raises ArgumentError."""
     return _PATHS[check_choice(path, "path", _PATHS, "'reflect' or 'transmit'")]
 
 
 def side_of(side: str) -> _core.Side:
-    """The core's name of a side. Raises ArgumentError."""
+    """The core's value for a side. Raises ArgumentError."""
     return _SIDES[check_choice(side, "side", _SIDES, "'top' or 'bottom'")]
 
 

@@ -20,7 +20,7 @@ from ..solver.solve import check_stack, core_stack, path_of, side_of, thread_poo
 SAMPLES = 1 << 20
 MOST_SAMPLES = 1 << 40
 BLOCK = _core.WALK_BLOCK
-CHUNK = 16  # blocks whose sums are kept apart: a shard is made of whole chunks
+CHUNK = 16  # blocks with a common sum: a shard consists of whole chunks
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Query:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Estimates, one per channel, and their standard errors; the seconds in all; and the number of samples and
+    """Estimates, one per channel, with their standard errors; the total seconds; and the number of samples and
     scattering events of each channel. `table_error`: relative error of the layer tables that the walk uses; 0 for a
     walk without tables."""
 
@@ -72,8 +72,8 @@ class Estimate:
 
     @property
     def looked_up(self) -> np.ndarray:
-        """True for each channel whose value was known before any walk. The method "adding" reads the value of a single
-        layer from the solver's table of that layer: `stderr` is 0, and `table_error` is the whole error."""
+        """True for each channel whose value needed no walk. The method "adding" reads the value of a single layer from
+        the solver's table of that layer: `stderr` is 0, and `table_error` is the whole error."""
         return self.events == 0
 
 
@@ -96,21 +96,21 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
              samples: int | None = None, target_error: float | None = None, seed: int = 0,
              progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0,
              side: str = "top", path: str = "reflect") -> Estimate:
-    """BRDF (`path` "reflect") or BTDF ("transmit") in 1/sr of a stack for one pair of directions, as
-    ScatteringFunction.brdf and btdf give it, or with `mu_o` None the directional albedo or the transmittance,
-    mirror and unscattered light included; light enters on `side`.
+    """BRDF (`path` "reflect") or BTDF ("transmit") in 1/sr of a stack for one pair of directions, as defined by
+    ScatteringFunction.brdf and btdf; or with `mu_o` None the directional albedo or the transmittance, specular and
+    unscattered light included. Light enters on `side`.
 
-    `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the
-    adding series as a walk between solved layers (biased by the error of their tables, which is reported; the BRDF or
-    BTDF of a single layer is read from its table without a walk: see Estimate.looked_up); "scattering", the integral
-    scattering equation guided by coarse tables, for the BRDF from above of media, with profiles or without, over
-    nothing, black or a Lambert surface; a pilot, whose samples are discarded, may find that a transfer walk, plain or
-    guided by such tables, has the smaller error, and then that walk is used. `samples` are rounded up to blocks of
-    4096; 2^20 without a target. With `target_error`, a standard error relative to the value, a channel's samples are
-    doubled until the error is reached, or until there are `samples` of them. To stop at a favourable error biases the
-    value by a small part of that error. The same seed gives the same numbers, whatever `threads` (0: all).
-    `progress(fraction, text)` is called with the share done; `cancel()` is called often, and Cancelled is raised when
-    it returns true. Raises ValueError, StackError, SolveError."""
+    `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the adding
+    series as a walk between solved layers (biased by the error of their tables, which is reported; the BRDF or BTDF of
+    a single layer is read from its table without a walk: see Estimate.looked_up); "scattering", the integral scattering
+    equation guided by coarse tables, for the BRDF from above of media, homogeneous or with profiles, over nothing,
+    black or a Lambert surface. A pilot, whose samples are discarded, may choose a transfer walk instead, plain or
+    guided by such tables, if its error is smaller. `samples` are rounded up to blocks of 4096; default 2^20 without a
+    target. With `target_error`, a standard error relative to the value, the number of samples of a channel is doubled
+    until the error is reached, or until it is `samples`. Stopping at a favourable error biases the value by a small
+    part of that error. The same seed gives the same numbers for any number of `threads` (0: all). `progress(fraction,
+    text)` is called with the completed share. `cancel()` is called often; Cancelled is raised if it returns true.
+    Raises ValueError, StackError, SolveError."""
     started = time.perf_counter()
     check_stack(stack)
     query = Query(mu_o, mu_i, dphi, side, path)
@@ -137,8 +137,8 @@ def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, 
 
 
 def each_problem(channels: int, step: Progress, problem, run) -> list:
-    """What `run(*given, step)` returns for each channel, of which `problem(index)` says (key, *given); channels with
-    one key are the same problem, and share one run."""
+    """The result of `run(*given, step)` for each channel, where `problem(index)` is (key, *given); channels with equal
+    keys share one run."""
     done: dict = {}
     found = []
     for index in range(channels):
@@ -161,7 +161,7 @@ def make_walk(core, query: Query, method: str, pool):
 
 
 def blocks_of(samples: int | None, target_error: float | None = None) -> int:
-    """How many blocks hold that many samples. Raises ValueError."""
+    """The number of blocks for `samples` samples. Raises ValueError."""
     if target_error is not None:
         check_number(target_error, "target_error", "must lie in (0, 1)", lambda error: 0.0 < error < 1.0)
     if samples is None:
@@ -170,12 +170,12 @@ def blocks_of(samples: int | None, target_error: float | None = None) -> int:
 
 
 def run_chunks(walk, seed: int, first: int, last: int, blocks: int, pool, step) -> list:
-    """Tallies (sum, squares, largest, count, events) of chunks [first, last) of a run of so many blocks."""
+    """Tallies (sum, squares, largest, count, events) of chunks [first, last) of a run of `blocks` blocks."""
     return each_chunk(lambda start, end: _core.run_walk(walk, seed, start, end, pool), first, last, blocks, step)
 
 
 def each_chunk(tally, first: int, last: int, blocks: int, step: Progress) -> list:
-    """What `tally(first block, last block)` returns for chunks [first, last) of a run of so many blocks."""
+    """The results of `tally(first block, last block)` for chunks [first, last) of a run of `blocks` blocks."""
     tallies = []
     for chunk in range(first, last):
         step((chunk - first) / (last - first), f"{(chunk - first) * CHUNK * BLOCK:,} samples")
@@ -188,7 +188,7 @@ def chunks_in(blocks: int) -> int:
 
 
 def summary(channels: list, seconds: float, table_error: float) -> Estimate:
-    """The Estimate from the tallies of each channel's chunks, in any order: math.fsum gives the same sum for each
+    """The Estimate from the tallies of each channel's chunks, in any order: the sum by math.fsum does not depend on the
     order."""
     columns = zip(*(_total(tallies) for tallies in channels), strict=True)
     value, stderr, samples, events = (np.array(column) for column in columns)
@@ -201,7 +201,7 @@ def _total(tallies: list) -> tuple[float, float, int, int]:
     events = sum(tally[4] for tally in tallies)
     mean = math.fsum(tally[0] for tally in tallies) / count
     squares = math.fsum(tally[1] for tally in tallies) / count
-    # Without scattering events all samples are equal, and the variance left by rounding is not an error.
+    # Without scattering events all samples are equal, and the variance is only rounding.
     variance = max(0.0, squares - mean * mean) if events > 0 else 0.0
     return mean, math.sqrt(variance / (count - 1)), count, events
 

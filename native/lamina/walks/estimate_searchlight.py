@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Monte Carlo estimates of what a pencil beam becomes on a stack: walks that carry positions in millimetres."""
+"""Monte Carlo estimates of a stack's response to a pencil beam: walks with positions in millimetres."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from .estimate import blocks_of, chunks_in, each_chunk, each_problem
 from .searchlight_moments import DISTANCE, FIRST_FREQUENCY, SQUARE, WEIGHT, Measured, SideMoments
 
 MOST_RADII, MOST_FREQUENCIES = 4096, 64
-WALKS = {"transfer": _core.photon_walk, "scattering": _core.plane_scattering_walk}
+WALKS = {"transfer": "photon_walk", "scattering": "plane_scattering_walk"}  # the core's names
 
 
 @dataclass(frozen=True)
 class SearchlightQuery:
-    """What is estimated for a pencil beam of cosine `mu_i` in air, (0, 1], by which `walk` ("transfer" or
+    """The estimated quantities for a pencil beam of cosine `mu_i` in air, (0, 1], and the `walk` ("transfer" or
     "scattering"): the flux within the radii `r` (mm) and the transform at the lateral frequencies `q` (1/mm), each a
     number or a list, from 0. Raises ArgumentError, a ValueError."""
 
@@ -53,23 +53,23 @@ class SearchlightQuery:
 
     @property
     def radii(self) -> list[float]:
-        """The radii ascending, each once."""
+        """The radii in ascending order, without duplicates."""
         return sorted(set(self.r))
 
 
 @dataclass(frozen=True)
 class SearchlightEstimate:
     """Estimates for a pencil beam of unit flux, each with `value` and `stderr`. Fluxes and mean distances have the
-    shape (channels,). What is asked at distances or frequencies has the shape of these, and a last axis of channels
-    when there are several. For a beam at a slant, all is the mean over azimuths about the point of entry.
+    shape (channels,). Functions of distance or frequency have the shape of `r` or `q`, with a last axis of channels if
+    there are several. For an oblique beam all values are means over azimuths about the point of entry.
 
-    `reflectance` and `transmittance`: the flux that leaves above and below, light included that was never scattered;
-    `mirrored` and `unscattered`: the latter alone, exact. `reflected_inside`, `transmitted_inside`: the flux that
-    leaves within each radius `r` (mm) of the point where the beam enters. `reflected_at`, `transmitted_at`: the
-    integral of the flux density times J0(q r) for each `q` (1/mm). `mean_distance` (mm) and `mean_square_distance`
-    (mm^2) of all reflected light; infinite for a conservative medium without end, NaN where nothing is reflected.
-    `reflected_covariance`, `transmitted_covariance`: of (the flux, the transform at each q), two axes.
-    `seconds` all took; `samples` and scattering `events` of each channel."""
+    `reflectance` and `transmittance`: the flux that leaves above and below, unscattered light included; `mirrored` and
+    `unscattered`: unscattered light alone, exact. `reflected_inside`, `transmitted_inside`: the flux that leaves within
+    each radius `r` (mm) of the point where the beam enters. `reflected_at`, `transmitted_at`: the integral of the flux
+    density times J0(q r) for each `q` (1/mm). `mean_distance` (mm) and `mean_square_distance` (mm^2) of all reflected
+    light; infinite for a conservative half-space, NaN where nothing is reflected. `reflected_covariance`,
+    `transmitted_covariance`: of (the flux, the transform at each q), two axes. `seconds` in total; `samples` and
+    scattering `events` of each channel."""
 
     r: np.ndarray
     q: np.ndarray
@@ -93,19 +93,19 @@ class SearchlightEstimate:
 def estimate_searchlight(stack: Stack, mu_i: float = 1.0, samples: int | None = None, seed: int = 0, threads: int = 0,
                          walk: str = "transfer", r=(), q=(), progress: Progress | None = None,
                          cancel: Callable[[], bool] | None = None) -> SearchlightEstimate:
-    """What becomes of a pencil beam that enters a stack from above at one point, at the cosine `mu_i` in air: how much
-    light leaves above and below, and how far from that point, in millimetres.
+    """The response of a stack to a pencil beam that enters from above at one point, at the cosine `mu_i` in air: how
+    much light leaves above and below, and at which distance from that point, in millimetres.
 
     Every medium must be given by sigma_s and sigma_a (1/mm) and a thickness (mm), a half-space by the first two.
     `walk`: "transfer", photons of the equation of transfer, for any stack; "scattering", the walk of the integral
-    scattering equation, for media, with profiles or without, over nothing, black, a Lambert surface or a medium without
-    end that absorbs. They share no more than random numbers, phase functions and the media.
-    `r` (mm): up to 4096 radii; `q` (1/mm): up to 64 lateral frequencies. `samples` are rounded up to blocks of 4096,
-    2^20 if left out. The same seed gives the same numbers, whatever `threads` (0: all).
-    A conservative medium without end is walked to a depth of 30 transport lengths; a surface that returns light as the
-    P1 equations have it stands for the rest, and puts the transform off by less than 1e-5.
-    `progress(fraction, text)` is told how far it is; `cancel()` is asked often, and Cancelled raised when it says yes.
-    Raises ValueError, StackError, Cancelled.
+    scattering equation, for media, homogeneous or with profiles, over nothing, black, a Lambert surface or an absorbing
+    half-space. The two walks share only random numbers, phase functions and the media.
+    `r` (mm): up to 4096 radii; `q` (1/mm): up to 64 lateral frequencies. `samples` are rounded up to blocks of 4096;
+    default 2^20. The same seed gives the same numbers for any number of `threads` (0: all).
+    A conservative half-space is walked to a depth of 30 transport lengths. Below, a surface replaces it that returns
+    light according to the P1 equations, with an error of the transform below 1e-5.
+    `progress(fraction, text)` is called with the completed share. `cancel()` is called often; Cancelled is raised if it
+    returns true. Raises ValueError, StackError, Cancelled.
     Source: Pharr and Hanrahan (2000) for the scattering equation."""
     started = time.perf_counter()
     check_stack(stack)
@@ -120,9 +120,9 @@ def estimate_searchlight(stack: Stack, mu_i: float = 1.0, samples: int | None = 
 
 def run_beams(stack: Stack, query: SearchlightQuery, seed: int, first: int, last: int, blocks: int, pool,
               step: Progress) -> list[dict]:
-    """For each channel the tallies (above, below, count, events) of chunks [first, last) of a run of so many blocks;
-    above and below are (within, within_squares, moments, products). Beside them: what light was `mirrored` and
-    `unscattered`, and whether the medium is `endless` and conservative. Raises as estimate_searchlight does."""
+    """For each channel the tallies (above, below, count, events) of chunks [first, last) of a run of `blocks` blocks;
+    above and below are (within, within_squares, moments, products). Also the flux of `mirrored` and of `unscattered`
+    light, and `endless`: true for a conservative half-space. Raises as estimate_searchlight does."""
     require_millimetres(stack)
 
     def problem(index):
@@ -132,7 +132,7 @@ def run_beams(stack: Stack, query: SearchlightQuery, seed: int, first: int, last
 
     def run(layers, base, knots, endless, within):
         try:
-            walk = WALKS[query.walk](_core.Stack(layers, base), knots, query.mu_i)
+            walk = getattr(_core, WALKS[query.walk])(_core.Stack(layers, base), knots, query.mu_i)
         except ValueError as error:
             raise StackError(f"walk = {query.walk!r}: {error}") from None
         tallies = each_chunk(lambda start, end: _core.run_lateral_walk(
@@ -143,14 +143,14 @@ def run_beams(stack: Stack, query: SearchlightQuery, seed: int, first: int, last
 
 
 def _is_endless(stack: Stack, index: int) -> bool:
-    """Whether the stack ends in a medium without end that absorbs nothing."""
+    """True if the stack ends in a half-space that absorbs nothing."""
     media = [layer for layer in (*stack.layers, stack.base) if isinstance(layer, Medium | HalfSpace)]
     ends = [m for m in media if isinstance(m, HalfSpace) or channel(m.thickness, index) == math.inf]
     return bool(ends) and channel(ends[0].sigma_a, index) == 0.0 < channel(ends[0].sigma_s, index)
 
 
 def summary(query: SearchlightQuery, channels: list[dict], seconds: float) -> SearchlightEstimate:
-    """From what run_beams gives, whose tallies may be in any sequence."""
+    """The estimate from the results of run_beams, with tallies in any order."""
     found: dict[str, list] = {}
     for one in channels:
         for name, value in _of_channel(query, one).items():
@@ -169,7 +169,7 @@ def summary(query: SearchlightQuery, channels: list[dict], seconds: float) -> Se
 
 
 def _of_channel(query: SearchlightQuery, one: dict) -> dict:
-    """Of one channel every quantity's (value, stderr), and the covariances."""
+    """(value, stderr) of every quantity in one channel, and the covariances."""
     tallies = one["tallies"]
     samples = sum(tally[2] for tally in tallies)
     above, below = (SideMoments.of([tally[side] for tally in tallies], samples) for side in (0, 1))

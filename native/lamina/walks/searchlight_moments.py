@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Of the mean square: what rounding leaves of a variance that is none.
+# Relative to the mean square: a smaller variance is rounding.
 ROUNDING = 1e-13
-WEIGHT, DISTANCE, SQUARE, FIRST_FREQUENCY = 0, 1, 2, 3  # places in the vector of scores
+WEIGHT, DISTANCE, SQUARE, FIRST_FREQUENCY = 0, 1, 2, 3  # indices in the vector of scores
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class Measured:
 
 @dataclass(frozen=True)
 class SideMoments:
-    """Of the light that leaves on one side, in one channel: the flux within each radius, and the vector of scores
-    (flux, its first and second moment in r, its transform at each q), with their covariance."""
+    """Estimates for the light that leaves on one side, in one channel: the flux within each radius, and the vector of
+    scores (flux, its first and second moment in r, its transform at each q), with their covariance."""
 
     inside: np.ndarray
     inside_error: np.ndarray
@@ -33,8 +33,8 @@ class SideMoments:
 
     @classmethod
     def of(cls, sides: list, samples: int) -> SideMoments:
-        """From one side's sums (within, within_squares, moments, products) of every chunk, in any sequence: the sums
-        are exact before they are rounded."""
+        """From one side's sums (within, within_squares, moments, products) of every chunk, in any order: the sums are
+        exact before they are rounded."""
         within, within_squares, moments, products = ([math.fsum(column) for column in zip(*sums, strict=True)]
                                                      for sums in zip(*sides, strict=True))
         inside = np.cumsum(within) / samples
@@ -52,7 +52,7 @@ class SideMoments:
         return np.sqrt(np.diag(self.covariance))
 
     def mean_power(self, power: int) -> tuple[np.float64, np.float64]:
-        """The mean of r to that power over the light, and its standard error; NaN where no light leaves."""
+        """The mean of r^power over the light, and its standard error; NaN if no light leaves."""
         flux, moment = self.mean[WEIGHT], self.mean[power]
         if flux == 0.0:
             return np.float64(math.nan), np.float64(math.nan)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimates of searchlights in parts that any machines may run; shards.merge adds them up."""
+"""Estimates of searchlights in parts that different machines may run; shards.merge adds them."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from .shard_parts import SCHEMA, PartKind, check_counts, check_list, checked_sha
 def run_searchlight_shard(stack: Stack, query: SearchlightQuery, samples: int, seed: int, shard: tuple[int, int],
                           progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
                           threads: int = 0) -> dict:
-    """Part i of n, `shard` = (i, n) with i from 1, of an estimate of a searchlight with that many samples, as a plain
-    object for json.dump. It holds no times: the same part is the same bytes, whoever runs it. Raises as
+    """Part i of n, `shard` = (i, n) with i from 1, of a searchlight's estimate with `samples` samples, as a plain
+    object for json.dump. It holds no times: the same part has the same bytes on any machine. Raises as
     estimate_searchlight does."""
     check_stack(stack)
     check_kind(query, "query", SearchlightQuery, "a lamina.SearchlightQuery")
@@ -56,7 +56,7 @@ def _check_rest(part: dict, name: str) -> None:
 
 def _check_channel(channel, part: dict, samples: list[int], path: str) -> None:
     if not isinstance(channel, dict) or set(channel) != {"mirrored", "unscattered", "endless", "tallies"}:
-        raise ShardError(f"{path}: not a whole channel of a searchlight")
+        raise ShardError(f"{path}: not a complete channel of a searchlight")
     for name in ("mirrored", "unscattered"):
         if not is_finite(channel[name]) or not 0.0 <= channel[name] <= 1.0 + 1e-9:
             raise ShardError(f"{path}.{name} = {quoted(channel[name])}: must lie in [0, 1]")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all parts of split estimates have in common: a job, the part's number, and the sums of its chunks."""
+"""The common form of all parts of split estimates: a job, the part's number, and the sums of its chunks."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ MOST_PARTS = 1 << 20
 @dataclass(frozen=True)
 class PartKind:
     """One kind of estimate that can be split. A part is an object with `keys` beside schema, job, shard and channels;
-    its job has the entries `job`. `check_rest(part, name)` checks what is the kind's own;
-    `check_channel(channel, part, samples, path)` one entry of `channels`, which has sums of as many `samples` for each
-    chunk; both raise ShardError. `summary(parts)` is the estimate from all parts in order."""
+    its job has the entries `job`. `check_rest(part, name)` checks entries that only this kind has.
+    `check_channel(channel, part, samples, path)` checks one entry of `channels`, whose sums have the numbers `samples`
+    of each chunk. Both raise ShardError. `summary(parts)` is the estimate from all parts in order."""
 
     keys: frozenset[str]
     job: frozenset[str]
@@ -29,7 +29,7 @@ class PartKind:
     summary: Callable
 
     def fits(self, part) -> bool:
-        """Whether it looks like a part of this kind; without its job it may be a damaged one."""
+        """True if it looks like a part of this kind; without its job it may be a damaged one."""
         return isinstance(part, dict) and set(part) == {"schema", "job", "shard", "channels", *self.keys}
 
 
@@ -46,21 +46,21 @@ def checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
 
 
 def chunks_of(shard: tuple[int, int], blocks: int) -> tuple[int, int]:
-    """First chunk and the one after the last of part (i, n) of a run of so many blocks."""
+    """The first chunk and one past the last chunk of part (i, n) of a run of `blocks` blocks."""
     number, count = shard
     chunks = chunks_in(blocks)
     return (number - 1) * chunks // count, number * chunks // count
 
 
 def check_part(part, name: str, kinds: tuple[PartKind, ...]) -> PartKind:
-    """The kind of a part. Raises ShardError unless it is a whole one."""
+    """The kind of a part. Raises ShardError unless the part is complete."""
     kind = next((kind for kind in kinds if kind.fits(part)), None)
     if kind is None:
         raise ShardError(f"{name}: not a part of an estimate")
     if not isinstance(part["schema"], int) or part["schema"] != SCHEMA:
         raise ShardError(f"{name}: schema = {quoted(part['schema'])}: must be {SCHEMA}")
     if not isinstance(part["job"], dict) or set(part["job"]) != kind.job:
-        raise ShardError(f"{name}: not a whole part of an estimate")
+        raise ShardError(f"{name}: not a complete part of an estimate")
     for key, value in part["job"].items():
         plain = all(map(is_finite, value)) if isinstance(value, list) else is_finite(value)
         if value is not None and not isinstance(value, str) and not plain:
@@ -81,7 +81,7 @@ def check_part(part, name: str, kinds: tuple[PartKind, ...]) -> PartKind:
 
 
 def check_together(part: dict, name: str, first: dict, first_name: str) -> None:
-    """Raises ShardError unless both are parts of one job."""
+    """Raises ShardError unless both are parts of the same job."""
     if set(part["job"]) != set(first["job"]):
         raise ShardError(f"{name}: not of the kind of {first_name}: parts of different jobs cannot be merged")
     for key, value in first["job"].items():
@@ -97,13 +97,13 @@ def check_together(part: dict, name: str, first: dict, first_name: str) -> None:
 
 
 def check_list(tallies, count: int, path: str) -> None:
-    """Raises ShardError unless it is a list of so many tallies."""
+    """Raises ShardError unless `tallies` is a list of `count` tallies."""
     if not isinstance(tallies, list) or len(tallies) != count:
         raise ShardError(f"{path}: must be a list of {count} tallies")
 
 
 def check_counts(count, events, samples: int, path: str, places: tuple[int, int]) -> None:
-    """Raises ShardError unless a tally has so many samples, and a number of events; `places` of both in the tally."""
+    """Raises ShardError unless a tally has `samples` samples, and a number of events; `places` of both in the tally."""
     if count != samples:
         raise ShardError(f"{path}[{places[0]}] = {quoted(count)}: must be {samples}, the number of samples")
     if not isinstance(events, int) or isinstance(events, bool) or events < 0:

@@ -35,7 +35,7 @@ from .shard_parts import (
 
 def run_shard(stack: Stack, query: Query, method: str, samples: int, seed: int, shard: tuple[int, int],
               progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0) -> dict:
-    """Part i of n, `shard` = (i, n) with i from 1, of an estimate with that many samples, as a plain object for
+    """Part i of n, `shard` = (i, n) with i from 1, of an estimate with `samples` samples, as a plain object for
     json.dump. It holds no times: the same part has the same bytes on any machine. Raises as estimate does."""
     check_stack(stack)
     check_kind(query, "query", Query, "a lamina.Query")
@@ -51,7 +51,7 @@ def run_shard(stack: Stack, query: Query, method: str, samples: int, seed: int, 
 
 
 def save_part(part: dict, path: str | os.PathLike) -> None:
-    """Writes a part; the file appears whole or not at all."""
+    """Writes a part, completely or not at all."""
     write_atomically(path, lambda file: file.write((json.dumps(part) + "\n").encode()))
 
 
@@ -72,7 +72,7 @@ def merge(parts: Sequence[dict], names: Sequence[str] | None = None) -> Estimate
         raise ShardError(f"parts = {quoted(parts)}: must be a list of at least one part")
     names = [f"parts[{k}]" for k in range(len(parts))] if names is None else names
     if not isinstance(names, Sequence) or len(names) != len(parts):
-        raise ShardError(f"names = {quoted(names)}: must be a list of {len(parts)} names, one a part")
+        raise ShardError(f"names = {quoted(names)}: must be a list of {len(parts)} names, one per part")
     for part, name in zip(parts, names, strict=True):
         kind = check_part(part, name, KINDS)
         check_together(part, name, parts[0], names[0])
@@ -95,7 +95,7 @@ def _check_table_error(part: dict, name: str) -> None:
 
 
 def _check_channel(tallies, part: dict, samples: list[int], path: str) -> None:
-    """Raises ShardError unless it is a list of (sum, squares, largest, count, events) of as many samples."""
+    """Raises ShardError unless it is a list of (sum, squares, largest, count, events) with the numbers `samples`."""
     check_list(tallies, len(samples), path)
     for place, (tally, wanted) in enumerate(zip(tallies, samples, strict=True)):
         here = f"{path}[{place}]"

@@ -12,7 +12,7 @@ from addon_helpers import snapshot
 
 
 def finish(addon):
-    """Do what the modal operator does once its worker has ended."""
+    """The modal operator's action after its worker has ended."""
     job = addon.baking.bake_job.running()
     job.wait(60.0)
     addon.baking.bake_job.forget()
@@ -133,7 +133,7 @@ def test_a_layer_in_error_is_selected(addon, lamina, material, call):
 
 
 def endless(lamina):
-    """A bake that only a cancel ends, and the event that says it has begun."""
+    """A bake that ends only by a cancel, and the event that it has begun."""
     begun = threading.Event()
 
     def bake(stack, progress=None, cancel=None, **_arguments):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a bake is that of the layers, the quality and the basis that the panel shows."""
+"""The state of a bake relative to the layers, the quality and the basis in the panel."""
 
 from types import SimpleNamespace
 
@@ -17,7 +17,7 @@ def told(addon):
 
 @pytest.fixture
 def listed(addon, lamina, capsys):
-    """listed(): what `list` says of the only material."""
+    """listed(): the output of `list` for the only material."""
 
     def listed():
         capsys.readouterr()

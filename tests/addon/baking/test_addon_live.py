@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live editing. Timers do not run in the background: the tests look themselves, as the timer would."""
+"""Live editing. Timers do not run in the background, so the tests call the timer's function themselves."""
 
 import threading
 import time
@@ -12,7 +12,7 @@ from addon_helpers import image_of, pixels, snapshot
 
 @pytest.fixture
 def live(addon, lamina, material, monkeypatch):
-    """The live module, with a baked, live material that rests at once and keeps its closures."""
+    """The live module, with a baked, live material that comes to rest at once and keeps its closures."""
     addon.baking.bake_job.bake_material(material)
     monkeypatch.setattr(addon.baking.live, "REST", 0.0)
     monkeypatch.setattr(addon.baking.live, "NOTICED", 1e9)
@@ -22,7 +22,7 @@ def live(addon, lamina, material, monkeypatch):
 
 
 def look_until_rest(live, seconds=60.0):
-    """What the timer returned at each look."""
+    """The return values of the timer's function."""
     seen, end = [], time.monotonic() + seconds
     while time.monotonic() < end:
         seen.append(live.poll())

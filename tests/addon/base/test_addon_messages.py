@@ -59,7 +59,7 @@ def test_old_files_are_brought_up_to_date_step_by_step(addon, material):
     assert not addon.properties.migration.migrate(material, steps, schema=3)
 
 
-# What the version that wrote the file made of its own properties.
+# The properties as written by an earlier version.
 SCHEMA_1 = {
     "Dusty": {
         "schema": 1,

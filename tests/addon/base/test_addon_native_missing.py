@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Without a usable native module: enabling works, and panel, operators and CLI say the same one sentence."""
+"""Without a usable native module the add-on can be enabled, and panel, operators and CLI give the same sentence."""
 
 import importlib
 import sys
@@ -32,7 +32,7 @@ CASES = {
 
 @pytest.fixture
 def broken(addon, monkeypatch, tmp_path, request):
-    """The add-on, enabled afresh while `lamina` is what the case says."""
+    """The add-on, newly enabled while `lamina` is in the state of the case."""
     files, sentence = CASES[request.param]
     kept = {
         name: module for name, module in sys.modules.items() if name == "lamina" or name.startswith("lamina.")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The save at the end of a batch: it says why it fails, looks before the bake, and overwrites nobody's work."""
+"""The save at the end of a batch: it gives the reason of a failure, is checked before the bake, and overwrites nobody's
+work."""
 
 import json
 import os
@@ -53,7 +54,7 @@ def one_sentence(error):
 
 
 def in_another_process(blend, *arguments):
-    """Exit code and stderr of a batch on that file in a Blender of its own."""
+    """Exit code and stderr of a batch on this file in a separate Blender."""
     script = textwrap.dedent(f"""
         import os, sys
         import bpy, addon_utils
@@ -157,7 +158,7 @@ def test_a_disk_without_room_is_noticed_before_the_bake(run, blend, monkeypatch)
 
 
 def test_a_disk_that_fills_up_during_the_bake(run, addon, blend, monkeypatch):
-    """What Blender then says is 'Error: Success'."""
+    """Blender's own message is then 'Error: Success'."""
     room = iter([10**9, 10, 10])
     monkeypatch.setattr(shutil, "disk_usage", lambda path: SimpleNamespace(free=next(room)))
 
@@ -186,7 +187,7 @@ def test_any_failed_save_exits_with_1_and_a_reason(run, addon, blend, monkeypatc
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A folder on a disk of its own, of 900 KB."""
+    """A folder on a separate disk of 900 KB."""
     folder = tmp_path / "disk"
     folder.mkdir()
     made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=900k", "tmpfs", folder], capture_output=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`--command lamina ...`: what it bakes, prints, saves and returns."""
+"""`--command lamina ...`: baked materials, output, saved files and exit codes."""
 
 import json
 import os

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Editing the layer list: every operator does what its plain function does, and can be undone."""
+"""Editing the layer list: every operator has the effect of its plain function, and can be undone."""
 
 import bpy
 import pytest
@@ -164,7 +164,7 @@ def test_at_most_one_layer_varies(addon):
 
 def test_the_first_stack_takes_the_shown_colour(addon, call):
     material = bpy.data.materials.new("Red")
-    principled = addon.nodes.graph.tree_of(material).nodes["Principled BSDF"]
+    principled = addon.nodes.node_tree.of(material).nodes["Principled BSDF"]
     principled.inputs["Base Color"].default_value = (0.9, 0.1, 0.2, 1.0)
     assert call(bpy.ops.lamina.add_stack, material) == {"FINISHED"}
     assert tuple(material.lamina.base.reflectance) == pytest.approx((0.9, 0.1, 0.2))

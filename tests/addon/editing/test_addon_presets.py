@@ -78,7 +78,7 @@ def test_an_unknown_preset_is_one_sentence(addon, material, library, call):
 
 def test_the_panel_holds_every_preset_of_the_library(addon, material, lamina):
     def as_kept(text):
-        """The number as a float32, which is what the panel keeps."""
+        """The number as a float32, as the panel stores it."""
         return addon.base.decimals.shortest(float(np.float32(text)))
 
     def rounded(stack):

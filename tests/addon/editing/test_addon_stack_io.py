@@ -69,6 +69,10 @@ STACKS = {
     "droplets": stack(
         [medium("fog", DRAINE, albedo=0.9, tau=0.1)], {"kind": "half-space", "albedo": 0.5, "phase": DOUBLE}
     ),
+    "half-space per mm": stack(
+        [interface("skin", ior=1.4, alpha=0.3)],
+        {"kind": "half-space", "sigma_s": [2.55, 3.21, 3.77], "sigma_a": [1e-6, 0.0024, 0.0], "phase": HG},
+    ),
     "imported": stack(
         [medium("table", TABLE, albedo=0.9, tau=0.1), medium("mixture", MIXTURE, albedo=0.9, tau=0.1)],
         {"kind": "half-space", "albedo": 0.5, "phase": {"kind": "hg", "g": [0.1, 0.2, 0.3]}},

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group and its image: contents, settings, and what a re-bake leaves alone."""
+"""The node group and its image: contents, settings, and the parts that a new bake does not change."""
 
 import bpy
 import numpy as np
@@ -75,7 +75,7 @@ def test_rebake_keeps_users_links_and_place(addon, lamina, material):
     bump = tree.nodes.new("ShaderNodeBump")
     tree.links.new(bump.outputs[0], node.inputs["Normal"])
     other = bpy.data.materials.new("Other")
-    addon.nodes.graph.tree_of(other).nodes.new("ShaderNodeGroup").node_tree = group
+    addon.nodes.node_tree.of(other).nodes.new("ShaderNodeGroup").node_tree = group
     material.lamina.layers[0].tau = 3.0
     again, lut = bake(addon, material)
     assert again == group and material.lamina.node_group == group

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A baked material is ordinary Cycles: it renders alike without the add-on, after saving, in another file."""
+"""A baked material is ordinary Cycles: it renders the same without the add-on, after saving, in another file."""
 
 import addon_utils
 import bpy

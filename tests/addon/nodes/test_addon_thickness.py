@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What feeds the varying layer's thickness: wired by function and by operator, the artist's own links kept."""
+"""The source of the varying layer's thickness: set by function and by operator, with the artist's own links kept."""
 
 import json
 
@@ -137,11 +137,11 @@ def test_what_cannot_be_wired_is_one_sentence(addon, dusty, source, name, match)
 
 
 def test_an_images_colour_space(addon, dusty):
-    """A picture that nobody else reads becomes Non-Color; one that others do is refused."""
+    """An image without other users becomes Non-Color; an image with other users is refused."""
     mine, others = image("Mine"), image("Others")
     for one in (mine, others):
         one.colorspace_settings.name = "sRGB"
-    addon.nodes.graph.tree_of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = others
+    addon.nodes.node_tree.of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = others
     addon.nodes.thickness.wire_thickness(dusty, "image", mine)
     assert mine.colorspace_settings.name == "Non-Color"
     with pytest.raises(addon.base.messages.RefusedError, match="sRGB"):
@@ -210,7 +210,7 @@ def odd_image(tmp_path, stored):
 
 @pytest.mark.parametrize("stored", ["generated", "packed", "file"])
 def test_an_image_keeps_no_texel_that_is_not_finite(addon, dusty, tmp_path, stored):
-    """Blender 5.2 reads such a texel as 0, and in all versions it spoils those beside it."""
+    """Blender 5.2 reads such a texel as 0, and in all versions it spoils neighbouring texels."""
     made = odd_image(tmp_path, stored)
     addon.nodes.thickness.wire_thickness(dusty, "image", "Map")
     assert made.packed_file is not None
@@ -224,14 +224,14 @@ def test_an_image_keeps_no_texel_that_is_not_finite(addon, dusty, tmp_path, stor
 
 def test_an_image_that_others_read_keeps_its_texels(addon, dusty, tmp_path):
     made = odd_image(tmp_path, "generated")
-    addon.nodes.graph.tree_of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = made
+    addon.nodes.node_tree.of(bpy.data.materials.new("User")).nodes.new("ShaderNodeTexImage").image = made
     with pytest.raises(addon.base.messages.RefusedError, match="“Map” holds texels that are not finite"):
         addon.nodes.thickness.wire_thickness(dusty, "image", "Map")
     assert made.pixels[0] == np.inf and addon.nodes.thickness.wiring(dusty).source == "value"
 
 
 def plane_at(thickness, addon, kind, material):
-    """Give the scene's plane that thickness by attribute or image; None: it has none."""
+    """Give the scene's plane this thickness by attribute or image; None: no attribute."""
     mesh = bpy.data.objects["Patch"].data
     if kind == "value":
         group_input(material, addon).default_value = thickness

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties, rows and JSON that the add-on makes of the descriptions in lamina.kinds."""
+"""Properties, rows and JSON that the add-on makes from the descriptions in lamina.kinds."""
 
 import bpy
 import numpy as np
@@ -10,7 +10,7 @@ from lamina.kinds import bases, dust, media, phases
 
 
 def ends(field):
-    """The range of a field's property, as single precision keeps it."""
+    """The range of a field's property in single precision."""
     panel = field.panel
     return np.float32([field.low if panel.low is None else panel.low, field.high if panel.high is None else panel.high])
 
@@ -24,7 +24,7 @@ def described(addon):
     for owner in (properties.LaminaLayer, properties.LaminaDepth, properties.LaminaBase):
         yield from ((owner, field) for cls in phases.IN_PANEL for field in cls.fields)
     for cls in bases.IN_PANEL:
-        yield from ((properties.LaminaBase, field) for form in (cls.fields, *cls.panel_forms()) for field in form)
+        yield from ((properties.LaminaBase, field) for form in (cls.fields, *cls.forms) for field in form)
 
 
 def test_every_field_has_its_property(addon):
@@ -65,8 +65,7 @@ def test_a_base_is_drawn_written_and_read(addon, lamina, material, cls):
     base = material.lamina.base
     base.kind = cls.kind
     lines = " ".join(drawn(addon.ui.fields.draw_base, base))
-    form = next((form for form in cls.panel_forms()
-                 if not cls.form_prop or form.item.id == getattr(base, cls.form_prop)), ())
+    form = next((form for form in cls.forms if form.item.id == getattr(base, cls.form_prop)), ())
     for field in (*form, *cls.fields):
         assert (field.panel.label if field.prop != "alpha" else "Roughness") in lines
     for option in cls.options:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust on Blender objects: where it lands, what it is kept in, and that nothing is lost."""
+"""Dust on Blender objects: where it lands, how it is stored, and mass balance."""
 
 import bmesh
 import bpy
@@ -151,7 +151,7 @@ def test_gravity_is_the_scenes(dust):
 
 
 def test_modifiers_that_make_vertices(dust):
-    """On the vertices of the mesh itself lies what lies where they are rendered."""
+    """The vertices of the mesh itself have the dust of their rendered positions."""
     cube, evaluated = ball("Cube", smooth=True), None
     cube.lamina_dust.others = False
     cube.modifiers.new("Smooth", "SUBSURF").levels = 2

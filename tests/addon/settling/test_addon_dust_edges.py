@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust at hard edges: each face has the dust that its own normal catches, kept by face corner where that takes it."""
+"""Dust at hard edges: each face has the dust for its own normal, stored by face corner where necessary."""
 
 import math
 
@@ -92,8 +92,9 @@ def test_the_top_has_the_amount(dust, name):  # noqa: F811
 
 
 def test_a_side_has_what_slides_not_off(dust):  # noqa: F811
-    """The wall of a cube catches grains of the cone's flank, which its slope throws off but for the concavity's share;
-    with an angle of repose of 180 degrees all stay: the mean of max(0, n.d) over the cone.
+    """The wall of a cube is hit by grains from the flank of the cone. They slide off because of its slope, except for
+    the share that concavity keeps. With an angle of repose of 180 degrees all stay: the mean of max(0, n.d) over the
+    cone.
     """
     obj = cube()
     obj.lamina_dust.repose, obj.lamina_dust.rays = math.pi, 1024
@@ -118,10 +119,10 @@ def groove(slope=50.0):
 
 
 def test_the_bottom_of_a_groove(dust):  # noqa: F811
-    """Each wall's own dust: n.up = cos 50 arrives; the cubic at (50 - 45) / 20 + 1/2 = .75 leaves .156 of that lying.
-    Of the rest one half of what the other wall hides holds: (1 + cos 80) / 2 of the cosine-weighted hemisphere in the
-    middle, between that and half of that at the ends. The other wall stops no grain of a cone of 35 degrees: the wall
-    begins 40 degrees off the vertical.
+    """The dust of each wall: n.up = cos 50 arrives; by the cubic at (50 - 45) / 20 + 1/2 = .75, the share .156 of it
+    does not slide. Of the rest, concavity keeps one half of the share of the cosine-weighted hemisphere that the other
+    wall hides: (1 + cos 80) / 2 in the middle, between this and half of it at the ends. The other wall stops no grain
+    of a cone of 35 degrees, because it begins 40 degrees off the vertical.
     """
     obj = groove()
     obj.lamina_dust.rays = 4096

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Planes without thickness, seen from both sides: dust shows on the side that it lies on, and below a sheet as what
-comes through it. A constant sky of radiance 1 shows the reflectance plus the transmittance of the stack in the view's
-direction.
+"""Planes without thickness, seen from both sides: dust is visible on its own side, and below a sheet by transmitted
+light. Under a constant sky of radiance 1 the radiance is the reflectance plus the transmittance of the stack in the
+view's direction.
 """
 
 import math
@@ -53,7 +53,7 @@ def scene(addon, below):
     made.collection.objects.link(eye)
     made.camera = eye
     made.world = bpy.data.worlds.new("Sky")
-    addon.nodes.graph.tree_of(made.world).nodes["Background"].inputs[0].default_value = (1.0, 1.0, 1.0, 1.0)
+    addon.nodes.node_tree.of(made.world).nodes["Background"].inputs[0].default_value = (1.0, 1.0, 1.0, 1.0)
     made.render.engine = "CYCLES"
     made.render.threads_mode, made.render.threads = "FIXED", 1
     made.render.resolution_x = made.render.resolution_y = 24
@@ -87,7 +87,7 @@ def test_dust_shows_on_the_side_that_it_lies_on(dust, addon, lamina, material, t
     assert addon.ui.dust_panel.mismatch(material, plate.lamina_dust) == ""
     above, below = exact(1.0, "top"), exact(1.0, "bottom") if name == "leaf" else 0.05
     assert abs(above - below) > 0.1, "the sides differ by more than the errors"
-    # The table keeps the energy of each row to .2 %; row between rows and noise are of that size.
+    # Each row of the table has energy errors up to .2 %; interpolation between rows and noise are of similar size.
     assert seen(addon, tmp_path, below=False) == pytest.approx(above, rel=0.015)
     assert seen(addon, tmp_path, below=True) == pytest.approx(below, rel=0.015)
 
@@ -108,7 +108,7 @@ def test_cycles_reads_dust_of_face_corners(dust, addon, lamina, material, tmp_pa
 
 
 def test_a_sheet_of_two_different_sides_is_not_turned_over(dust, addon, lamina, material, tmp_path):  # noqa: F811
-    """Turned over it would show its other colour; its table knows dust on the front only."""
+    """If turned over, it would show its other colour; its table has dust on the front only."""
     exact = shown_by(addon, lamina, material, "leaf on paper")
     plate = plane(material, True)
     dust.settle(bpy.context, plate)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Media that change with depth: top and bottom in the panel, longer profiles kept as they came."""
+"""Media that change with depth: top and bottom in the panel, longer profiles stored unchanged."""
 
 import json
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colour behind an albedo, the albedo behind a colour; and that the panel draws for every kind of layer."""
+"""The colour for an albedo and the albedo for a colour; the panel draws every kind of layer."""
 
 import sys
 import time
@@ -171,6 +171,9 @@ def test_every_base_can_be_drawn(addon, material, kind, expected):
     base.metal_form = "indices"
     lines = set(drawn(addon.ui.fields.draw_base, base))
     assert kind != "conductor" or {"Metal", "Index n R", "Extinction k R"} <= lines
+    base.half_space_form = "coefficients"
+    lines = set(drawn(addon.ui.fields.draw_base, base))
+    assert kind != "half-space" or ({"Scattering R", "Absorption R", "Phase"} <= lines and "Albedo" not in lines)
 
 
 def test_menus_can_be_drawn(addon, material, lamina, monkeypatch, tmp_path):

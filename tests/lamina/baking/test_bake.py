@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake: pure, cancellable, and with a report that says what an outsider measures."""
+"""The bake: pure, cancellable, and with a report that agrees with independent measurements."""
 
 import math
 
@@ -188,7 +188,7 @@ def test_a_varying_layer_has_a_row_for_each_thickness():
 
 
 def test_a_stack_is_checked_once(monkeypatch):
-    """Facets taken as smooth, the view from below and the clean row are stacks that need no second check."""
+    """Facets treated as smooth, the view from below and the clean row are stacks that need no second check."""
     colour = Medium(color=0.5, tau=1.0, phase=HenyeyGreenstein(0.5))
     sheets = [Stack([lamina.Interface(1.5, alpha=0.01), colour, lamina.Interface(1.0)]),
               Stack([Medium(albedo=0.8, tau=1.0, varying=True)], lamina.Conductor(0.2, 3.0, alpha=0.02))]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles drops closures whose weight has an RGB mean below 1e-5: tables hold none, and dark albedos stay exact."""
+"""Cycles drops closures whose weight has an RGB mean below 1e-5: tables have no such weights, and dark albedos stay
+exact."""
 
 import math
 
@@ -27,14 +28,14 @@ def baked(request):
 
 
 def _gain(lut):
-    """What the node group multiplies the base's closures with, at the stack's own reflectance [row, column, RGB]."""
+    """The node group's factor of the base's closures, at the stack's own reflectance [row, column, RGB]."""
     colour = np.array(lut.header["stack"]["base"]["reflectance"])
     return colour / (1.0 - colour * lut.weights[0, lut.closures.index("base/thrown back")])
 
 
 def _shown(lut):
-    """(names, weights [side, closure, row, column, RGB] as Cycles gets them) of closures with a shape; those that a
-    base weighs keep their prefix."""
+    """(names, weights [side, closure, row, column, RGB] as in Cycles) of closures with a shape; closures of a textured
+    base keep their prefix."""
     names, weights = [], []
     for k, name in enumerate(lut.closures):
         if name != "transparent" and not name.startswith("mirror:") and name != "base/thrown back":
@@ -49,12 +50,12 @@ def test_no_weight_is_dropped(baked):
     for of_base in (False, True):
         mean = weights[:, [name.startswith("base/") == of_base for name in names]].mean(axis=-1)
         dropped = (mean > 0.0) & (mean < CUTOFF)
-        alone = (mean > 0.0).sum(axis=1, keepdims=True) == 1  # all that there is: less than 1e-5 of the light
+        alone = (mean > 0.0).sum(axis=1, keepdims=True) == 1  # the only closure: less than 1e-5 of the light
         assert not np.any(dropped & ~alone)
 
 
 def test_what_is_left_has_the_exact_albedo(baked):
-    """On a grid of our own, of reflected light; views at which the whole albedo is tiny are left out."""
+    """On a separate grid, for reflected light; views with a tiny total albedo are left out."""
     stack, lut = baked
     if stack.varying is not None:
         stack = Stack([Medium(3e-3, tau=1.0)], Black())

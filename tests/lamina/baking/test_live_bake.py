@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes for live editing: given closures, interpolated rows; and the one pass against single look-ups."""
+"""Bakes for live editing: given closures, interpolated rows; and the one pass against single lookups."""
 
 import numpy as np
 import pytest
@@ -61,7 +61,7 @@ def test_one_pass_equals_single_look_ups(stack):
                 assert off < tolerance_of("preview") * np.linalg.norm(weighted)
             else:
                 np.testing.assert_allclose(seen[kind].values[index, 0], weighted, rtol=1e-9, atol=1e-14)
-            # What mirrors reflect is counted apart.
+            # Specular reflection by smooth boundaries is returned separately.
             found = seen[kind].albedo[index, 0] + (seen[kind].direct[index, 0] if kind == "reflection" else 0.0)
             np.testing.assert_allclose(found, albedo.T, rtol=1e-9, atol=1e-14)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lookup table as a file: it comes back as it was, and nothing else is taken for one."""
+"""The lookup table as a file: it is read back unchanged, and no other file is accepted."""
 
 import io
 import json
@@ -62,7 +62,7 @@ def test_equal_tables_are_equal_bytes(lut, saved, tmp_path):
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999])
 def test_a_truncated_file_is_refused(saved, share):
     content = saved.read_bytes()
-    assert "not a whole Lamina lookup table" in refused(saved, content[: int(share * len(content))])
+    assert "not a complete Lamina lookup table" in refused(saved, content[: int(share * len(content))])
 
 
 def test_every_damaged_byte_is_noticed_or_harmless(lut, saved):

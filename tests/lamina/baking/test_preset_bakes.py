@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every preset of the library bakes at preview quality, and as well as it is known to."""
+"""Every preset of the library bakes at preview quality, with its known fit error."""
 
 import statistics
 
@@ -12,7 +12,7 @@ from lamina import bake, presets
 MEAN, WORST = 0.06, 0.16
 HARD = {
     "frosted-glass": (0.18, 0.38),  # a rough sheet without scattering inside: two narrow lobes on either side
-    "dusty-bronze": (0.08, 0.24),  # one choice of closures for dust of any thickness, none to thick
+    "dusty-bronze": (0.08, 0.24),  # one choice of closures for dust from clean to thick
     "dusty-lacquer": (0.06, 0.31),
     "tarnished-silver": (0.075, 0.26),  # a strongly absorbing layer over a narrow lobe
 }

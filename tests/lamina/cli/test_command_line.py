@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""python -m lamina, as a farm calls it: exit codes, one sentence on stderr, files whole or untouched."""
+"""python -m lamina, as called on a farm: exit codes, one sentence on stderr, files complete or unchanged."""
 
 import json
 import os
@@ -150,11 +150,11 @@ class TestReport:
         content = baked.read_bytes()
         baked.write_bytes(content[: int(share * len(content))])
         assert main(["report", "out.npz"]) == 2
-        assert capfd.readouterr() == ("", "lamina: out.npz: not a whole Lamina lookup table\n")
+        assert capfd.readouterr() == ("", "lamina: out.npz: not a complete Lamina lookup table\n")
 
     def test_foreign(self, folder, capfd):
         assert main(["report", "good.json"]) == 2
-        assert capfd.readouterr() == ("", "lamina: good.json: not a whole Lamina lookup table\n")
+        assert capfd.readouterr() == ("", "lamina: good.json: not a complete Lamina lookup table\n")
 
     def test_newer(self, baked, capfd):
         lut = lamina.Lut.load(baked)
@@ -176,11 +176,11 @@ class TestReport:
 def test_interrupting_a_bake(folder, wait_for):
     """Ctrl-C in mid-bake: one sentence, no half file, the earlier bake intact."""
     Path("old.npz").write_bytes(b"an earlier bake")
-    # On a terminal progress is shown at once, so we know where the bake is.
+    # On a terminal progress is shown at once, which gives the state of the bake.
     screen, terminal = os.openpty()
     process = subprocess.Popen([sys.executable, "-m", "lamina", "bake", "slow.json", "-o", "old.npz"],
                                stdout=subprocess.DEVNULL, stderr=terminal, start_new_session=True,
-                               # Shells have what they run in the background ignore it.
+                               # Shells make background processes ignore it.
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     os.close(terminal)
     shown, deadline = b"", time.monotonic() + 60.0
@@ -217,7 +217,7 @@ COMMANDS = {
     ("--seed", str(1 << 64), "must be a whole number from 0 to 2^64 - 1"),
 ])
 def test_threads_and_seeds_have_one_rule(command, flag, text, rule, capsys):
-    """Exit code 2, before any file is looked for; what draws no random numbers has no seed."""
+    """Exit code 2, before any file is read; commands without random numbers have no seed."""
     try:
         code = main([*COMMANDS[command], flag, text])
     except SystemExit as ended:

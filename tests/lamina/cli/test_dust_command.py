@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""python -m lamina dust: a mesh file in, arrays out, one sentence for what cannot be."""
+"""python -m lamina dust: from a mesh file to arrays, with one sentence for errors."""
+
+import argparse
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from lamina import dust
-from lamina.cli import main
+from lamina.cli import dust_command, main
 from lamina.common.archive import load_archive
+from lamina.kinds.dust import OPTIONS
 
 PLY = """ply
 format ascii 1.0
@@ -67,3 +71,11 @@ def test_a_damaged_mesh(plate, tmp_path, capsys):
     assert main(["dust", "bad.ply", "-o", "out.npz"]) == 2
     assert capsys.readouterr().err == "lamina: bad.ply: ends too early\n"
     assert not (tmp_path / "out.npz").exists()
+
+
+def test_an_option_without_a_usual_value_can_be_a_flag():
+    parser = argparse.ArgumentParser()
+    patch = next(option for option in OPTIONS if option.name == "patch")
+    dust_command._add_flag(parser, replace(patch, help="size of patches"))
+    assert parser.parse_args([]).patch is None
+    assert parser.parse_args(["--patch", "2"]).patch == 2.0

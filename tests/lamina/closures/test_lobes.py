@@ -37,7 +37,8 @@ class TestEveryLobe:
         assert mirrored == pytest.approx(lobe.evaluate(*GRID), rel=1e-9, abs=1e-14)
 
     def test_reflects_no_more_than_it_gets(self, lobe):
-        """Of what Cycles samples. A lobe about the direction straight through is evaluated behind the viewer too."""
+        """Albedo of sampled directions. A lobe about the direction straight through is evaluated behind the viewer
+        too."""
         albedo = lobes.directional_albedo(_ahead(lobe) if lobe.strays else lobe, MU)
         if lobe.strays:
             albedo = albedo + lobes.directional_albedo(replace(lobe, evaluate=lobe.strayed), MU)

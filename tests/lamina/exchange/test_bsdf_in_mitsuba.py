@@ -27,7 +27,7 @@ def solved():
 
 
 def directions(count, seed):
-    """Cosine-weighted pairs, the grazing 3 degrees left out, and all azimuths."""
+    """Cosine-weighted pairs, without the grazing 3 degrees, and all azimuths."""
     random = np.random.default_rng(seed)
     cosines = np.sqrt(random.uniform(0.0025, 1.0, (2, count)))
     return *cosines, random.uniform(0.0, 2.0 * np.pi, count)
@@ -43,8 +43,8 @@ def error(bsdf, solution):
 
 @pytest.mark.parametrize("name", STACKS)
 def test_values(name, solved, tmp_path):
-    """Readers interpolate linearly in all their variables, so that half the steps make a quarter of the error;
-    what is left of it at the default size is below .3 %."""
+    """Readers interpolate linearly in all variables, so half the steps give a quarter of the error; at the default size
+    it is below .3 %."""
     errors = []
     for size, angles in ((32, 16), (64, 32)):
         save_bsdf(solved[name], tmp_path / "out.bsdf", size, angles)
@@ -59,7 +59,7 @@ def test_sampling_returns_the_albedo(name, solved, tmp_path):
     for seed, mu in enumerate((1.0, 0.7, 0.25)):
         mean, error, pdf_error = furnace(bsdf, mu, 3000, seed)
         exact = solved[name].reflectance(mu, parts=True)[0]
-        # Noise beside the interpolation's .3 %.
+        # Noise, in addition to the interpolation error of .3 %.
         allowed = z_limit(3 * exact.size * len(STACKS)) * error + 3e-3 * exact
         assert np.all(np.abs(mean - exact) < allowed), (mu, mean, error, exact)
         # Importance sampling: weights scatter by less than half of their mean.
@@ -68,7 +68,7 @@ def test_sampling_returns_the_albedo(name, solved, tmp_path):
 
 
 def test_white_furnace(tmp_path):
-    """What absorbs nothing reflects all: 1, in Mitsuba as well."""
+    """A conservative stack reflects all light: 1, also in Mitsuba."""
     white = Stack([Interface(ior=1.4, alpha=0.3), Medium(albedo=1.0, tau=0.5)], Lambert(1.0))
     save_bsdf(lamina.solve(white), tmp_path / "white.bsdf")
     bsdf = measured(tmp_path / "white.bsdf")
@@ -93,7 +93,7 @@ def test_wavelengths(solved, tmp_path):
 
 
 def test_equal_files_and_what_they_leave_out(solved, tmp_path):
-    """The share left out is Fresnel's mirror image at the most grazing slice; a matched layer has none."""
+    """The share left out is Fresnel's mirror image at the most grazing slice; 0 for a matched layer."""
     left = save_bsdf(solved["smooth coat"], tmp_path / "a.bsdf", 16, 8)
     assert 0.98 < left < 1.0
     save_bsdf(lamina.solve(STACKS["smooth coat"], threads=1), tmp_path / "b.bsdf", 16, 8)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exported scattering functions: the archive says what the solver says, is refused when damaged, and the
-command line writes it whole or not at all."""
+"""Exported scattering functions: the archive agrees with the solver, is refused when damaged, and the command line
+writes it completely or not at all."""
 
 import json
 import math
@@ -64,7 +64,7 @@ def test_deltas_are_fresnels_and_beers(sheet):
 
 
 def test_brdf_integrates_to_the_albedo(tmp_path):
-    """What a reader gets without any other knowledge than the header: axes, units and conventions."""
+    """A reader that uses the header alone: axes, units and conventions."""
     save_npz(COAT, tmp_path / "coat.npz", theta_o=np.radians(np.arange(0.0, 90.0, 0.25)))
     export = load_npz(tmp_path / "coat.npz")
     assert "btdf" not in export.arrays and export.header["sides"] == ["top"]
@@ -88,14 +88,14 @@ def test_damaged_and_foreign_files_are_refused(sheet, tmp_path):
     path = tmp_path / "bad.npz"
     for content in (b"", whole[:100], whole[:-200], b"GIF89a" + whole, whole[:2000] + b"x" * 500 + whole[2500:]):
         path.write_bytes(content)
-        with pytest.raises(ExportError, match="not a whole scattering function exported by Lamina"):
+        with pytest.raises(ExportError, match="not a complete scattering function exported by Lamina"):
             load_npz(path)
     lut = lamina.bake(COAT, "preview")
     lut.save(path)
-    with pytest.raises(ExportError, match="not a whole scattering function"):
+    with pytest.raises(ExportError, match="not a complete scattering function"):
         load_npz(path)
     np.savez(path, header=np.array([{}], dtype=object), allow_pickle=True)
-    with pytest.raises(ExportError, match="not a whole scattering function"):
+    with pytest.raises(ExportError, match="not a complete scattering function"):
         load_npz(path)
     with pytest.raises(OSError, match="No such file"):
         load_npz(tmp_path / "absent.npz")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The descriptions that `lamina` checks by and the add-on builds its panel from."""
+"""The descriptions from which `lamina` makes its checks and the add-on its panel."""
 
 import subprocess
 import sys
@@ -23,7 +23,7 @@ FIELDS = {
 
 @pytest.mark.parametrize("field", FIELDS.values(), ids=FIELDS)
 def test_the_range_and_its_sentence_agree(field):
-    """The ends of a range are allowed or refused as the sentence's brackets say; what the panel offers is allowed."""
+    """The ends of a range are allowed or refused according to the message's brackets; the panel's range is allowed."""
     inside = 0.5 * (field.low + min(field.high, field.low + 1.0))
     assert field.check(inside, "x") == inside
     for end in (field.low, field.high):
@@ -68,7 +68,7 @@ def test_every_base_can_be_solved_and_read_back(cls):
 
 
 def test_numbers_of_choices_are_their_own():
-    """A .blend file keeps the number of a choice."""
+    """A .blend file stores the number of a choice."""
     lists = [[cls.item for cls in phases.IN_PANEL], [bases.NONE, *(cls.item for cls in bases.IN_PANEL)],
              [form.item for form in media.FORMS]]
     lists += [[form.item for form in cls.forms] for cls in bases.KINDS if cls.form_prop]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The 3D scattering function against exact half-spaces, published slabs, the 1D solver, and itself upside down."""
+"""The 3D scattering function against exact half-spaces, published slabs, the 1D solver, and its own reciprocity."""
 
 import functools
 import json
@@ -48,7 +48,7 @@ def test_more_half_spaces_at_frequencies(albedo):
     beam = solved_half_space(albedo)
     q = np.array([0.02, 0.1, 0.5, 1.0, 2.0, 5.0, 12.0])
     exact = [half_space_3d.reflected_at(one, albedo) for one in q]
-    # The promise is 1e-5; beyond the frequency 5 of a mean free path, twelve azimuths err by 4e-6.
+    # The tolerance is 1e-5; beyond the frequency 5 of a mean free path, twelve azimuths have errors of 4e-6.
     assert np.allclose(beam.reflected_at(q), exact, rtol=0.0, atol=1e-5)
     assert np.allclose(beam.reflected_at(q)[:-1], exact[:-1], rtol=0.0, atol=1e-6)
 
@@ -64,7 +64,7 @@ def test_profile_of_a_half_space():
 
 
 def test_far_from_the_beam():
-    """A tail that falls by e in a millimetre is still right where a 1e-7th of the flux is left."""
+    """A tail with a decay length of a millimetre is still accurate where 1e-7 of the flux is left."""
     beam = solved_half_space(0.5)
     far = np.linspace(8.0, 14.0, 13)
     fall = np.diff(np.log(beam.profile(far) * far**2.0)) / np.diff(far)
@@ -130,8 +130,8 @@ def test_all_light_is_that_of_the_plane_solution(name):
 
 
 def test_transmission_upside_down():
-    """By reciprocity, diffuse light goes through a sheet as through the same sheet upside down, at every frequency:
-    beams at all slants together."""
+    """By reciprocity, diffuse transmission through a sheet equals that through the reversed sheet, at every frequency:
+    a test of beams at all angles together."""
     layers = [medium(0.9, 0.5, 0.7, 2.0), medium(0.7, 1.0, 0.0, 0.8)]
     x, weight = np.polynomial.legendre.leggauss(12)
     mu = 0.5 * (x + 1.0)
@@ -241,7 +241,7 @@ def test_bad_arguments(call, words):
 
 
 def test_half_space_with_lengths_is_the_same_stack():
-    """Its hash is that of the albedo, and JSON keeps the lengths."""
+    """The hash is that of the albedo, and JSON stores the lengths."""
     by_lengths = Stack([], HalfSpace(sigma_s=[3.0, 1.0], sigma_a=1.0))
     assert by_lengths.hash == Stack([], HalfSpace([0.75, 0.5])).hash
     again = Stack.from_json(by_lengths.to_json())

@@ -27,10 +27,10 @@ BAD = {
     "albedo infinite": (lambda: medium(albedo=math.inf), "layers[1].albedo = inf: must lie in [0, 1]"),
     "albedo barely above 1": (lambda: medium(albedo=1.0000001), "layers[1].albedo = 1.0000001: must lie in [0, 1]"),
     "albedo of a channel": (lambda: medium(albedo=[0.5, 2.0, 0.5]), "layers[1].albedo[1] = 2: must lie in [0, 1]"),
-    "albedo a text": (lambda: medium(albedo="x"), "layers[1].albedo = 'x': must be a number or one number a channel"),
+    "albedo a text": (lambda: medium(albedo="x"), "layers[1].albedo = 'x': must be a number or one number per channel"),
     "albedo a truth": (
-        lambda: medium(albedo=True), "layers[1].albedo = True: must be a number or one number a channel"),
-    "albedo no channels": (lambda: medium(albedo=[]), "layers[1].albedo = []: must hold one number a channel"),
+        lambda: medium(albedo=True), "layers[1].albedo = True: must be a number or one number per channel"),
+    "albedo no channels": (lambda: medium(albedo=[]), "layers[1].albedo = []: must hold one number per channel"),
     "albedo a list of texts": (lambda: medium(albedo=["x"]), "layers[1].albedo[0] = 'x': must be a number"),
     "albedo a table": (lambda: medium(albedo=np.ones((2, 2))), "layers[1].albedo[0] = [1.0, 1.0]: must be a number"),
     "tau negative": (lambda: medium(tau=-1.0), "layers[1].tau = -1: must lie in [0, infinity]"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colours instead of albedos: the albedo found shows the colour, judged by the solver that bakes."""
+"""Colours instead of albedos: the albedo gives the colour, tested by the solver of bakes."""
 
 import json
 import math
@@ -135,7 +135,7 @@ def test_a_colour_out_of_reach_is_refused_with_the_range():
     least, most = math.ceil(low * 1e4) / 1e4, math.floor(high * 1e4) / 1e4
     assert str(caught.value) == (
         f"layers[1].color[1] = 0.9: a layer of tau 0.1 over 0.2 shows between {least} and {most}")
-    # What the sentence names can be asked for.
+    # The ends given in the message are allowed.
     Stack([Medium(color=[least, most], over=0.2, tau=0.1)])
 
 

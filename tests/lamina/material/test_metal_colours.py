@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colours of the metals: spectra of refractive indices, seen by the CIE 1931 observer under D65."""
+"""The colours of the metals: spectra of refractive indices, integrated with the CIE 1931 observer under D65."""
 
 import math
 import sys
@@ -31,7 +31,7 @@ PUBLISHED = {
 
 
 def facing(metal):
-    """What a smooth metal reflects straight back, by the solver."""
+    """Reflectance of a smooth metal at normal incidence, by the solver."""
     return lamina.solve(Stack([], metal), quality="preview", threads=1).reflectance(1.0)
 
 

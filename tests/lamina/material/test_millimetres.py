@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lengths in millimetres: how optical depth becomes depth, and what tells no length."""
+"""Lengths in millimetres: conversion of optical depth to depth, and stacks without lengths."""
 
 import math
 
@@ -50,8 +50,9 @@ def test_the_hash_of_lengths_knows_the_scale():
     (Stack([Interface(1.5), Medium(color=0.9, tau=1.0)], Lambert(0.5)), "layers[1]: has no lengths, must have"),
     (Stack([Medium(tau=1.0, profile=[Knot(0.0, 0.9), Knot(1.0, 0.5)])]), "layers[0]: has no lengths, must have"),
     (Stack(base=HalfSpace(0.9)), "base: has no lengths, must have"),
-    (Stack(base=HalfSpace(sigma_s=0.0, sigma_a=[1.0, 0.0])), "base.sigma_s = 0: a medium without end must"),
-    (Stack([Medium(sigma_s=[0.0, 1.0], sigma_a=0.0, thickness=math.inf)]), "layers[0].thickness = inf: a medium"),
+    (Stack(base=HalfSpace(sigma_s=0.0, sigma_a=[1.0, 0.0])), "base.sigma_s = 0: an infinitely thick medium must"),
+    (Stack([Medium(sigma_s=[0.0, 1.0], sigma_a=0.0, thickness=math.inf)]),
+     "layers[0].thickness = inf: an infinitely thick medium"),
 ])
 def test_what_tells_no_length_is_refused(stack, sentence):
     with pytest.raises(StackError) as refused:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Phase functions in stacks: what is read, refused, written, hashed and handed to the core."""
+"""Phase functions in stacks: reading, refusal, writing, hashes and values for the core."""
 
 import json
 import math
@@ -70,7 +70,7 @@ def test_names_of_other_matter_differ():
 
 
 def test_the_names_of_simple_stacks_stay():
-    """Hashes name bakes that people keep."""
+    """Hashes identify bakes that users store."""
     slab = Medium(albedo=[0.9, 0.8, 0.7], tau=1.0, phase=HenyeyGreenstein(0.5))
     text = Stack([slab], base=HalfSpace(0.5)).canonical()
     assert text == (
@@ -94,14 +94,14 @@ def test_channels(phase):
     (Draine(math.nan, 1.0), "layers[0].phase.g = nan: must lie in (-1, 1)"),
     (Draine(0.5, -1.0), "layers[0].phase.alpha = -1: must lie in [0, 1000]"),
     (Draine(0.5, math.inf), "layers[0].phase.alpha = inf: must lie in [0, 1000]"),
-    (CornetteShanks("much"), "layers[0].phase.g = 'much': must be a number or one number a channel"),
+    (CornetteShanks("much"), "layers[0].phase.g = 'much': must be a number or one number per channel"),
     (Tabulated(), "layers[0].phase has no numbers: must have either moments, or cosines and values"),
     (Tabulated(moments=[1.0], values=[1.0]),
      "layers[0].phase has moments and values: must have either moments, or cosines and values"),
-    (Tabulated(moments=[]), "layers[0].phase.moments has 0 entries: must be a list of 1 to 2048 numbers, or one list a "
-     "channel"),
+    (Tabulated(moments=[]), "layers[0].phase.moments has 0 entries: must be a list of 1 to 2048 numbers, or one list "
+     "per channel"),
     (Tabulated(moments=0.5),
-     "layers[0].phase.moments = 0.5: must be a list of 1 to 2048 numbers, or one list a channel"),
+     "layers[0].phase.moments = 0.5: must be a list of 1 to 2048 numbers, or one list per channel"),
     (Tabulated(moments=[0.9, 0.5]), "layers[0].phase.moments[0] = 0.9: must be 1"),
     (Tabulated(moments=[1.0, 1.5]), "layers[0].phase.moments[1] = 1.5: must lie in [-1, 1]"),
     (Tabulated(moments=[1.0, None]), "layers[0].phase.moments[1] = None: must be a number"),
@@ -112,7 +112,7 @@ def test_channels(phase):
     (Tabulated(cosines=[-1, 1], values=[1.0, -2.0]), "layers[0].phase.values[1] = -2: must lie in [0, 1e12]"),
     (Tabulated(cosines=[-1, 1], values=[0.0, 0.0]), "layers[0].phase.values: all values are 0: one must be positive"),
     (Tabulated(cosines=[-1, 0, 1], values=[[1, 1, 1], [1, 1]]),
-     "layers[0].phase.values[1] has 2 values: must have 3, one a cosine"),
+     "layers[0].phase.values[1] has 2 values: must have 3, one per cosine"),
     (Tabulated(cosines=[-1, 0.5, 0.5, 1], values=[1, 1, 1, 1]),
      "layers[0].phase.cosines hold 0.5 next to 0.5: must rise or fall throughout"),
     (Tabulated(cosines=[-0.9, 1], values=[1, 1]),

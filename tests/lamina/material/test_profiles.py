@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Profiles of media: what knots mean, and what bad ones get."""
+"""Profiles of media: the meaning of knots, and errors of bad ones."""
 
 import numpy as np
 import pytest
@@ -67,7 +67,7 @@ def test_bad_profiles(name):
     ({"depth": 0.0, "albedo": 0.5, "colour": 1.0}, "layers[0].profile[0].colour: unknown key; known are albedo, color, "
                                                    "depth, phase, sigma_a, sigma_s"),
     ({"albedo": 0.5}, "layers[0].profile[0].depth is missing: must be given"),
-    ({"depth": "top", "albedo": 0.5}, "layers[0].profile[0].depth = 'top': must be a number or one number a channel"),
+    ({"depth": "top", "albedo": 0.5}, "layers[0].profile[0].depth = 'top': must be a number or one number per channel"),
     ({"depth": 0.0, "albedo": 0.5, "phase": {"kind": "mie"}}, None),
     (7, "layers[0].profile[0] = 7: must be a JSON object"),
 ])

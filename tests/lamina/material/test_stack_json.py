@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stacks as JSON: round trips, canonical form and hash, and what bad files get."""
+"""Stacks as JSON: round trips, canonical form and hash, and errors of bad files."""
 
 import copy
 import json
@@ -103,7 +103,7 @@ def changed(path, value):
 LAYER = ("layers", 0)
 PHASE = (*LAYER, "phase")
 FORMS = "must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"
-MUST_BE_NUMBER = "must be a number or one number a channel"
+MUST_BE_NUMBER = "must be a number or one number per channel"
 BAD = [
     (("schema",), 2, "schema = 2: must be at most 1; this stack needs a newer Lamina"),
     (("schema",), 0, "schema = 0: must be 1"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust that settles, where closed forms or symmetry say how much; Monte Carlo by Z-scores with fixed seeds."""
+"""Dust that settles, in cases with closed forms or symmetries; Monte Carlo by Z-scores with fixed seeds."""
 
 import math
 
@@ -14,7 +14,7 @@ from lamina.settling.mesh import vertex_points
 
 pytestmark = pytest.mark.skipif(bool(dust.available()), reason=dust.available())
 
-STILL = {"repose": math.pi, "concavity": 0.0}  # all that arrives stays
+STILL = {"repose": math.pi, "concavity": 0.0}  # all arriving dust stays
 
 
 def rotation(axis, angle):
@@ -63,7 +63,8 @@ def test_nothing_falls_under_a_roof_wider_than_the_spread():
 
 
 def test_the_shadow_of_a_disc_has_its_closed_form():
-    """Below the centre of a disc of half-angle a in a cone of half-angle s, sin^2 a / sin^2 s is in its shadow."""
+    """Below the centre of a disc of half-angle a in a cone of half-angle s, the share sin^2 a / sin^2 s is
+    sheltered."""
     spread, inner = math.radians(60.0), math.radians(35.0)
     corners = 512
     phi = 2.0 * math.pi * np.arange(corners) / corners

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hard edges: a vertex has dust for each of its normals; and smooth surfaces stay as they are."""
+"""Hard edges: a vertex has dust for each of its normals; smooth surfaces are unchanged."""
 
 import math
 
@@ -70,8 +70,9 @@ def test_the_dust_of_a_cube_is_what_falls_on_it():
 
 @pytest.mark.parametrize("slope", [20.0, 50.0, 60.0])
 def test_the_bottom_of_a_groove_has_each_walls_own(slope):
-    """cos(slope) arrives, less what the other wall takes of the cone; the slope's share of it lies, and of the rest
-    one half of what the other wall hides, (1 + cos(interior angle)) / 2 of the cosine-weighted hemisphere.
+    """cos(slope) arrives, less the part of the cone that the other wall stops. A share of it by the slope does not
+    slide. Of the rest, concavity keeps one half of what the other wall hides, (1 + cos(interior angle)) / 2 of the
+    cosine-weighted hemisphere.
     """
     mesh = groove(slope)
     settings = Settling(rays=8192)
@@ -126,7 +127,7 @@ def test_the_angle_limit():
 
 
 def test_smooth_surfaces_stay_as_they_are():
-    """Point by point what one normal a vertex gives."""
+    """Equal point by point to the result with one normal per vertex."""
     for mesh in (torus(60, 30), sphere(24, 48), plate(6)):
         smooth = Mesh(mesh.vertices, mesh.triangles, sharp_angle=math.pi)
         one, other = (settle(surface, settings=Settling(rays=64), threads=1) for surface in (mesh, smooth))

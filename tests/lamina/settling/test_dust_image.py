@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust as an image, a band of rows at a time; what UV maps lack; far, closed and broken occluders."""
+"""Dust as an image, a band of rows at a time; faults of UV maps; far, closed and broken occluders."""
 
 import math
 import subprocess
@@ -65,8 +65,8 @@ print(peak() - before)
 
 
 def test_a_large_image_needs_little_more_than_itself():
-    """Per texel, in bytes: 4 each for thickness, what arrived and the image with its margin, 1 for the mask; and a band
-    of 300 MiB at most. All texels as points took more than 200 bytes each."""
+    """Bytes per texel: 4 each for thickness, arrived dust and the image with its margin, 1 for the mask; and at most
+    300 MiB for a band. All texels as points took more than 200 bytes each."""
     words = [sys.executable, "-c", MEMORY, str(Path(__file__).parents[1]), "2048"]
     done = subprocess.run(words, check=True, capture_output=True, text=True)
     assert float(done.stdout) < 13.0 * 2048**2 + 300.0 * 2**20

@@ -48,7 +48,7 @@ def test_dust_on_texels_is_that_on_vertices():
 def test_overlaps_and_what_lies_outside():
     mesh = plate(1)
     uvs = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)
-    uvs[1] = uvs[0]  # the second lies on the first
+    uvs[1] = uvs[0]  # the second triangle lies on the first
     points, mask = texel_points(mesh, uvs, 8)
     assert mask.sum() == 36  # with the diagonal
     assert np.all(points.positions[:, 0] >= points.positions[:, 1] - 1e-6)

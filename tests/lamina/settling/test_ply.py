@@ -94,7 +94,7 @@ BAD = {
     "no faces list": (header("ascii", face="property int area") + ascii_body(), "has no list vertex_indices"),
     "header": (header("ascii").replace(b"comment", b"remark"), "is not understood"),
     "huge": (header("ascii", vertices=10**15), "is not understood"),
-    "format": (header("ascii").replace(b"format ascii 1.0\n", b""), "does not tell its format"),
+    "format": (header("ascii").replace(b"format ascii 1.0\n", b""), "has no format line"),
     "gzip": (gzip.compress(header("ascii") + ascii_body())[:-20], "damaged gzip"),
     "a changed byte of gzip": (PACKED[:30] + bytes([PACKED[30] ^ 255]) + PACKED[31:], "damaged gzip"),
     "a number of gzip's": (PACKED[:-8] + b"12345678", "damaged gzip"),

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 import lamina
 
-# Fluxes differ by what both discretisations leave over, most below cosines of .1.
+# Fluxes differ by the errors of both discretisations, most for cosines below .1.
 FLUX = 1e-5
-# The solver's promise for cosines >= .05.
+# The solver's tolerance for cosines >= .05.
 POINTWISE = 1e-3
 
 

@@ -2,8 +2,8 @@
 """Whole stacks against Mitsuba 3's volpath, which traces paths through the same surfaces and media: albedos and
 some BRDFs, judged by their standard errors (.06 to .4 % of albedos, .2 to 1.8 % of BRDFs).
 
-Boundaries here mask both directions independently and give no lost energy back, as Mitsuba's do. BRDFs of
-bare Beckmann facets are not compared: Mitsuba's masking is a rational fit, off by up to .3 %."""
+Boundaries here mask both directions independently and do not compensate lost energy, as in Mitsuba. BRDFs of bare
+Beckmann facets are not compared: Mitsuba's masking is a rational fit with errors of up to .3 %."""
 
 import functools
 import json
@@ -31,7 +31,7 @@ def stack_of(name: str) -> Stack:
 
 @functools.cache
 def scores(name: str) -> tuple[tuple[str, float], ...]:
-    """(what, Z) of every comparison of a stack."""
+    """(quantity, Z) of every comparison of a stack."""
     case, stack = CASES[name], stack_of(name)
     solved = lamina.solve(stack)
     found = []
@@ -60,7 +60,7 @@ def test_all_together():
 
 
 def test_way_of_sampling_facets_does_not_matter():
-    """The oracle itself: facets drawn as a ray sees them, and as they are."""
+    """The oracle itself: facets sampled by visible normals, and by all normals."""
     stack = stack_of("rough coat on lambert")
     (one, error), (other, its_error) = (estimate(stack, 0.9, "reflectance", 100_000, 5, visible=visible)
                                         for visible in (True, False))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A sheet that does not end in air answers for light from above and refuses directions in the medium below."""
+"""A sheet that does not end in air has values for light from above and refuses directions in the medium below."""
 
 import pytest
 
@@ -49,7 +49,7 @@ def test_one_channel_in_glass_is_enough():
 
 
 def test_light_from_above_is_answered():
-    """At normal incidence Fresnel's .04; what does not come back is in the glass."""
+    """At normal incidence Fresnel's reflectance is .04; the rest of the light is in the glass."""
     solved = lamina.solve(GLASS)
     assert solved.reflectance(1.0)[0] == pytest.approx(0.04, rel=1e-9)
     for mu0 in (0.05, 0.5, "diffuse"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Energy: conservative stacks lose nothing, others lose what their media absorb, and values stay sane."""
+"""Energy: conservative stacks lose nothing, others lose the absorption of their media, and values are plausible."""
 
 import math
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Media with profiles in stacks: from below, under boundaries, baked; walks and solver, and a solver by others."""
+"""Media with profiles in stacks: from below, under boundaries, baked; walks against the solver, and an independent
+solver."""
 
 import math
 
@@ -57,7 +58,7 @@ def test_walks_against_the_solver(name, method):
     stack, query = CASES[name]
     truth = solved_value(lamina.solve(stack, threads=1), query)
     value, error, off = walked(stack, query, method)
-    # The solver promises 1e-3 at worst; homogeneous stacks stay below a tenth of that, and so do slices.
+    # The solver's tolerance is 1e-3; homogeneous stacks have less than a tenth of it, and so have slices.
     assert abs(value - truth) / math.hypot(error, max(off, 1e-4) * truth) < LIMIT
 
 
@@ -126,7 +127,7 @@ def test_upside_down():
 
 
 def test_against_disort():
-    """PythonicDISORT on many layers, each with what the profile is at its middle, extrapolated to more."""
+    """PythonicDISORT on many layers, each with the profile's value at its middle, extrapolated in their number."""
     from disort_oracle import pythonic
     tau = 2.0
     stack = Stack([Medium(tau=tau, profile=[Knot(0.0, 0.9), Knot(1.0, 0.3)])], Lambert(0.4))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values of stacks in which lobes of rough boundaries meet mirrors and each other, against the photon walk, which
-knows no azimuth orders and no nodes: Z-scores at a family-wise level of 1 % (Sidak)."""
+"""Values of stacks in which light of rough boundaries' lobes meets mirrors and lobes, against the photon walk, which
+has no azimuth orders and no nodes: Z-scores at a family-wise level of 1 % (Sidak)."""
 
 import math
 
@@ -16,7 +16,7 @@ from lamina.walks.estimate import Query
 COUNT = 30
 LIMIT = z_limit(COUNT)
 TOLERANCE = 1e-3  # of solve at quality "final"
-LEAST = 1e-3  # 1/sr; smaller values are promised to the tolerance of this one
+LEAST = 1e-3  # 1/sr; the tolerance of smaller values is relative to this one
 LACQUERED = Stack([Interface(1.5)], Conductor(0.2, 3.0, 0.05))
 FROSTED_ABOVE = Stack([Interface(1.5, 0.1), Interface(1.0)])
 

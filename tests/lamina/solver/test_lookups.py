@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All ways to ask for a value give the same value, in the stated shapes, on any number of threads."""
+"""All ways to compute a value give the same value, in the documented shapes, on any number of threads."""
 
 import math
 
@@ -38,7 +38,7 @@ class TestAgreement:
         assert alone == pytest.approx(grid[1, 3, 2], rel=1e-11, abs=1e-16)
 
     def test_long_lists_are_interpolated_as_well(self, solved, look, path, side):
-        # More cosines than the look-up solves for: the values come from a table in the angle.
+        # More cosines than the lookup solves for: the values are interpolated from a table in the angle.
         o, i, p = (a.ravel() for a in np.meshgrid(MU, MU, DPHI, indexing="ij"))
         more = np.linspace(0.05, 1.0, 500)
         many = getattr(solved, look)(np.r_[o, more], np.r_[i, more[::-1]], np.r_[p, 0.0 * more], side=side)[: o.size]
@@ -47,7 +47,7 @@ class TestAgreement:
 
 
 def test_very_long_lists_cost_no_more_memory_than_their_values():
-    """Each point has cosines of its own: joining them all with each other would take 26 GB."""
+    """Each point has its own cosines: joining all of them with each other would take 26 GB."""
     random = np.random.default_rng(3)
     o, i, p = random.uniform(0.05, 1.0, 20000), random.uniform(0.05, 1.0, 20000), random.uniform(0.0, 6.0, 20000)
     solved = lamina.solve(STACKS["rgb on Lambert"])

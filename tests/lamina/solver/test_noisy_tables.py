@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tabulated phase functions with noise but no peak: the solver against photon walks, which use the table itself, and
-what is said where even that is too much."""
+the message for too much noise."""
 
 import math
 import random

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solves with each phase function: against PythonicDISORT, which is given moments integrated here, and against
-other words for the same matter."""
+"""Solves with each phase function: against PythonicDISORT, with moments that are integrated here, and against other
+descriptions of the same medium."""
 
 import math
 

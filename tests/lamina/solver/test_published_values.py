@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values printed by others, and exact results of the theory for isotropic scattering."""
+"""Values published by others, and exact results of the theory for isotropic scattering."""
 
 import math
 

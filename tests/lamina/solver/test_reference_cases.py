@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every reference case for matter without a refractive index, within the tolerance that it states."""
+"""Every reference case without refractive indices, within its stated tolerance."""
 
 import json
 import math

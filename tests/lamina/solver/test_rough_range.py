@@ -75,7 +75,7 @@ def test_narrow_lobes_become_a_smooth_boundary(distribution):
 @pytest.mark.parametrize("alpha", [0.0, 0.1])
 @pytest.mark.parametrize("tau", [1e-3, 1e-2])
 def test_a_thin_film_between_boundaries(tau, alpha):
-    """Solved at once, and right: a film that scatters and keeps all light, and one that absorbs, finer."""
+    """Solved without refinement, and accurate: a conservative scattering film, and an absorbing one on finer nodes."""
     stack = sheet(alpha, 1.5, "ggx", tau=tau)
     assert lamina.solve(stack).absorption(MU) == pytest.approx(0.0, abs=1e-5)
     stack = sheet(alpha, 1.5, "ggx", albedo=0.5, tau=tau)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What must not change: exchanged directions, reversed stacks, split layers, other words for the same matter."""
+"""Invariances: exchanged directions, reversed stacks, split layers, other descriptions of the same medium."""
 
 import math
 
@@ -36,7 +36,7 @@ def test_reciprocity(stack):
     for side in sides:
         brdf = solved.grid("reflect", MU, MU, DPHI, side=side)
         assert brdf == pytest.approx(brdf.swapaxes(0, 1), rel=1e-9)
-        # Point by point too, on the two ways of look-up.
+        # Also point by point, for both kinds of lookup.
         assert solved.brdf(0.3, 0.8, 1.0, side) == pytest.approx(solved.brdf(0.8, 0.3, 1.0, side), rel=1e-12)
     if stack.base is None:
         down, up = (solved.grid("transmit", MU, MU, DPHI, side=side) for side in ("top", "bottom"))
@@ -63,7 +63,7 @@ def test_from_below_is_the_reversed_stack_from_above():
 def test_a_split_layer_equals_the_whole(parts, phase):
     whole = Stack([Medium(albedo=0.9, tau=sum(parts), phase=phase)])
     split = Stack([Medium(albedo=0.9, tau=tau, phase=phase) for tau in parts])
-    # Thin parts bring nodes of their own: two discretisations, each far inside the promised .1 %.
+    # Thin parts add nodes: these are two discretisations, each far inside the tolerance of .1 %.
     assert_same(grids(split), grids(whole), rel=1e-4)
     assert_same(grids(split, "bottom"), grids(whole), rel=1e-4)
 
@@ -128,7 +128,7 @@ def test_coefficients_are_albedo_and_tau():
 @pytest.mark.parametrize("layers", [[], [Medium(albedo=0.9, tau=2.0)], [COAT, BODY]], ids=["bare", "slab", "two"])
 @pytest.mark.parametrize("base", [Black(), Lambert(0.0), Lambert(0.5), HalfSpace(0.9)], ids=repr)
 def test_a_base_hides_what_is_below(layers, base):
-    """No light comes from below, and none gets there: every accessor agrees."""
+    """No light comes from below, and none arrives there: all accessors agree."""
     solved = lamina.solve(Stack(layers, base))
     for path in ("reflect", "transmit"):
         assert np.all(solved.grid(path, MU, MU, DPHI, side="bottom") == 0.0), path

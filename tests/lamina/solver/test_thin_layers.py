@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers so thin that light meets them once: between boundaries, where what they scatter may be trapped, against the
-limit in closed form; beside others, where they change nothing."""
+"""Layers so thin that light meets them once: between boundaries, where scattered light may be trapped, against the
+limit in closed form; beside other layers, where they have no effect."""
 
 import math
 
@@ -61,3 +61,32 @@ def test_a_layer_of_almost_no_thickness_is_not_there():
     solved = lamina.solve(Stack([Interface(IOR), Medium(albedo=1.0, tau=1e-14), Interface(1.0)]))
     assert solved.brdf(0.7, 0.5, 1.0)[0] == 0.0
     assert solved.absorption(MU) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("tau", [0.0, 1e-6])
+def test_a_layer_grown_from_a_thin_one_is_resolved_anew(tau):
+    """The nodes need not resolve the peak of a layer that is almost not there."""
+    thin = lamina.solve(Stack([Medium(albedo=0.9, tau=tau, phase=HenyeyGreenstein(0.9))], Lambert(0.5)), "preview")
+    grown = thin.with_thickness(0, 2.0)
+    fresh = lamina.solve(Stack([Medium(albedo=0.9, tau=2.0, phase=HenyeyGreenstein(0.9))], Lambert(0.5)), "preview")
+    assert thin.nodes < grown.nodes == fresh.nodes
+    assert grown.brdf(0.3, 0.5, 0.0) == pytest.approx(fresh.brdf(0.3, 0.5, 0.0), rel=1e-9)
+
+
+@pytest.mark.parametrize("quality, tolerance", [("preview", 1e-2), ("final", 1e-3)])
+@pytest.mark.parametrize("g", [0.0, -0.7, 0.9])
+def test_a_layer_that_needs_no_nodes_keeps_the_tolerance(g, quality, tolerance):
+    """Against the solver at its finest nodes; the layer alone, so that its values are relative to nothing else."""
+    stack = Stack([Medium(albedo=1.0, tau=1e-2 * tolerance, phase=HenyeyGreenstein(g))])
+    found, exact = lamina.solve(stack, quality), lamina.solve(stack, nodes=120)
+    mu = MU[:, None]
+    assert found.brdf(mu, MU, 1.0) == pytest.approx(exact.brdf(mu, MU, 1.0), rel=tolerance)
+    assert found.btdf(mu, MU, 2.0) == pytest.approx(exact.btdf(mu, MU, 2.0), rel=tolerance)
+
+
+def test_a_thin_layer_in_dense_glass_is_not_resolved_in_vain():
+    """More nodes do not help a layer that needs none; its light between total reflections is faint."""
+    stack = Stack([Interface(2.567, 0.3), Medium(albedo=0.316, tau=1.2e-8, phase=HenyeyGreenstein(-0.5)),
+                   Interface(1.002), Medium(albedo=0.5, tau=0.01), Interface(1.134)], Lambert(0.5))
+    solved = lamina.solve(stack, "preview", threads=1)
+    assert solved.nodes == 16

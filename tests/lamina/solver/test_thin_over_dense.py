@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Directions that graze a boundary, which a very thin layer above needs, fall together in the denser medium below."""
+"""Grazing directions for a very thin layer above a boundary coincide in the denser medium below."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def test_a_hardly_visible_layer_above_a_boundary_changes_nothing_below(thin, bas
     assert covered.orders <= 2 * plain.orders
     assert covered.nodes == plain.nodes
     dphi = [0.0, 1.0, 3.0]
-    # Light that the layer scatters and takes away, relative to what is seen without: a few times tau / mu.
+    # Light that the layer scatters and removes, relative to the light without it: a few times tau / mu.
     expected = plain.grid("reflect", MU[1:], MU[1:], dphi)
     assert covered.grid("reflect", MU[1:], MU[1:], dphi) == pytest.approx(expected, rel=1e-4, abs=2.0 * thin)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Forty random stacks and directions on which all five roads meet: transfer, adding and scattering walks, the
+"""Forty random stacks and directions on which all five methods are compared: transfer, adding and scattering walks, the
 differential form, and the solver. Walks by Z-score at a family-wise level of 1 % (Sidak, over all comparisons)."""
 
 import math

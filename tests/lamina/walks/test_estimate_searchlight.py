@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walks that carry positions against exact values, against the solver's fluxes, and against each other: Z-scores
-with fixed seeds, each family at a level of 1 %."""
+"""The walks with positions against exact values, against the solver's fluxes, and against each other: Z-scores with
+fixed seeds, each family at a level of 1 %."""
 
 import json
 import math
@@ -21,7 +21,7 @@ REFERENCE = {case["id"]: case for case in json.loads(
 
 
 def scores(measured, truth, known_to=0.0):
-    """Z-scores, flat; `known_to` is the truth's own relative error."""
+    """Z-scores, flat; `known_to`: relative error of the true values."""
     truth = np.broadcast_to(np.asarray(truth, dtype=float), np.shape(measured.value))
     return np.ravel((measured.value - truth) / np.hypot(measured.stderr, known_to * truth + 1e-12)).tolist()
 
@@ -65,7 +65,7 @@ def test_further_albedos(walk):
 
 
 def test_a_conservative_half_space_returns_light_from_any_depth():
-    """Low frequencies see light from deeper than the walk goes; the mean distance is infinite."""
+    """At low frequencies light from below the walk's depth counts; the mean distance is infinite."""
     q = [0.005, 0.02, 0.1, 0.5]
     found = lamina.estimate_searchlight(half_space(1.0), samples=1 << 17, seed=2, q=q)
     check(scores(found.reflected_at, [reflected_at(one, 1.0) for one in q]) + scores(found.reflectance, 1.0))
@@ -109,7 +109,7 @@ def test_fluxes_are_the_solvers(mu_i):
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_every_walk_finds_the_deterministic_searchlight(case):
     """At five lateral frequencies, both sides, all channels; one family over all stacks."""
-    # A final solve of a graded medium takes minutes. The solver promises these shares of the beam's flux.
+    # A final solve of a graded medium takes minutes. The solver's errors are below these shares of the beam's flux.
     quality, promised = ("preview", 1e-4) if case.name == "graded" else ("final", 1e-5)
     beam = lamina.searchlight(case.stack, quality=quality, threads=1)
     for walk in case.walks:
@@ -119,7 +119,7 @@ def test_every_walk_finds_the_deterministic_searchlight(case):
             measured = getattr(found, name)
             z = (measured.value - truth) / np.hypot(measured.stderr, promised)
             assert np.all(np.abs(z) < z_limit(FREQUENCIES)), (walk, name, z)
-        # The solver counts light of a rough surface as mirrored where it leaves at once, at the beam's own place.
+        # Light of a rough surface that leaves at once, at the beam's own place, counts as specular in the solver.
         if case.stack != FROSTED:
             assert found.mirrored.value == pytest.approx(beam.mirrored, abs=1e-6)
         assert found.unscattered.value == pytest.approx(beam.unscattered, abs=1e-6)
@@ -205,7 +205,7 @@ def test_a_ramp_of_coefficients_is_many_thin_layers(walk):
 
 
 def test_standard_errors_and_covariances_are_honest():
-    """Of 60 seeds, the spread is what each estimate says of itself."""
+    """Over 60 seeds, the spread agrees with the standard errors of the estimates."""
     found = [lamina.estimate_searchlight(VARNISHED, samples=4096, seed=seed, threads=1, r=[0.3, 1.0], q=[1.0, 3.0])
              for seed in range(60)]
     for name in ("reflectance", "reflected_inside", "reflected_at", "mean_distance", "mean_square_distance"):
@@ -241,7 +241,7 @@ def test_same_bytes_for_any_threads(walk):
 
 
 def test_shapes_and_sequence():
-    """Channels come last; radii and frequencies stay in the sequence in which they are given."""
+    """Channels come last; radii and frequencies keep the given sequence."""
     stack = Stack([medium((1.0, 2.0, 2.0), (0.1, 0.1, 0.1), 1.0)])
     found = lamina.estimate_searchlight(stack, samples=8192, threads=1, r=[2.0, 0.5, 2.0], q=3.0)
     assert found.reflected_inside.value.shape == (3, 3) and found.transmitted_at.stderr.shape == (1, 3)

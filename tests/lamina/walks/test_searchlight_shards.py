@@ -70,7 +70,7 @@ def test_missing_parts_and_other_kinds(parts):
     (lambda p: p["job"].update(q=[-1.0]), "job.q = -1: must be at least 0 1/mm"),
     (lambda p: p["job"].update(r=[1.0]), "must be lists of .1, 1, 5, 15. finite numbers on each side"),
     (lambda p: p["job"].update(walk="guess"), "job.walk = 'guess': must be one of"),
-    (lambda p: p["channels"][0].pop("endless"), "channels.0.: not a whole channel of a searchlight"),
+    (lambda p: p["channels"][0].pop("endless"), "channels.0.: not a complete channel of a searchlight"),
     (lambda p: p["channels"][0].update(mirrored="all"), "mirrored = 'all': must lie in .0, 1."),
     (lambda p: p["channels"][0]["tallies"].pop(), "channels.0.: must be a list of"),
     (lambda p: p["channels"][0]["tallies"][0][0][2].pop(), "must be lists of .2, 2, 5, 15. finite numbers"),

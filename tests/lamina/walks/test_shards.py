@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimates split over machines: the same bytes as in one, and parts that do not belong together are refused."""
+"""Estimates split over machines: the same bytes as in one run; parts that do not belong together are refused."""
 
 import json
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walks against the solver, which shares nothing with them but the description of the stack: Z-scores with
-fixed seeds, family-wise level 1 %."""
+"""The walks against the solver, with which they share only the description of the stack: Z-scores with fixed seeds,
+family-wise level 1 %."""
 
 import math
 from functools import cache
@@ -38,7 +38,7 @@ def z_score(stack, query, method, samples=SAMPLES, seed=1, truth=None):
     truth = solved_value(solved(stack.hash), query) if truth is None else truth
     found = lamina.estimate(stack, query.mu_o, query.mu_i, query.dphi, method, samples, seed=seed, threads=1,
                             side=query.side, path=query.path)
-    # What the tables may be off counts as an error of its own, as does what the solver promises at worst.
+    # The error of the tables counts as an additional error, as does the solver's tolerance.
     return (found.value[0] - truth) / math.hypot(found.stderr[0], max(found.table_error, 1e-6) * truth)
 
 
@@ -74,7 +74,7 @@ def test_every_kind_of_phase_function_has_a_slab_loop(phase):
 
 @pytest.mark.parametrize("next_event", ["at_collision", "along_flight"])
 def test_simpler_next_events_estimate_the_same(next_event):
-    """In the slab's own loop and, behind a boundary that is none, in that for any stack."""
+    """In the slab's own loop and, below a boundary without effect, in the loop for any stack."""
     from lamina import _core
     from lamina.solver.solve import core_stack
     pool = _core.ThreadPool(1)
@@ -100,7 +100,7 @@ def test_same_numbers_for_any_threads(method):
 
 
 def test_seeds_are_independent_and_errors_are_honest():
-    """Of 40 seeds, the spread is what the standard errors say."""
+    """Over 40 seeds, the spread agrees with the standard errors."""
     found = [lamina.estimate(SLAB, 0.5, 0.5, 1.0, "transfer", 4096, seed=seed, threads=1) for seed in range(40)]
     spread = np.std([f.value[0] for f in found], ddof=1) / np.mean([f.stderr[0] for f in found])
     # The standard deviation of a sample of 40 is off by 11 %; a few heavy samples make it more.
@@ -169,14 +169,14 @@ def test_stacks_that_the_scattering_walk_does_not_know():
             lamina.estimate(stack, 0.5, 0.5, method="scattering", **more)
 
 
-# Cosines, azimuth: at the end of what a table's error speaks of, between its knots, and where peaks are.
+# Cosines, azimuth: at the end of the range of a table's error estimate, between its knots, and at peaks.
 LOOKED_UP = [(0.05, 0.05, 0.5), (0.05, 0.05, 2.5), (0.053, 0.062, 0.03), (0.06, 0.9, 0.1), (0.97, 0.99, 0.1)]
 
 
 @pytest.mark.parametrize("path", ["reflect", "transmit"])
 @pytest.mark.parametrize(("albedo", "tau", "g"), [(0.95, 0.5, 0.6), (0.95, 1.0, 0.6), (1.0, 8.0, 0.0), (1.0, 0.5, 0.9)])
 def test_tables_are_as_good_as_they_say(albedo, tau, g, path):
-    """The adding walk of one layer is a look-up in its table."""
+    """The adding walk of one layer is a lookup in its table."""
     stack = Stack([hg(albedo, tau, g)])
     exact = lamina.solve(stack, threads=1)
     values = exact.brdf if path == "reflect" else exact.btdf

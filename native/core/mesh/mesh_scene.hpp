@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ray queries on triangles. Only mesh.cpp includes Embree.
+// Ray queries on triangles. Only mesh_scene.cpp includes Embree.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,13 @@ struct MeshHit {
   bool front;
 };
 
+/// Where a ray meets a face: the distance along the ray in units of its direction's length, and the face's normal, of
+/// length 1, on the side from which its corners run counter-clockwise.
+struct SurfaceHit {
+  float distance;
+  float normal[3];
+};
+
 /// Several parts in one scene. Queries are thread-safe and watertight at shared edges, and do not depend on the number
 /// of threads that built the scene.
 class MeshScene {
@@ -47,6 +55,10 @@ class MeshScene {
 
   bool occluded(const MeshRay& ray) const;
   MeshHit first_hit(const MeshRay& ray) const;
+  /// The first face that a ray hits, of any part.
+  std::optional<SurfaceHit> first_surface(const MeshRay& ray) const;
+  /// The distance from a place to the nearest face, of any part, or `within` if none is nearer than that.
+  float nearest_distance(const float place[3], float within) const;
   std::size_t parts() const { return parts_.size(); }
   /// Memory that Embree holds for the scene.
   std::size_t bytes() const;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dust/mesh.hpp"
+#include "mesh/mesh_scene.hpp"
 
 #include <embree3/rtcore.h>
 
+#include <Eigen/Geometry>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -45,6 +47,75 @@ RTCRay embree_ray(const MeshRay& ray) {
   result.id = 0;
   result.flags = 0;
   return result;
+}
+
+/// The first hit of a ray, of any kind.
+RTCRayHit intersection(RTCScene scene, const MeshRay& ray) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit traced;
+  traced.ray = embree_ray(ray);
+  traced.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  traced.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene, &context, &traced);
+  return traced;
+}
+
+/// The place of a triangle that is nearest to a point (Ericson, Real-Time Collision Detection, 2005, 5.1.5).
+Eigen::Vector3f nearest_on_triangle(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                                    const Eigen::Vector3f& c) {
+  const Eigen::Vector3f ab = b - a;
+  const Eigen::Vector3f ac = c - a;
+  const float d1 = ab.dot(p - a);
+  const float d2 = ac.dot(p - a);
+  if (d1 <= 0.0F && d2 <= 0.0F) {
+    return a;
+  }
+  const float d3 = ab.dot(p - b);
+  const float d4 = ac.dot(p - b);
+  if (d3 >= 0.0F && d4 <= d3) {
+    return b;
+  }
+  const float vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0F && d1 >= 0.0F && d3 <= 0.0F) {
+    return a + d1 / (d1 - d3) * ab;
+  }
+  const float d5 = ab.dot(p - c);
+  const float d6 = ac.dot(p - c);
+  if (d6 >= 0.0F && d5 <= d6) {
+    return c;
+  }
+  const float vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0F && d2 >= 0.0F && d6 <= 0.0F) {
+    return a + d2 / (d2 - d6) * ac;
+  }
+  const float va = d3 * d6 - d5 * d4;
+  if (va <= 0.0F && d4 - d3 >= 0.0F && d5 - d6 >= 0.0F) {
+    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  }
+  return a + (vb * ab + vc * ac) / (va + vb + vc);
+}
+
+/// Of a query for the nearest face: the parts, and the distance found so far.
+struct NearestSearch {
+  const std::vector<TrianglePart>& parts;
+  float distance;
+};
+
+bool take_nearer_face(RTCPointQueryFunctionArguments* found) {
+  auto& search = *static_cast<NearestSearch*>(found->userPtr);
+  const TrianglePart& part = search.parts[found->geomID];
+  const auto corner = [&](std::size_t k) {
+    return Eigen::Vector3f(part.vertices.data() + std::size_t{3} * part.triangles[3 * std::size_t{found->primID} + k]);
+  };
+  const Eigen::Vector3f place(found->query->x, found->query->y, found->query->z);
+  const float distance = (nearest_on_triangle(place, corner(0), corner(1), corner(2)) - place).norm();
+  if (!(distance < search.distance)) {
+    return false;
+  }
+  search.distance = distance;
+  found->query->radius = distance;
+  return true;
 }
 
 }  // namespace
@@ -120,19 +191,34 @@ bool MeshScene::occluded(const MeshRay& ray) const {
 }
 
 MeshHit MeshScene::first_hit(const MeshRay& ray) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRayHit traced;
-  traced.ray = embree_ray(ray);
-  traced.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  traced.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(embree_->scene, &context, &traced);
+  const RTCRayHit traced = intersection(embree_->scene, ray);
   if (traced.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
     return {-1, false};
   }
   const float along =
       traced.hit.Ng_x * ray.direction[0] + traced.hit.Ng_y * ray.direction[1] + traced.hit.Ng_z * ray.direction[2];
   return {static_cast<int>(traced.hit.geomID), along < 0.0F};
+}
+
+std::optional<SurfaceHit> MeshScene::first_surface(const MeshRay& ray) const {
+  const RTCRayHit traced = intersection(embree_->scene, ray);
+  if (traced.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+    return std::nullopt;
+  }
+  const float x = traced.hit.Ng_x;
+  const float y = traced.hit.Ng_y;
+  const float z = traced.hit.Ng_z;
+  const float scale = 1.0F / std::sqrt(x * x + y * y + z * z);
+  return SurfaceHit{traced.ray.tfar, {scale * x, scale * y, scale * z}};
+}
+
+float MeshScene::nearest_distance(const float place[3], float within) const {
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  RTCPointQuery query = {place[0], place[1], place[2], 0.0F, within};
+  NearestSearch search{parts_, within};
+  rtcPointQuery(embree_->scene, &query, &context, &take_nearer_face, &search);
+  return search.distance;
 }
 
 std::size_t MeshScene::bytes() const { return static_cast<std::size_t>(std::max<ssize_t>(0, embree_->bytes)); }
@@ -145,7 +231,7 @@ std::string mesh_self_test() {
   const auto version = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION);
   rtcReleaseDevice(device);
   if (version != RTC_VERSION) {
-    return "Embree of version " + std::to_string(version) + " answers where " + std::to_string(RTC_VERSION) +
+    return "Embree has version " + std::to_string(version) + ", but version " + std::to_string(RTC_VERSION) +
            " is expected";
   }
   const MeshScene scene({{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}}}, 1, [](double) { return true; });

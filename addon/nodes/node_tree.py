@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node tree of a material or world, in every Blender from 4.2 on.
+
+Imports nothing but bpy: demo_scenes/node_tree.py is a link to this file, for scenes and tests that render
+without the add-on.
+"""
+
+import bpy
+
+
+def of(owner):
+    """The node tree of a material or world.
+
+    Before Blender 5.0 it has to be switched on. From 5.0 on it is always there, and touching the switch
+    warns: Blender 6.0 will not have the switch.
+    """
+    if bpy.app.version < (5, 0, 0):
+        owner.use_nodes = True
+    return owner.node_tree

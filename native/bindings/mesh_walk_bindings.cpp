@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Solids, grids of coefficients and walks inside, in the module lamina._mesh.
+#include <pybind11/stl.h>
+
+#include "mesh_bindings.hpp"
+#include "mesh_walk/point_walks.hpp"
+
+namespace {
+
+using namespace lamina;
+using Voxels = py::array_t<std::uint16_t, py::array::c_style>;
+using Triple = std::array<double, 3>;
+
+/// A solid and the threads that walk in it.
+struct BoundSolid {
+  ThreadPool pool;
+  std::unique_ptr<Solid> solid;
+
+  BoundSolid(const Floats& vertices, const Indices& triangles, unsigned threads, const py::function& go_on)
+      : pool(threads) {
+    TrianglePart part = part_of(vertices, triangles);
+    if (part.triangles.empty()) {
+      throw py::value_error("triangles must hold at least one");
+    }
+    solid = built_on_a_thread<Solid>(
+        go_on, [&](const auto& ask) { return std::make_unique<Solid>(std::move(part), pool, ask); });
+  }
+};
+
+/// A grid and the array that holds its voxels.
+struct BoundGrid {
+  Voxels voxels;
+  CoefficientGrid grid;
+};
+
+GridFrame frame_of(const Voxels& voxels, py::ssize_t axes, const Triple& low, const Triple& high, bool smooth) {
+  if (voxels.ndim() != axes || voxels.size() == 0) {
+    throw py::value_error("voxels must have the shape (nx, ny, nz), and for coefficients a last axis of 6");
+  }
+  GridFrame frame{{}, low, high, smooth};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    frame.voxels[axis] = static_cast<int>(voxels.shape(static_cast<py::ssize_t>(axis)));
+    if (!(low[axis] < high[axis])) {
+      throw py::value_error("low must be below high on each axis");
+    }
+  }
+  return frame;
+}
+
+BoundGrid grid_of_coefficients(const Voxels& voxels, const Triple& low, const Triple& high, bool smooth, float g) {
+  const GridFrame frame = frame_of(voxels, 4, low, high, smooth);
+  if (voxels.shape(3) != 6) {
+    throw py::value_error("voxels must have a last axis of 6");
+  }
+  const py::gil_scoped_release release;
+  return {voxels, CoefficientGrid::of_halves(frame, voxels.data(), g)};
+}
+
+BoundGrid grid_of_mixture(const Voxels& voxels, const Triple& low, const Triple& high, bool smooth,
+                          const std::vector<std::tuple<Channels, Channels, float>>& materials) {
+  const GridFrame frame = frame_of(voxels, 3, low, high, smooth);
+  if (materials.empty()) {
+    throw py::value_error("palette must hold at least one material");
+  }
+  std::vector<EndMaterial> palette;
+  for (const auto& [scattering, absorption, g] : materials) {
+    palette.push_back({scattering, absorption, g});
+  }
+  const py::gil_scoped_release release;
+  return {voxels, CoefficientGrid::of_mixture(frame, voxels.data(), std::move(palette))};
+}
+
+/// Directions and places, rows of three numbers.
+using Rows = py::array_t<double, py::array::c_style>;
+
+Ray ray_at(const Rows& rows, std::size_t i) {
+  const double* row = rows.data() + 3 * i;
+  return {row[0], row[1], row[2]};
+}
+
+WalkPoints points_of(const Rows& positions, const Rows& normals, const std::optional<Rows>& views,
+                     std::uint64_t first_number, std::uint64_t walks, std::uint64_t seed) {
+  require_triples(positions, "positions");
+  require_triples(normals, "normals");
+  if (positions.shape(0) != normals.shape(0) || (views && views->shape(0) != positions.shape(0))) {
+    throw py::value_error("positions, normals and views must have the same number of rows");
+  }
+  if (views) {
+    require_triples(*views, "views");
+  }
+  WalkPoints points{{}, first_number, walks, seed};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(positions.shape(0)); ++i) {
+    const Ray place = ray_at(positions, i);
+    MeshWalk::Start start{{place.x, place.y, place.z}, ray_at(normals, i), std::nullopt};
+    if (views) {
+      start.view = ray_at(*views, i);
+    }
+    points.starts.push_back(start);
+  }
+  return points;
+}
+
+/// (mirrored, lost, scatterings, collisions, rays) of each point.
+template <typename Results>
+Rows counts_of(const Results& results) {
+  Rows counts({static_cast<py::ssize_t>(results.size()), py::ssize_t{5}});
+  double* out = counts.mutable_data();
+  for (const auto& result : results) {
+    *out++ = result.counts.mirrored;
+    *out++ = result.counts.lost;
+    *out++ = static_cast<double>(result.counts.scatterings);
+    *out++ = static_cast<double>(result.counts.collisions);
+    *out++ = static_cast<double>(result.counts.rays);
+  }
+  return counts;
+}
+
+py::tuple exits(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
+                const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number, std::uint64_t walks,
+                std::uint64_t seed) {
+  const WalkPoints points = points_of(positions, normals, views, first_number, walks, seed);
+  const auto results = [&] {
+    const py::gil_scoped_release release;
+    return walk_to_exits(MeshWalk(*solid.solid, grid.grid, boundary), points, solid.pool);
+  }();
+  const auto count = static_cast<py::ssize_t>(results.size());
+  Rows moments({count, py::ssize_t{3}, py::ssize_t{3}});
+  Rows products({count, py::ssize_t{3}, py::ssize_t{6}});
+  double* moment = moments.mutable_data();
+  double* product = products.mutable_data();
+  for (const ExitResult& result : results) {
+    for (const ExitSums::OfChannel& channel : result.exits.channels) {
+      moment = std::copy(channel.moments.begin(), channel.moments.end(), moment);
+      product = std::copy(channel.products.begin(), channel.products.end(), product);
+    }
+  }
+  return py::make_tuple(moments, products, counts_of(results));
+}
+
+py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
+                const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number, std::uint64_t walks,
+                std::uint64_t seed, const std::vector<std::pair<Triple, double>>& lamps) {
+  const WalkPoints points = points_of(positions, normals, views, first_number, walks, seed);
+  std::vector<DistantLight> lights;
+  for (const auto& [towards, cosine] : lamps) {
+    lights.push_back({{towards[0], towards[1], towards[2]}, cosine});
+  }
+  const auto results = [&] {
+    const py::gil_scoped_release release;
+    return walk_to_lights(MeshWalk(*solid.solid, grid.grid, boundary), points, lights, solid.pool);
+  }();
+  const auto count = static_cast<py::ssize_t>(results.size());
+  const auto columns = static_cast<py::ssize_t>(lights.size() + 1);
+  Rows sums({count, columns, py::ssize_t{3}});
+  Rows squares({count, columns, py::ssize_t{3}});
+  double* sum = sums.mutable_data();
+  double* square = squares.mutable_data();
+  for (const LitResult& result : results) {
+    for (std::size_t k = 0; k < result.light.sums.size(); ++k) {
+      sum = std::copy(result.light.sums[k].begin(), result.light.sums[k].end(), sum);
+      square = std::copy(result.light.squares[k].begin(), result.light.squares[k].end(), square);
+    }
+  }
+  return py::make_tuple(sums, squares, counts_of(results));
+}
+
+}  // namespace
+
+void lamina::bind_mesh_walk(py::module_& module) {
+  py::class_<BoundSolid>(module, "Solid", "A closed mesh, lengths in mm, and the threads that walk in it.")
+      .def(py::init<const Floats&, const Indices&, unsigned, const py::function&>(), py::arg("vertices"),
+           py::arg("triangles"), py::arg("threads"), py::arg("go_on"))
+      .def(
+          "clearance",
+          [](const BoundSolid& self, const Triple& place) {
+            return self.solid->clearance({place[0], place[1], place[2]});
+          },
+          py::arg("place"), "A distance in mm up to which there is no surface around a place.")
+      .def(
+          "distances",
+          [](const BoundSolid& self, const Floats& positions, float within) {
+            require_triples(positions, "positions");
+            Floats found(positions.shape(0));
+            for (py::ssize_t i = 0; i < positions.shape(0); ++i) {
+              found.mutable_data()[i] = self.solid->distance(positions.data() + 3 * i, within);
+            }
+            return found;
+          },
+          py::arg("positions").noconvert(), py::arg("within"),
+          "Distances in mm from places to the surface, `within` where that is farther.")
+      .def_property_readonly("bytes", [](const BoundSolid& self) { return self.solid->bytes(); });
+  py::class_<BoundGrid>(module, "Grid", "Coefficients in voxels [x, y, z] of a box in mm.")
+      .def_static("of_coefficients", &grid_of_coefficients, py::arg("voxels").noconvert(), py::arg("low"),
+                  py::arg("high"), py::arg("smooth"), py::arg("g"),
+                  "Voxels are six halves, as bits: sigma_s and sigma_a of three channels, in 1/mm.")
+      .def_static("of_mixture", &grid_of_mixture, py::arg("voxels").noconvert(), py::arg("low"), py::arg("high"),
+                  py::arg("smooth"), py::arg("palette"),
+                  "Voxels are places in the palette, 0 to 65535; the palette is a list of (sigma_s, sigma_a, g).");
+  py::class_<SurfaceBoundary>(module, "Boundary", "The boundary of a solid in air.")
+      .def(py::init([](double ior, double alpha, const std::string& distribution) {
+             Facets facets;
+             facets.alpha = alpha;
+             facets.distribution =
+                 distribution == "beckmann" ? Facets::Distribution::kBeckmann : Facets::Distribution::kGgx;
+             return SurfaceBoundary(ior, alpha > 0.0 ? &facets : nullptr);
+           }),
+           py::arg("ior"), py::arg("alpha"), py::arg("distribution"));
+  module.def("walk_to_exits", &exits, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
+             py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("walks"), py::arg("seed"),
+             "(moments [point, channel, (w, w r, w r^2)], products [point, channel, 6], counts [point, (mirrored, "
+             "lost, scatterings, collisions, rays)]).");
+  module.def("walk_to_lights", &light, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
+             py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("walks"), py::arg("seed"),
+             py::arg("lamps"),
+             "(sums [point, lamp or last the sky, channel], squares, counts); lamps are (direction, cosine of the "
+             "disc's angular radius).");
+}

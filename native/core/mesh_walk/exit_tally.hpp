@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How much light leaves a solid, and how far from where it entered.
+#pragma once
+#include <array>
+
+#include "mesh_walk/mesh_walk.hpp"
+
+namespace lamina {
+
+/// Sums over the walks of one point, for each channel, of the weight w with which light first leaves, and the distance
+/// r in mm from start to exit.
+struct ExitSums {
+  enum Score { kWeight, kDistance, kSquare, kScores };
+  struct OfChannel {
+    /// Of v = (w, w r, w r^2), and of the products v_i v_j, i <= j, by rows.
+    std::array<double, kScores> moments = {};
+    std::array<double, kScores*(kScores + 1) / 2> products = {};
+  };
+  std::array<OfChannel, kChannels> channels;
+
+  void add(const ExitSums& other);
+};
+
+/// Takes the first exit of each walk.
+class ExitTally final : public WalkListener {
+ public:
+  explicit ExitTally(ExitSums& sums) : sums_(sums) {}
+
+  void begin(const Place& start) { start_ = start; }
+  bool leaves(const Exit& exit) override;
+
+ private:
+  ExitSums& sums_;
+  Place start_;
+};
+
+}  // namespace lamina

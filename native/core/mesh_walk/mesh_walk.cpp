@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh_walk/mesh_walk.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "mesh_walk/surface_search.hpp"
+#include "phase/henyey_greenstein.hpp"
+#include "walks/survival.hpp"
+
+namespace lamina {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// How far from the surface a start may be, relative to the size.
+constexpr double kStartReach = 1e-4;
+// How far inside the surface walks start, relative to the size: a few roundings of single precision.
+constexpr double kInset = 2e-7;
+
+Ray reflected(const Ray& ray, const Ray& normal) {
+  const double twice = 2.0 * ray.dot(normal);
+  return normalised({ray.x - twice * normal.x, ray.y - twice * normal.y, ray.z - twice * normal.z});
+}
+
+}  // namespace
+
+void WalkCounts::add(const WalkCounts& other) {
+  mirrored += other.mirrored;
+  lost += other.lost;
+  scatterings += other.scatterings;
+  collisions += other.collisions;
+  rays += other.rays;
+}
+
+/// One walk.
+class MeshWalk::Path {
+ public:
+  Path(const MeshWalk& walk, Rng& rng, WalkListener& listener, WalkCounts& counts)
+      : solid_(walk.solid_),
+        grid_(walk.grid_),
+        boundary_(walk.boundary_),
+        rng_(rng),
+        listener_(listener),
+        counts_(counts) {}
+
+  void run(const Start& start) {
+    if (!enter(start)) {
+      return;
+    }
+    while (fly() && survives_roulette()) {
+    }
+  }
+
+ private:
+  /// Light from the eye meets the boundary. False if it does not enter.
+  bool enter(const Start& start) {
+    const Ray& normal = start.normal;
+    normal_ = normal;
+    place_ = start.place;
+    const double reach = kStartReach * solid_.size();
+    ++counts_.rays;
+    if (const auto hit = solid_.first_crossing(start.place.moved(normal, reach), -normal, 0.0, 2.0 * reach);
+        hit && hit->normal.dot(normal) > 0.0) {
+      place_ = start.place.moved(normal, reach - hit->distance);
+      normal_ = hit->normal;
+    }
+    // At a vertex, all faces about the vertex shall be outside.
+    place_ = place_.moved(normal, -kInset * solid_.size());
+    const Ray in = start.view ? -*start.view : -about(normal);
+    if (in.dot(normal) >= 0.0) {  // seen from behind
+      return false;
+    }
+    double weight = 1.0;
+    if (boundary_.kind() == SurfaceBoundary::Kind::kRough) {
+      const auto outcome = boundary_.meet(in, normal, rng_);
+      if (outcome.direction.dot(normal) >= 0.0 || outcome.weight == 0.0) {
+        counts_.mirrored += outcome.weight;
+        return false;
+      }
+      direction_ = outcome.direction;
+      weight = outcome.weight;
+    } else {
+      const auto outcome = boundary_.enter(in, normal);
+      counts_.mirrored += 1.0 - outcome.weight;
+      direction_ = outcome.direction;
+      weight = outcome.weight;
+    }
+    if (weight == 0.0) {
+      return false;
+    }
+    // A direction that enters by the given normal may leave by that of the face.
+    if (direction_.dot(normal_) > 0.0) {
+      direction_ = reflected(direction_, normal_);
+    }
+    weights_.fill(weight);
+    return true;
+  }
+
+  Ray about(const Ray& normal) {
+    const Ray up = lambert_ray(rng_);
+    const auto [first, second] = tangents_of(normal.x, normal.y, normal.z);
+    return normalised({up.x * first[0] + up.y * second[0] + up.z * normal.x,
+                       up.x * first[1] + up.y * second[1] + up.z * normal.y,
+                       up.x * first[2] + up.y * second[2] + up.z * normal.z});
+  }
+
+  /// To the next scattering, or to the surface and across or back. False if the walk ends.
+  bool fly() {
+    BrickFlight flight(grid_, place_, direction_);
+    SurfaceSearch surface(solid_, place_, direction_, shells_, on_surface_);
+    std::optional<Crossing> end;
+    double free = 0.0;  // up to here there is no surface
+    if (on_surface_) {
+      // At an edge a direction that enters by one face may leave by another, and by rounding miss that face.
+      ++counts_.rays;
+      end = surface.leaving(kInfinity);
+      if (!end) {
+        return leave(normal_);
+      }
+      free = end->distance;
+    } else {
+      free = solid_.clearance(place_);
+    }
+    for (;;) {
+      const double distance = flight.advance(-std::log(rng_.uniform()), end ? end->distance : kInfinity);
+      if (distance > free) {
+        if (!end) {
+          ++counts_.rays;
+          end = surface.leaving(distance);
+        }
+        if (end) {
+          place_ = place_.moved(direction_, end->distance);
+          on_surface_ = true;
+          return cross(end->normal);
+        }
+        free = distance;
+      }
+      const Place here = place_.moved(direction_, distance);
+      if (distance == kInfinity || !solid_.box_holds(here)) {
+        counts_.lost += mean_of(weights_);
+        return false;
+      }
+      ++counts_.collisions;
+      const CoefficientGrid::Sample sample = grid_.at(here, rng_);
+      if (is_real(sample, flight.majorant())) {
+        place_ = here;
+        on_surface_ = false;
+        scatter(sample);
+        return true;
+      }
+    }
+  }
+
+  /// Accepts or rejects a tentative collision; multiplies the weights by the ratio of what each channel does to what
+  /// was done.
+  bool is_real(const CoefficientGrid::Sample& sample, double majorant) {
+    double sum = 0.0;
+    double real = 0.0;
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      sum += weights_[c];
+      real += weights_[c] * static_cast<double>(sample.extinction[c]);
+    }
+    if (rng_.uniform() * majorant * sum < real) {
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        weights_[c] *= static_cast<double>(sample.scattering[c]) * (sum / real);
+      }
+      return true;
+    }
+    const double scale = sum / (majorant * sum - real);
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      weights_[c] *= (majorant - static_cast<double>(sample.extinction[c])) * scale;
+    }
+    return false;
+  }
+
+  void scatter(const CoefficientGrid::Sample& sample) {
+    ++counts_.scatterings;
+    listener_.scatters(place_, direction_, sample, weights_, rng_);
+    const HenyeyGreenstein first{sample.g_first};
+    if (sample.g_first == sample.g_second) {
+      direction_ = scattered(direction_, first.sample(rng_.uniform()), rng_);
+      return;
+    }
+    // The mean of the channels' mixtures, weighted like collisions.
+    const HenyeyGreenstein second{sample.g_second};
+    const double sum = weights_[0] + weights_[1] + weights_[2];
+    double by_second = 0.0;
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      by_second += weights_[c] * static_cast<double>(sample.second[c]);
+    }
+    const bool chosen = rng_.uniform() * sum < by_second;
+    const double cosine = (chosen ? second : first).sample(rng_.uniform());
+    const double p_first = first.evaluate(cosine);
+    const double p_second = second.evaluate(cosine);
+    const double scale = sum / (by_second * p_second + (sum - by_second) * p_first);
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      const auto share = static_cast<double>(sample.second[c]);
+      weights_[c] *= (share * p_second + (1.0 - share) * p_first) * scale;
+    }
+    direction_ = scattered(direction_, cosine, rng_);
+  }
+
+  /// Light from inside is at the surface. False if the walk ends.
+  bool cross(const Ray& normal) {
+    normal_ = normal;
+    if (boundary_.kind() == SurfaceBoundary::Kind::kRough) {
+      listener_.meets_facets(place_, direction_, normal, weights_);
+    }
+    turn(boundary_.meet(direction_, normal, rng_));
+    return direction_.dot(normal) <= 0.0 || leave(normal);
+  }
+
+  bool leave(const Ray& normal) { return listener_.leaves({place_, normal, direction_, weights_}) && follow_outside(); }
+
+  /// Light outside. True if it enters again.
+  bool follow_outside() {
+    for (;;) {
+      ++counts_.rays;
+      const auto crossing = SurfaceSearch(solid_, place_, direction_, shells_, true).entering(kInfinity);
+      if (!crossing) {
+        listener_.escapes(direction_, weights_);
+        return false;
+      }
+      place_ = place_.moved(direction_, crossing->distance);
+      normal_ = crossing->normal;
+      turn(boundary_.meet(direction_, normal_, rng_));
+      if (direction_.dot(normal_) <= 0.0) {
+        return true;
+      }
+      if (!survives_roulette()) {
+        return false;
+      }
+    }
+  }
+
+  void turn(const SurfaceBoundary::Outcome& outcome) {
+    direction_ = outcome.direction;
+    for (double& weight : weights_) {
+      weight *= outcome.weight;
+    }
+  }
+
+  bool survives_roulette() {
+    const double before = mean_of(weights_);
+    double after = before;
+    if (!survives(after, rng_)) {
+      return false;
+    }
+    if (after != before) {
+      for (double& weight : weights_) {
+        weight *= after / before;
+      }
+    }
+    return true;
+  }
+
+  const Solid& solid_;
+  const CoefficientGrid& grid_;
+  const SurfaceBoundary& boundary_;
+  Rng& rng_;
+  WalkListener& listener_;
+  WalkCounts& counts_;
+
+  Place place_;
+  Ray direction_;
+  Ray normal_;  ///< of the face that was met last
+  Weights weights_ = {};
+  int shells_ = 1;
+  bool on_surface_ = true;
+};
+
+void MeshWalk::run(const Start& start, Rng& rng, WalkListener& listener, WalkCounts& counts) const {
+  Path(*this, rng, listener, counts).run(start);
+}
+
+Weights MeshWalk::transmittance(const Place& from, const Ray& direction, Rng& rng, WalkCounts& counts) const {
+  Weights shares = {1.0, 1.0, 1.0};
+  int shells = 1;
+  double at = 0.0;
+  BrickFlight flight(grid_, from, direction);
+  SurfaceSearch surface(solid_, from, direction, shells, false);
+  for (;;) {
+    ++counts.rays;
+    const auto out = surface.leaving(kInfinity);
+    if (!out) {
+      return shares;
+    }
+    for (;;) {
+      at = flight.advance(-std::log(rng.uniform()), out->distance);
+      if (at == kInfinity) {
+        break;
+      }
+      const CoefficientGrid::Sample sample = grid_.at(from.moved(direction, at), rng);
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        shares[c] *= 1.0 - static_cast<double>(sample.extinction[c]) / flight.majorant();
+      }
+      const double before = mean_of(shares);
+      double after = before;
+      if (!survives(after, rng)) {
+        return {};
+      }
+      for (double& share : shares) {
+        share *= after / before;
+      }
+    }
+    ++counts.rays;
+    const auto in = surface.entering(kInfinity);
+    if (!in) {
+      return shares;
+    }
+    flight.skip_to(in->distance);
+  }
+}
+
+bool MeshWalk::is_visible(const Place& from, const Ray& direction) const {
+  int shells = 1;
+  return !SurfaceSearch(solid_, from, direction, shells, true).entering(kInfinity);
+}
+
+}  // namespace lamina

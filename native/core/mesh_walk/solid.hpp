@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A closed mesh: its surface, and how far from the surface a place is.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include "interior/place.hpp"
+#include "mesh/mesh_scene.hpp"
+#include "mesh_walk/surface_distance.hpp"
+#include "numeric/thread_pool.hpp"
+
+namespace lamina {
+
+/// Where a ray meets the surface: the distance, and the outward normal.
+struct Crossing {
+  double distance;
+  Ray normal;
+};
+
+/// A closed mesh with outward normals; lengths in mm. Coordinates should lie around 0: single precision resolves the
+/// surface to about 1e-7 of the largest one.
+class Solid {
+ public:
+  /// Calls `go_on(fraction)` from time to time; throws MeshScene::Stopped when it returns false.
+  Solid(TrianglePart part, ThreadPool& pool, const std::function<bool(double)>& go_on);
+
+  /// A distance in mm up to which there is no surface around a place; 0 if none is known.
+  double clearance(const Place& place) const { return distance_.clearance(place); }
+
+  /// The distance of a place to the surface, or `within` if that is shorter.
+  float distance(const float place[3], float within) const { return scene_.nearest_distance(place, within); }
+
+  std::optional<Crossing> first_crossing(const Place& from, const Ray& direction, double nearest,
+                                         double farthest) const {
+    constexpr double kFar = std::numeric_limits<float>::max();
+    const MeshRay ray = {
+        {static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z)},
+        {static_cast<float>(direction.x), static_cast<float>(direction.y), static_cast<float>(direction.z)},
+        static_cast<float>(nearest),
+        static_cast<float>(std::min(farthest, kFar))};
+    const auto hit = scene_.first_surface(ray);
+    if (!hit) {
+      return std::nullopt;
+    }
+    return Crossing{hit->distance, {hit->normal[0], hit->normal[1], hit->normal[2]}};
+  }
+
+  /// Whether a place lies in the mesh's box, with a margin for rounding.
+  bool box_holds(const Place& place) const {
+    const double margin = 1e-6 * size_;
+    const std::array<double, 3> at = {place.x, place.y, place.z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (!(at[axis] > low_[axis] - margin && at[axis] < high_[axis] + margin)) {
+        return false;
+      }
+    }
+    return true;
+  }
+  /// The diagonal of the mesh's box.
+  double size() const { return size_; }
+  std::size_t bytes() const { return scene_.bytes() + distance_.bytes(); }
+
+ private:
+  std::array<double, 3> low_;
+  std::array<double, 3> high_;
+  double size_;
+  MeshScene scene_;
+  SurfaceDistance distance_;
+};
+
+}  // namespace lamina

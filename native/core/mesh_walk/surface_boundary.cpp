@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh_walk/surface_boundary.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "numeric/tangents.hpp"
+#include "operators/interface.hpp"
+
+namespace lamina {
+
+namespace {
+
+/// Directions about a normal, which is z.
+struct NormalFrame {
+  Ray first, second, normal;
+
+  explicit NormalFrame(const Ray& n) : normal(n) {
+    const auto [a, b] = tangents_of(n.x, n.y, n.z);
+    first = {a[0], a[1], a[2]};
+    second = {b[0], b[1], b[2]};
+  }
+  Ray local(const Ray& ray) const { return {ray.dot(first), ray.dot(second), ray.dot(normal)}; }
+  Ray world(const Ray& ray) const {
+    return normalised({ray.x * first.x + ray.y * second.x + ray.z * normal.x,
+                       ray.x * first.y + ray.y * second.y + ray.z * normal.y,
+                       ray.x * first.z + ray.y * second.z + ray.z * normal.z});
+  }
+};
+
+/// Light along `in` meets a smooth boundary with the cosine `along` to the normal (its sign tells the side), and goes
+/// on from index `from` to index `to`.
+struct SmoothMeeting {
+  double reflected;  ///< share of the power
+  Ray refracted;
+
+  SmoothMeeting(const Ray& in, const Ray& normal, double along, double from, double to) {
+    const double ratio = from / to;
+    const double mu = std::abs(along);
+    const double sine2 = (1.0 - mu * mu) * ratio * ratio;
+    if (sine2 >= 1.0) {
+      reflected = 1.0;
+      return;
+    }
+    const double cosine = std::sqrt(1.0 - sine2);
+    reflected = fresnel(mu, cosine, from, to);
+    const double turn = std::copysign(cosine, along) - ratio * along;
+    refracted =
+        normalised({ratio * in.x + turn * normal.x, ratio * in.y + turn * normal.y, ratio * in.z + turn * normal.z});
+  }
+};
+
+}  // namespace
+
+SurfaceBoundary::SurfaceBoundary(double ior, const Facets* facets) : kind_(Kind::kMatched), ior_(ior) {
+  if (ior != 1.0) {
+    kind_ = facets == nullptr ? Kind::kSmooth : Kind::kRough;
+  }
+  if (kind_ == Kind::kRough) {
+    rough_ = std::make_shared<const FacetScatter>(*facets, 1.0, ior, true);
+  }
+}
+
+SurfaceBoundary::Outcome SurfaceBoundary::meet(const Ray& in, const Ray& normal, Rng& rng) const {
+  if (kind_ == Kind::kMatched) {
+    return {in, 1.0};
+  }
+  if (kind_ == Kind::kRough) {
+    const NormalFrame frame(normal);
+    const FacetScatter::Outcome outcome = rough_->sample(frame.local(in), rng);
+    return {frame.world(outcome.ray), outcome.weight};
+  }
+  const double along = std::clamp(in.dot(normal), -1.0, 1.0);
+  const bool inside = along > 0.0;
+  const SmoothMeeting meeting(in, normal, along, inside ? ior_ : 1.0, inside ? 1.0 : ior_);
+  if (rng.uniform() >= meeting.reflected) {
+    return {meeting.refracted, 1.0};
+  }
+  return {normalised({in.x - 2.0 * along * normal.x, in.y - 2.0 * along * normal.y, in.z - 2.0 * along * normal.z}),
+          1.0};
+}
+
+SurfaceBoundary::Outcome SurfaceBoundary::enter(const Ray& in, const Ray& normal) const {
+  if (kind_ == Kind::kMatched) {
+    return {in, 1.0};
+  }
+  const SmoothMeeting meeting(in, normal, std::clamp(in.dot(normal), -1.0, 0.0), 1.0, ior_);
+  return {meeting.refracted, 1.0 - meeting.reflected};
+}
+
+double SurfaceBoundary::leaving(const Ray& in, const Ray& out, const Ray& normal) const {
+  const NormalFrame frame(normal);
+  const Ray up = frame.local(out);
+  return up.z > 0.0 ? rough_->value(frame.local(in), up) * up.z : 0.0;
+}
+
+}  // namespace lamina

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "rough/shared_surface.hpp"
+
+#include <map>
+#include <mutex>
+#include <vector>
+
+namespace lamina {
+namespace {
+
+/// All numbers on which the boundary depends.
+using Key = std::vector<double>;
+
+Key key_of(const Facets& facets, bool compensate, const DirectionSet& set, double ior_above, int orders,
+           double fineness) {
+  Key key{facets.alpha,
+          static_cast<double>(facets.distribution),
+          static_cast<double>(facets.correlated),
+          static_cast<double>(compensate),
+          ior_above,
+          static_cast<double>(orders),
+          fineness};
+  for (const DirectionSet::Range& range : set.ranges()) {
+    key.insert(key.end(),
+               {range.ior, range.nodes.low(), range.nodes.high(), static_cast<double>(range.nodes.mu.size())});
+  }
+  return key;
+}
+
+template <typename Make>
+std::shared_ptr<const RoughSurface> known_or_made(const Key& key, const Make& make) {
+  static std::mutex lock;
+  static std::map<Key, std::weak_ptr<const RoughSurface>> known;
+  {
+    const std::scoped_lock guard(lock);
+    if (const auto place = known.find(key); place != known.end()) {
+      if (std::shared_ptr<const RoughSurface> surface = place->second.lock()) {
+        return surface;
+      }
+    }
+  }
+  std::shared_ptr<const RoughSurface> surface = make();
+  const std::scoped_lock guard(lock);
+  std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
+  known[key] = surface;
+  return surface;
+}
+
+}  // namespace
+
+std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, const DirectionSet& set,
+                                                   double ior_above, int orders, ThreadPool& pool, double fineness) {
+  Key key = key_of(interface.facets, interface.compensate, set, ior_above, orders, fineness);
+  key.push_back(interface.ior);
+  return known_or_made(
+      key, [&] { return std::make_shared<RoughSurface>(interface, set, ior_above, orders, pool, fineness); });
+}
+
+std::shared_ptr<const RoughSurface> shared_surface(const Base& conductor, const DirectionSet& set, double ior_above,
+                                                   int orders, ThreadPool& pool, double fineness) {
+  Key key = key_of(conductor.facets, conductor.compensate, set, ior_above, orders, fineness);
+  key.insert(key.end(), {conductor.ior.real(), conductor.ior.imag()});
+  return known_or_made(
+      key, [&] { return std::make_shared<RoughSurface>(conductor, set, ior_above, orders, pool, fineness); });
+}
+
+}  // namespace lamina

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Homogeneous materials, of which interiors are mixed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.arguments import check_number
+from ..common.errors import ArgumentError, InteriorError, quoted
+
+CHANNELS = 3
+MOST_COEFFICIENT = 65504.0  # 1/mm, the largest half
+MOST_G = 0.999
+
+
+@dataclass(frozen=True)
+class EndMaterial:
+    """A homogeneous material. `sigma_s`, `sigma_a`: scattering and absorption in 1/mm, [0, 65504], one number or one
+    each for red, green and blue. `g`: mean cosine of its Henyey-Greenstein phase function, [-0.999, 0.999]. Raises
+    InteriorError, a ValueError."""
+
+    sigma_s: float | Sequence[float]
+    sigma_a: float | Sequence[float] = 0.0
+    g: float = 0.0
+
+    def __post_init__(self):
+        for name in ("sigma_s", "sigma_a"):
+            object.__setattr__(self, name, _three(getattr(self, name), name))
+        object.__setattr__(self, "g", check_g(self.g))
+
+    def to_json(self) -> dict:
+        """A plain object for json.dump."""
+        return {"sigma_s": list(self.sigma_s), "sigma_a": list(self.sigma_a), "g": self.g}  # type: ignore[arg-type]
+
+    @classmethod
+    def from_json(cls, data, name: str) -> EndMaterial:
+        """From what to_json made; `name` says what it is in errors. Raises InteriorError."""
+        if not isinstance(data, dict) or set(data) != {"sigma_s", "sigma_a", "g"}:
+            raise InteriorError(f"{name} = {quoted(data)}: must be an object of sigma_s, sigma_a and g")
+        try:
+            return cls(**data)
+        except InteriorError as error:
+            raise InteriorError(f"{name}.{error}") from None
+
+
+def check_g(g) -> float:
+    """A mean cosine. Raises InteriorError."""
+    try:
+        return check_number(g, "g", f"must lie in [-{MOST_G}, {MOST_G}]", lambda value: abs(value) <= MOST_G)
+    except ArgumentError as error:
+        raise InteriorError(str(error)) from None
+
+
+def _three(values, name: str) -> tuple[float, ...]:
+    try:
+        array = np.asarray(values, float)
+    except (TypeError, ValueError):
+        array = np.array([])
+    if array.shape not in ((), (CHANNELS,)):
+        raise InteriorError(f"{name} = {quoted(values)}: must be one number, or three")
+    wrong = ~((array >= 0.0) & (array <= MOST_COEFFICIENT))
+    if wrong.any():
+        raise InteriorError(f"{name} = {np.atleast_1d(array[wrong])[0]:g}: must lie in [0, {MOST_COEFFICIENT:g}] 1/mm")
+    return tuple(map(float, np.broadcast_to(array, CHANNELS)))

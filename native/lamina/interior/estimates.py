@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Estimates from the sums of walks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..walks.searchlight_moments import Measured
+from .lamps import Lamp
+
+COUNTS = ("mirrored", "lost", "scatterings", "collisions", "rays")
+# Where the products v_i v_j, i <= j, of v = (w, w r, w r^2) lie.
+_PRODUCT = {(0, 0): 0, (0, 1): 1, (0, 2): 2, (1, 1): 3, (1, 2): 4, (2, 2): 5}
+
+
+@dataclass(frozen=True)
+class WalkCount:
+    """How much work walks were: `seconds` in all, NaN for merged parts; `samples`: walks from each point. `lost`: share
+    of the light that missed the surface by rounding, and is missing from the results. `collisions`: scatterings, and
+    collisions that were rejected. `rays` traced."""
+
+    seconds: float
+    samples: int
+    lost: float
+    scatterings: int
+    collisions: int
+    rays: int
+
+
+@dataclass(frozen=True)
+class ExitEstimate:
+    """What leaves a solid of light that enters at each of n points, each with `value` and `stderr`, shape (n, 3): red,
+    green, blue.
+
+    `albedo`: the flux that leaves, wherever that is, of unit flux at the point, without `mirrored`, (n,): the share
+    that the boundary reflects at the point. `mean_distance` (mm) and `mean_square_distance` (mm^2): from the point to
+    where light leaves, straight; NaN where none does. Light counts where it leaves first."""
+
+    albedo: Measured
+    mirrored: np.ndarray
+    mean_distance: Measured
+    mean_square_distance: Measured
+    count: WalkCount
+
+
+@dataclass(frozen=True)
+class LightEstimate:
+    """The radiance that leaves a solid at each of n points after travelling inside. `lamps`: by the light of each lamp
+    of irradiance 1, shape (n, lamps, 3); `sky`: of a sky of radiance 1, (n, 3); each with `value` and `stderr`. What
+    the boundary reflects at the point is not included."""
+
+    lamps: Measured
+    sky: Measured
+    lamps_used: tuple[Lamp, ...]
+    count: WalkCount
+
+
+def exit_estimate(moments, products, counts, samples: int, seconds: float) -> ExitEstimate:
+    """From sums: moments [point, channel, (w, w r, w r^2)], products [point, channel, 6]."""
+    albedo = _mean(moments[..., 0], products[..., 0], samples)
+    return ExitEstimate(albedo, counts[:, 0] / samples, _ratio(moments, products, 1, samples),
+                        _ratio(moments, products, 2, samples), walk_count(counts, samples, seconds))
+
+
+def light_estimate(sums, squares, counts, samples: int, lamps: tuple[Lamp, ...], seconds: float) -> LightEstimate:
+    """From sums and sums of squares [point, lamp or last the sky, channel]."""
+    found = _mean(sums, squares, samples)
+    return LightEstimate(Measured(found.value[:, :-1], found.stderr[:, :-1]),
+                         Measured(found.value[:, -1], found.stderr[:, -1]), lamps, walk_count(counts, samples, seconds))
+
+
+def walk_count(counts: np.ndarray, samples: int, seconds: float) -> WalkCount:
+    total = dict(zip(COUNTS, counts.sum(axis=0), strict=True))
+    return WalkCount(seconds, samples, float(total["lost"]) / (samples * len(counts)),
+                     *(int(total[name]) for name in COUNTS[2:]))
+
+
+def _mean(sums, squares, samples: int) -> Measured:
+    mean = sums / samples
+    return Measured(mean, np.sqrt(np.maximum(squares / samples - mean * mean, 0.0) / max(1, samples - 1)))
+
+
+def _ratio(moments, products, power: int, samples: int) -> Measured:
+    """The mean of r to a power over the light that leaves, with the error of a ratio of means."""
+    mean = moments / samples
+
+    def covariance(i, j):
+        return products[..., _PRODUCT[i, j]] / samples - mean[..., i] * mean[..., j]
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = mean[..., power] / mean[..., 0]
+        variance = covariance(power, power) - 2.0 * ratio * covariance(0, power) + ratio**2 * covariance(0, 0)
+        return Measured(ratio, np.sqrt(np.maximum(variance, 0.0) / max(1, samples - 1)) / mean[..., 0])

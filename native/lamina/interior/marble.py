@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Marble: veins by turbulence, as mixtures of end materials."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..common import json_file
+from ..common.arguments import check_number, check_seed, check_whole, finite_array
+from ..common.atomic import write_atomically
+from ..common.errors import ArgumentError, InteriorError, quoted
+from ..common.progress import Progress, stepper
+from .end_material import EndMaterial
+from .grid import MOST_COORDINATE, Interior, checked_box, checked_palette
+from .noise import turbulence
+
+FORMAT, SCHEMA = "lamina-marble", 1
+MOST_SIDE = 1024
+# White marble: Jensen, Marschner, Levoy and Hanrahan 2001, measured; reduced scattering, so that g is 0. The veins'
+# coefficients are chosen, not measured.
+WHITE = EndMaterial((2.19, 2.62, 3.00), (0.0021, 0.0041, 0.0071))
+VEIN = EndMaterial((1.7, 1.9, 2.1), (0.06, 0.06, 0.055))
+_LIMITS = {"spacing": (1e-6, 1e6), "width": (1e-3, 1.0), "feature": (1e-6, 1e6), "distortion": (0.0, 100.0),
+           "lacunarity": (1.0, 8.0), "gain": (0.0, 1.0)}
+
+
+@dataclass(frozen=True)
+class Marble:
+    """Veins in planes that turbulence bends (Perlin 1985). Lengths in mm. Raises InteriorError.
+
+    `palette`: the ground, then what lies between, last the middle of veins; 2 to 256 lamina.EndMaterial.
+    `spacing`: distance between planes. `direction`: across the planes, of any length but 0.
+    `width`: of veins, as a part of the spacing, [0.001, 1]: the mixture falls as exp(-(2 d / (width spacing))^2) at the
+        distance d.
+    `distortion`: how far turbulence of 1 shifts the planes, in spacings, [0, 100]. `feature`: size of the largest
+        bends.
+    `octaves`: 1 to 12; each has `lacunarity` times the frequency and `gain` times the weight of the one before.
+    `seed`: of the noise."""
+
+    palette: Sequence[EndMaterial] = (WHITE, VEIN)
+    spacing: float = 12.0
+    direction: Sequence[float] = (0.5, 0.3, 0.8)
+    width: float = 0.25
+    distortion: float = 3.0
+    feature: float = 20.0
+    octaves: int = 6
+    lacunarity: float = 2.0
+    gain: float = 0.5
+    seed: int = 0
+
+    def __post_init__(self):
+        try:
+            for name, (low, high) in _LIMITS.items():
+                value = check_number(getattr(self, name), name, f"must lie in [{low:g}, {high:g}]",
+                                     lambda number, low=low, high=high: low <= number <= high)
+                object.__setattr__(self, name, value)
+            check_whole(self.octaves, "octaves", 1, 12)
+            check_seed(self.seed)
+            direction = finite_array(self.direction, "direction")
+        except ArgumentError as error:
+            raise InteriorError(str(error)) from None
+        if direction.shape != (3,) or not np.linalg.norm(direction) > 0.0:
+            raise InteriorError(f"direction = {quoted(self.direction)}: must be three numbers, not all 0")
+        object.__setattr__(self, "direction", tuple(map(float, direction)))
+        object.__setattr__(self, "palette", checked_palette(self.palette))
+        if len(self.palette) < 2:
+            raise InteriorError("palette holds one material: must hold a ground and a vein")
+
+    def coordinate(self, places) -> np.ndarray:
+        """The mixture at places in mm, (..., 3): 0 in the ground, 1 in the middle of a vein."""
+        places = np.asarray(places, float)
+        across = np.array(self.direction) / (np.linalg.norm(self.direction) * self.spacing)
+        shift = turbulence(places / self.feature, self.octaves, self.lacunarity, self.gain, self.seed)
+        phase = places @ across + self.distortion * shift
+        away = np.abs(phase - np.rint(phase))  # spacings to the middle of the nearest vein
+        return np.exp(-((2.0 * away / self.width) ** 2))
+
+    def to_json(self) -> dict:
+        """A plain object for json.dump."""
+        values = asdict(self) | {"palette": [one.to_json() for one in self.palette], "direction": list(self.direction)}
+        return {"format": FORMAT, "schema": SCHEMA, **values}
+
+    @classmethod
+    def from_json(cls, data) -> Marble:
+        """From what to_json made; what is left out has its default. Raises InteriorError."""
+        if not isinstance(data, dict) or data.get("format") != FORMAT:
+            raise InteriorError(f"not a marble of Lamina: format must be {FORMAT!r}")
+        if data.get("schema") != SCHEMA:
+            raise InteriorError(f"schema = {quoted(data.get('schema'))}: must be {SCHEMA}")
+        values = {key: value for key, value in data.items() if key not in ("format", "schema")}
+        unknown = sorted(set(values) - set(cls.__dataclass_fields__))
+        if unknown:
+            raise InteriorError(f"{quoted(unknown[0])}: must be one of {', '.join(cls.__dataclass_fields__)}")
+        if "palette" in values:
+            if not isinstance(values["palette"], list):
+                raise InteriorError(f"palette = {quoted(values['palette'])}: must be a list")
+            values["palette"] = [EndMaterial.from_json(one, f"palette[{k}]") for k, one in enumerate(values["palette"])]
+        return cls(**values)
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes JSON, whole or not at all. Raises OSError."""
+        text = json.dumps(self.to_json(), indent=1) + "\n"
+        write_atomically(path, lambda file: file.write(text.encode()))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> Marble:
+        """Reads what `save` wrote. Raises InteriorError, with the file's name, and OSError."""
+        try:
+            return cls.from_json(json_file.parse(Path(path).read_text(encoding="utf-8")))
+        except ValueError as error:
+            raise InteriorError(f"{path}: {error}") from None
+
+
+def marble(low, high, voxels: int = 128, veins: Marble | None = None, progress: Progress | None = None,
+           cancel: Callable[[], bool] | None = None) -> Interior:
+    """Marble in a box with the corners `low` and `high`, mm; `voxels` along its longest side, 1 to 1024, cubes as
+    nearly as whole numbers allow. `veins`: a lamina.Marble. The same on every machine. `progress(fraction, text)` is
+    told how far it is; `cancel()` is asked often, and Cancelled raised when it says yes. Raises InteriorError,
+    ArgumentError, Cancelled."""
+    low, high = checked_box(low, high)
+    veins = Marble() if veins is None else veins
+    if not isinstance(veins, Marble):
+        raise ArgumentError(f"veins = {quoted(veins)}: must be a lamina.Marble")
+    check_whole(voxels, "voxels", 1, MOST_SIDE)
+    step = stepper("the marble", progress, cancel)
+    sides = np.array(high) - low
+    counts = [max(1, math.ceil(voxels * side / sides.max() - 1e-9)) for side in sides]
+    x, y, z = (low[axis] + sides[axis] * (np.arange(count) + 0.5) / count for axis, count in enumerate(counts))
+    found = np.empty(counts, np.uint16)
+    for row, place in enumerate(x):
+        step(row / len(x), "Veins")
+        places = np.stack(np.broadcast_arrays(place, y[:, None], z[None]), axis=-1)
+        found[row] = np.rint(veins.coordinate(places) * MOST_COORDINATE)
+    step(1.0, "Done")
+    return Interior(found, low, high, tuple(veins.palette))

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Walks in parts, each of some of the points, that can be kept on disk and merged: a run that was stopped goes on where
+it was, and machines share the work."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.archive import Damaged, load_archive, save_archive
+from ..common.errors import ShardError, clipped, quoted
+from ..common.progress import Progress
+from ..walks.shard_parts import checked_shard
+from .estimates import COUNTS, ExitEstimate, LightEstimate, exit_estimate, light_estimate
+from .lamps import Lamp
+from .walk import Surface, Walker, checked_lamps, start
+
+FORMAT, SCHEMA = "lamina-walks", 1
+_ARRAYS = {"exits": ("moments", "products", "counts"), "light": ("sums", "squares", "counts")}
+_JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "samples", "seed")
+
+
+@dataclass(frozen=True, eq=False)
+class WalkPart:
+    """Part i of n of the walks from many points: the sums over the walks of its points. `job` says of what; all parts
+    of a run have the same one."""
+
+    job: dict
+    shard: tuple[int, int]
+    arrays: tuple[np.ndarray, ...]
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes an .npz file, whole or not at all. Raises OSError."""
+        header = {"format": FORMAT, "schema": SCHEMA, "job": self.job, "shard": list(self.shard)}
+        save_archive(path, header, **dict(zip(_ARRAYS[self.job["kind"]], self.arrays, strict=True)))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> WalkPart:
+        """Reads a part. Raises ShardError for a file that is truncated, foreign or damaged, and OSError when it cannot
+        be opened."""
+        try:
+            header, _ = load_archive(path)
+            if not isinstance(header, dict) or header.get("format") != FORMAT:
+                raise Damaged
+            if header.get("schema") != SCHEMA:
+                raise ShardError(f"{path}: schema = {quoted(header.get('schema'))}: must be {SCHEMA}")
+            job = header.get("job")
+            if not isinstance(job, dict) or set(job) != set(_JOB) or job["kind"] not in _ARRAYS:
+                raise Damaged
+            _, arrays = load_archive(path, *_ARRAYS[job["kind"]])
+            shard = checked_shard(header["shard"])
+            points = points_of(shard, job["count"])
+            shapes = _shapes(job, len(points))
+        except (Damaged, TypeError, ValueError, KeyError) as error:
+            if isinstance(error, ShardError):
+                raise
+            raise ShardError(f"{path}: not a whole part of walks") from None
+        for name, array, shape in zip(_ARRAYS[job["kind"]], arrays, shapes, strict=True):
+            if array.shape != shape or array.dtype != np.float64 or not np.isfinite(array).all():
+                raise ShardError(f"{path}: {name} has the shape {array.shape}: must be finite numbers of shape {shape}")
+        return cls(job, shard, tuple(arrays))
+
+
+def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, surface: Surface | None = None,
+                 samples: int = 256, seed: int = 0, threads: int = 0, progress: Progress | None = None,
+                 cancel: Callable[[], bool] | None = None) -> ExitEstimate:
+    """What becomes of light that enters a closed mesh at points of its surface: how much leaves, and how far away. By
+    reciprocity this is also what leaves at the points of light that falls on the entire surface.
+
+    `solid`: a lamina.Solid in mm; `interior`: a lamina.Interior; `surface`: a lamina.Surface, its boundary, matched if
+    left out. `points`, `normals`: (n, 3) each, within 1e-4 of the mesh's size from a face; left out, the vertices of
+    the solid. `directions`: (n, 3) or (3,), towards the eye, against which light enters; left out, light enters from
+    all directions with the flux of a uniform sky. `samples`: walks from each point, up to 2^32.
+    The same seed gives the same numbers, whatever `threads` (0: all). `progress(fraction, text)` is told how far it is;
+    `cancel()` is asked often, and Cancelled raised when it says yes. Raises InteriorError and ArgumentError, which are
+    ValueErrors, DustUnavailable without a working Embree, and Cancelled.
+    Method: delta tracking with a majorant for each brick of voxels (Woodcock et al. 1965); one path for three channels
+    (Kutz et al. 2017); no limit on the length of paths. Faces are flat: normals between vertices serve only where walks
+    start."""
+    return _whole("exits", solid, interior, points, normals, directions, surface, (), samples, seed, threads, progress,
+                  cancel)
+
+
+def light_in_mesh(solid, interior, lamps: Sequence[Lamp] = (), points=None, normals=None, directions=None,
+                  surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
+                  progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> LightEstimate:
+    """The radiance that leaves a closed mesh at points of its surface after travelling inside, by the light of distant
+    lamps and of a uniform sky. The mesh casts shadows on itself, and light that leaves may enter again elsewhere.
+
+    `lamps`: a list of lamina.Lamp; behind a smooth boundary of an index other than 1 each must have an angle of at
+    least 1 degree, and noise grows as the angle shrinks; a rough boundary takes the middle of a lamp's disc. Without
+    `directions` the radiance is the mean over directions, weighted by the cosine. All else is as for walk_in_mesh."""
+    return _whole("light", solid, interior, points, normals, directions, surface, lamps, samples, seed, threads,
+                  progress, cancel)
+
+
+def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[Lamp] | None = None, points=None, normals=None,
+              directions=None, surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
+              progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> WalkPart:
+    """Part i of n, `shard` = (i, n) with i from 1, of walk_in_mesh, or with `lamps`, a list that may be empty, of
+    light_in_mesh. Parts merge to the same bytes as one run. Raises as those do."""
+    shard = checked_shard(shard)
+    kind = "exits" if lamps is None else "light"
+    return _part(kind, shard, *_started(kind, solid, interior, points, normals, directions, surface, lamps or (),
+                                        samples, seed, threads, progress, cancel))
+
+
+def merge_walks(parts: Sequence[WalkPart]) -> ExitEstimate | LightEstimate:
+    """The estimate of all parts of a run, in any order. Raises ShardError if parts are missing, given twice, or of
+    different runs."""
+    if not isinstance(parts, Sequence) or not parts or not all(isinstance(part, WalkPart) for part in parts):
+        raise ShardError(f"parts = {quoted(parts)}: must be a list of at least one lamina.WalkPart")
+    job, count = parts[0].job, parts[0].shard[1]
+    by_number: dict[int, WalkPart] = {}
+    for place, part in enumerate(parts):
+        for key in _JOB:
+            if part.job[key] != job[key]:
+                raise ShardError(f"parts[{place}]: {key} = {quoted(part.job[key])} but {quoted(job[key])} in parts[0]")
+        if part.shard[1] != count:
+            raise ShardError(f"parts[{place}]: is one of {part.shard[1]} parts, but parts[0] one of {count}")
+        if part.shard[0] in by_number:
+            raise ShardError(f"parts[{place}]: part {part.shard[0]} of {count} is given twice")
+        by_number[part.shard[0]] = part
+    missing = [str(number) for number in range(1, count + 1) if number not in by_number]
+    if missing:
+        raise ShardError(f"part {clipped(', '.join(missing))} of {count} is missing")
+    ordered = [by_number[number].arrays for number in range(1, count + 1)]
+    return _summary(job, [np.concatenate(arrays) for arrays in zip(*ordered, strict=True)], math.nan)
+
+
+def points_of(shard: tuple[int, int], count: int) -> range:
+    """The points of part (i, n)."""
+    number, parts = shard
+    return range((number - 1) * count // parts, number * count // parts)
+
+
+def _whole(kind, *given):
+    walker, lamps, step, seconds = _started(kind, *given)
+    part = _part(kind, (1, 1), walker, lamps, step, seconds)
+    step(1.0, "Done")
+    return _summary(part.job, list(part.arrays), seconds())
+
+
+def _started(kind, solid, interior, points, normals, directions, surface, lamps, samples, seed, threads, progress,
+             cancel):
+    """(walker, lamps, step, a function that tells the seconds since now)."""
+    surface = Surface() if surface is None else surface
+
+    def checked():
+        return checked_lamps(lamps, surface) if kind == "light" else ()
+
+    return start(solid, interior, surface, points, normals, directions, samples, seed, threads, progress, cancel,
+                 checked)
+
+
+def _part(kind: str, shard: tuple[int, int], walker: Walker, lamps: tuple[Lamp, ...], step, _seconds) -> WalkPart:
+    points = points_of(shard, len(walker.positions))
+    if kind == "light":
+        arrays = walker.lights(lamps, points.start, points.stop, step)
+    else:
+        arrays = walker.exits(points.start, points.stop, step)
+    job = {"kind": kind, "solid": walker.solid_hash, "interior": walker.interior.hash, "points": _points_hash(walker),
+           "surface": [walker.surface.ior, walker.surface.alpha, walker.surface.distribution],
+           "lamps": [[*lamp.towards, lamp.angle] for lamp in lamps], "samples": walker.samples, "seed": walker.seed,
+           "count": len(walker.positions)}
+    return WalkPart(job, shard, tuple(arrays))
+
+
+def _points_hash(walker: Walker) -> str:
+    digest = hashlib.sha256()
+    for array in (walker.positions, walker.normals, walker.views):
+        digest.update(b"-" if array is None else np.ascontiguousarray(array).data)
+    return digest.hexdigest()
+
+
+def _summary(job: dict, arrays: list[np.ndarray], seconds: float) -> ExitEstimate | LightEstimate:
+    first, second, counts = arrays
+    if job["kind"] == "exits":
+        return exit_estimate(first, second, counts, job["samples"], seconds)
+    lamps = tuple(Lamp(one[:3], one[3]) for one in job["lamps"])
+    return light_estimate(first, second, counts, job["samples"], lamps, seconds)
+
+
+def _shapes(job: dict, points: int) -> tuple:
+    counts = (points, len(COUNTS))
+    if job["kind"] == "exits":
+        return (points, 3, 3), (points, 3, 6), counts
+    columns = len(job["lamps"]) + 1
+    return (points, columns, 3), (points, columns, 3), counts

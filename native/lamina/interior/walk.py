@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Walks of light inside a mesh, from points of its surface."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.arguments import check_choice, check_number, check_seed, check_threads, check_whole, finite_array
+from ..common.errors import ArgumentError, InteriorError, quoted
+from ..common.progress import Progress, portion, stepper
+from ..settling import embree
+from ..settling.mesh import Mesh, checked_mesh, vertex_points
+from .grid import Interior
+from .lamps import LEAST_DISC, Lamp
+from .solid import Solid, closed
+
+MOST_SAMPLES = 1 << 32
+CHUNK_WALKS = 1 << 15  # between two calls of `cancel`, of several points
+OFF_SURFACE = 1e-4  # of the mesh's size: points farther off the surface are refused
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The boundary of a solid in air. `ior`: index of the solid, [1, 4]; 1: no boundary. `alpha`: width of microfacets,
+    [0, 1]; 0: smooth. `distribution`: "ggx" or "beckmann". Raises ArgumentError."""
+
+    ior: float = 1.0
+    alpha: float = 0.0
+    distribution: str = "ggx"
+
+    def __post_init__(self):
+        for name, low, high in (("ior", 1.0, 4.0), ("alpha", 0.0, 1.0)):
+            value = check_number(getattr(self, name), name, f"must lie in [{low:g}, {high:g}]",
+                                 lambda number, low=low, high=high: low <= number <= high)
+            object.__setattr__(self, name, value)
+        check_choice(self.distribution, "distribution", ("ggx", "beckmann"))
+
+    @property
+    def is_smooth(self) -> bool:
+        return self.alpha == 0.0 and self.ior != 1.0
+
+
+class Walker:
+    """A checked solid with its interior, and the points where walks start."""
+
+    def __init__(self, solid: Solid, interior: Interior, surface: Surface, points, normals, directions, samples, seed,
+                 threads, step: Progress):
+        self.interior, self.surface = _checked(interior, Interior, "interior"), surface
+        self.samples = check_whole(samples, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^32")
+        self.seed = check_seed(seed)
+        check_threads(threads)
+        layer = self._layer = embree.layer()
+        step(0.0, "checking the mesh")
+        mesh = closed(solid)
+        if points is None:
+            if normals is not None:
+                raise ArgumentError("normals are given without points: must be given together")
+            found = vertex_points(checked_mesh(Mesh(solid.vertices, solid.triangles), "solid"))
+            points, normals = found.positions, found.normals
+        self.positions, self.normals = _rows(points, "points"), _unit_rows(normals, "normals")
+        if len(self.normals) != len(self.positions):
+            raise ArgumentError(f"normals has {len(self.normals)} rows: must have {len(self.positions)} like points")
+        self.views = None if directions is None else self._views(directions)
+        digest = hashlib.sha256(np.ascontiguousarray(mesh.vertices).data)
+        digest.update(np.ascontiguousarray(mesh.triangles).data)
+        self.solid_hash = digest.hexdigest()
+        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        self._centre = 0.5 * (low + high)
+        self._size = float(np.linalg.norm(high - low))
+        self._solid = layer.Solid(np.ascontiguousarray(mesh.vertices - self._centre, np.float32), mesh.triangles,
+                                  threads, lambda fraction: step(fraction, "sorting the faces"))
+        self._grid = _grid(layer, self.interior, self._centre)
+        self._boundary = layer.Boundary(self.surface.ior, self.surface.alpha, self.surface.distribution)
+
+    def exits(self, first: int, last: int, step: Progress) -> list[np.ndarray]:
+        """[moments, products, counts] of points [first, last)."""
+        return self._each(self._layer.walk_to_exits, first, last, step)
+
+    def lights(self, lamps: Sequence[Lamp], first: int, last: int, step: Progress) -> list[np.ndarray]:
+        """[sums, squares, counts] of points [first, last)."""
+        given = [(lamp.towards, math.cos(lamp.angle)) for lamp in lamps]
+        return self._each(self._layer.walk_to_lights, first, last, step, given)
+
+    def _each(self, call, first: int, last: int, step: Progress, *more) -> list[np.ndarray]:
+        self._require_on_surface(first, last)
+        size = max(1, CHUNK_WALKS // self.samples)
+        found = []
+        walks = 0
+        for start in range(first, max(last, first + 1), size):
+            step((start - first) / max(1, last - first), f"{walks:,} walks")
+            part = slice(start, min(start + size, last))
+            views = None if self.views is None else self.views[part]
+            positions = np.ascontiguousarray(self.positions[part] - self._centre)
+            found.append(call(self._solid, self._grid, self._boundary, positions, self.normals[part], views, start,
+                              self.samples, self.seed, *more))
+            walks += (part.stop - part.start) * self.samples
+        return [np.concatenate(arrays) for arrays in zip(*found, strict=True)]
+
+    def _require_on_surface(self, first: int, last: int) -> None:
+        """Raises InteriorError for a point that is off the surface."""
+        places = np.ascontiguousarray(self.positions[first:last] - self._centre, np.float32)
+        if not (np.abs(places) <= 2.0 * self._size).all():
+            distance = np.where((np.abs(places) <= 2.0 * self._size).all(axis=1), 0.0, math.inf)
+        else:
+            distance = self._solid.distances(places, 2.0 * OFF_SURFACE * self._size)
+        if distance.max(initial=0.0) > OFF_SURFACE * self._size:
+            worst = first + int(np.argmax(distance))
+            where = "({:g}, {:g}, {:g})".format(*self.positions[worst])
+            raise InteriorError(f"points[{worst}] = {where} lies off the surface: must lie within "
+                                f"{OFF_SURFACE * self._size:g} mm of a face")
+
+    def _views(self, directions) -> np.ndarray:
+        views = finite_array(directions, "directions")
+        if views.shape == (3,):
+            views = np.broadcast_to(views, self.positions.shape)
+        views = _unit_rows(views, "directions")
+        if len(views) != len(self.positions):
+            raise ArgumentError(f"directions has {len(views)} rows: must have {len(self.positions)} like points, or be "
+                                "one direction")
+        return views
+
+
+def start(solid, interior, surface, points, normals, directions, samples, seed, threads, progress, cancel, lamps):
+    """(a Walker, what `lamps()` returns, a step function for the walks, a function that tells the seconds since now).
+    Raises as walk_in_mesh does."""
+    began = time.perf_counter()
+    step = stepper("the walk in the mesh", progress, cancel)
+    surface = _checked(surface, Surface, "surface")
+    found = lamps()
+    walker = Walker(solid, interior, surface, points, normals, directions, samples, seed, threads,
+                    portion(step, 0.0, 0.1))
+    return walker, found, portion(step, 0.1, 1.0), lambda: time.perf_counter() - began
+
+
+def checked_lamps(lamps, surface: Surface) -> tuple[Lamp, ...]:
+    """Raises ArgumentError."""
+    if isinstance(lamps, Lamp) or not isinstance(lamps, Sequence) or not all(isinstance(one, Lamp) for one in lamps):
+        raise ArgumentError(f"lamps = {quoted(lamps)}: must be a list of lamina.Lamp")
+    for number, lamp in enumerate(lamps):
+        if surface.is_smooth and lamp.angle < LEAST_DISC:
+            raise ArgumentError(f"lamps[{number}].angle = {lamp.angle:g}: must be at least {LEAST_DISC:.3g} behind a "
+                                "smooth boundary, or alpha above 0")
+    return tuple(lamps)
+
+
+def _checked(value, kind: type, name: str):
+    if isinstance(value, kind):
+        return value
+    raise ArgumentError(f"{name} = {quoted(value)}: must be a lamina.{kind.__name__}")
+
+
+def _grid(layer, interior: Interior, centre: np.ndarray):
+    low, high = (tuple(np.array(corner) - centre) for corner in (interior.low, interior.high))
+    voxels = np.ascontiguousarray(interior.voxels)
+    if interior.palette:
+        palette = [(one.sigma_s, one.sigma_a, one.g) for one in interior.palette]
+        return layer.Grid.of_mixture(voxels, low, high, interior.smooth, palette)
+    return layer.Grid.of_coefficients(voxels.view(np.uint16), low, high, interior.smooth, interior.g)
+
+
+def _rows(values, name: str) -> np.ndarray:
+    array = finite_array(values, name)
+    if array.ndim != 2 or array.shape[1] != 3 or not len(array):
+        raise ArgumentError(f"{name} has the shape {array.shape}: must be (n, 3)")
+    return np.ascontiguousarray(array)
+
+
+def _unit_rows(values, name: str) -> np.ndarray:
+    if values is None:
+        raise ArgumentError(f"{name} are missing: must be given with points")
+    array = _rows(values, name)
+    length = np.linalg.norm(array, axis=1)
+    if not (length > 0.0).all():
+        raise ArgumentError(f"{name}[{int(np.argmin(length))}] = (0, 0, 0): must have a length")
+    return np.ascontiguousarray(array / length[:, None])

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Walks in meshes against the solver, the searchlight, and each other."""
+
+import numpy as np
+import pytest
+from walk_meshes import slab, sphere, view
+from z_limit import z_limit
+
+import lamina
+from lamina import EndMaterial, Interior, Lamp, Surface
+
+SIGMA_S = (0.9, 1.6, 0.4)
+SIGMA_A = (0.1, 0.05, 0.3)
+G = 0.6
+THICKNESS = 2.0
+PHASE = lamina.HenyeyGreenstein(G)
+SURFACES = {"matched": Surface(), "smooth": Surface(1.4), "rough": Surface(1.4, 0.3),
+            "beckmann": Surface(1.4, 0.3, "beckmann")}
+
+
+def stack(surface=None, sigma_s=SIGMA_S, sigma_a=SIGMA_A, phase=PHASE, thickness=THICKNESS):
+    """The plane stack that a slab is."""
+    medium = lamina.Medium(sigma_s=sigma_s, sigma_a=sigma_a, thickness=thickness, phase=phase)
+    if surface is None or surface.ior == 1.0:
+        return lamina.Stack([medium])
+    top, bottom = (lamina.Interface(ior=ior, alpha=surface.alpha, distribution=surface.distribution)
+                   for ior in (surface.ior, 1.0))
+    return lamina.Stack([top, medium, bottom])
+
+
+def require_within_error(difference, stderr):
+    z = np.ravel(difference) / np.ravel(stderr)
+    assert np.abs(z).max() < z_limit(z.size), z
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_a_wide_slab_is_a_plane_stack(name):
+    """All that leaves, of light from one direction, against the solver."""
+    surface, mu, samples = SURFACES[name], 0.7, 60000
+    found = lamina.walk_in_mesh(*walk_slab(EndMaterial(SIGMA_S, SIGMA_A, G)), view(mu), surface, samples, seed=1)
+    solved = lamina.solve(stack(surface))
+    expected = solved.reflectance(mu) + solved.transmittance(mu)
+    mirrored = found.mirrored[0]
+    # Facets mirror some walks whole, which is one more part of the variance.
+    variance = mirrored * (1.0 - mirrored) / samples if surface.alpha else 0.0
+    require_within_error(found.albedo.value[0] + mirrored - expected, np.sqrt(found.albedo.stderr[0]**2 + variance))
+    assert found.count.lost == 0.0
+
+
+def walk_slab(material, thickness=THICKNESS):
+    """The first arguments of a walk in a homogeneous slab."""
+    solid, points, normals = slab(thickness)
+    return solid, Interior.uniform(material), points, normals
+
+
+def test_light_of_a_sky_on_a_wide_slab():
+    """Cosine-distributed entry."""
+    found = lamina.walk_in_mesh(*walk_slab(EndMaterial(SIGMA_S, SIGMA_A, G)), samples=60000, seed=2)
+    solved = lamina.solve(stack())
+    expected = solved.reflectance("diffuse") + solved.transmittance("diffuse")
+    require_within_error(found.albedo.value[0] - expected, found.albedo.stderr[0])
+
+
+@pytest.mark.parametrize("mu", [1.0, 0.5])
+def test_distances_are_those_of_the_searchlight(mu):
+    """A slab so thick that no light passes."""
+    material = EndMaterial(0.9, 0.1, 0.3)
+    found = lamina.walk_in_mesh(*walk_slab(material, 40.0), view(mu), samples=60000, seed=3)
+    medium = lamina.HalfSpace(sigma_s=0.9, sigma_a=0.1, phase=lamina.HenyeyGreenstein(0.3))
+    beam = lamina.searchlight(lamina.Stack([], base=medium), mu, quality="preview")
+    pairs = [(found.albedo, beam.reflectance), (found.mean_distance, beam.mean_distance),
+             (found.mean_square_distance, beam.mean_square_distance)]
+    require_within_error([one.value[0, 0] - expected[0] for one, expected in pairs],
+                         [one.stderr[0, 0] for one, _ in pairs])
+
+
+@pytest.mark.parametrize("surface", [Surface(), Surface(1.5), Surface(1.5, 0.4)])
+def test_a_sphere_that_absorbs_nothing_returns_all_light(surface):
+    """Ten mean free paths across; walks start at vertices and inside of faces."""
+    solid = sphere(5.0)
+    corners = solid.vertices[solid.triangles[:3]]
+    inside = corners.mean(axis=1)
+    points = np.vstack([solid.vertices[:3], inside])
+    normals = np.vstack([solid.vertices[:3], inside])
+    samples = 3000
+    found = lamina.walk_in_mesh(solid, Interior.uniform(EndMaterial((1.0, 0.5, 2.0), 0.0, 0.5)), points, normals,
+                                surface=surface, samples=samples, seed=4)
+    mirrored = found.mirrored[:, None]
+    variance = mirrored * (1.0 - mirrored) / samples
+    stderr = np.sqrt(found.albedo.stderr**2 + variance)
+    # Channels share a path, so their mean is one score for each point; alone it is exact but for roulette.
+    require_within_error((found.albedo.value + mirrored - 1.0), stderr)
+    assert found.count.lost < 1e-5
+    if surface.ior == 1.0:
+        assert np.abs(found.albedo.value.mean(axis=1) - 1.0).max() < 1e-9
+
+
+def test_layers_as_voxels_are_the_stack_of_layers():
+    """Three layers of four voxels each, constant in each voxel."""
+    layers = [((0.9, 0.5, 1.5), 0.05, 1.0), (0.2, (0.4, 0.1, 0.0), 1.0), (2.0, 0.01, 1.0)]
+    arrays = [np.array([np.broadcast_to(layer[k], 3) for layer in reversed(layers)]) for k in (0, 1)]
+    sigma_s, sigma_a = (np.broadcast_to(np.repeat(array, 4, axis=0), (5, 3, 12, 3)) for array in arrays)
+    solid, points, normals = slab(3.0)
+    interior = Interior.of_coefficients(sigma_s, sigma_a, solid.vertices.min(axis=0), solid.vertices.max(axis=0), 0.4,
+                                        smooth=False)
+    found = lamina.walk_in_mesh(solid, interior, points, normals, view(0.6), samples=60000, seed=5)
+    phase = lamina.HenyeyGreenstein(0.4)
+    solved = lamina.solve(lamina.Stack([lamina.Medium(sigma_s=s, sigma_a=a, thickness=d, phase=phase)
+                                        for s, a, d in layers]))
+    expected = solved.reflectance(0.6) + solved.transmittance(0.6)
+    require_within_error(found.albedo.value[0] - expected, found.albedo.stderr[0])
+
+
+def test_a_smooth_grid_is_linear_between_voxel_centres():
+    """Against a medium with a profile, whose coefficients are linear in the depth between knots."""
+    ends = ((2.0, 0.02), (0.2, 0.3))  # (sigma_s, sigma_a) of the upper and the lower voxel
+    solid, points, normals = slab(THICKNESS)
+    sigma_s, sigma_a = (np.array([ends[1][k], ends[0][k]]).reshape(1, 1, 2) for k in (0, 1))
+    interior = Interior.of_coefficients(sigma_s, sigma_a, solid.vertices.min(axis=0), solid.vertices.max(axis=0), G)
+    found = lamina.walk_in_mesh(solid, interior, points, normals, view(0.8), samples=60000, seed=6)
+    quarter = [lamina.Medium(sigma_s=s, sigma_a=a, thickness=0.25 * THICKNESS, phase=PHASE) for s, a in ends]
+    count = 60
+    share = (np.arange(count) + 0.5) / count
+    middle = [lamina.Medium(sigma_s=s, sigma_a=a, thickness=0.5 * THICKNESS / count, phase=PHASE)
+              for s, a in zip(*((1.0 - share) * ends[0][k] + share * ends[1][k] for k in (0, 1)), strict=True)]
+    solved = lamina.solve(lamina.Stack([quarter[0], *middle, quarter[1]]))
+    expected = solved.reflectance(0.8) + solved.transmittance(0.8)
+    require_within_error(found.albedo.value[0, :1] - expected, found.albedo.stderr[0, :1])
+    places = [[0.0, 0.0, -z] for z in (0.2, 0.5, 1.0, 1.5, 1.9)]
+    assert interior.at(places)[0][:, 0] == pytest.approx([2.0, 2.0, 1.1, 0.2, 0.2], rel=1e-3)
+
+
+def test_end_materials_mix_with_both_phase_functions():
+    """A third between two materials in the middle of a palette of three."""
+    materials = [EndMaterial(5.0), EndMaterial((1.0, 0.5, 0.2), 0.1, 0.8), EndMaterial((0.3, 0.9, 0.6), 0.02, -0.3)]
+    share = (1.0 / 3.0, 2.0 / 3.0)
+    solid, points, normals = slab(THICKNESS)
+    interior = Interior.mixed(np.full((2, 2, 2), 0.5 + share[0] / 2.0), materials, (0, 0, 0), (1, 1, 1))
+    found = lamina.walk_in_mesh(solid, interior, points, normals, view(0.7), samples=60000, seed=7)
+    expected = []
+    for c in range(3):
+        of = [w * one.sigma_s[c] for w, one in zip(share[::-1], materials[1:], strict=True)]
+        absorbed = sum(w * one.sigma_a[c] for w, one in zip(share[::-1], materials[1:], strict=True))
+        phase = lamina.Mixture([(of[0] / sum(of), lamina.HenyeyGreenstein(0.8)),
+                                (of[1] / sum(of), lamina.HenyeyGreenstein(-0.3))])
+        solved = lamina.solve(stack(None, sum(of), absorbed, phase))
+        expected.append((solved.reflectance(0.7) + solved.transmittance(0.7))[0])
+    require_within_error(found.albedo.value[0] - expected, found.albedo.stderr[0])
+
+
+def test_one_path_for_three_channels_is_three_runs():
+    """A heterogeneous sphere with channels that differ by a factor of eight."""
+    rng = np.random.default_rng(1)
+    sigma_s = rng.uniform(0.1, 1.0, (9, 10, 11, 1)) * [1.0, 3.0, 8.0]
+    sigma_a = rng.uniform(0.0, 0.1, (9, 10, 11, 1)) * [8.0, 1.0, 0.1]
+    solid = sphere(1.0, 3)
+    corners = solid.vertices.min(axis=0), solid.vertices.max(axis=0)
+    points, normals = solid.vertices[:1], solid.vertices[:1]
+
+    def run(s, a, seed):
+        return lamina.walk_in_mesh(solid, Interior.of_coefficients(s, a, *corners, 0.5), points, normals,
+                                   surface=Surface(1.3), samples=40000, seed=seed)
+
+    together = run(sigma_s, sigma_a, 8)
+    differences, errors = [], []
+    for c in range(3):
+        alone = run(sigma_s[..., c], sigma_a[..., c], 9 + c)
+        for one, other in ((together.albedo, alone.albedo), (together.mean_distance, alone.mean_distance)):
+            differences.append(one.value[0, c] - other.value[0, 0])
+            errors.append(np.hypot(one.stderr[0, c], other.stderr[0, 0]))
+    require_within_error(differences, errors)
+
+
+@pytest.mark.parametrize("surface", [Surface(), Surface(1.4, 0.4)])
+def test_the_light_of_a_lamp_is_the_brdf(surface):
+    """Radiance from one lamp, view and light exchanged as well, without what facets reflect at the top."""
+    directions = [view(0.8), [-0.6, 0.0, 0.8], [0.0, 0.866, 0.5]]
+    solid, points, normals = slab(THICKNESS)
+    interior = Interior.uniform(EndMaterial(SIGMA_S, SIGMA_A, G))
+    solved = lamina.solve(stack(surface))
+    facets = lamina.solve(stack(surface, 0.0, 1e4)) if surface.alpha else None
+    differences, errors = [], []
+    for v, lit in ((0, 2), (2, 0), (0, 1)):
+        found = lamina.light_in_mesh(solid, interior, [Lamp(directions[lit])], points, normals, directions[v], surface,
+                                     20000, seed=20 + v)
+        out, towards = np.array(directions[v]), np.array(directions[lit])
+        azimuth = np.arctan2(out[1], out[0]) - np.arctan2(-towards[1], -towards[0])
+        expected = solved.brdf(out[2], towards[2], azimuth) * towards[2]
+        if facets is not None:
+            expected = expected - facets.brdf(out[2], towards[2], azimuth) * towards[2]
+        differences.append(found.lamps.value[0, 0] - np.ravel(expected))
+        errors.append(found.lamps.stderr[0, 0])
+    require_within_error(differences, errors)
+
+
+def test_the_light_of_a_sky_is_the_albedo_of_a_convex_solid():
+    solid = sphere(1.0, 3)
+    where = (solid.vertices[:1], solid.vertices[:1], [0.1, 0.2, 1.0])
+    interior = Interior.uniform(EndMaterial(SIGMA_S, SIGMA_A, G))
+    sky = lamina.light_in_mesh(solid, interior, [], *where[:2], samples=20000, seed=1).sky
+    albedo = lamina.walk_in_mesh(solid, interior, *where[:2], samples=20000, seed=2).albedo
+    require_within_error(sky.value - albedo.value, np.hypot(sky.stderr, albedo.stderr))
+
+
+def test_a_disc_behind_a_smooth_boundary():
+    """Against the BRDF, less what a black slab reflects, integrated over the disc."""
+    solid, points, normals = slab(THICKNESS)
+    interior = Interior.uniform(EndMaterial(SIGMA_S, SIGMA_A, G))
+    found = lamina.light_in_mesh(solid, interior, [Lamp(view(0.8), 0.3)], points, normals, view(0.9), Surface(1.4),
+                                 60000, seed=3)
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    cosine = (1.0 - (1.0 - np.cos(0.3)) * 0.5 * (nodes + 1.0))[:, None]
+    turn = 2.0 * np.pi * (np.arange(12) + 0.5) / 12
+    x, _, z = view(0.8)
+    sine = np.sqrt(1.0 - cosine * cosine)
+    # About the lamp's axis, in the plane of incidence and across.
+    ways = [cosine * x - sine * np.cos(turn) * z, sine * np.sin(turn), cosine * z + sine * np.cos(turn) * x]
+    azimuth = -np.arctan2(-ways[1], -ways[0])
+    whole, black = (lamina.solve(one).brdf(0.9, ways[2], azimuth)
+                    for one in (stack(Surface(1.4)), stack(Surface(1.4), 0.0, 1e4)))
+    radiance = ((whole - black) * ways[2][..., None]).mean(axis=1)
+    expected = np.einsum("k,kc->c", 0.5 * weights, radiance) * 2.0 / (1.0 + np.cos(0.3))
+    require_within_error(found.lamps.value[0, 0] - expected, found.lamps.stderr[0, 0])
