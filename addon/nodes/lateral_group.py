@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import graph, node_group
+from . import graph, node_group, node_tree
 
 MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
 
@@ -13,7 +13,7 @@ def build(material, name, draw, millimetre):
 
     `draw(graph, length)` adds the nodes and returns the shader's socket; `length` is the socket of the units
     per millimetre, at first `millimetre`. Nothing is changed when it fails."""
-    graph.tree_of(material)
+    node_tree.of(material)
     group = material.lamina.lateral_group
     is_new = group is None or not group.is_editable or _is_shared(material, group)
     if is_new:
