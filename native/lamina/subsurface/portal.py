@@ -67,8 +67,9 @@ class PortalTables:
     @property
     def report(self) -> str:
         """What the tables promise, as one sentence."""
-        return (f"Portal: flux within any distance of a flat surface to {100.0 * self.profile_error:.2g} %, mean exit "
-                f"distance {', '.join(f'{way:.3g}' for way in self.distance)} mm.")
+        ways = ", ".join(f"{way:.3g}" for way in self.distance)
+        return (f"Portal: on a flat surface the tables keep the flux within any distance to "
+                f"{max(100.0 * self.profile_error, 0.01):.2g} %, mean exit distance {ways} mm.")
 
 
 def portal_tables(stack: Stack, quality: str = "final", progress: Progress | None = None,
