@@ -44,9 +44,11 @@ ifeq ($(SCENE)$(wildcard build/stamps/extension),all)
 	@$(MAKE) --no-print-directory -j 2 build/stamps/blender build/stamps/first
 	@$(RUN) tools/build_extension.py build/first/*.whl --output build/first
 	$(RUN) demo_scenes/make_demo.py slab --quality $(QUALITY) --extension build/first/lamina-$(VERSION).zip
+	@$(MAKE) --no-print-directory build/stamps/scenes
 	@$(MAKE) --no-print-directory -j 2 build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py all --except slab --quality $(QUALITY) $(OPTIONS)
 else
+	@$(MAKE) --no-print-directory build/stamps/scenes
 	@$(MAKE) --no-print-directory -j 2 build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY) $(OPTIONS)
 endif
@@ -123,7 +125,12 @@ build/stamps/blender: requirements/blender.txt build/stamps/venv
 	@$(RUN) $(PIP) install --no-compile -r $<
 	@touch $@
 
-build/stamps/develop: requirements/develop.txt build/stamps/blender
+# What the scenes after the slab need.
+build/stamps/scenes: requirements/scenes.txt build/stamps/blender
+	@$(RUN) $(PIP) install -r $<
+	@touch $@
+
+build/stamps/develop: requirements/develop.txt build/stamps/scenes
 	@echo "Installing the tools of the tests and of the documentation into $(VENV)"
 	@$(RUN) $(PIP) install -r $<
 	@touch $@
