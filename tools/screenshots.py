@@ -49,7 +49,7 @@ def story():
     panel.spaces.active.context = "MATERIAL"
     material = bpy.data.materials["Material"]
     material.lamina.quality = "preview"
-    after, before = yield from screen.menu(view, "LAMINA_MT_presets", 20, 390, 23)
+    after, before = yield from screen.menu(view, "LAMINA_MT_presets", 20, 390, 40)
     save(OUT / "artists-presets.png", screen.changed(before, after))
     with on(panel):
         bpy.ops.lamina.preset_apply(preset="dusty-bronze")
