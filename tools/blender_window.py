@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's window on a virtual screen: its areas, menus and panels, and pictures of them.
+
+The variable LAMINA_SCREEN names the file of the screen, in the format of xwd. Pictures are uint8 (height, width, 3),
+top row first.
+"""
+
+import os
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+WINDOW = bpy.context.window_manager.windows[0]
+SCREEN = Path(os.environ["LAMINA_SCREEN"])
+PANEL_WIDTH = 560  # pixels
+DRAWING = 1.0  # seconds between two looks at the screen
+GAP, BACKGROUND = 12, 48  # pixels between two parts of a picture, and their grey
+
+
+def areas():
+    """The default workspace with two areas: the viewport and a wide Properties editor."""
+    by_type = {area.type: area for area in WINDOW.screen.areas}
+    for name in ("OUTLINER", "DOPESHEET_EDITOR"):
+        with on(by_type[name]):
+            bpy.ops.screen.area_close()
+    view, panel = by_type["VIEW_3D"], by_type["PROPERTIES"]
+    with on(panel):
+        bpy.ops.screen.area_move(x=panel.x - 1, y=panel.y + 200, delta=panel.width - PANEL_WIDTH)
+    with on(view):
+        bpy.ops.screen.area_split(direction="HORIZONTAL", factor=0.5)
+    lower, view = sorted((area for area in WINDOW.screen.areas if area.type == "VIEW_3D"), key=lambda area: area.y)
+    lower.type = "INFO"
+    WINDOW.screen.show_statusbar = False
+    return view, panel
+
+
+def menu(area, name, left, right, down):
+    """Open a menu `left` pixels from the area's left edge, and point at the entry `right` and `down` of the first one.
+
+    Closes the menu; returns the screen with and without it."""
+    left, top = area.x + left, area.y + area.height - 60
+    WINDOW.event_simulate(type="MOUSEMOVE", value="NOTHING", x=left, y=top)
+    yield from still()
+    before = picture().copy()
+    with on(area):
+        bpy.ops.wm.call_menu("INVOKE_DEFAULT", name=name)
+    WINDOW.event_simulate(type="MOUSEMOVE", value="NOTHING", x=left + right, y=top - down)
+    yield from still()
+    after = picture().copy()
+    WINDOW.event_simulate(type="ESC", value="PRESS")
+    yield from still()
+    return after, before
+
+
+def show(area, *names):
+    """Show these panels of Lamina in the Material tab, and no others but the list of materials."""
+    for cls in bpy.types.Panel.__subclasses__():
+        kept = cls.__name__ == "LAMINA_PT_main" or "_PT_context_" in cls.__name__
+        if getattr(cls, "bl_context", "") == "material" and cls.is_registered and not kept:
+            bpy.utils.unregister_class(cls)
+    for name in names:
+        cls = next(cls for cls in bpy.types.Panel.__subclasses__() if cls.__name__ == "LAMINA_PT_" + name)
+        cls.bl_options = set()  # open
+        bpy.utils.register_class(cls)
+    area.tag_redraw()
+
+
+def on(area):
+    """Context for operators: the window with this area."""
+    return bpy.context.temp_override(window=WINDOW, screen=WINDOW.screen, area=area, region=region_of(area))
+
+
+def region_of(area):
+    """The area's main region."""
+    return next(region for region in area.regions if region.type == "WINDOW")
+
+
+def still(steps=2, longest=40):
+    """Wait until the screen has not changed for so many steps, and for `longest` steps at most."""
+    earlier, same = None, 0
+    for _ in range(longest):
+        yield DRAWING
+        now = SCREEN.read_bytes()
+        same = same + 1 if now == earlier else 0
+        if same == steps:
+            return
+        earlier = now
+
+
+def picture(part=None):
+    """Pixels of an area or region, or of the complete screen."""
+    data = SCREEN.read_bytes()
+    header = np.frombuffer(data, ">u4", 25)
+    size, width, height, stride, colours = (int(header[k]) for k in (0, 4, 5, 12, 19))
+    rows = np.frombuffer(data, np.uint8, height * stride, size + 12 * colours).reshape(height, stride)
+    pixels = rows[:, : 4 * width].reshape(height, width, 4)[:, :, 2::-1]
+    return pixels if part is None else cut(pixels, part)
+
+
+def cut(pixels, part):
+    """The pixels of an area or region, from those of the screen."""
+    top = pixels.shape[0] - part.y - part.height
+    return pixels[top : top + part.height, part.x : part.x + part.width]
+
+
+def changed(before, after):
+    """The rectangle of `after` that differs from `before`."""
+    rows, columns = (np.flatnonzero((before != after).any(axis=2).any(axis=axis)) for axis in (1, 0))
+    return after[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+
+
+def trimmed(pixels, margin=8):
+    """Without the empty rows at the bottom."""
+    empty = (pixels == pixels[-4, pixels.shape[1] // 2]).all(axis=2).mean(axis=1) > 0.9
+    last = np.flatnonzero(~empty[:-8]).max()
+    return pixels[: last + margin]
+
+
+def beside(*parts):
+    """Parts of a picture from left to right, with their tops aligned."""
+    height, width = max(part.shape[0] for part in parts), sum(part.shape[1] + GAP for part in parts) - GAP
+    pixels, left = np.full((height, width, 3), BACKGROUND, np.uint8), 0
+    for part in parts:
+        pixels[: part.shape[0], left : left + part.shape[1]] = part
+        left += part.shape[1] + GAP
+    return pixels
+
+
+def save(path, pixels):
+    """Write pixels as PNG, or as JPEG by the end of the path."""
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.new(path.name, width, height)
+    rgba = np.ones((height, width, 4), np.float32)
+    rgba[:, :, :3] = pixels[::-1] / 255.0
+    image.pixels.foreach_set(rgba.ravel())
+    image.file_format = "JPEG" if path.suffix == ".jpg" else "PNG"
+    image.save(filepath=str(path), quality=88)
+    bpy.data.images.remove(image)
+    print(f"{path.name}: {width} x {height}, {path.stat().st_size / 1000:.0f} kB", flush=True)
