@@ -64,7 +64,7 @@ def measure(name: str, seconds: float = SECONDS) -> list[dict]:
 
 def _walked(name: str, method: str, exact: dict, seed: int, seconds: float) -> list[dict]:
     _, layers, base = core_stack(STACKS[name], 0)
-    walk = WALKS[method](_core.Stack(layers, base), depth_knots(STACKS[name], 0), 1.0)
+    walk = getattr(_core, WALKS[method])(_core.Stack(layers, base), depth_knots(STACKS[name], 0), 1.0)
     pool = _core.ThreadPool(1)
 
     def run(first, last, of_seed=seed):
