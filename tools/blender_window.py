@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's window on a virtual screen: its areas, menus and panels, and pictures of them.
+"""Blender's window on a virtual screen: areas, menus, panels, and screenshots.
 
-The variable LAMINA_SCREEN names the file of the screen, in the format of xwd. Pictures are uint8 (height, width, 3),
-top row first.
+The environment variable LAMINA_SCREEN names the screen file, in the format of xwd. Pictures are uint8 arrays
+(height, width, 3), top row first.
 """
 
 import os
@@ -14,7 +14,7 @@ import numpy as np
 WINDOW = bpy.context.window_manager.windows[0]
 SCREEN = Path(os.environ["LAMINA_SCREEN"])
 PANEL_WIDTH = 560  # pixels
-DRAWING = 1.0  # seconds between two looks at the screen
+DRAWING = 1.0  # seconds between two screenshots
 GAP, BACKGROUND = 12, 48  # pixels between two parts of a picture, and their grey
 
 
@@ -36,9 +36,10 @@ def areas():
 
 
 def menu(area, name, left, right, down):
-    """Open a menu `left` pixels from the area's left edge, and point at the entry `right` and `down` of the first one.
+    """Open a menu `left` pixels from the area's left edge, and point at the entry `right` and `down` pixels from the
+    first entry.
 
-    Closes the menu; returns the screen with and without it."""
+    Closes the menu again. Returns the screen with the open menu, and the screen before the menu was opened."""
     left, top = area.x + left, area.y + area.height - 60
     WINDOW.event_simulate(type="MOUSEMOVE", value="NOTHING", x=left, y=top)
     yield from still()
@@ -54,7 +55,7 @@ def menu(area, name, left, right, down):
 
 
 def show(area, *names):
-    """Show these panels of Lamina in the Material tab, and no others but the list of materials."""
+    """Show only these panels of Lamina and the list of materials in the Material tab."""
     for cls in bpy.types.Panel.__subclasses__():
         kept = cls.__name__ == "LAMINA_PT_main" or "_PT_context_" in cls.__name__
         if getattr(cls, "bl_context", "") == "material" and cls.is_registered and not kept:
@@ -67,7 +68,7 @@ def show(area, *names):
 
 
 def on(area):
-    """Context for operators: the window with this area."""
+    """Context override for operators: the window and this area."""
     return bpy.context.temp_override(window=WINDOW, screen=WINDOW.screen, area=area, region=region_of(area))
 
 
@@ -77,7 +78,7 @@ def region_of(area):
 
 
 def still(steps=2, longest=40):
-    """Wait until the screen has not changed for so many steps, and for `longest` steps at most."""
+    """Wait until the screen has not changed for `steps` steps, but at most for `longest` steps."""
     earlier, same = None, 0
     for _ in range(longest):
         yield DRAWING
@@ -99,7 +100,7 @@ def picture(part=None):
 
 
 def cut(pixels, part):
-    """The pixels of an area or region, from those of the screen."""
+    """Crop the pixels of the screen to an area or region."""
     top = pixels.shape[0] - part.y - part.height
     return pixels[top : top + part.height, part.x : part.x + part.width]
 
@@ -111,14 +112,14 @@ def changed(before, after):
 
 
 def trimmed(pixels, margin=8):
-    """Without the empty rows at the bottom."""
+    """Remove the empty rows at the bottom, except for a margin."""
     empty = (pixels == pixels[-4, pixels.shape[1] // 2]).all(axis=2).mean(axis=1) > 0.9
     last = np.flatnonzero(~empty[:-8]).max()
     return pixels[: last + margin]
 
 
 def beside(*parts):
-    """Parts of a picture from left to right, with their tops aligned."""
+    """Join pictures from left to right, with their tops aligned."""
     height, width = max(part.shape[0] for part in parts), sum(part.shape[1] + GAP for part in parts) - GAP
     pixels, left = np.full((height, width, 3), BACKGROUND, np.uint8), 0
     for part in parts:
@@ -128,7 +129,7 @@ def beside(*parts):
 
 
 def save(path, pixels):
-    """Write pixels as PNG, or as JPEG by the end of the path."""
+    """Write pixels as PNG or JPEG, depending on the path's extension."""
     height, width = pixels.shape[:2]
     image = bpy.data.images.new(path.name, width, height)
     rgba = np.ones((height, width, 4), np.float32)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write the table of what Cycles' random walk makes of a half-space: native/lamina/subsurface/response.npz.
+"""Write the table of the response of Cycles' random walk in a half-space: native/lamina/subsurface/response.npz.
 
-Takes about four minutes of one core. The table changes only with Cycles' walk or with the method."""
+Takes about four minutes on one core. Run this script again if Cycles' walk or the method changes."""
 
 from pathlib import Path
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pictures of docs/artists.md. tools/screenshots.sh runs this file in a Blender window on a virtual screen.
+"""Makes the pictures of docs/artists.md. tools/screenshots.sh runs this file in a Blender window on a virtual screen.
 
 Arguments after `--`: the extension's zip, and the folder for the pictures.
 
-`story` performs the steps of the guide. It yields the seconds that Blender gets for its events and for drawing
-before the next step.
+`story` performs the steps of the guide. Each yielded value is the time in seconds for Blender to handle events and to
+draw before the next step.
 """
 
 import importlib
@@ -22,7 +22,7 @@ from blender_window import DRAWING, beside, cut, on, picture, save, show, still,
 
 ZIP, OUT = (Path(name).resolve() for name in sys.argv[sys.argv.index("--") + 1:])
 PACKAGE = "bl_ext.user_default.lamina"
-RENDERED = 8  # steps without a change, after which a rendered viewport is complete
+RENDERED = 8  # a rendered viewport counts as complete after this number of steps without a change
 
 
 def story():
@@ -103,7 +103,7 @@ def story():
 
 
 def stage(view):
-    """Cycles, a floor, a sky and a sun; the viewport shows what the camera sees, and nothing but the scene."""
+    """Set up Cycles, a floor, a sky and a sun. The viewport shows the camera view without overlays."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.preview_samples = 64, 32
@@ -131,7 +131,7 @@ def stage(view):
 
 
 def dust_map():
-    """An image of dust in patches: smooth noise from 0 to 2."""
+    """An image of patchy dust thickness: smooth noise from 0 to 2."""
     noise = np.fft.fft2(np.random.default_rng(1).normal(size=(256, 256)))
     frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(256), np.fft.fftfreq(256)))
     smooth = np.fft.ifft2(noise * np.exp(-((frequency / 0.02) ** 2))).real
@@ -142,7 +142,7 @@ def dust_map():
 
 
 def step():
-    """Blender's timer calls this function for each step."""
+    """Performs one step; called by Blender's timer."""
     try:
         with bpy.context.temp_override(window=screen.WINDOW):
             return next(STEPS)

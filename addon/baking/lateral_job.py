@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light that travels sideways: by a blocking function, or in a worker thread that the main thread polls."""
+"""Computes lateral light transport: in a blocking function, or in a worker thread that is polled."""
 
 import logging
 
@@ -18,7 +18,7 @@ running, forget, stop = _place.running, _place.forget, _place.stop
 
 
 class LateralJob(Worker):
-    """The computation for one material, which is found again even if it is renamed meanwhile."""
+    """The computation for one material. The material may be renamed while the job runs."""
 
     def __init__(self, material, scene):
         self.uid, self.millimetre = material.session_uid, millimetre(scene)
@@ -27,9 +27,9 @@ class LateralJob(Worker):
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
     def finish(self):
-        """Build the node group; main thread only. Returns the material, None after a cancel.
+        """Build the node group; main thread only. Returns the material, or None after a cancel.
 
-        Raises what the computation raised; then, and after a cancel, the material is as it was."""
+        Raises the exception of the computation. After an exception or a cancel the material is unchanged."""
         if self.error is not None:
             raise self.error
         material = next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
@@ -42,10 +42,10 @@ class LateralJob(Worker):
 def make(material, scene=None, quality=None, output=None):
     """Compute the material's light that travels sideways and build its node group. Blocks.
 
-    `output` is "RELIGHTABLE" or "PORTAL", by default the material's choice. Returns what the nodes show: a
-    lamina.SubsurfaceInputs or a lamina.PortalTables. `scene` gives the length of a Blender unit; by
-    default that of the context. Raises lamina.StackError for media without lengths, SolveError,
-    NativeMissingError; the material is as it was then."""
+    `output` is "RELIGHTABLE" or "PORTAL", by default the material's choice. Returns the computed
+    lamina.SubsurfaceInputs or lamina.PortalTables. `scene` gives the length of a Blender unit; the default
+    is the context's scene. Raises lamina.StackError for media without lengths, SolveError and
+    NativeMissingError; the material is then unchanged."""
     output = output or material.lamina.lateral
     found = _compute(output)(stack_io.to_stack(material), quality or material.lamina.quality)
     _apply(material, output, found, millimetre(scene or bpy.context.scene))
@@ -59,7 +59,7 @@ def running_for(material):
 
 
 def start(material, scene):
-    """Start in the background, one at a time. Raises like make, before it starts."""
+    """Start a background job; only one runs at a time. Raises like make, before the job starts."""
     return _place.take(LateralJob(material, scene))
 
 
@@ -69,7 +69,7 @@ def millimetre(scene):
 
 
 def _compute(output):
-    """What computes an output: a function of (stack, quality, progress, cancel)."""
+    """The function of (stack, quality, progress, cancel) that computes this output."""
     lamina, release = native.require(), tuple(bpy.app.version[:2])
 
     def compute(stack, quality, progress=None, cancel=None):

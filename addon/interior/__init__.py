@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is inside of Blender objects."""
+"""Volumetric interiors of Blender objects."""

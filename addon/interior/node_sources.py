@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sockets of a material's nodes whose values depend on the place inside an object and on nothing else."""
+"""Output sockets of material nodes whose values depend only on the position inside an object."""
 
 from ..base.messages import RefusedError
 
-# Nodes whose values belong to a surface, a ray or the scene, not to a place inside.
+# Nodes whose values depend on a surface, a ray or the scene, and not only on a position inside the object.
 _ELSEWHERE = {
     "NEW_GEOMETRY",
     "OBJECT_INFO",
@@ -31,8 +31,8 @@ _COLOURS = ("Base Color", "Color", "Density")
 
 
 def default_source(material):
-    """(node, socket) by name of what is linked to the colour, or else to the density, of the material's
-    first shader. Raises RefusedError.
+    """Names (node, socket) of the output linked to the colour of the material's first shader, or else to its
+    density. Raises RefusedError.
     """
     tree = _tree(material)
     output = tree.get_output_node("CYCLES")
@@ -49,8 +49,8 @@ def default_source(material):
 
 
 def find_source(tree, source, material):
-    """The output socket of (node, socket) in a material's tree. Raises RefusedError where there is none, or
-    its value depends on something else than the place in the object.
+    """The output socket named by `source` = (node, socket) in a material's tree. Raises RefusedError if the
+    socket does not exist, or if its value depends on anything but the position in the object.
     """
     name, socket = source
     node = tree.nodes.get(name)
@@ -88,7 +88,7 @@ def _is_shader(node):
 
 
 def _upstream(node):
-    """The node, and all that its inputs come from."""
+    """The node and all nodes upstream of it."""
     found, waiting = [], [node]
     while waiting:
         one = waiting.pop(0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A node texture as voxels: Cycles renders slices of the object's box as emission, many in one picture."""
+"""Samples a node texture into voxels: Cycles renders slices of the object's box, many per image."""
 
 import os
 import tempfile
@@ -11,9 +11,9 @@ from mathutils import Matrix
 from ..base.messages import RefusedError
 from .node_sources import default_source, find_source
 
-MOST_PIXELS = 1 << 22  # of one picture
+MOST_PIXELS = 1 << 22  # in one rendered image
 MOST_SIDE = 1024  # voxels
-NEAR_FILTER = 0.01  # pixels: samples lie this close to the centres of voxels
+NEAR_FILTER = 0.01  # filter width in pixels: samples lie within this distance of the voxel centres
 
 
 class SamplingCancelled(Exception):  # noqa: N818 - an outcome that the caller asked for, not an error
@@ -24,10 +24,11 @@ def sample_nodes(obj, material, low, high, shape, source=None, progress=None, ca
     """float32 [x, y, z, 3]: values of a colour or number of a material's nodes at the centres of voxels.
 
     `low`, `high`: corners of the box in the object's own space; `shape`: voxels along x, y, z, 1 to 1024.
-    `source`: (node, output socket) by name; None: what is linked to the material's colour or density. Values
-    are not clipped. `progress(fraction, text)` is told how far it is. `cancel()` is asked before each
-    picture, and SamplingCancelled raised when it says yes. Main thread only. Whatever happens, nothing stays
-    in the file. Raises RefusedError for nodes whose values do not depend on the place in the object alone.
+    `source`: names (node, output socket); None: the output linked to the material's colour or density.
+    Values are not clipped. `progress(fraction, text)` reports progress. `cancel()` is called before each
+    image; if it returns true, SamplingCancelled is raised. Main thread only. All temporary data are removed
+    from the file, also after an error. Raises RefusedError for nodes whose values depend on anything but the
+    position.
     """
     low, high, shape = np.array(low, float), np.array(high, float), tuple(int(count) for count in shape)
     if len(shape) != 3 or not all(1 <= count <= MOST_SIDE for count in shape):
@@ -39,7 +40,7 @@ def sample_nodes(obj, material, low, high, shape, source=None, progress=None, ca
 
 
 class _Studio:
-    """A scene of its own for the pictures. Everything in it is removed at the end."""
+    """A temporary scene that renders the images. All its data are removed at the end."""
 
     def __init__(self, obj, material, source, low, high, shape):
         self._obj, self._material, self._source = obj, material, source
@@ -82,7 +83,7 @@ class _Studio:
         return found
 
     def _keep(self, collection, item):
-        """Remember data of ours, to be removed in reverse."""
+        """Record temporary data. They are removed in reverse order."""
         self._made.append((collection, item))
         return item
 
@@ -114,7 +115,7 @@ class _Studio:
         _settings(scene, *self._size)
 
     def _emit(self, material):
-        """The chosen socket becomes all that the material emits."""
+        """Connect the chosen socket as the material's only emission."""
         tree = material.node_tree
         if tree is None:
             raise RefusedError(f"{material.name} has no nodes: switch Use Nodes on")
@@ -127,7 +128,7 @@ class _Studio:
         tree.links.new(emission.outputs[0], output.inputs["Surface"])
 
     def _slice(self, material):
-        """A rectangle of the box, with the texture space of the object's mesh."""
+        """A rectangle through the box, with the texture space of the object's mesh."""
         mesh = bpy.data.meshes.new("lamina slice")
         (x0, y0, _), (x1, y1, _) = self._low, self._high
         mesh.from_pydata([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)], [], [(0, 1, 2, 3)])
@@ -139,8 +140,8 @@ class _Studio:
         return mesh
 
     def _place(self, first, last):
-        """Slices [first, last) side by side. Their own coordinates are those in the object; a pixel is 1
-        wide."""
+        """Place slices [first, last) side by side. Their local coordinates equal the object's coordinates; a
+        pixel has width 1."""
         nx, ny, nz = self._shape
         side = self._high - self._low
         scale = Matrix.Diagonal((nx / side[0], ny / side[1], 1.0, 1.0))
@@ -157,7 +158,7 @@ class _Studio:
             one.matrix_world = corner @ scale @ Matrix.Translation((-self._low[0], -self._low[1], -z))
 
     def _render(self):
-        """[row from the bottom, column, channel]"""
+        """Render one image: array [row from the bottom, column, channel]."""
         with tempfile.TemporaryDirectory(prefix="lamina-slices-") as folder:
             self._scene.render.filepath = os.path.join(folder, "slices.exr")
             bpy.ops.render.render(write_still=True, scene=self._scene.name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group of light that travels sideways: one per material, beside the group of the bake."""
+"""The node group for lateral light transport: one per material, in addition to the node group of the bake."""
 
 import bpy
 
@@ -11,8 +11,9 @@ MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
 def build(material, name, draw, millimetre):
     """Make or refill the material's lateral group and link it to the material output. Returns the group.
 
-    `draw(graph, length)` adds the nodes and returns the shader's socket; `length` is the socket of the units
-    per millimetre, at first `millimetre`. Nothing is changed when it fails."""
+    `draw(graph, length)` adds the nodes and returns the shader's socket. `length` is the socket with the
+    number of Blender units per millimetre; its initial value is `millimetre`. If `draw` fails, nothing is
+    changed."""
     node_tree.of(material)
     group = material.lamina.lateral_group
     is_new = group is None or not group.is_editable or _is_shared(material, group)

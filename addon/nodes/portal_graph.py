@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A tabulated BSSRDF: Ray Portal BSDF, sources below the surface, and tables of lamina.portal_tables.
 
-A view that meets a front face goes on from a source below that point, in a random direction upwards. That ray
-meets a face from behind, and there the light outside is collected by a Translucent closure."""
+A camera ray that hits a front face continues from a source below the hit point, in a random upward direction.
+The continued ray hits a back face. A Translucent closure there collects the light from outside."""
 
 import math
 
@@ -13,14 +13,14 @@ from . import boundary_graph
 
 # Rows of the image, from below.
 DEPTHS, WEIGHTS, VIEWS, ROWS = 0, 1, 2, 4
-# White noise of a position: at a thousand steps a millimetre, neighbours have unlike numbers.
+# Scale of the position for White Noise: about 1000 steps per millimetre give neighbours different numbers.
 NOISE_SCALE = 917.3
-ASIDE = (0.8017837, 0.2672612, 0.5345225)  # no usual normal
+ASIDE = (0.8017837, 0.2672612, 0.5345225)  # helper axis for the tangent frame; unlikely to equal a normal
 
 
 def draw(graph, tables, length, name):
-    """Add the nodes and return the shader's socket. `tables`: lamina.PortalTables; `length`: the socket of
-    the Blender units per millimetre; `name`: of the image."""
+    """Add the nodes and return the shader's socket. `tables`: lamina.PortalTables; `length`: the socket with
+    the number of Blender units per millimetre; `name`: name of the image."""
     image = float_image.create(name, _texels(tables))
     geometry = graph.node("ShaderNodeNewGeometry", -3, 4)
     normal, position = geometry.outputs["Normal"], geometry.outputs["Position"]
@@ -46,7 +46,7 @@ def draw(graph, tables, length, name):
 
 
 def _texels(tables):
-    """The tables as rows of an image, values at texel centres."""
+    """The tables as rows of an image, with values at texel centres."""
     width = len(tables.depths)
     texels = np.zeros((ROWS, width, 4), np.float32)
     texels[:, :, 3] = 1.0
@@ -59,7 +59,7 @@ def _texels(tables):
 
 
 def _row(graph, image, row, label, place, interpolation):
-    """The image's row at a place in [0, 1]: its first texel at 0, its last at 1."""
+    """Look up a row of the image at a coordinate in [0, 1]: 0 is the first texel, 1 the last."""
     width = image.size[0]
     half = 0.5 / width
     at = graph.node("ShaderNodeCombineXYZ", 2, 2 * row, label)
@@ -73,7 +73,7 @@ def _row(graph, image, row, label, place, interpolation):
 
 
 def _chance(graph, position, length):
-    """Three random numbers, uniform in [0, 1), for the place that is seen."""
+    """Three random numbers, uniform in [0, 1), for the shading point."""
     fine = graph.math("DIVIDE", -2, 6, "steps", NOISE_SCALE, length)
     noise = graph.node("ShaderNodeTexWhiteNoise", -1, 6, "chance")
     noise.noise_dimensions = "3D"
@@ -84,7 +84,7 @@ def _chance(graph, position, length):
 
 
 def _cosine(graph, chance):
-    """(cosine, sine) of the source's ray to the normal: uniform over the upper hemisphere."""
+    """(cosine, sine) of the angle between the source's ray and the normal: uniform over the hemisphere."""
     cosine = graph.math("MAXIMUM", 0, 7, "cosine", chance, 1.0e-6)
     square = graph.math("MULTIPLY", 1, 7, "square", cosine, cosine)
     return cosine, graph.math("SQRT", 3, 7, "sine", graph.math("SUBTRACT", 2, 7, "rest", 1.0, square))
@@ -106,7 +106,7 @@ def _direction(graph, normal, cosine, sine, chance):
 
 
 def _with_once_scattered(graph, tables, portal):
-    """The portal and the Glossy closure of light that was scattered once."""
+    """The portal plus the Glossy closure for single scattering."""
     once = np.broadcast_to(tables.once, 3)
     if not np.any(once > 0.0):
         return portal
@@ -121,7 +121,7 @@ def _with_once_scattered(graph, tables, portal):
 
 
 def _seen_from_behind(graph, geometry, shader):
-    """What a source's ray meets from inside: the surface lit from outside."""
+    """The shader of back faces, which a source's ray hits from inside: the surface lit from outside."""
     lit = graph.node("ShaderNodeBsdfTranslucent", 6, 8, "light from outside")
     lit.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     mix = graph.node("ShaderNodeMixShader", 7, 6, "from inside")

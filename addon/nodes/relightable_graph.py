@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Subsurface Scattering nodes with the inputs that lamina.subsurface_nodes found, under the boundary."""
+"""Subsurface Scattering nodes with the inputs from lamina.subsurface_nodes, below the stack's boundary."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from . import boundary_graph
 
 def draw(graph, inputs, length):
     """Add the nodes and return the shader's socket. `inputs`: lamina.SubsurfaceInputs in millimetres;
-    `length`: the socket of the Blender units per millimetre."""
+    `length`: the socket with the number of Blender units per millimetre."""
     shader = _walk(graph, 0, "walk", inputs, inputs.color, inputs.radius, length)
     if inputs.extra_weight > 0.0:
         colour, radius = inputs.extra_color, inputs.extra_radius

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Show light that travels sideways: blocking in the background, otherwise modal around a worker thread."""
+"""Operator for lateral light transport: blocks under `blender -b`, otherwise modal with a worker thread."""
 
 import bpy
 
@@ -27,7 +27,7 @@ class LAMINA_OT_lateral(Following, bpy.types.Operator):
         return True
 
     def execute(self, context):
-        """Compute and wait for it: scripts, and everything under `blender -b`."""
+        """Compute and wait for the result: for scripts and for `blender -b`."""
         material = common.material_of(context)
         try:
             lateral_job.make(material, context.scene)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cancel the running computation of light that travels sideways."""
+"""Cancel the running computation of lateral light transport."""
 
 import bpy
 

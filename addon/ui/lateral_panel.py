@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of the Lamina panel for light that travels sideways."""
+"""The Lamina subpanel for lateral light transport."""
 
 import bpy
 

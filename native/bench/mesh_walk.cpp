@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Collisions per second of CPU time of walks in a mesh of 100,352 faces with a grid of 256^3 voxels, coefficients of
-// three channels in each. One line of JSON for each case and number of threads.
+// Measures collisions per second of CPU time for walks in a mesh of 100,352 faces. Each of the 256^3 voxels holds the
+// coefficients of three channels. Prints one line of JSON for each case and number of threads.
 //     bench_mesh_walk [THREADS ...]
 #include <cmath>
 #include <cstdio>
@@ -46,7 +46,7 @@ TrianglePart bumpy_ball() {
   return part;
 }
 
-/// Rounded down; not for numbers below the least normal half.
+/// Converts to a half, rounding down. Values below the smallest normal half are not supported.
 std::uint16_t half(double value) {
   const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value) * 0x1.0p-112F);
   return static_cast<std::uint16_t>(bits >> 13U);

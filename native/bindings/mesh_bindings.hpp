@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the files of the module lamina._mesh share.
+// Declarations shared by the source files of the Python module lamina._mesh.
 #pragma once
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -42,8 +42,9 @@ inline TrianglePart part_of(const Floats& vertices, const Indices& triangles) {
   return part;
 }
 
-/// What `make(ask)` builds on another thread, so that this one can ask Python whether to continue; `ask(fraction)`
-/// tells how much is done. Null if it was stopped without an exception of Python's; else throws that.
+/// Runs `make(ask)` on another thread and returns the result. Meanwhile the calling thread asks Python whether to
+/// continue; `ask(fraction)` reports the progress. Rethrows an exception of `go_on`; returns null if the work stops
+/// without one.
 template <typename Built, typename Make>
 std::unique_ptr<Built> built_on_a_thread(const py::function& go_on, const Make& make) {
   std::atomic<double> fraction = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Python module lamina._mesh: dust and texels on meshes, walks inside them. It is apart from _core, so that
-// everything else works without Embree.
+// The Python module lamina._mesh: dust and texels on meshes, walks inside meshes. This module is separate from _core,
+// so that the rest of the package works without Embree.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Solids, grids of coefficients and walks inside, in the module lamina._mesh.
+// Bindings of solids, coefficient grids and walks inside solids, in the module lamina._mesh.
 #include <pybind11/stl.h>
 
 #include "mesh_bindings.hpp"
@@ -11,7 +11,7 @@ using namespace lamina;
 using Voxels = py::array_t<std::uint16_t, py::array::c_style>;
 using Triple = std::array<double, 3>;
 
-/// A solid and the threads that walk in it.
+/// A solid and the thread pool for its walks.
 struct BoundSolid {
   ThreadPool pool;
   std::unique_ptr<Solid> solid;
@@ -70,7 +70,7 @@ BoundGrid grid_of_mixture(const Voxels& voxels, const Triple& low, const Triple&
   return {voxels, CoefficientGrid::of_mixture(frame, voxels.data(), std::move(palette))};
 }
 
-/// Directions and places, rows of three numbers.
+/// Directions or positions, three numbers per row.
 using Rows = py::array_t<double, py::array::c_style>;
 
 Ray ray_at(const Rows& rows, std::size_t i) {

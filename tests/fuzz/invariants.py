@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Invariants of all stacks: each function returns sentences about violations."""
+"""Invariants that hold for all stacks: each function returns one sentence per violation."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ QUALITY = "preview"
 TOLERANCE = tolerance_of(QUALITY)
 MU = np.array([0.05, 0.13, 0.37, 0.62, 0.88, 1.0])
 DPHI = np.array([0.0, 0.4, 1.3, 2.4, math.pi])
-# In stacks with boundaries, the tolerance of lamina.solve is relative to the largest of the value, this share of its
-# mean over azimuths, and this value in 1/sr.
+# In stacks with boundaries, the tolerance of lamina.solve is relative to the largest of three numbers: the value, this
+# share of the value's mean over azimuths, and this value in 1/sr.
 FAINT = 1e-3
 ENERGY = 1e-4  # largest gain of a rough boundary that the solver allows
 WALK_SAMPLES = 1 << 16
@@ -40,7 +40,7 @@ def ends_in_air(stack: Stack) -> bool:
 
 
 def of_values(stack: Stack, found: dict) -> list[str]:
-    """Values are numbers, not negative, and reciprocal."""
+    """Values are finite, not negative, and reciprocal."""
     wrong = []
     for (path, side), f in found.items():
         if not np.all(np.isfinite(f)):
@@ -57,7 +57,7 @@ def of_values(stack: Stack, found: dict) -> list[str]:
 
 
 def of_energy(solved) -> list[str]:
-    """Not more light leaves than arrives, and all of it without absorption."""
+    """Energy does not grow, and is conserved in stacks without absorption."""
     wrong = []
     for side in ("top", "bottom") if solved.stack.base is None and ends_in_air(solved.stack) else ("top",):
         for mu0 in (MU, "diffuse"):
@@ -72,7 +72,7 @@ def of_energy(solved) -> list[str]:
 
 
 def of_splitting(stack: Stack, found: dict, chance: random.Random) -> list[str]:
-    """A homogeneous layer divided in two is the same layer."""
+    """Dividing a homogeneous layer in two does not change the result."""
     whole = [k for k, layer in enumerate(stack.layers) if isinstance(layer, Medium) and layer.profile is None
              and layer.color is None and not layer.varying]
     if not whole:
@@ -99,7 +99,7 @@ def of_splitting(stack: Stack, found: dict, chance: random.Random) -> list[str]:
 
 
 def of_thickness(solved, chance: random.Random) -> list[str]:
-    """A layer that is given another thickness is the layer of that thickness, solved anew."""
+    """Changing the thickness of a solved layer gives the same result as a new solve with that thickness."""
     whole = [k for k, layer in enumerate(solved.stack.layers) if isinstance(layer, Medium) and layer.tau is not None
              and layer.profile is None and layer.color is None]
     if not whole:
@@ -125,7 +125,7 @@ def of_thickness(solved, chance: random.Random) -> list[str]:
 
 
 def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> list[str]:
-    """Photon walks agree at some points, by Z-score at a family-wise level of 1 % over that many comparisons."""
+    """Photon walks agree with the solver at some points, by Z-scores at a family-wise level of 1 %."""
     if not ends_in_air(solved.stack):
         return []
     limit = z_limit(comparisons)
@@ -146,7 +146,7 @@ def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> li
 
 
 def of_table(lut) -> list[str]:
-    """A baked table holds finite weights, none of them negative, and plausible errors."""
+    """The weights of a baked table are finite and not negative, and its errors are plausible."""
     wrong = []
     if not np.all(np.isfinite(lut.weights)) or lut.weights.min() < 0.0:
         wrong.append("table: weights negative or not finite")
@@ -156,8 +156,8 @@ def of_table(lut) -> list[str]:
 
 
 def promised(f: np.ndarray, stack: Stack) -> np.ndarray:
-    """What the tolerance of values is relative to, [o, i, dphi, channel]. In stacks of media alone that is the value,
-    or rounding noise of the largest value."""
+    """The reference of the relative tolerance, [o, i, dphi, channel]. In stacks of media alone the reference is the
+    value, or the rounding noise of the largest value."""
     value = np.abs(f)
     if any(isinstance(layer, Interface) for layer in stack.layers) or isinstance(stack.base, Conductor):
         steps = np.diff(DPHI)[:, None]
@@ -167,7 +167,7 @@ def promised(f: np.ndarray, stack: Stack) -> np.ndarray:
 
 
 def difference(a: np.ndarray, b: np.ndarray, stack: Stack) -> float:
-    """The largest difference, relative to what the tolerance is relative to."""
+    """The largest difference relative to the reference of the tolerance."""
     return float((np.abs(a - b) / promised(b, stack)).max())
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random stacks from everything that a stack's JSON allows. A stack depends only on its seed and number."""
+"""Random stacks with all features that a stack's JSON allows. A stack depends only on its seed and number."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MOST_LAYERS = 6
 
 
 def random_stack(seed: int, number: int) -> Stack:
-    """Stack `number` of the sequence that `seed` begins."""
+    """Stack `number` of the random sequence with this seed."""
     return _Maker(random.Random(f"{seed}:{number}")).stack()
 
 
@@ -101,12 +101,12 @@ class _Maker:
     def moments(self) -> Tabulated:
         g = self.chance.uniform(-0.6, 0.8)
         count = self.chance.randint(1, 60)
-        # Cesaro's means of a positive function are positive.
+        # Cesaro means of a positive function are positive.
         return Tabulated(moments=[g**order * (1.0 - order / count) ** 2 for order in range(count)]
                          if abs(g) < 0.3 else [g**order for order in range(90)])
 
     def samples(self) -> Tabulated:
-        """A lobe by the degree or so, which may be noisy."""
+        """A lobe tabulated in steps of about one degree, possibly with noise."""
         count = self.chance.choice([19, 37, 91, 181, 361])
         g, noise = self.chance.uniform(-0.7, 0.8), self.chance.choice([0.0, 0.01, 0.1, 0.3])
         cosines = [math.cos(math.pi * k / (count - 1)) for k in range(count)]
@@ -132,7 +132,7 @@ class _Maker:
         color = self.chance.uniform(0.02, 0.9)
         if over is None:
             return Medium(color=color, tau=tau, phase=HenyeyGreenstein(self.chance.uniform(-0.5, 0.85)))
-        # Close to the colour below, so that some albedo gives the colour.
+        # Close to the colour below, so that an albedo for the colour exists.
         return Medium(color=over * math.exp(-0.1 * tau), over=over, tau=tau)
 
     def graded(self) -> Medium:

@@ -80,7 +80,7 @@ def peak_megabytes() -> float:
 
 
 def apart(work) -> dict:
-    """The same in a child process, so that a crash or endless work is a finding too."""
+    """Run `work` in a child process, so that crashes and endless loops are recorded as findings."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
@@ -149,7 +149,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--results", type=Path, help="file of findings, one line of JSON each; a run goes on with it")
     parser.add_argument("--show", action="store_true", help="print the stacks as JSON, and what each costs")
     given = parser.parse_args(arguments)
-    # Tables that all bakes share are made once, before the clock runs.
+    # Tables that all bakes share are computed once, before time is measured.
     for warm in (lamina.Stack([lamina.Medium(albedo=0.5, tau=1.0)]),
                  lamina.Stack([lamina.Interface(1.5, 0.1)], lamina.Lambert(0.5)),
                  lamina.Stack([lamina.Interface(1.5, 0.1), lamina.Interface(1.0, 0.1)])):

@@ -7,7 +7,7 @@
 
 namespace lamina {
 
-/// Goes along a ray from brick to brick. The outer bricks have no outer faces: they reach to infinity.
+/// Traverses the bricks of a grid along a ray. Bricks at the border of the grid extend to infinity.
 class BrickFlight {
  public:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -28,8 +28,8 @@ class BrickFlight {
     majorant_ = grid.majorant(brick_);
   }
 
-  /// Flies on until the majorants add up to this optical depth. Returns the distance from the start in mm, or infinity
-  /// if the depth is not reached before the distance `limit`.
+  /// Advances until the integral of the majorant reaches the optical depth `depth`. Returns the distance from the start
+  /// in mm, or infinity if `depth` is not reached before the distance `limit`.
   double advance(double depth, double limit) {
     for (;;) {
       const std::size_t axis = next_axis();
@@ -46,7 +46,7 @@ class BrickFlight {
     }
   }
 
-  /// Flies on to this distance, whatever lies between.
+  /// Advances to this distance from the start without accumulating optical depth.
   void skip_to(double distance) {
     for (std::size_t axis = next_axis(); next_[axis] < distance; axis = next_axis()) {
       enter_brick(axis);
@@ -54,7 +54,7 @@ class BrickFlight {
     at_ = distance;
   }
 
-  /// Where advance() has stopped.
+  /// The majorant of the current brick, in 1/mm.
   double majorant() const { return majorant_; }
 
  private:

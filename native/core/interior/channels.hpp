@@ -11,7 +11,7 @@ inline constexpr std::size_t kChannels = 3;
 
 using Channels = std::array<float, kChannels>;
 
-/// Weights of a walk, which are multiplied thousands of times.
+/// Weights of a walk. Double precision, because a walk multiplies them thousands of times.
 using Weights = std::array<double, kChannels>;
 
 inline double mean_of(const Weights& weights) { return (weights[0] + weights[1] + weights[2]) * (1.0 / 3.0); }

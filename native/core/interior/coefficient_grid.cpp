@@ -7,7 +7,7 @@ namespace lamina {
 
 namespace {
 
-// Majorants are larger than the extinction by more than the rounding of sums of single precision.
+// Majorants are raised by this factor. The margin exceeds the rounding error of sums in single precision.
 constexpr float kAbove = 1.0F + 0x1p-20F;
 
 }  // namespace
@@ -48,7 +48,7 @@ void CoefficientGrid::find_majorants() {
     return static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) * static_cast<std::size_t>(sizes[2]);
   };
   majorants_.assign(count(bricks_), 0.0F);
-  // Of all voxels that a sample inside the brick may read: in a smooth grid also the neighbours.
+  // Take the maximum over all voxels that a sample inside the brick can read. A smooth grid also reads neighbours.
   const int margin = smooth_ ? 1 : 0;
   std::array<std::size_t, 3> first;
   std::array<std::size_t, 3> last;

@@ -11,45 +11,45 @@
 
 namespace lamina {
 
-/// A homogeneous material: coefficients in 1/mm, and the parameter of its Henyey-Greenstein phase function.
+/// A homogeneous material: coefficients in 1/mm and the parameter g of the Henyey-Greenstein phase function.
 struct EndMaterial {
   Channels scattering = {};
   Channels absorption = {};
   float g = 0.0F;
 };
 
-/// The voxels of a grid, and the box in mm that they divide.
+/// The number of voxels of a grid, and the box in mm that the voxels fill.
 struct GridFrame {
   std::array<int, 3> voxels = {1, 1, 1};
   std::array<double, 3> low = {0.0, 0.0, 0.0};
   std::array<double, 3> high = {1.0, 1.0, 1.0};
-  /// Coefficients are trilinear between the centres of voxels; otherwise constant in each voxel.
+  /// True: coefficients are interpolated trilinearly between voxel centres. False: constant in each voxel.
   bool smooth = true;
 };
 
-/// Coefficients in a box, which go on beyond the box as at its faces. The voxels are not copied: they must outlive the
-/// grid. A voxel is either
+/// Scattering and absorption coefficients in a box. Outside the box, the values at its faces are used. The voxels are
+/// not copied: they must outlive the grid. A voxel is either
 ///   six halves: scattering of red, green, blue, then absorption; or
-///   a mixture coordinate, 0 to 65535 for the first to the last end material of a palette, linear between neighbours.
-/// Voxels lie in the order [x][y][z], z fastest.
+///   a mixture coordinate: 0 is the first and 65535 the last end material of a palette, linear between neighbours.
+/// Voxels are stored in the order [x][y][z], z fastest.
 class CoefficientGrid {
  public:
   static CoefficientGrid of_halves(const GridFrame& frame, const std::uint16_t* voxels, float g);
   static CoefficientGrid of_mixture(const GridFrame& frame, const std::uint16_t* voxels,
                                     std::vector<EndMaterial> palette);
 
-  /// Coefficients at one place. Scattering is shared by two phase functions.
+  /// Coefficients at one position. The scattering is divided between two phase functions.
   struct Sample {
     Channels scattering;
     Channels extinction;
     float g_first;
     float g_second;
-    Channels second;  ///< the second one's share of the scattering; not set if both are the same
+    Channels second;  ///< share of the scattering with the second phase function; not set if both are equal
   };
 
-  /// Coefficients at a place, at random in a smooth grid: one of the eight voxels around it, with the trilinear weights
-  /// as probabilities, so that their mean is the trilinear value. Collisions that are accepted by such a sample are
-  /// those of the mean, because the chance of acceptance is linear in the coefficients.
+  /// Coefficients at a position. In a smooth grid this is a stochastic lookup: one of the eight nearest voxels is drawn
+  /// with its trilinear weight as probability, so the expected value is the trilinear interpolation. Delta tracking
+  /// stays unbiased, because the acceptance probability is linear in the coefficients.
   Sample at(const Place& place, Rng& rng) const {
     std::array<double, 3> u = {(place.x - low_[0]) * per_mm_[0], (place.y - low_[1]) * per_mm_[1],
                                (place.z - low_[2]) * per_mm_[2]};
@@ -88,7 +88,7 @@ class CoefficientGrid {
   CoefficientGrid(const GridFrame& frame, const std::uint16_t* voxels, std::vector<EndMaterial> palette, float g);
   void find_majorants();
 
-  /// Not negative and finite, as in a half.
+  /// Converts a half to a float. The half must be finite and not negative.
   static float half(std::uint16_t bits) {
     return std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 13U) * 0x1.0p112F;
   }
@@ -133,7 +133,7 @@ class CoefficientGrid {
   std::array<double, 3> per_mm_;  ///< voxels
   bool smooth_;
   const std::uint16_t* data_;
-  std::vector<EndMaterial> palette_;  ///< two or more, or none
+  std::vector<EndMaterial> palette_;  ///< at least two materials, or empty
   float palette_step_ = 0.0F;
   float g_;
   std::array<int, 3> bricks_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Places in space, in millimetres.
+// Positions in space, in millimetres.
 #pragma once
 #include <cmath>
 

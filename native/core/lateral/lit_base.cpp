@@ -12,7 +12,7 @@
 namespace lamina {
 namespace {
 
-/// The mean over azimuths of waves at a lateral displacement.
+/// The mean of the wave over azimuths; `phase` is the lateral frequency times the displacement.
 double mean_wave(double phase, const AzimuthRule& azimuths) {
   if (azimuths.count == 1) {
     return 1.0;
@@ -92,9 +92,9 @@ double LitBase::discretised(double q, const AzimuthRule& azimuths) const {
 
 double LitBase::at(double q) const {
   static const Quadrature rule(8);
-  constexpr double kShortest = 1e-6;  // the last piece at the end of an interval
+  constexpr double kShortest = 1e-6;  // shortest piece, at the end of an interval
   constexpr double kPhase = 4.0;      // largest change of the phase of a wave within a piece
-  constexpr double kLargest = 1e3;    // light farther aside than this phase is left out: its waves cancel
+  constexpr double kLargest = 1e3;    // light beyond this phase is neglected: its waves cancel
   double leaving = 0.0;
   double returning = 0.0;
   const auto add = [&](double low, double high) {
@@ -104,7 +104,7 @@ double LitBase::at(double q) const {
     }
     const double far = std::min(q * aside(std::max(low, 1e-9)), 4.0 * kLargest);
     const int count = 1 + static_cast<int>(std::abs(far - near) / kPhase);
-    // Equal steps of 1 / mu are nearly equal steps aside.
+    // Equal steps in 1 / mu are nearly equal steps of the lateral displacement.
     const double first = 1.0 / high;
     const double last = 1.0 / std::max(low, 1e-9);
     for (int k = 0; k < count; ++k) {

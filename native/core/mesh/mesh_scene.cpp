@@ -13,7 +13,7 @@ namespace lamina {
 
 namespace {
 
-// Above this many triangles Embree uses compact nodes and indexed triangles: less memory, slower rays.
+// Above this number of triangles Embree uses compact nodes and indexed triangles: less memory, slower rays.
 constexpr std::size_t kCompactTriangles = 3000000;
 
 void keep_first_error(void* first, RTCError, const char* words) {
@@ -49,7 +49,7 @@ RTCRay embree_ray(const MeshRay& ray) {
   return result;
 }
 
-/// The first hit of a ray, of any kind.
+/// The first hit of a ray with any part.
 RTCRayHit intersection(RTCScene scene, const MeshRay& ray) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -61,7 +61,7 @@ RTCRayHit intersection(RTCScene scene, const MeshRay& ray) {
   return traced;
 }
 
-/// The place of a triangle that is nearest to a point (Ericson, Real-Time Collision Detection, 2005, 5.1.5).
+/// The point of a triangle nearest to p (Ericson, Real-Time Collision Detection, 2005, 5.1.5).
 Eigen::Vector3f nearest_on_triangle(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                                     const Eigen::Vector3f& c) {
   const Eigen::Vector3f ab = b - a;
@@ -96,7 +96,7 @@ Eigen::Vector3f nearest_on_triangle(const Eigen::Vector3f& p, const Eigen::Vecto
   return a + (vb * ab + vc * ac) / (va + vb + vc);
 }
 
-/// Of a query for the nearest face: the parts, and the distance found so far.
+/// State of a query for the nearest face: the parts, and the shortest distance found so far.
 struct NearestSearch {
   const std::vector<TrianglePart>& parts;
   float distance;

@@ -33,8 +33,8 @@ struct MeshHit {
   bool front;
 };
 
-/// Where a ray meets a face: the distance along the ray in units of its direction's length, and the face's normal, of
-/// length 1, on the side from which its corners run counter-clockwise.
+/// The intersection of a ray and a face: the distance along the ray in units of the direction's length, and the unit
+/// normal on the side from which the face's corners run counter-clockwise.
 struct SurfaceHit {
   float distance;
   float normal[3];
@@ -44,8 +44,8 @@ struct SurfaceHit {
 /// of threads that built the scene.
 class MeshScene {
  public:
-  /// Builds on `threads` threads, which call `go_on(fraction)` from time to time; when it returns false, the build
-  /// stops and throws Stopped. Throws std::runtime_error when Embree fails, for example for lack of memory.
+  /// Builds on `threads` threads, which call `go_on(fraction)` from time to time. If `go_on` returns false, the build
+  /// stops and throws Stopped. Throws std::runtime_error if Embree fails, for example for lack of memory.
   MeshScene(std::vector<TrianglePart> parts, unsigned threads, const std::function<bool(double)>& go_on);
   ~MeshScene();
   MeshScene(const MeshScene&) = delete;
@@ -57,7 +57,7 @@ class MeshScene {
   MeshHit first_hit(const MeshRay& ray) const;
   /// The first face that a ray hits, of any part.
   std::optional<SurfaceHit> first_surface(const MeshRay& ray) const;
-  /// The distance from a place to the nearest face, of any part, or `within` if none is nearer than that.
+  /// The distance from a position to the nearest face of any part, at most `within`.
   float nearest_distance(const float place[3], float within) const;
   std::size_t parts() const { return parts_.size(); }
   /// Memory that Embree holds for the scene.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How much light leaves a solid, and how far from where it entered.
+// Tallies the exit albedo of a solid, and the distance between entry and exit.
 #pragma once
 #include <array>
 
@@ -7,12 +7,12 @@
 
 namespace lamina {
 
-/// Sums over the walks of one point, for each channel, of the weight w with which light first leaves, and the distance
-/// r in mm from start to exit.
+/// Sums over the walks from one point, per channel: w is the weight at the first exit, r the straight distance in mm
+/// from start to exit.
 struct ExitSums {
   enum Score { kWeight, kDistance, kSquare, kScores };
   struct OfChannel {
-    /// Of v = (w, w r, w r^2), and of the products v_i v_j, i <= j, by rows.
+    /// Sums of v = (w, w r, w r^2), and of the products v_i v_j, i <= j, by rows.
     std::array<double, kScores> moments = {};
     std::array<double, kScores*(kScores + 1) / 2> products = {};
   };
@@ -21,7 +21,7 @@ struct ExitSums {
   void add(const ExitSums& other);
 };
 
-/// Takes the first exit of each walk.
+/// Records the first exit of each walk.
 class ExitTally final : public WalkListener {
  public:
   explicit ExitTally(ExitSums& sums) : sums_(sums) {}

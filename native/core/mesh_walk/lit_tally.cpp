@@ -11,7 +11,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A direction within the disc of a lamp, uniform in solid angle.
+/// A direction drawn within the disc of a lamp, uniform in solid angle.
 Ray towards_disc(const DistantLight& light, Rng& rng) {
   if (light.cosine == 1.0) {
     return light.towards;

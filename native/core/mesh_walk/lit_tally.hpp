@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The light of distant lamps and of a uniform sky that leaves a solid.
+// Tallies the light of distant lamps and of a uniform sky that leaves a solid.
 #pragma once
 #include <vector>
 
@@ -7,14 +7,14 @@
 
 namespace lamina {
 
-/// A lamp at infinity, a disc of the irradiance 1 on a plane across its direction.
+/// A lamp at infinity: a disc that gives irradiance 1 on a plane perpendicular to its direction.
 struct DistantLight {
-  Ray towards;          ///< the lamp, of length 1
-  double cosine = 1.0;  ///< of the disc's angular radius; 1: all light comes from one direction
+  Ray towards;          ///< unit vector to the lamp
+  double cosine = 1.0;  ///< cosine of the disc's angular radius; 1: all light comes from one direction
 };
 
-/// Sums over walks of the radiance that leaves the start of each, and of its square, from each lamp, and last from a
-/// sky of radiance 1.
+/// Sums over walks of the radiance that leaves at the start of the walk, and of the squared radiance: one entry per
+/// lamp, and a last entry for a sky of radiance 1.
 struct LitSums {
   std::vector<Weights> sums;
   std::vector<Weights> squares;
@@ -23,11 +23,11 @@ struct LitSums {
   void add(const LitSums& other);
 };
 
-/// Collects light along walks. Lamps are met
-///   through a matched boundary: from each scattering, by a ray to the lamp (next-event estimation);
-///   through a rough one: from each meeting with the boundary from inside, by its refraction towards the lamp;
-///   through a smooth one: where light happens to escape into the disc of the lamp, which so must have an extent.
-/// The sky is met by what escapes. Light that leaves and meets the solid again is followed.
+/// Collects light along walks. The estimator for lamps depends on the boundary:
+///   matched: next-event estimation, a ray to the lamp from each scattering;
+///   rough: the refraction towards the lamp, at each interaction with the boundary from inside;
+///   smooth: only paths that escape into the lamp's disc count, so the disc must have a positive angular radius.
+/// Paths that escape also count the sky. Light that leaves and meets the solid again is followed.
 class LitTally final : public WalkListener {
  public:
   LitTally(const MeshWalk& walk, const std::vector<DistantLight>& lights, LitSums& sums, WalkCounts& counts)
@@ -47,7 +47,7 @@ class LitTally final : public WalkListener {
   const std::vector<DistantLight>& lights_;
   LitSums& sums_;
   WalkCounts& counts_;
-  std::vector<Weights> found_;  ///< by this walk
+  std::vector<Weights> found_;  ///< light collected by the current walk
 };
 
 }  // namespace lamina

@@ -13,9 +13,9 @@ namespace lamina {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// How far from the surface a start may be, relative to the size.
+// Largest distance between a start and the surface, relative to the solid's size.
 constexpr double kStartReach = 1e-4;
-// How far inside the surface walks start, relative to the size: a few roundings of single precision.
+// Walks start this far below the surface, relative to the solid's size: a few rounding errors of single precision.
 constexpr double kInset = 2e-7;
 
 Ray reflected(const Ray& ray, const Ray& normal) {
@@ -53,7 +53,7 @@ class MeshWalk::Path {
   }
 
  private:
-  /// Light from the eye meets the boundary. False if it does not enter.
+  /// The light (backwards, from the eye) meets the boundary. Returns false if it does not enter.
   bool enter(const Start& start) {
     const Ray& normal = start.normal;
     normal_ = normal;
@@ -65,7 +65,7 @@ class MeshWalk::Path {
       place_ = start.place.moved(normal, reach - hit->distance);
       normal_ = hit->normal;
     }
-    // At a vertex, all faces about the vertex shall be outside.
+    // Move inwards, so that at a vertex all adjacent faces lie outside of the start.
     place_ = place_.moved(normal, -kInset * solid_.size());
     const Ray in = start.view ? -*start.view : -about(normal);
     if (in.dot(normal) >= 0.0) {  // seen from behind
@@ -89,7 +89,7 @@ class MeshWalk::Path {
     if (weight == 0.0) {
       return false;
     }
-    // A direction that enters by the given normal may leave by that of the face.
+    // A direction that enters with respect to the given normal may leave with respect to the face's normal.
     if (direction_.dot(normal_) > 0.0) {
       direction_ = reflected(direction_, normal_);
     }
@@ -105,14 +105,15 @@ class MeshWalk::Path {
                        up.x * first[2] + up.y * second[2] + up.z * normal.z});
   }
 
-  /// To the next scattering, or to the surface and across or back. False if the walk ends.
+  /// Moves to the next scattering, or to the surface and refracts or reflects there. Returns false if the walk ends.
   bool fly() {
     BrickFlight flight(grid_, place_, direction_);
     SurfaceSearch surface(solid_, place_, direction_, shells_, on_surface_);
     std::optional<Crossing> end;
-    double free = 0.0;  // up to here there is no surface
+    double free = 0.0;  // distance up to which the flight meets no surface
     if (on_surface_) {
-      // At an edge a direction that enters by one face may leave by another, and by rounding miss that face.
+      // At an edge a direction that enters through one face may leave through another face, and rounding errors may let
+      // the ray miss that face.
       ++counts_.rays;
       end = surface.leaving(kInfinity);
       if (!end) {
@@ -152,8 +153,8 @@ class MeshWalk::Path {
     }
   }
 
-  /// Accepts or rejects a tentative collision; multiplies the weights by the ratio of what each channel does to what
-  /// was done.
+  /// Accepts or rejects a tentative collision. Multiplies each channel's weight by the channel's own probability of
+  /// the outcome, divided by the probability used.
   bool is_real(const CoefficientGrid::Sample& sample, double majorant) {
     double sum = 0.0;
     double real = 0.0;
@@ -182,7 +183,7 @@ class MeshWalk::Path {
       direction_ = scattered(direction_, first.sample(rng_.uniform()), rng_);
       return;
     }
-    // The mean of the channels' mixtures, weighted like collisions.
+    // Draw from the mean of the channels' phase functions, weighted by the path weights.
     const HenyeyGreenstein second{sample.g_second};
     const double sum = weights_[0] + weights_[1] + weights_[2];
     double by_second = 0.0;
@@ -201,7 +202,7 @@ class MeshWalk::Path {
     direction_ = scattered(direction_, cosine, rng_);
   }
 
-  /// Light from inside is at the surface. False if the walk ends.
+  /// Light from inside meets the surface. Returns false if the walk ends.
   bool cross(const Ray& normal) {
     normal_ = normal;
     if (boundary_.kind() == SurfaceBoundary::Kind::kRough) {
@@ -213,7 +214,7 @@ class MeshWalk::Path {
 
   bool leave(const Ray& normal) { return listener_.leaves({place_, normal, direction_, weights_}) && follow_outside(); }
 
-  /// Light outside. True if it enters again.
+  /// Follows light outside. Returns true if the light enters the solid again.
   bool follow_outside() {
     for (;;) {
       ++counts_.rays;
@@ -264,7 +265,7 @@ class MeshWalk::Path {
 
   Place place_;
   Ray direction_;
-  Ray normal_;  ///< of the face that was met last
+  Ray normal_;  ///< normal of the face that was hit last
   Weights weights_ = {};
   int shells_ = 1;
   bool on_surface_ = true;

@@ -11,8 +11,8 @@
 
 namespace lamina {
 
-/// Light that leaves a solid. By reciprocity it is light that enters there, against the direction, and contributes with
-/// these weights to what leaves at the start of the walk.
+/// An exit of a walk. By reciprocity, light that enters here against `direction` contributes with these weights to the
+/// light that leaves at the start of the walk.
 struct Exit {
   Place place;
   Ray normal;
@@ -20,7 +20,7 @@ struct Exit {
   Weights weights;
 };
 
-/// What is told of the events of a walk.
+/// Interface for listeners to the events of a walk.
 class WalkListener {
  public:
   WalkListener() = default;
@@ -28,48 +28,50 @@ class WalkListener {
   WalkListener& operator=(const WalkListener&) = delete;
   virtual ~WalkListener() = default;
 
-  /// Light leaves the solid. Returns whether it shall be followed outside, until it meets the solid again.
+  /// Light leaves the solid. Returns true to follow the light outside until it meets the solid again.
   virtual bool leaves(const Exit& exit) = 0;
-  /// Light that left and was followed meets nothing more.
+  /// Light that was followed outside does not meet the solid again.
   virtual void escapes(const Ray&, const Weights&) {}
-  /// Light that travels along `direction` is scattered; the weights hold the loss by absorption.
+  /// Light is scattered. Arguments: position, direction of travel before the scattering, coefficients, and the weights
+  /// after absorption.
   virtual void scatters(const Place&, const Ray&, const CoefficientGrid::Sample&, const Weights&, Rng&) {}
-  /// Light from inside meets a rough boundary.
+  /// Light from inside meets a rough boundary. Arguments: position, direction of travel, outward normal, weights.
   virtual void meets_facets(const Place&, const Ray&, const Ray&, const Weights&) {}
 };
 
-/// Sums over walks, beside those of listeners.
+/// Sums over walks that do not depend on the listener.
 struct WalkCounts {
   double mirrored = 0.0;  ///< weight that the boundary reflects at the start
-  double lost = 0.0;      ///< weight that misses the surface by rounding
+  double lost = 0.0;      ///< weight of walks that miss the surface by rounding errors
   std::uint64_t scatterings = 0;
-  std::uint64_t collisions = 0;  ///< scatterings, and those rejected
+  std::uint64_t collisions = 0;  ///< scatterings and rejected collisions
   std::uint64_t rays = 0;
 
   void add(const WalkCounts& other);
 };
 
-/// Delta tracking: tentative collisions with the majorant of each brick, accepted by the extinction (Woodcock et al.
-/// 1965). One path serves red, green and blue: a collision is accepted by the mean of the channels' extinctions,
-/// weighted by the weights of the path so far (Kutz et al. 2017, history-aware averages). The density of a path is then
-/// the mean of its densities in the three channels: the balance heuristic over channels, so that no weight exceeds
-/// three times the mean. Absorption by weights, ended by Russian roulette; no limit on the length of paths.
+/// Delta tracking: tentative collisions with the majorant of each brick, accepted with probability extinction /
+/// majorant (Woodcock et al. 1965). One path serves red, green and blue: the acceptance probability uses the mean of
+/// the channels' extinctions, weighted by the path's weights (Kutz et al. 2017, history-aware averages). The density of
+/// a path is then the mean of its densities in the three channels, which is the balance heuristic over channels. No
+/// weight exceeds three times the mean weight. Absorption reduces the weights; Russian roulette ends paths. The path
+/// length is unlimited.
 class MeshWalk {
  public:
   MeshWalk(const Solid& solid, const CoefficientGrid& grid, const SurfaceBoundary& boundary)
       : solid_(solid), grid_(grid), boundary_(boundary) {}
 
-  /// Where walks start: a place on or very near the surface, and its normal, of length 1. The normal need not be that
-  /// of the face: the boundary is met with it at the start, as shading has it.
+  /// The start of a walk: a position on or very near the surface, and a unit normal. The normal may differ from the
+  /// face's normal, like a shading normal; it is used for the boundary at the start only.
   struct Start {
     Place place;
     Ray normal;
-    std::optional<Ray> view;  ///< towards the eye; without: cosine-distributed about the normal
+    std::optional<Ray> view;  ///< direction to the eye; if not given, cosine-distributed about the normal
   };
   void run(const Start& start, Rng& rng, WalkListener& listener, WalkCounts& counts) const;
 
-  /// The share of light in each channel that passes from a place inside the solid along a direction to infinity, in and
-  /// out of the solid, an unbiased estimate by ratio tracking (Novak et al. 2014). For a matched boundary.
+  /// Unbiased estimate per channel, by ratio tracking (Novak et al. 2014), of the transmittance from a position inside
+  /// the solid along a direction to infinity. The ray may leave and enter the solid again. For a matched boundary.
   Weights transmittance(const Place& from, const Ray& direction, Rng& rng, WalkCounts& counts) const;
 
   const SurfaceBoundary& boundary() const { return boundary_; }

@@ -7,10 +7,10 @@ namespace lamina {
 
 namespace {
 
-// Walks that a thread takes at once. Sums are made of the sums of such pieces, in order.
+// Number of walks in a piece of work for one thread. The sums of pieces are added in order, for reproducible results.
 constexpr std::uint64_t kPiece = 256;
 
-/// Sums by point of what `run(start, rngs of a piece)` adds to results.
+/// For each point, the sum of the results that `run(start, rngs of a piece)` gives for all pieces.
 template <typename Result, typename Run>
 std::vector<Result> sum_by_point(const WalkPoints& points, const Result& empty, ThreadPool& pool, const Run& run) {
   const std::uint64_t pieces = (points.walks + kPiece - 1) / kPiece;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Walks from many points of a surface, on threads.
+// Multithreaded walks from many points of a surface.
 #pragma once
 #include <vector>
 
@@ -9,12 +9,13 @@
 
 namespace lamina {
 
-/// Points on the surface of a solid. A point's random numbers depend on the seed, its number and the walk's.
+/// Points on the surface of a solid. Random numbers depend on the seed, the number of the point and the number of the
+/// walk.
 struct WalkPoints {
   std::vector<MeshWalk::Start> starts;
   std::uint64_t first_number = 0;
   std::uint64_t first_walk = 0;
-  std::uint64_t walks = 1;  ///< from each; the number of the last is at most 2^32
+  std::uint64_t walks = 1;  ///< walks per point; the number of the last walk is at most 2^32
   std::uint64_t seed = 0;
 };
 
@@ -32,10 +33,10 @@ struct LitResult {
   void add(const LitResult& other);
 };
 
-/// For each point, what leaves first: the same bytes for any number of threads.
+/// Tallies the first exit of each walk, by point. Results are identical bytes for any number of threads.
 std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& points, ThreadPool& pool);
 
-/// For each point, the radiance that leaves by the light of lamps and of a sky.
+/// Estimates the radiance that leaves at each point under distant lamps and a uniform sky.
 std::vector<LitResult> walk_to_lights(const MeshWalk& walk, const WalkPoints& points,
                                       const std::vector<DistantLight>& lights, ThreadPool& pool);
 

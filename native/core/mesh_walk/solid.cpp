@@ -22,7 +22,7 @@ std::array<double, 3> corner_of(const std::vector<float>& vertices, bool high) {
   return corner;
 }
 
-/// The sides of a box, those of a flat one not 0.
+/// The side lengths of a box, each at least .001 of the size.
 std::array<double, 3> sides_of(const std::array<double, 3>& low, const std::array<double, 3>& high, double size) {
   std::array<double, 3> sides;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A closed mesh: its surface, and how far from the surface a place is.
+// A closed mesh: intersections with its surface, and distances to the surface.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace lamina {
 
-/// Where a ray meets the surface: the distance, and the outward normal.
+/// The intersection of a ray and the surface: the distance in mm, and the outward normal.
 struct Crossing {
   double distance;
   Ray normal;
@@ -24,13 +24,13 @@ struct Crossing {
 /// surface to about 1e-7 of the largest one.
 class Solid {
  public:
-  /// Calls `go_on(fraction)` from time to time; throws MeshScene::Stopped when it returns false.
+  /// Calls `go_on(fraction)` from time to time. Throws MeshScene::Stopped if `go_on` returns false.
   Solid(TrianglePart part, ThreadPool& pool, const std::function<bool(double)>& go_on);
 
-  /// A distance in mm up to which there is no surface around a place; 0 if none is known.
+  /// A lower bound in mm of the distance to the surface; 0 if no bound is known.
   double clearance(const Place& place) const { return distance_.clearance(place); }
 
-  /// The distance of a place to the surface, or `within` if that is shorter.
+  /// The distance from a position to the surface in mm, at most `within`.
   float distance(const float place[3], float within) const { return scene_.nearest_distance(place, within); }
 
   std::optional<Crossing> first_crossing(const Place& from, const Ray& direction, double nearest,
@@ -48,7 +48,7 @@ class Solid {
     return Crossing{hit->distance, {hit->normal[0], hit->normal[1], hit->normal[2]}};
   }
 
-  /// Whether a place lies in the mesh's box, with a margin for rounding.
+  /// True if a position lies in the mesh's bounding box, with a margin for rounding.
   bool box_holds(const Place& place) const {
     const double margin = 1e-6 * size_;
     const std::array<double, 3> at = {place.x, place.y, place.z};
@@ -59,7 +59,7 @@ class Solid {
     }
     return true;
   }
-  /// The diagonal of the mesh's box.
+  /// The diagonal of the mesh's bounding box in mm.
   double size() const { return size_; }
   std::size_t bytes() const { return scene_.bytes() + distance_.bytes(); }
 

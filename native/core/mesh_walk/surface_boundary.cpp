@@ -11,7 +11,7 @@ namespace lamina {
 
 namespace {
 
-/// Directions about a normal, which is z.
+/// A local frame whose z axis is the normal.
 struct NormalFrame {
   Ray first, second, normal;
 
@@ -28,8 +28,8 @@ struct NormalFrame {
   }
 };
 
-/// Light along `in` meets a smooth boundary with the cosine `along` to the normal (its sign tells the side), and goes
-/// on from index `from` to index `to`.
+/// Reflection and refraction of light along `in` at a smooth boundary. `along`: cosine between `in` and the normal; its
+/// sign gives the side. `from`, `to`: refractive indices before and behind the boundary.
 struct SmoothMeeting {
   double reflected;  ///< share of the power
   Ray refracted;

@@ -9,10 +9,10 @@
 
 namespace lamina {
 
-/// What light meets where it enters or leaves a solid. Directions are those of travel; normals point outwards.
+/// The boundary where light enters or leaves a solid. Directions are directions of travel; normals point outwards.
 class SurfaceBoundary {
  public:
-  /// `ior`: index of the solid, 1: no boundary. Without `facets` the boundary is smooth.
+  /// `ior`: refractive index of the solid; 1: matched, no boundary. If `facets` is null, the boundary is smooth.
   SurfaceBoundary(double ior, const Facets* facets);
 
   enum class Kind { kMatched, kSmooth, kRough };
@@ -22,13 +22,14 @@ class SurfaceBoundary {
     Ray direction;
     double weight;  ///< share of the power; 0 if the light is lost
   };
-  /// Reflection or refraction, chosen at random, of light from either side.
+  /// Samples reflection or refraction of light from either side.
   Outcome meet(const Ray& in, const Ray& normal, Rng& rng) const;
 
-  /// Only refraction of light from outside, with the share that enters as weight. For boundaries that are not rough.
+  /// Refracts light from outside; the weight is the transmitted share. Not for rough boundaries.
   Outcome enter(const Ray& in, const Ray& normal) const;
 
-  /// Of a rough boundary: the power that leaves per solid angle along `out`, outside, of light along `in` from inside.
+  /// For a rough boundary: the share of the power of light along `in`, from inside, that leaves along `out`, outside,
+  /// per solid angle.
   double leaving(const Ray& in, const Ray& out, const Ray& normal) const;
 
  private:

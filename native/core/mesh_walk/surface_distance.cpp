@@ -9,8 +9,8 @@ namespace lamina {
 
 namespace {
 
-constexpr double kCells = 1 << 18;         // in all, about
-constexpr double kRounding = 1e-6;         // of distances in single precision, relative to the size of the box
+constexpr double kCells = 1 << 18;         // approximate number of cells
+constexpr double kRounding = 1e-6;         // error of distances in single precision, relative to the size of the box
 constexpr float kNear = 3.0F;              // cells
 constexpr float kHalfDiagonal = 0.86603F;  // of a cell, rounded up
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -52,7 +52,7 @@ class ParabolaEnvelope {
   }
 
  private:
-  /// Where the parabolas of two vertices, the second to the right, have the same value.
+  /// The abscissa at which the parabolas of two vertices, the second to the right, intersect.
   double meeting(std::size_t left, std::size_t right) const {
     const auto a = static_cast<double>(left);
     const auto b = static_cast<double>(right);
@@ -109,7 +109,7 @@ void SurfaceDistance::measure_near(const MeshScene& scene, double rounding, Thre
 }
 
 void SurfaceDistance::fill_far(ThreadPool& pool) {
-  // The nearest point of the surface lies in a cell whose centre is within half a diagonal of that point.
+  // The nearest surface point is at most half a cell diagonal away from the centre of its cell.
   std::vector<float> squares(distances_.size());
   std::transform(distances_.begin(), distances_.end(), squares.begin(),
                  [](float distance) { return distance <= kHalfDiagonal ? 0.0F : kInfinity; });
@@ -127,7 +127,7 @@ void SurfaceDistance::fill_far(ThreadPool& pool) {
     });
   }
   for (std::size_t k = 0; k < distances_.size(); ++k) {
-    // Single precision rounds a distance of thousands of cells by less than the last term.
+    // The factor covers the rounding error of distances of thousands of cells in single precision.
     const float far = std::sqrt(squares[k]) * (1.0F - 1e-6F) - kHalfDiagonal;
     distances_[k] = std::max(distances_[k], far);
   }

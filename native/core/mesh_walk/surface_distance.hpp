@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A grid of distances to a surface, so that short flights need no ray.
+// A grid of distances to a surface. Flights shorter than the distance need no ray.
 #pragma once
 #include <array>
 #include <cmath>
@@ -13,17 +13,17 @@
 
 namespace lamina {
 
-/// Lower bounds of the distance to the surface of a scene. Near the surface they hold the distance of each cell's
-/// centre; farther off, the distance to the nearest cell that the surface may pass through (Felzenszwalb and
-/// Huttenlocher 2012).
+/// Lower bounds of the distance to the surface of a scene. Near the surface, cells store the exact distance of their
+/// centre. Other cells store the distance to the nearest cell that the surface may cross (distance transform of
+/// Felzenszwalb and Huttenlocher 2012).
 class SurfaceDistance {
  public:
-  /// Covers a box in mm, whose sides are not 0. Calls `go_on(fraction)` from time to time; throws MeshScene::Stopped
-  /// when it returns false.
+  /// Covers a box in mm with sides above 0. Calls `go_on(fraction)` from time to time. Throws MeshScene::Stopped if
+  /// `go_on` returns false.
   SurfaceDistance(const MeshScene& scene, const std::array<double, 3>& low, const std::array<double, 3>& sides,
                   ThreadPool& pool, const std::function<bool(double)>& go_on);
 
-  /// A distance in mm up to which there is no surface around a place; 0 where none is known.
+  /// A lower bound in mm of the distance to the surface; 0 if no bound is known.
   double clearance(const Place& place) const {
     const std::array<double, 3> u = {(place.x - low_[0]) * per_mm_, (place.y - low_[1]) * per_mm_,
                                      (place.z - low_[2]) * per_mm_};
@@ -38,7 +38,7 @@ class SurfaceDistance {
       square += off * off;
       index = index * static_cast<std::size_t>(cells_[axis]) + static_cast<std::size_t>(cell);
     }
-    // Distances change by no more than the way between two places.
+    // The distance to the surface changes by at most the distance between two positions.
     const double here = distances_[index];
     return here * here > square ? (here - std::sqrt(square)) * cell_ : 0.0;
   }
@@ -53,7 +53,7 @@ class SurfaceDistance {
   std::array<double, 3> low_;
   std::array<int, 3> cells_ = {};
   double cell_;                   ///< side in mm
-  double per_mm_;                 ///< cells
+  double per_mm_;                 ///< cells per mm
   std::vector<float> distances_;  ///< in cells
 };
 

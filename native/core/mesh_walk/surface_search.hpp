@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a straight flight leaves or enters a solid.
+// Finds where a straight flight leaves or enters a solid.
 #pragma once
 #include "mesh_walk/solid.hpp"
 
 namespace lamina {
 
-/// Looks for the surface along a ray, a stretch at a time. Parts of a mesh may overlap: `shells` counts how many the
-/// flight is inside of, and only the outermost surface counts.
+/// Searches the surface along a ray, segment by segment. Parts of a mesh may overlap: `shells` is the number of parts
+/// that contain the current position, and only the outermost surface counts.
 class SurfaceSearch {
  public:
-  /// A ray that starts on the surface may start on the wrong side of the surface by rounding.
+  /// `on_surface`: the ray starts on the surface, where rounding errors may put the start on the wrong side.
   SurfaceSearch(const Solid& solid, const Place& from, const Ray& direction, int& shells, bool on_surface)
       : solid_(solid),
         from_(from),
@@ -17,7 +17,7 @@ class SurfaceSearch {
         shells_(shells),
         rounding_((on_surface ? 1e-4 : 1e-6) * solid.size()) {}
 
-  /// Where a flight inside leaves, up to the distance `farthest` from its start.
+  /// The point where a flight inside leaves the solid, up to the distance `farthest` from the start.
   std::optional<Crossing> leaving(double farthest) {
     while (const auto crossing = next(farthest)) {
       if (crossing->normal.dot(direction_) > 0.0) {
@@ -32,7 +32,7 @@ class SurfaceSearch {
     return std::nullopt;
   }
 
-  /// Where a flight outside enters.
+  /// The point where a flight outside enters the solid, up to the distance `farthest` from the start.
   std::optional<Crossing> entering(double farthest) {
     while (const auto crossing = next(farthest)) {
       if (crossing->normal.dot(direction_) < 0.0) {
@@ -49,7 +49,7 @@ class SurfaceSearch {
       return std::nullopt;
     }
     const auto crossing = solid_.first_crossing(from_, direction_, nearest_, farthest);
-    // The next stretch begins behind the face that was found.
+    // The next segment begins behind the face that was hit.
     constexpr double kBehind = 1.0 + 1e-6;
     nearest_ = crossing ? crossing->distance * kBehind + 1e-7 * solid_.size() : farthest;
     return crossing;

@@ -8,7 +8,7 @@
 namespace lamina {
 namespace {
 
-/// All numbers on which the boundary depends.
+/// All parameters on which the boundary's operators depend.
 using Key = std::vector<double>;
 
 Key key_of(const Facets& facets, bool compensate, const DirectionSet& set, double ior_above, int orders,

@@ -155,8 +155,9 @@ LobeChain slowest_chain(const Stack& stack, double tolerance) {
     return chain;
   }
   const double narrowest = std::min(reflected, refracted);
-  // The spectrum of a GGX lobe of width w decays as exp(-w k). If this is too optimistic, the check of returned values
-  // demands more orders. Lookup tables use these orders for two successive lobes too, as far as the nodes resolve them.
+  // The spectrum of a GGX lobe of width w decays as exp(-w k). If this estimate is too low, the check of returned
+  // values requests more orders. Lookup tables use these orders for two successive lobes too, as far as the nodes
+  // resolve them.
   constexpr double kResolved = 32.0;
   const double two = std::min(0.5 * decay / (2.0 * narrowest), kResolved);
   chain.orders = std::max(decay / (2.0 * narrowest + reflected), two);

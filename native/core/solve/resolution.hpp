@@ -23,14 +23,14 @@ struct Resolution {
 /// Thinner layers scatter light only once.
 inline constexpr double kThinnestRepeated = 1e-9;
 
-/// Optical thickness up to which multiple scattering within a layer may be coarse: it is a share of about the thickness
-/// times its logarithm of what the layer scatters, a tenth of the tolerance. Single scattering is always exact.
+/// Optical thickness up to which multiple scattering within a layer may be coarse. Its share of the light that the
+/// layer scatters is about thickness * |log(thickness)|: a tenth of the tolerance. Single scattering is always exact.
 inline double thinnest_resolved(double tolerance) { return 1e-2 * std::min(tolerance, 1e-2); }
 
 inline double Resolution::thinnest_resolved() const { return lamina::thinnest_resolved(tolerance); }
 
-/// Ranges of nodes are divided down to cosines similar to the thickness, but not below this. In thinner layers part of
-/// the multiple scattering of grazing light is missed; its share is about the thickness times its logarithm.
+/// The node ranges are divided down to cosines about equal to the thickness, but not below this value. In thinner
+/// layers part of the multiple scattering of grazing light is missed; its share is about thickness * |log(thickness)|.
 inline constexpr double kThinnestResolved = 1e-5;
 
 /// The resolution for the stack's phase functions. n Gauss nodes per hemisphere integrate products of the first 2n

@@ -75,7 +75,7 @@ Solution::Solution(SublayerStack sublayers, const Resolution& resolution, Thread
 
 /// The number of azimuth orders that would pass the check if orders decayed as slowly as the check assumes.
 double Solution::orders_needed() const {
-  constexpr double kFewest = 64.0;  // fewer orders tell too little about the decay
+  constexpr double kFewest = 64.0;  // with fewer orders the decay cannot be estimated
   if (orders() < kFewest) {
     return orders();
   }
@@ -83,7 +83,7 @@ double Solution::orders_needed() const {
 }
 
 Resolution Solution::finer() const {
-  constexpr double kHopeless = 1.75;  // the estimate may be this much too large
+  constexpr double kHopeless = 1.75;  // safety factor: the estimate may be too large by this factor
   Resolution finer = resolution_;
   if (!(checks_.azimuth < resolution_.tolerance)) {
     if (orders() >= kMostOrders || orders_needed() > kHopeless * kMostOrders) {
@@ -107,7 +107,7 @@ Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& poo
     throw std::invalid_argument("with_thickness: layer " + std::to_string(layer) + " is not a medium");
   }
   Solution other = *this;
-  bool grown = false;  // from a thickness that the nodes need not resolve
+  bool grown = false;  // true if a medium grows from a thickness that the nodes need not resolve
   for (Scatterer& scatterer : other.scatterers_) {
     if (scatterer.layer >= begin && scatterer.layer < end) {
       Medium& medium = std::get<Medium>(other.sublayers_.stack.layers[scatterer.layer]);
@@ -204,8 +204,8 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
   }
 }
 
-/// The largest ratio of an order to the least scattering of a medium in any direction, estimated as single scattering
-/// plus a part of the mean of multiple scattering.
+/// The largest ratio of an order's contribution to the smallest scattering of a medium over all azimuths. That smallest
+/// scattering is estimated as single scattering plus a part of the mean of multiple scattering.
 double Solution::share_of_order(int order) const {
   constexpr double kGrazing = 0.04;  // the tolerance holds for cosines above .05 only
   // Cosines of the nodes in the least dense medium: light that is grazing there may be steep in a denser medium.

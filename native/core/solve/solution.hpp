@@ -28,8 +28,8 @@ class Solution {
   /// The stack at another resolution.
   Solution at(const Resolution& resolution, ThreadPool& pool) const { return {sublayers_, resolution, pool}; }
 
-  /// The resolution to try next after a failed check: more azimuth orders if these are missing, else more nodes. Throws
-  /// std::runtime_error if there is none finer.
+  /// The resolution to try after a failed check: more azimuth orders if orders are missing, otherwise more nodes.
+  /// Throws std::runtime_error if no finer resolution exists.
   Resolution finer() const;
 
   /// The stack over a Lambert surface of another reflectance. The solved layers do not depend on it.
@@ -44,7 +44,7 @@ class Solution {
   void require_sound() const;
   int orders() const { return static_cast<int>(multiple_.size()); }
 
-  /// A medium among the stack's layers.
+  /// A scattering medium of the stack.
   struct Scatterer {
     std::size_t layer;  ///< index of its layer
     double ior;         ///< refractive index

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is inside of a mesh: coefficients in voxels, veins, and walks of light."""
+"""Interiors of meshes: coefficients in voxels, marble veins, and random walks of light."""

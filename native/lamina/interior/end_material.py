@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Homogeneous materials, of which interiors are mixed."""
+"""Homogeneous materials. An interior is a mixture of end materials."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class EndMaterial:
 
     @classmethod
     def from_json(cls, data, name: str) -> EndMaterial:
-        """From what to_json made; `name` says what it is in errors. Raises InteriorError."""
+        """Inverse of to_json; `name` is the name of the material in error messages. Raises InteriorError."""
         if not isinstance(data, dict) or set(data) != {"sigma_s", "sigma_a", "g"}:
             raise InteriorError(f"{name} = {quoted(data)}: must be an object of sigma_s, sigma_a and g")
         try:
@@ -47,7 +47,7 @@ class EndMaterial:
 
 
 def check_g(g) -> float:
-    """A mean cosine. Raises InteriorError."""
+    """Check a mean cosine and return it as float. Raises InteriorError."""
     try:
         return check_number(g, "g", f"must lie in [-{MOST_G}, {MOST_G}]", lambda value: abs(value) <= MOST_G)
     except ArgumentError as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimates from the sums of walks."""
+"""Estimates and standard errors from the sums over walks."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from ..walks.searchlight_moments import Measured
 from .lamps import Lamp
 
 COUNTS = ("mirrored", "lost", "scatterings", "collisions", "rays")
-# Where the products v_i v_j, i <= j, of v = (w, w r, w r^2) lie.
+# Index of the product v_i v_j, i <= j, for v = (w, w r, w r^2).
 _PRODUCT = {(0, 0): 0, (0, 1): 1, (0, 2): 2, (1, 1): 3, (1, 2): 4, (2, 2): 5}
 
 
 @dataclass(frozen=True)
 class WalkCount:
-    """How much work walks were: `seconds` in all, NaN for merged parts; `samples`: walks from each point. `lost`: share
-    of the light that missed the surface by rounding, and is missing from the results. `collisions`: scatterings, and
-    collisions that were rejected. `rays` traced."""
+    """The cost of the walks. `seconds`: total time, NaN for merged parts. `samples`: walks per point. `lost`: share of
+    the light that misses the surface by rounding errors; this light is missing from the results. `collisions`:
+    scatterings and rejected collisions. `rays`: number of rays traced."""
 
     seconds: float
     samples: int
@@ -31,12 +31,13 @@ class WalkCount:
 
 @dataclass(frozen=True)
 class ExitEstimate:
-    """What leaves a solid of light that enters at each of n points, each with `value` and `stderr`, shape (n, 3): red,
-    green, blue.
+    """The light that leaves a solid, for unit flux that enters at each of n points. Estimates have `value` and `stderr`
+    of shape (n, 3): red, green, blue.
 
-    `albedo`: the flux that leaves, wherever that is, of unit flux at the point, without `mirrored`, (n,): the share
-    that the boundary reflects at the point. `mean_distance` (mm) and `mean_square_distance` (mm^2): from the point to
-    where light leaves, straight; NaN where none does. Light counts where it leaves first."""
+    `albedo`: the flux that leaves at any point of the surface, without the boundary's reflection at the point of entry.
+    `mirrored`, (n,): the share that the boundary reflects at the point of entry. `mean_distance` (mm) and
+    `mean_square_distance` (mm^2): straight distance between entry and exit; NaN where no light leaves. Only the first
+    exit counts."""
 
     albedo: Measured
     mirrored: np.ndarray
@@ -47,9 +48,9 @@ class ExitEstimate:
 
 @dataclass(frozen=True)
 class LightEstimate:
-    """The radiance that leaves a solid at each of n points after travelling inside. `lamps`: by the light of each lamp
-    of irradiance 1, shape (n, lamps, 3); `sky`: of a sky of radiance 1, (n, 3); each with `value` and `stderr`. What
-    the boundary reflects at the point is not included."""
+    """The radiance that leaves a solid at each of n points after transport inside. `lamps`: for each lamp of irradiance
+    1, shape (n, lamps, 3). `sky`: for a sky of radiance 1, shape (n, 3). Both have `value` and `stderr`. The boundary's
+    reflection at the point is not included."""
 
     lamps: Measured
     sky: Measured
@@ -58,14 +59,14 @@ class LightEstimate:
 
 
 def exit_estimate(moments, products, counts, samples: int, seconds: float) -> ExitEstimate:
-    """From sums: moments [point, channel, (w, w r, w r^2)], products [point, channel, 6]."""
+    """The estimate from sums: moments [point, channel, (w, w r, w r^2)], products [point, channel, 6]."""
     albedo = _mean(moments[..., 0], products[..., 0], samples)
     return ExitEstimate(albedo, counts[:, 0] / samples, _ratio(moments, products, 1, samples),
                         _ratio(moments, products, 2, samples), walk_count(counts, samples, seconds))
 
 
 def light_estimate(sums, squares, counts, samples: int, lamps: tuple[Lamp, ...], seconds: float) -> LightEstimate:
-    """From sums and sums of squares [point, lamp or last the sky, channel]."""
+    """The estimate from sums and sums of squares [point, source, channel]. Sources: the lamps, then the sky."""
     found = _mean(sums, squares, samples)
     return LightEstimate(Measured(found.value[:, :-1], found.stderr[:, :-1]),
                          Measured(found.value[:, -1], found.stderr[:, -1]), lamps, walk_count(counts, samples, seconds))
@@ -83,7 +84,7 @@ def _mean(sums, squares, samples: int) -> Measured:
 
 
 def _ratio(moments, products, power: int, samples: int) -> Measured:
-    """The mean of r to a power over the light that leaves, with the error of a ratio of means."""
+    """The mean of r**power over the light that leaves, with the standard error of a ratio of means."""
     mean = moments / samples
 
     def covariance(i, j):

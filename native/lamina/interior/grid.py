@@ -17,22 +17,22 @@ from ..common.errors import ArgumentError, InteriorError, quoted
 from .end_material import CHANNELS, MOST_COEFFICIENT, EndMaterial, check_g
 
 FORMAT, SCHEMA = "lamina-interior", 1
-MOST_COORDINATE = 65535  # of the palette's last material
+MOST_COORDINATE = 65535  # coordinate of the palette's last material
 MOST_VOXELS = 1 << 30
 MOST_MATERIALS = 256
 
 
 @dataclass(frozen=True, eq=False)
 class Interior:
-    """What is inside of a mesh. Make one by `uniform`, `mixed`, `of_coefficients`, `lamina.marble` or `load`.
+    """The interior of a mesh. Create one with `uniform`, `mixed`, `of_coefficients`, `lamina.marble` or `load`.
 
-    `voxels`: [x, y, z], either uint16, a place in the palette from 0 (first) to 65535 (last material), between
-    neighbours a mixture in proportion; or float16 with a last axis of 6, sigma_s and then sigma_a of red, green and
-    blue in 1/mm.
-    `low`, `high`: corners in mm of the box that the voxels divide, in the space of the mesh. Outside of the box the
-    coefficients are those at its faces.
-    `palette`: the end materials, none for coefficients. `g`: for coefficients, the mean cosine of the phase function.
-    `smooth`: coefficients are trilinear between the centres of voxels; otherwise constant in each voxel."""
+    `voxels`: array [x, y, z]. Either uint16: a palette coordinate from 0 (first material) to 65535 (last material);
+    values between two neighbouring materials are linear mixtures. Or float16 with a last axis of 6: sigma_s, then
+    sigma_a, of red, green and blue in 1/mm.
+    `low`, `high`: corners in mm of the box that the voxels fill, in the space of the mesh. Outside of the box the
+    coefficients at its faces are used.
+    `palette`: the end materials; empty for coefficients. `g`: mean cosine of the phase function, for coefficients.
+    `smooth`: if true, trilinear interpolation between voxel centres; otherwise constant in each voxel."""
 
     voxels: np.ndarray
     low: tuple[float, ...]
@@ -48,9 +48,9 @@ class Interior:
 
     @classmethod
     def mixed(cls, coordinate, palette: Sequence[EndMaterial], low, high, smooth: bool = True) -> Interior:
-        """Mixtures of one to 256 end materials. `coordinate`: [x, y, z], 0 for the first to 1 for the last material of
-        the palette; whole steps of 1 / (materials - 1) are the materials between. It is kept with 16 bits. `low`,
-        `high`: of the box, mm. Raises InteriorError, a ValueError, that names the first bad voxel."""
+        """Mixtures of one to 256 end materials. `coordinate`: array [x, y, z], from 0 (first material of the palette)
+        to 1 (last material); multiples of 1 / (materials - 1) are pure materials. Coordinates are stored with 16 bits.
+        `low`, `high`: corners of the box, mm. Raises InteriorError, a ValueError, that names the first bad voxel."""
         corners = checked_box(low, high)
         materials = checked_palette(palette)
         array = _voxels(coordinate, "coordinate", (3,))
@@ -62,8 +62,9 @@ class Interior:
 
     @classmethod
     def of_coefficients(cls, sigma_s, sigma_a, low, high, g: float = 0.0, smooth: bool = True) -> Interior:
-        """Coefficients in 1/mm, each [x, y, z] or [x, y, z, channel of three], [0, 65504]. They are kept as halves, to
-        .05 %. `low`, `high`: of the box, mm. Raises InteriorError that names the first bad voxel."""
+        """Coefficients in 1/mm, range [0, 65504], each of shape [x, y, z] or [x, y, z, 3 channels]. Coefficients are
+        stored as halves, with an error up to .05 %. `low`, `high`: corners of the box, mm. Raises InteriorError that
+        names the first bad voxel."""
         corners = checked_box(low, high)
         g = check_g(g)
         arrays = {name: _voxels(values, name, (3, 4)) for name, values in (("sigma_s", sigma_s), ("sigma_a", sigma_a))}
@@ -81,18 +82,18 @@ class Interior:
 
     @property
     def bytes(self) -> int:
-        """Memory of the voxels."""
+        """Memory of the voxels in bytes."""
         return self.voxels.nbytes
 
     @property
     def hash(self) -> str:
-        """Names the content: equal interiors have equal hashes."""
+        """Hash of the content: equal interiors have equal hashes."""
         digest = hashlib.sha256(json.dumps(self._header(), sort_keys=True).encode())
         digest.update(np.ascontiguousarray(self.voxels).data)
         return digest.hexdigest()
 
     def at(self, places) -> tuple[np.ndarray, np.ndarray]:
-        """(sigma_s, sigma_a) in 1/mm at places in mm, (n, 3) each. Raises ArgumentError."""
+        """(sigma_s, sigma_a) in 1/mm at positions in mm; all arrays have shape (n, 3). Raises ArgumentError."""
         places = finite_array(places, "places")
         if places.ndim != 2 or places.shape[1] != 3:
             raise ArgumentError(f"places has the shape {places.shape}: must be (n, 3)")
@@ -113,7 +114,7 @@ class Interior:
         return sums[0], sums[1]
 
     def _coefficients(self, x, y, z) -> tuple[np.ndarray, np.ndarray]:
-        """Of voxels."""
+        """(sigma_s, sigma_a) in 1/mm of the voxels with these indices."""
         values = self.voxels[x, y, z]
         if not self.palette:
             return values[:, :CHANNELS].astype(float), values[:, CHANNELS:].astype(float)
@@ -131,13 +132,13 @@ class Interior:
                 "palette": [material.to_json() for material in self.palette], "smooth": self.smooth}
 
     def save(self, path: str | os.PathLike) -> None:
-        """Writes an .npz file, whole or not at all: no pickle, the header as bytes of JSON. Raises OSError."""
+        """Writes an .npz file atomically. The header is JSON as bytes; no pickle. Raises OSError."""
         save_archive(path, self._header(), voxels=self.voxels)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Interior:
-        """Reads what `save` wrote. Raises InteriorError for a file that is truncated, foreign, of a newer schema, or
-        holds values out of range, and OSError when it cannot be opened."""
+        """Reads a file written by `save`. Raises InteriorError if the file is truncated, not an interior, of a newer
+        schema, or has values out of range. Raises OSError if the file cannot be opened."""
         try:
             header, (voxels,) = load_archive(path, "voxels")
         except Damaged:
@@ -171,7 +172,7 @@ class Interior:
 
 
 def checked_box(low, high) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The corners of a box. Raises InteriorError."""
+    """Check the corners of a box and return them. Raises InteriorError."""
     corners = []
     for name, value in (("low", low), ("high", high)):
         try:
@@ -207,7 +208,7 @@ def _voxels(values, name: str, axes: tuple[int, ...]) -> np.ndarray:
 
 
 def _check_range(array: np.ndarray, name: str, high: float, unit: str) -> None:
-    """Raises InteriorError that names the first voxel outside [0, high], NaN among them."""
+    """Raises InteriorError that names the first voxel with a value outside [0, high] or NaN."""
     for x in range(len(array)):
         wrong = ~((array[x] >= 0.0) & (array[x] <= high))
         if wrong.any():

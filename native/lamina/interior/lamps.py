@@ -12,13 +12,13 @@ import numpy as np
 from ..common.arguments import check_number, finite_array
 from ..common.errors import ArgumentError, quoted
 
-LEAST_DISC = math.radians(1.0)  # for a smooth boundary, through which light meets a lamp by chance
+LEAST_DISC = math.radians(1.0)  # behind a smooth boundary, paths must hit the lamp's disc by chance
 
 
 @dataclass(frozen=True)
 class Lamp:
-    """A distant lamp with the irradiance 1 on a plane across its direction. `towards`: the direction to the lamp, of
-    any length but 0. `angle`: angular radius of its disc in radians, [0, 1]. Raises ArgumentError."""
+    """A distant lamp with irradiance 1 on a plane perpendicular to its direction. `towards`: direction to the lamp, any
+    length above 0. `angle`: angular radius of the lamp's disc in radians, [0, 1]. Raises ArgumentError."""
 
     towards: Sequence[float]
     angle: float = 0.0

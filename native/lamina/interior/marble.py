@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Marble: veins by turbulence, as mixtures of end materials."""
+"""Procedural marble: turbulent veins, as mixtures of end materials."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ _LIMITS = {"spacing": (1e-6, 1e6), "width": (1e-3, 1.0), "feature": (1e-6, 1e6),
 
 @dataclass(frozen=True)
 class Marble:
-    """Veins in planes that turbulence bends (Perlin 1985). Lengths in mm. Raises InteriorError.
+    """Veins in parallel planes, distorted by turbulence (Perlin 1985). Lengths in mm. Raises InteriorError.
 
-    `palette`: the ground, then what lies between, last the middle of veins; 2 to 256 lamina.EndMaterial.
-    `spacing`: distance between planes. `direction`: across the planes, of any length but 0.
-    `width`: of veins, as a part of the spacing, [0.001, 1]: the mixture falls as exp(-(2 d / (width spacing))^2) at
-    the distance d.
-    `distortion`: how far turbulence of 1 shifts the planes, in spacings, [0, 100]. `feature`: size of the largest
-    bends.
-    `octaves`: 1 to 12; each has `lacunarity` times the frequency and `gain` times the weight of the one before.
-    `seed`: of the noise."""
+    `palette`: 2 to 256 lamina.EndMaterial, from the ground to the middle of a vein.
+    `spacing`: distance between planes. `direction`: normal of the planes, any length above 0.
+    `width`: width of veins relative to the spacing, [0.001, 1]. The mixture falls as
+    exp(-(2 d / (width spacing))^2) with the distance d from the middle of a vein.
+    `distortion`: displacement of the planes by a turbulence of 1, in spacings, [0, 100]. `feature`: size of the
+    largest distortions.
+    `octaves`: 1 to 12; each has `lacunarity` times the frequency and `gain` times the weight of the previous octave.
+    `seed`: seed of the noise."""
 
     palette: Sequence[EndMaterial] = (WHITE, VEIN)
     spacing: float = 12.0
@@ -74,12 +74,12 @@ class Marble:
             raise InteriorError("palette holds one material: must hold a ground and a vein")
 
     def coordinate(self, places) -> np.ndarray:
-        """The mixture at places in mm, (..., 3): 0 in the ground, 1 in the middle of a vein."""
+        """The mixture coordinate at positions in mm, shape (..., 3): 0 in the ground, 1 in the middle of a vein."""
         places = np.asarray(places, float)
         across = np.array(self.direction) / (np.linalg.norm(self.direction) * self.spacing)
         shift = turbulence(places / self.feature, self.octaves, self.lacunarity, self.gain, self.seed)
         phase = places @ across + self.distortion * shift
-        away = np.abs(phase - np.rint(phase))  # spacings to the middle of the nearest vein
+        away = np.abs(phase - np.rint(phase))  # distance to the middle of the nearest vein, in spacings
         return np.exp(-((2.0 * away / self.width) ** 2))
 
     def to_json(self) -> dict:
@@ -89,7 +89,7 @@ class Marble:
 
     @classmethod
     def from_json(cls, data) -> Marble:
-        """From what to_json made; what is left out has its default. Raises InteriorError."""
+        """Inverse of to_json; missing fields have their defaults. Raises InteriorError."""
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             raise InteriorError(f"not a marble of Lamina: format must be {FORMAT!r}")
         if data.get("schema") != SCHEMA:
@@ -105,13 +105,13 @@ class Marble:
         return cls(**values)
 
     def save(self, path: str | os.PathLike) -> None:
-        """Writes JSON, whole or not at all. Raises OSError."""
+        """Writes a JSON file atomically. Raises OSError."""
         text = json.dumps(self.to_json(), indent=1) + "\n"
         write_atomically(path, lambda file: file.write(text.encode()))
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Marble:
-        """Reads what `save` wrote. Raises InteriorError, with the file's name, and OSError."""
+        """Reads a file written by `save`. Raises InteriorError with the file's name, or OSError."""
         try:
             return cls.from_json(json_file.parse(Path(path).read_text(encoding="utf-8")))
         except ValueError as error:
@@ -120,10 +120,10 @@ class Marble:
 
 def marble(low, high, voxels: int = 128, veins: Marble | None = None, progress: Progress | None = None,
            cancel: Callable[[], bool] | None = None) -> Interior:
-    """Marble in a box with the corners `low` and `high`, mm; `voxels` along its longest side, 1 to 1024, cubes as
-    nearly as whole numbers allow. `veins`: a lamina.Marble. The same on every machine. `progress(fraction, text)` is
-    told how far it is; `cancel()` is asked often, and Cancelled raised when it says yes. Raises InteriorError,
-    ArgumentError, Cancelled."""
+    """An Interior of marble in a box with the corners `low` and `high`, mm. `voxels`: number along the longest side, 1
+    to 1024; voxels are nearly cubes. `veins`: a lamina.Marble. Results are identical on every machine.
+    `progress(fraction, text)` reports progress. `cancel()` is called often; if it returns true, Cancelled is raised.
+    Raises InteriorError, ArgumentError, Cancelled."""
     low, high = checked_box(low, high)
     veins = Marble() if veins is None else veins
     if not isinstance(veins, Marble):

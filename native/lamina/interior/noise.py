@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gradient noise, the same on every machine."""
+"""Gradient noise with identical results on every machine."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ _MULTIPLIERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E377
 
 
 def gradient_noise(places: np.ndarray, seed: int) -> np.ndarray:
-    """Noise with lattice cells of side 1 at places (..., 3): about [-1, 1], mean 0, with two continuous derivatives.
-    Perlin, "Improving Noise" (2002); the gradients are chosen by a hash of the lattice point and the seed."""
+    """Noise with lattice cells of side 1 at positions of shape (..., 3). Values lie in about [-1, 1] with mean 0. Two
+    derivatives are continuous. Perlin, "Improving Noise" (2002); a hash of lattice point and seed selects the
+    gradients."""
     cell = np.floor(places)
     within = (places - cell).astype(np.float32)
     fade = within**3 * (within * (within * 6.0 - 15.0) + 10.0)
@@ -33,8 +34,8 @@ def gradient_noise(places: np.ndarray, seed: int) -> np.ndarray:
 
 
 def turbulence(places: np.ndarray, octaves: int, lacunarity: float, gain: float, seed: int) -> np.ndarray:
-    """Sum of the noise's absolute value over octaves (Perlin 1985): each has `lacunarity` times the frequency and
-    `gain` times the weight of the one before. Weights sum to 1."""
+    """Weighted sum of the noise's absolute value over octaves (Perlin 1985). Each octave has `lacunarity` times the
+    frequency and `gain` times the weight of the previous octave. The weights sum to 1."""
     total = np.zeros(places.shape[:-1], np.float32)
     weights = gain ** np.arange(octaves)
     for octave, weight in enumerate(weights / weights.sum()):
@@ -43,7 +44,7 @@ def turbulence(places: np.ndarray, octaves: int, lacunarity: float, gain: float,
 
 
 def _mixed(key: np.ndarray) -> np.ndarray:
-    """splitmix64's mixing of 64 bits."""
+    """The 64-bit mixing function of splitmix64."""
     key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return key ^ (key >> np.uint64(31))

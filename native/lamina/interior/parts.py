@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walks in parts, each of some of the points, that can be kept on disk and merged: a run that was stopped goes on where
-it was, and machines share the work."""
+"""Walks in meshes, divided by points into parts. Parts can be saved and merged, so that an interrupted run can be
+resumed, or distributed over several machines."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ _JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "sam
 
 @dataclass(frozen=True, eq=False)
 class WalkPart:
-    """Part i of n of the walks from many points: the sums over the walks of its points. `job` says of what; all parts
-    of a run have the same one."""
+    """Part i of n of a run: the sums over the walks from its points. `job` describes the run; all parts of a run have
+    the same `job`."""
 
     job: dict
     shard: tuple[int, int]
     arrays: tuple[np.ndarray, ...]
 
     def save(self, path: str | os.PathLike) -> None:
-        """Writes an .npz file, whole or not at all. Raises OSError."""
+        """Writes an .npz file atomically. Raises OSError."""
         header = {"format": FORMAT, "schema": SCHEMA, "job": self.job, "shard": list(self.shard)}
         save_archive(path, header, **dict(zip(_ARRAYS[self.job["kind"]], self.arrays, strict=True)))
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> WalkPart:
-        """Reads a part. Raises ShardError for a file that is truncated, foreign or damaged, and OSError when it cannot
-        be opened."""
+        """Reads a part. Raises ShardError if the file is truncated, damaged or not a part. Raises OSError if the file
+        cannot be opened."""
         try:
             header, _ = load_archive(path)
             if not isinstance(header, dict) or header.get("format") != FORMAT:
@@ -69,19 +69,19 @@ class WalkPart:
 def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, surface: Surface | None = None,
                  samples: int = 256, seed: int = 0, threads: int = 0, progress: Progress | None = None,
                  cancel: Callable[[], bool] | None = None) -> ExitEstimate:
-    """What becomes of light that enters a closed mesh at points of its surface: how much leaves, and how far away. By
-    reciprocity this is also what leaves at the points of light that falls on the entire surface.
+    """Exit albedo and exit distance of light that enters a closed mesh at points of its surface. By reciprocity the
+    exit albedo is also the light that leaves at these points when the entire surface is uniformly lit.
 
-    `solid`: a lamina.Solid in mm; `interior`: a lamina.Interior; `surface`: a lamina.Surface, its boundary, matched if
-    left out. `points`, `normals`: (n, 3) each, within 1e-4 of the mesh's size from a face; left out, the vertices of
-    the solid. `directions`: (n, 3) or (3,), towards the eye, against which light enters; left out, light enters from
-    all directions with the flux of a uniform sky. `samples`: walks from each point, up to 2^32.
-    The same seed gives the same numbers, whatever `threads` (0: all). `progress(fraction, text)` is told how far it is;
-    `cancel()` is asked often, and Cancelled raised when it says yes. Raises InteriorError and ArgumentError, which are
-    ValueErrors, DustUnavailable without a working Embree, and Cancelled.
+    `solid`: a lamina.Solid in mm; `interior`: a lamina.Interior; `surface`: a lamina.Surface, the boundary, by default
+    matched. `points`, `normals`: (n, 3) each, at most 1e-4 of the mesh's size off a face; default: the vertices of the
+    solid. `directions`: (n, 3) or (3,), towards the eye; light enters against these directions. By default light enters
+    from all directions with the flux of a uniform sky. `samples`: walks per point, up to 2^32.
+    The same seed gives the same numbers for any number of `threads` (0: all). `progress(fraction, text)` reports
+    progress. `cancel()` is called often; if it returns true, Cancelled is raised. Also raises InteriorError and
+    ArgumentError (both are ValueErrors), and DustUnavailable without a working Embree.
     Method: delta tracking with a majorant for each brick of voxels (Woodcock et al. 1965); one path for three channels
-    (Kutz et al. 2017); no limit on the length of paths. Faces are flat: normals between vertices serve only where walks
-    start."""
+    (Kutz et al. 2017); unlimited path length. Faces are flat: interpolated normals are used only at the start of a
+    walk."""
     return _whole("exits", solid, interior, points, normals, directions, surface, (), samples, seed, threads, progress,
                   cancel)
 
@@ -89,12 +89,13 @@ def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, su
 def light_in_mesh(solid, interior, lamps: Sequence[Lamp] = (), points=None, normals=None, directions=None,
                   surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
                   progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> LightEstimate:
-    """The radiance that leaves a closed mesh at points of its surface after travelling inside, by the light of distant
-    lamps and of a uniform sky. The mesh casts shadows on itself, and light that leaves may enter again elsewhere.
+    """The radiance that leaves a closed mesh at points of its surface after transport inside, under distant lamps and a
+    uniform sky. The mesh casts shadows on itself, and light that leaves may enter again elsewhere.
 
-    `lamps`: a list of lamina.Lamp; behind a smooth boundary of an index other than 1 each must have an angle of at
-    least 1 degree, and noise grows as the angle shrinks; a rough boundary takes the middle of a lamp's disc. Without
-    `directions` the radiance is the mean over directions, weighted by the cosine. All else is as for walk_in_mesh."""
+    `lamps`: a list of lamina.Lamp. Behind a smooth boundary with an index other than 1, each lamp must have an angle of
+    at least 1 degree, and noise grows as the angle shrinks. A rough boundary uses the middle of a lamp's disc. Without
+    `directions` the radiance is the cosine-weighted mean over directions. Other arguments and errors are those of
+    walk_in_mesh."""
     return _whole("light", solid, interior, points, normals, directions, surface, lamps, samples, seed, threads,
                   progress, cancel)
 
@@ -102,8 +103,8 @@ def light_in_mesh(solid, interior, lamps: Sequence[Lamp] = (), points=None, norm
 def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[Lamp] | None = None, points=None, normals=None,
               directions=None, surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
               progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> WalkPart:
-    """Part i of n, `shard` = (i, n) with i from 1, of walk_in_mesh, or with `lamps`, a list that may be empty, of
-    light_in_mesh. Parts merge to the same bytes as one run. Raises as those do."""
+    """Part i of n of a run; `shard` = (i, n), i from 1. Without `lamps` this is a part of walk_in_mesh, with `lamps` (a
+    list, which may be empty) of light_in_mesh. Merged parts give the same bytes as one run. Raises the same errors."""
     shard = checked_shard(shard)
     kind = "exits" if lamps is None else "light"
     return _part(kind, shard, *_started(kind, solid, interior, points, normals, directions, surface, lamps or (),
@@ -111,7 +112,7 @@ def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[Lamp] | N
 
 
 def merge_walks(parts: Sequence[WalkPart]) -> ExitEstimate | LightEstimate:
-    """The estimate of all parts of a run, in any order. Raises ShardError if parts are missing, given twice, or of
+    """The estimate from all parts of a run, in any order. Raises ShardError if parts are missing, duplicate, or of
     different runs."""
     if not isinstance(parts, Sequence) or not parts or not all(isinstance(part, WalkPart) for part in parts):
         raise ShardError(f"parts = {quoted(parts)}: must be a list of at least one lamina.WalkPart")
@@ -148,7 +149,7 @@ def _whole(kind, *given):
 
 def _started(kind, solid, interior, points, normals, directions, surface, lamps, samples, seed, threads, progress,
              cancel):
-    """(walker, lamps, step, a function that tells the seconds since now)."""
+    """(walker, lamps, step, a function that returns the elapsed seconds)."""
     surface = Surface() if surface is None else surface
 
     def checked():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed meshes: what is repaired, and what is refused."""
+"""Closed meshes: repairs and checks."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ import numpy as np
 from ..common.errors import DustError, InteriorError
 from ..settling.mesh import Mesh, checked_mesh
 
-WELD = 1e-6  # of the mesh's size: vertices nearer than that are one
-FLAT = 1e-9  # a volume below that of the size's cube is none
+WELD = 1e-6  # relative to the mesh's size: vertices closer than this are merged
+FLAT = 1e-9  # relative to the cube of the size: a smaller volume counts as 0
 
 
 @dataclass(frozen=True, eq=False)
 class Solid:
     """A closed mesh in mm. vertices: (n, 3); triangles: (m, 3) indices, counter-clockwise seen from outside.
 
-    Repaired without a word: vertices whose coordinates agree after rounding to 1e-6 of the mesh's size count as one,
-    and triangles that have such a vertex twice are left out. With `fill_holes`, each hole is closed by triangles from
-    its edges to the mean of their ends. Parts may overlap, and hollows may lie inside. `name`: in messages."""
+    Repaired without a message: vertices whose coordinates agree after rounding to 1e-6 of the mesh's size are merged,
+    and triangles that then have a vertex twice are removed. With `fill_holes`, each hole is closed by triangles from
+    its edges to the mean of its vertices. Parts may overlap, and cavities may lie inside. `name`: name of the mesh in
+    messages."""
 
     vertices: np.ndarray
     triangles: np.ndarray
@@ -29,8 +30,8 @@ class Solid:
 
 
 def closed(solid: Solid) -> Mesh:
-    """The repaired mesh. Raises InteriorError if it is empty, open, inside out, or has faces that disagree about which
-    side is outside."""
+    """The repaired mesh. Raises InteriorError if the mesh is empty, open or inside out, or if its faces have
+    inconsistent orientations."""
     if not isinstance(solid, Solid):
         raise InteriorError(f"solid = {type(solid).__name__}: must be a lamina.Solid")
     name = solid.name or "solid"
@@ -62,7 +63,7 @@ def closed(solid: Solid) -> Mesh:
 
 
 def _welded(vertices, triangles, size: float):
-    """(vertices, triangles) with each place once."""
+    """(vertices, triangles) with vertices at equal positions merged."""
     low = vertices.min(axis=0)
     rounded = np.rint((vertices - low) / (WELD * size)).astype(np.int64)
     _, first, place = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
@@ -73,8 +74,8 @@ def _welded(vertices, triangles, size: float):
 
 
 def _open_edges(triangles, count: int) -> np.ndarray:
-    """(k, 2) directed edges that more triangles run along than run along their opposite; once for each that is
-    missing."""
+    """Directed edges, shape (k, 2), that occur in more triangles than the opposite edge: one row for each missing
+    opposite edge."""
     ends = triangles.astype(np.int64)
     edges = np.concatenate([ends[:, [0, 1]], ends[:, [1, 2]], ends[:, [2, 0]]])
     low, high = edges.min(axis=1), edges.max(axis=1)
@@ -88,14 +89,14 @@ def _open_edges(triangles, count: int) -> np.ndarray:
 
 
 def _ends_balance(edges, count: int) -> bool:
-    """Whether as many open edges begin as end at each vertex, as they do around holes."""
+    """True if at each vertex as many open edges begin as end. This holds for the boundaries of holes."""
     return bool((np.bincount(edges[:, 0], minlength=count) == np.bincount(edges[:, 1], minlength=count)).all())
 
 
 def _filled(vertices, triangles, edges):
-    """With a fan of triangles over each hole, about the mean of its vertices."""
+    """(vertices, triangles) with each hole closed by a fan of triangles around the mean of its vertices."""
     group = np.arange(len(vertices))
-    while True:  # the lowest vertex of each connected run of edges
+    while True:  # label each connected chain of edges by its lowest vertex
         lower = group.copy()
         np.minimum.at(lower, edges[:, 0], group[edges[:, 1]])
         np.minimum.at(lower, edges[:, 1], group[edges[:, 0]])

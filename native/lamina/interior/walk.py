@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walks of light inside a mesh, from points of its surface."""
+"""Random walks of light inside a mesh, from points of its surface."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from .lamps import LEAST_DISC, Lamp
 from .solid import Solid, closed
 
 MOST_SAMPLES = 1 << 32
-CHUNK_WALKS = 1 << 15  # between two calls of `cancel`
-OFF_SURFACE = 1e-4  # of the mesh's size: points farther off the surface are refused
+CHUNK_WALKS = 1 << 15  # walks between two calls of `cancel`
+OFF_SURFACE = 1e-4  # relative to the mesh's size: points farther off the surface are refused
 
 
 @dataclass(frozen=True)
 class Surface:
-    """The boundary of a solid in air. `ior`: index of the solid, [1, 4]; 1: no boundary. `alpha`: width of microfacets,
-    [0, 1]; 0: smooth. `distribution`: "ggx" or "beckmann". Raises ArgumentError."""
+    """The boundary of a solid in air. `ior`: refractive index of the solid, [1, 4]; 1: no boundary. `alpha`: width of
+    the microfacet distribution, [0, 1]; 0: smooth. `distribution`: "ggx" or "beckmann". Raises ArgumentError."""
 
     ior: float = 1.0
     alpha: float = 0.0
@@ -47,7 +47,7 @@ class Surface:
 
 
 class Walker:
-    """A checked solid with its interior, and the points where walks start."""
+    """A checked solid with its interior, and the start points of walks."""
 
     def __init__(self, solid: Solid, interior: Interior, surface: Surface, points, normals, directions, samples, seed,
                  threads, step: Progress):
@@ -79,11 +79,11 @@ class Walker:
         self._boundary = layer.Boundary(self.surface.ior, self.surface.alpha, self.surface.distribution)
 
     def exits(self, first: int, last: int, step: Progress) -> list[np.ndarray]:
-        """[moments, products, counts] of points [first, last)."""
+        """Tally exits: [moments, products, counts] of points [first, last)."""
         return self._each(self._layer.walk_to_exits, first, last, step)
 
     def lights(self, lamps: Sequence[Lamp], first: int, last: int, step: Progress) -> list[np.ndarray]:
-        """[sums, squares, counts] of points [first, last)."""
+        """Tally light of lamps and sky: [sums, squares, counts] of points [first, last)."""
         given = [(lamp.towards, math.cos(lamp.angle)) for lamp in lamps]
         return self._each(self._layer.walk_to_lights, first, last, step, given)
 
@@ -107,7 +107,7 @@ class Walker:
         return [np.concatenate(arrays) for arrays in zip(*found, strict=True)]
 
     def _require_on_surface(self, first: int, last: int) -> None:
-        """Raises InteriorError for a point that is off the surface."""
+        """Raises InteriorError if a point is off the surface."""
         places = np.ascontiguousarray(self.positions[first:last] - self._centre, np.float32)
         if not (np.abs(places) <= 2.0 * self._size).all():
             distance = np.where((np.abs(places) <= 2.0 * self._size).all(axis=1), 0.0, math.inf)
@@ -131,8 +131,8 @@ class Walker:
 
 
 def start(solid, interior, surface, points, normals, directions, samples, seed, threads, progress, cancel, lamps):
-    """(a Walker, what `lamps()` returns, a step function for the walks, a function that tells the seconds since now).
-    Raises as walk_in_mesh does."""
+    """(a Walker, the result of `lamps()`, a step function for the walks, a function that returns the elapsed seconds).
+    Raises the errors of walk_in_mesh."""
     began = time.perf_counter()
     step = stepper("the walk in the mesh", progress, cancel)
     surface = _checked(surface, Surface, "surface")
@@ -143,7 +143,7 @@ def start(solid, interior, surface, points, normals, directions, samples, seed, 
 
 
 def checked_lamps(lamps, surface: Surface) -> tuple[Lamp, ...]:
-    """Raises ArgumentError."""
+    """Check lamps and return them as a tuple. Raises ArgumentError."""
     if isinstance(lamps, Lamp) or not isinstance(lamps, Sequence) or not all(isinstance(one, Lamp) for one in lamps):
         raise ArgumentError(f"lamps = {quoted(lamps)}: must be a list of lamina.Lamp")
     for number, lamp in enumerate(lamps):

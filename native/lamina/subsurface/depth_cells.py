@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Functions of the depth as cubics in cells, and the attenuated integrals of such functions along directions."""
+"""Piecewise cubic functions of depth, and integrals of such functions with exponential attenuation."""
 
 from __future__ import annotations
 
 import numpy as np
 
-# Places of a cell's four nodes (Gauss-Lobatto), and the coefficients [power, node] of the cubics that are 1 at one node
-# and 0 at the others.
+# Positions of a cell's four nodes (Gauss-Lobatto), and the coefficients [power, node] of the Lagrange cubics.
 PLACES = np.array([0.0, 0.5 - 5.0**0.5 / 10.0, 0.5 + 5.0**0.5 / 10.0, 1.0])
 CUBICS = np.linalg.inv(np.vander(PLACES, 4, increasing=True))
 NODE_WEIGHTS = np.array([1.0, 5.0, 5.0, 1.0]) / 12.0
-# Attenuation below this is none: without a limit the products become denormal numbers, which are slow.
+# Smaller attenuation factors are set to 0: otherwise products become denormal numbers, which are slow.
 LEAST = 1e-18
 
 
@@ -24,8 +23,8 @@ FINE_NODES, FINE_WEIGHTS = gauss(10)
 
 
 def growing_edges(first: float, growth: float, widest: float, share: float, end: float) -> np.ndarray:
-    """Edges of cells from 0 to `end` or beyond. Widths grow by the factor `growth` from `first` to at most the larger
-    one of `widest` and `share` times the depth."""
+    """Edges of cells from 0 to `end` or beyond. Widths grow from `first` by the factor `growth`, up to
+    max(widest, share * depth)."""
     edges = [0.0]
     width = first
     while edges[-1] < end:
@@ -35,9 +34,9 @@ def growing_edges(first: float, growth: float, widest: float, share: float, end:
 
 
 class DepthCells:
-    """Nodes at optical depths, four in each cell with those at the edges shared.
+    """Nodes at optical depths: four per cell, of which neighbouring cells share the one at their common edge.
 
-    `depths` and `weights` (of quadrature over depth) have the shape (nodes,)."""
+    `depths` and `weights` (quadrature weights over depth) have the shape (nodes,)."""
 
     def __init__(self, edges: np.ndarray):
         self.edges = edges
@@ -49,8 +48,8 @@ class DepthCells:
             self.weights[3 * cell:3 * cell + 4] += width * NODE_WEIGHTS
 
     def from_above(self, extinctions: np.ndarray) -> np.ndarray:
-        """Matrices, shape (directions, nodes, nodes), that take the values f at the nodes to
-        int_0^depth exp(-k (depth - t)) f(t) dt at the nodes, for each complex extinction k per depth."""
+        """Matrices, shape (directions, nodes, nodes), that map node values of f to the node values of
+        int_0^depth exp(-k (depth - t)) f(t) dt, for each complex extinction k per depth."""
         size = len(self.depths)
         matrices = np.zeros((size, len(extinctions), size), complex)
         reached = np.zeros((len(extinctions), size), complex)
@@ -66,12 +65,12 @@ class DepthCells:
         return np.ascontiguousarray(matrices.transpose(1, 0, 2))
 
     def from_below(self, extinctions: np.ndarray) -> np.ndarray:
-        """The same for the integral from the depth to the lowest node, int exp(-k (t - depth)) f(t) dt."""
+        """Like from_above, for the integral int exp(-k (t - depth)) f(t) dt from the depth to the lowest node."""
         turned = DepthCells((self.edges[-1] - self.edges)[::-1])
         return np.ascontiguousarray(turned.from_above(extinctions)[:, ::-1, ::-1])
 
     def interpolation(self, depths: np.ndarray) -> np.ndarray:
-        """Matrix, shape (depths, nodes), that takes values at the nodes to values at `depths`."""
+        """Matrix, shape (depths, nodes), that interpolates node values at `depths`."""
         cells = np.clip(np.searchsorted(self.edges, depths, side="right") - 1, 0, len(self.widths) - 1)
         places = (depths - self.edges[cells]) / self.widths[cells]
         values = (places[:, None] ** np.arange(4)) @ CUBICS
@@ -82,8 +81,8 @@ class DepthCells:
 
 
 def _attenuated_powers(a: np.ndarray) -> np.ndarray:
-    """int_0^1 exp(-a (1 - x)) x^k dx for k = 0 to 3, shape (4, ...): by recurrence, or by quadrature where |a| is small
-    and the recurrence would cancel."""
+    """int_0^1 exp(-a (1 - x)) x^k dx for k = 0 to 3, shape (4, ...). Computed by recurrence; for small |a| by
+    quadrature, because the recurrence suffers from cancellation."""
     small = np.abs(a) < 1.5
     safe = np.where(small, 2.0, a)
     powers = np.empty((4, *a.shape), complex)

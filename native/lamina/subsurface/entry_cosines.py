@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The directions in which Cycles' random walk enters a surface: the view, refracted by facets of a GGX distribution."""
+"""Entry directions of Cycles' random walk: the view direction, refracted by the facets of a GGX distribution."""
 
 from __future__ import annotations
 
 import numpy as np
 
-SIDE = 24  # random numbers by which facets are chosen: the middles of SIDE^2 squares
+SIDE = 24  # facets are sampled with the centres of SIDE x SIDE strata as random numbers
 
 
 def entry_cosines(mu: float, ior: float, roughness: float) -> tuple[np.ndarray, np.ndarray]:
-    """(cosines, shares) of the directions inside, for a view at the cosine `mu` through a boundary of the index `ior`.
+    """(cosines, shares) of the directions inside, for a view at the cosine `mu` through a boundary of index `ior`.
 
-    As in Cycles, `roughness` is the width alpha of the facets, facets are drawn by how much of them the view sees
-    (Heitz 2018), all light is refracted, and what would leave upwards is lost."""
+    As in Cycles, `roughness` is the width alpha of the facets, facets are drawn from the distribution of visible
+    normals (Heitz 2018), all light is refracted, and light refracted upwards is lost."""
     if roughness == 0.0:
         return np.array([np.sqrt(1.0 - (1.0 - mu * mu) / (ior * ior))]), np.ones(1)
     middles = (np.arange(SIDE) + 0.5) / SIDE
@@ -24,7 +24,7 @@ def entry_cosines(mu: float, ior: float, roughness: float) -> tuple[np.ndarray, 
     share = 0.5 * (1.0 + stretched[2])
     y = (1.0 - share) * np.sqrt(1.0 - x * x) + share * radius * np.sin(turn)
     z = np.sqrt(np.maximum(0.0, 1.0 - x * x - y * y))
-    # The frame of the stretched view, which lies in the plane y = 0.
+    # Frame of the stretched view direction, which lies in the plane y = 0.
     facets = np.stack([y * -stretched[2] + z * stretched[0], x, y * stretched[0] + z * stretched[2]])
     facets *= np.array([roughness, roughness, 1.0])[:, None]
     facets[2] = np.maximum(facets[2], 0.0)

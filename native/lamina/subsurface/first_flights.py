@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first flights of Cycles' random walk in a half-space, which follow the phase function of Henyey and Greenstein.
+"""The first ten flights of Cycles' random walk in a half-space, with the Henyey-Greenstein phase function.
 
-Light enters at a cosine and a uniform azimuth. A flight ends in a collision or outside. What is counted is
-exp(i q x) along the lateral axis x: its mean over azimuths is J0(q r) (see docs/theory.md, lateral frequencies). A
-direction at the azimuth phi has then the extinction (1 - i q sin(theta) cos(phi)) / cos(theta) per depth. Lengths are
-in mean free paths."""
+Light enters at a cosine and a uniform azimuth. A flight ends in a collision or outside. Light is weighted by
+exp(i q x) with the lateral coordinate x; the mean over azimuths is J0(q r) (see docs/theory.md, lateral frequencies).
+The extinction per depth of a direction at the azimuth phi is then (1 - i q sin(theta) cos(phi)) / cos(theta). Lengths
+are in mean free paths."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FORWARD_COLLISIONS = 9
 
 
 class Directions:
-    """Cosines in one hemisphere (Gauss-Legendre) times azimuths in (0, pi), of which functions are even."""
+    """Directions of one hemisphere: Gauss-Legendre cosines times azimuths in (0, pi). Functions are even in azimuth."""
 
     def __init__(self, cosines: int, azimuths: int):
         self.cosines, self.cosine_weights = gauss(cosines)
@@ -39,16 +39,16 @@ def extinctions(q: float, cosines: np.ndarray, azimuths: np.ndarray) -> np.ndarr
 
 
 class FirstFlights:
-    """Light in its first ten flights at an albedo of 1, for beams that enter at each of the cosines `mu_in`."""
+    """Light in its first ten flights for albedo 1 and beams that enter at the cosines `mu_in`."""
 
     def __init__(self, g: float, mu_in: np.ndarray, cosines: int = 20, azimuths: int = 16):
         self.mu_in = mu_in
         self.cells = DepthCells(growing_edges(0.01, 1.8, 2.0, 0.0, 40.0))
         self.directions = Directions(cosines, azimuths)
-        both = np.concatenate([self.directions.cosines, -self.directions.cosines])  # positive: downwards
+        both = np.concatenate([self.directions.cosines, -self.directions.cosines])  # cosines > 0 point downwards
         most = 2 * cosines - 1  # the highest Legendre moment that the quadrature keeps normalised
         self._weights = np.tile(self.directions.cosine_weights, 2)
-        # The product of two waves cos(m phi) has the mean 1/2 over azimuths, that of order 0 the mean 1.
+        # The mean of cos(m phi)^2 over azimuths is 1/2, and 1 for order 0.
         means = np.where(np.arange(azimuths) == 0, 1.0, 0.5)[:, None, None]
         self._scattering = _henyey_greenstein(g, both, both, azimuths, most) * means * self._weights
         self._first = _henyey_greenstein(g, both, mu_in, azimuths, most) * means
@@ -83,8 +83,8 @@ class FirstFlights:
 
 
 def _henyey_greenstein(g: float, to: np.ndarray, source: np.ndarray, orders: int, most: int) -> np.ndarray:
-    """Azimuth orders of the phase function, shape (orders, to, source): the sum over orders m of these times
-    cos(m dphi), integrated over the cosines and averaged over azimuths, is 1. By Legendre moments up to `most`."""
+    """Azimuth orders of the phase function, shape (orders, to, source), from Legendre moments up to `most`. Normalised:
+    the sum over orders m of order * cos(m dphi), integrated over cosines and averaged over azimuths, is 1."""
     moments = (np.arange(most + 1) + 0.5) * float(g) ** np.arange(most + 1)
     values = np.empty((orders, len(to), len(source)))
     for order in range(orders):

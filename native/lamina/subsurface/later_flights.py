@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The flights of Cycles' random walk from the tenth collision on: isotropic, with the transport coefficients.
+"""The flights of Cycles' random walk from the tenth collision on: isotropic scattering with transport coefficients.
 
-By similarity the medium has then sigma_t (1 - albedo g) and the albedo (1 - g) albedo / (1 - albedo g). Lengths are in
-mean free paths of that medium."""
+By similarity the transport extinction is sigma_t (1 - albedo g), and the transport albedo is
+(1 - g) albedo / (1 - albedo g). Lengths are in transport mean free paths."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import numpy as np
 from .depth_cells import DepthCells, growing_edges
 from .first_flights import Directions
 
-MOST_FLIGHTS = 256  # Cycles loses what is still inside
+MOST_FLIGHTS = 256  # Cycles discards light that is still inside after this number of flights
 LATER_FLIGHTS = MOST_FLIGHTS - 10
 
 
 class Escape(NamedTuple):
-    """The light, times J0(q r), that leaves a half-space after an isotropic emission inside. Arrays of the shape
-    (frequencies, nodes of depth, albedos): with Cycles' limit of flights, and without."""
+    """The light, weighted by J0(q r), that leaves a half-space after isotropic emission inside. Arrays of shape
+    (frequencies, depth nodes, albedos): with and without Cycles' limit on the number of flights."""
 
     cells: DepthCells
     limited: np.ndarray
@@ -27,10 +27,10 @@ class Escape(NamedTuple):
 
 
 def escape(frequencies: np.ndarray, albedos: np.ndarray) -> Escape:
-    """Light that leaves after an isotropic emission at each depth, by lateral frequency and transport albedo.
+    """Light that leaves after isotropic emission at each depth, by lateral frequency and transport albedo.
 
-    Solves V = E + albedo K V, with E the light that leaves at once and K the collisions of an isotropic emission: with
-    the limit by as many steps, without by elimination."""
+    Solves V = E + albedo K V. E is the light that leaves without a collision; K gives the density of collisions after
+    isotropic emission. With the limit, the equation is iterated once per flight; without it, solved by elimination."""
     cells = DepthCells(growing_edges(0.01, 1.8, 0.5, 0.35, 5000.0))
     directions = Directions(24, 16)
     cosines = np.repeat(directions.cosines, len(directions.azimuths))

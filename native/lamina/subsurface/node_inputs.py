@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs of Cycles' Subsurface Scattering node that give a wanted exit albedo and mean exit distance."""
+"""Inputs of Cycles' Subsurface Scattering node for a target exit albedo and mean exit distance."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .node_parameters import LEAST_ALBEDO, LEAST_IOR, colour_of_albedo, radius_o
 from .node_response import LARGEST_G
 from .response_table import CURVE, Curves, response_curves
 
-# Relative errors of the computed response itself: exit albedo, mean exit distance.
+# Relative errors of the tabulated response: exit albedo, mean exit distance.
 RESPONSE_ERRORS = (5e-4, 1e-3)
-# Up to this share of lost light, one closure's colour and radius make up for the limit of flights.
+# Up to this share of lost light, colour and radius of a single closure compensate for the limit of flights.
 NEGLIGIBLE_LOSS = 0.002
 FIRST_VERSION, MOST_VERSION = (4, 2), 100  # of Blender
 
 
 class Walk(NamedTuple):
-    """What one random walk starts from: single-scattering albedo and mean free path, arrays of the targets' shape."""
+    """The medium of a random walk: single-scattering albedo and mean free path, arrays of the targets' shape."""
 
     albedo: np.ndarray
     path: np.ndarray
@@ -34,11 +34,11 @@ class SubsurfaceInputs:
     """Inputs of the Subsurface Scattering node (Random Walk) of Cycles. Arrays have the shape of the targets; lengths
     have the unit of the target distance, with the node's Scale at 1.
 
-    `color`, `radius`, `anisotropy`, `ior` and `roughness` are those of the node. Where Cycles' limit of 256 flights
-    would lose light, `extra_weight` is not 0: then a second node with `extra_color` and `extra_radius`, and all else
-    alike, times this weight, is added by an Add Shader. `albedo` and `distance` are the exit albedo and the mean exit
-    distance that the nodes have then; `albedo_error` and `distance_error` are these less the targets, relative to the
-    targets. `version` is the release of Blender that the inputs are for."""
+    `color`, `radius`, `anisotropy`, `ior` and `roughness` are inputs of the node. Where Cycles' limit of 256 flights
+    loses light, `extra_weight` is above 0: an Add Shader must then add a second node with `extra_color`, `extra_radius`
+    and otherwise equal inputs, multiplied by this weight. `albedo` and `distance` are the resulting exit albedo and
+    mean exit distance; `albedo_error` and `distance_error` are their errors relative to the targets. `version` is the
+    release of Blender for which the inputs are valid."""
 
     version: tuple[int, int]
     color: np.ndarray
@@ -56,12 +56,12 @@ class SubsurfaceInputs:
 
     @property
     def has_boundary(self) -> bool:
-        """Whether a Glossy closure belongs over the nodes: the boundary through which their light enters."""
+        """True if the material needs a Glossy closure above the nodes, for the boundary on top of the stack."""
         return self.ior > LEAST_IOR
 
     @property
     def report(self) -> str:
-        """What the nodes promise, as one sentence."""
+        """The predicted result of the nodes and its error, as one sentence."""
         release = ".".join(map(str, self.version))
         second = "" if self.extra_weight == 0.0 else f", with a second closure times {self.extra_weight:.4f}"
         errors = zip((self.albedo_error, self.distance_error), RESPONSE_ERRORS, strict=True)
@@ -72,16 +72,16 @@ class SubsurfaceInputs:
 
 def subsurface_inputs(albedo, distance, anisotropy: float = 0.0, version: tuple[int, int] = (4, 5), mu: float = 1.0,
                       ior: float = LEAST_IOR, roughness: float = 0.0) -> SubsurfaceInputs:
-    """Inputs with which Cycles' node has the exit albedo `albedo` and the mean exit distance `distance`.
+    """Inputs for which Cycles' node has the exit albedo `albedo` and the mean exit distance `distance`.
 
-    `albedo`, in [0, 1], is the share of the light that leaves again, of what enters below the boundary; `distance`, at
-    least 0 in any unit, is its mean distance from the point of entry. Both are numbers or arrays of one shape, such as
-    (texels, channels). `anisotropy`, in [0, .9], is that of the node. Light enters as the view at the cosine `mu`, in
-    (0, 1], through a boundary of index `ior` (1.01 to 3.8; 1.01: none) and width `roughness` (0 to 1). `version` is the
-    release of Blender: its walk takes colours otherwise before 5.2.
+    `albedo`, in [0, 1], is the share of the light entering below the boundary that leaves again. `distance`, at least 0
+    in any unit, is the mean distance between entry and exit. Both are numbers or arrays of one shape, such as
+    (texels, channels). `anisotropy`, in [0, .9], is the node's anisotropy. Light enters along the view direction at the
+    cosine `mu`, in (0, 1], through a boundary of index `ior` (1.01 to 3.8; 1.01: none) and width `roughness` (0 to 1).
+    `version` is the release of Blender: before 5.2 its walk converts colours differently.
 
-    Exact for the walk on a large flat surface of a body much thicker than `distance`. Light that Cycles' limit of 256
-    flights would lose comes back by a second closure with the mean distance of the lost light. Raises ArgumentError."""
+    Exact for the walk on a large flat surface of a body much thicker than `distance`. A second closure replaces the
+    light that Cycles' limit of 256 flights loses, at the mean distance of the lost light. Raises ArgumentError."""
     version = _checked_version(version)
     g = check_number(anisotropy, "anisotropy", f"must lie in [0, {LARGEST_G:g}]", lambda x: 0.0 <= x <= LARGEST_G)
     mu = check_number(mu, "mu", "must lie in (0, 1]", lambda x: 0.0 < x <= 1.0)
@@ -107,8 +107,8 @@ def subsurface_inputs(albedo, distance, anisotropy: float = 0.0, version: tuple[
 
 
 def _limited_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray) -> Walk:
-    """The walk whose light, with the limit of flights, has this exit albedo and distance. Cycles gives media of less
-    than LEAST_ALBEDO this albedo and scales their light."""
+    """The walk with this exit albedo and distance, with the limit of flights. Cycles raises lower albedos to
+    LEAST_ALBEDO and scales the light instead."""
     least = _at_albedo(curves, LEAST_ALBEDO)
     floor = np.interp(least, CURVE, curves.albedo)
     dark = albedo < floor
@@ -118,7 +118,7 @@ def _limited_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.nda
 
 
 def _full_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray) -> Walk:
-    """The walk whose light would have this exit albedo and distance if there were no limit of flights."""
+    """The walk with this exit albedo and distance, without the limit of flights."""
     least = _at_albedo(curves, LEAST_ALBEDO)
     place = np.minimum(_place(curves.full_albedo, albedo), least)
     bright = albedo >= np.interp(least, CURVE, curves.albedo)
@@ -129,7 +129,7 @@ def _full_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarra
 
 def _lost_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray,
                main: Walk) -> tuple[Walk, float]:
-    """(walk, weight) of the light that the limit of flights loses: its share, at its mean distance."""
+    """(walk, weight) of a second closure that has the amount and the mean distance of the light lost by the limit."""
     light, way = _exit_light(curves, g, main)
     lost = np.maximum(albedo - light, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -139,7 +139,7 @@ def _lost_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarra
 
 
 def _exit_light(curves: Curves, g: float, walk: Walk) -> tuple[np.ndarray, np.ndarray]:
-    """(exit albedo, mean exit distance) of a walk in Cycles."""
+    """(exit albedo, mean exit distance) of a walk in Cycles, with the limit of flights."""
     clamped = np.maximum(walk.albedo, LEAST_ALBEDO)
     place = _at_albedo(curves, clamped)
     light = np.interp(place, CURVE, curves.albedo) * walk.albedo / clamped
@@ -151,17 +151,17 @@ def _at_albedo(curves: Curves, single) -> np.ndarray:
 
 
 def _place(light: np.ndarray, albedo: np.ndarray) -> np.ndarray:
-    """Where on CURVE, along which it falls, the exit albedo is that wanted."""
+    """The position on CURVE with the target exit albedo. `light` is the exit albedo, which decreases along CURVE."""
     return np.interp(-albedo, -light, CURVE)
 
 
 def _path(distances: np.ndarray, curves: Curves, g: float, place: np.ndarray, distance: np.ndarray) -> np.ndarray:
-    """The mean free path with this mean exit distance. `distances` are in transport mean free paths."""
+    """The mean free path that gives this mean exit distance. `distances` are in transport mean free paths."""
     return distance / np.interp(place, CURVE, distances) * (1.0 - g * np.interp(place, CURVE, curves.single))
 
 
 def _checked_version(version) -> tuple[int, int]:
-    """The first two numbers of a release. Raises ArgumentError."""
+    """Major and minor number of a Blender release. Raises ArgumentError."""
     if isinstance(version, tuple | list) and len(version) >= 2:
         first = tuple(version[:2])
         whole = all(isinstance(n, int) and not isinstance(n, bool) and 0 <= n <= MOST_VERSION for n in first)
@@ -171,7 +171,7 @@ def _checked_version(version) -> tuple[int, int]:
 
 
 def _checked_targets(albedo, distance) -> tuple[np.ndarray, np.ndarray]:
-    """Both as arrays of one shape. Raises ArgumentError."""
+    """Both targets as arrays of one shape. Raises ArgumentError."""
     albedo, distance = finite_array(albedo, "albedo"), finite_array(distance, "distance")
     if albedo.shape != distance.shape:
         raise ArgumentError(f"distance has the shape {distance.shape}: must have that of albedo, {albedo.shape}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the Subsurface Scattering node of Cycles takes Color and Radius to a medium, by Blender's version.
+"""The conversion of Color and Radius to a medium in Cycles' Subsurface Scattering node, by Blender's version.
 
 From the source of Cycles 4.5 and 5.2: kernel/integrator/subsurface_random_walk.h and kernel/closure/bssrdf.h."""
 
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-# From this release on, Random Walk has sigma_t = 1 / Radius and the colours of d'Eon; before, see below.
+# From this release on, Random Walk uses sigma_t = 1 / Radius and d'Eon's albedo inversion; before, see below.
 NEW_WALK = (5, 2)
 LEAST_ALBEDO, MOST_ALBEDO = 0.2, 0.999999
 LEAST_IOR = 1.01
@@ -26,14 +26,14 @@ _E = (4.23190299701, 0.00310603949088, (1303.5318055, -4763.54467887, 7116.60171
                                         -594.356773233, 76.7316253952, 0.0))
 _F = (-87.4370473567, 302.85712436, -403.613804597, 259.082868209, -79.2191708682, 9.18494908356, -2.51814844609,
       2.40602999408)
-# Of a quadratic surd, from 5.2 on: s = _S[0] c - sqrt(_S[1] + _S[2] c + _S[3] c^2) + _S[4].
+# Coefficients from 5.2 on: s = _S[0] c - sqrt(_S[1] + _S[2] c + _S[3] c^2) + _S[4].
 _S = (4.20863, 9.59217, 41.6808, 17.7126, 4.09712)
 
 _COLOURS = np.linspace(0.0, 1.0, 20001)
 
 
 def albedo_of_colour(colour, g: float, version: tuple[int, int]) -> np.ndarray:
-    """Single-scattering albedo in Cycles' walk of a Color in [0, 1], before the walk raises it to LEAST_ALBEDO."""
+    """Single-scattering albedo that Cycles' walk uses for a Color in [0, 1], before it is raised to LEAST_ALBEDO."""
     c = np.asarray(colour, float)
     if version >= NEW_WALK:
         s2 = (_S[0] * c - np.sqrt(_S[1] + _S[2] * c + _S[3] * c * c) + _S[4]) ** 2
@@ -47,7 +47,7 @@ def albedo_of_colour(colour, g: float, version: tuple[int, int]) -> np.ndarray:
 
 def colour_of_albedo(albedo, g: float, version: tuple[int, int]) -> np.ndarray:
     """The Color that gives a single-scattering albedo, in [0, 1]; the inverse of albedo_of_colour."""
-    # The square root spreads the steep start of the legacy fit over the table.
+    # The square root spreads the steep start of the old fit over the table.
     places = np.sqrt(np.maximum.accumulate(albedo_of_colour(_COLOURS**2, g, version)))
     return np.interp(np.sqrt(np.asarray(albedo, float)), places, _COLOURS) ** 2
 

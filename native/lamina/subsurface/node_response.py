@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Cycles' random walk makes of a half-space: exit albedo and mean exit distance, computed without chance.
+"""The response of Cycles' random walk in a half-space: exit albedo and mean exit distance, computed deterministically.
 
 tools/make_subsurface_table.py tabulates this; the package reads the table (see response_table)."""
 
@@ -10,18 +10,18 @@ import numpy as np
 from .first_flights import FORWARD_COLLISIONS, FirstFlights
 from .later_flights import Escape, escape
 
-# Of the table: g and the cosine of entry at Chebyshev-Lobatto points, and u with u^4 = 1 - transport albedo.
+# Axes of the table: g and entry cosine at Chebyshev-Lobatto points, and u with u^4 = 1 - transport albedo.
 LARGEST_G = 0.9
 G_COUNT, MU_COUNT, U_COUNT = 8, 8, 40
 LEAST_MU, LEAST_U, MOST_U = 0.02, 0.03, 0.995
 
-# Lateral frequencies: of the first flights per mean free path, of the later ones per transport mean free path.
+# Lateral frequencies: per mean free path for the first flights, per transport mean free path for the later ones.
 FIRST_FREQUENCIES = np.geomspace(2e-3, 12.0, 30)
 LATER_FREQUENCIES = np.geomspace(2e-4, 15.0, 42)
 
 
 def chebyshev(low: float, high: float, count: int) -> np.ndarray:
-    """Chebyshev-Lobatto points, ascending, with both ends."""
+    """Chebyshev-Lobatto points, ascending, including both ends."""
     return 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * np.arange(count) / (count - 1))
 
 
@@ -36,7 +36,7 @@ def single_albedo(u: np.ndarray, g: float) -> np.ndarray:
 
 
 def later_escape() -> Escape:
-    """What the responses of all g share: the later flights at frequency 0 and LATER_FREQUENCIES."""
+    """The later flights at frequency 0 and LATER_FREQUENCIES, which are the same for all g."""
     return escape(np.concatenate([[0.0], LATER_FREQUENCIES]), 1.0 - U_NODES**4)
 
 
@@ -61,7 +61,7 @@ def response(g: float, later: Escape) -> np.ndarray:
         for pair, escaped in enumerate((later.limited, later.complete)):
             light = early_at[0] + albedo**10 * (from_depth @ escaped[0, :, k]) @ collisions[0]
             waves = early.copy()
-            # Beyond the frequencies of the later flights, nothing is left of them.
+            # Beyond LATER_FREQUENCIES the transform of the later flights is negligible.
             late = from_depth @ escaped[1:shared + 1, :, k].T  # (node, frequency)
             waves[:shared] += albedo**10 * np.einsum("qtm,tq->qm", tenth[:shared], late)
             table[2 * pair, :, k] = light
@@ -70,8 +70,8 @@ def response(g: float, later: Escape) -> np.ndarray:
 
 
 def _at_frequencies(values: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Values at frequency 0 and FIRST_FREQUENCIES, axis 0, interpolated to `q`: by cubics in the logarithm, and in q^2
-    below the first frequency."""
+    """Interpolate values at frequency 0 and FIRST_FREQUENCIES (axis 0) to `q`: by cubics in log(q), and below the first
+    frequency linearly in q^2."""
     between = local_cubic(np.log(q), np.log(FIRST_FREQUENCIES[[0, -1]]), values[1:])
     low = q < FIRST_FREQUENCIES[0]
     share = (q[low] / FIRST_FREQUENCIES[0]).reshape(-1, *(1,) * (values.ndim - 1)) ** 2
@@ -80,7 +80,7 @@ def _at_frequencies(values: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def local_cubic(x: np.ndarray, ends, values: np.ndarray) -> np.ndarray:
-    """Values on a uniform grid from ends[0] to ends[1], axis 0, interpolated to `x` by the cubic through four nodes."""
+    """Interpolate values on a uniform grid from ends[0] to ends[1] (axis 0) to `x`, by cubics through four nodes."""
     last = len(values) - 1
     place = (np.asarray(x) - ends[0]) / (ends[1] - ends[0]) * last
     start = np.clip(np.floor(place).astype(int) - 1, 0, last - 3)
@@ -93,8 +93,8 @@ def local_cubic(x: np.ndarray, ends, values: np.ndarray) -> np.ndarray:
 
 
 def _mean_distance(q: np.ndarray, light: np.ndarray, waves: np.ndarray) -> np.ndarray:
-    """Mean of r from the transforms of the leaving light, int_0^inf (R(0) - R(q)) / q^2 dq / R(0). Below the first q
-    the difference grows with q^2, beyond the last one R falls with 1/q."""
+    """Mean of r from the transform R of the leaving light: int_0^inf (R(0) - R(q)) / q^2 dq / R(0). Assumes that the
+    difference is proportional to q^2 below the first q, and that R is proportional to 1/q beyond the last q."""
     rest = (light - waves) / q[:, None]
     inner = np.sum(0.5 * (rest[1:] + rest[:-1]) * np.diff(np.log(q))[:, None], axis=0)
     return (inner + rest[0] + light / q[-1] - 0.5 * waves[-1] / q[-1]) / light

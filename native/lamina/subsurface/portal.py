@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables for a tabulated BSSRDF in Cycles by its Ray Portal BSDF: light of a stack that leaves at another place.
+"""Tables for a tabulated BSSRDF of a stack, rendered in Cycles by its Ray Portal BSDF.
 
-A portal sends the view ray to a source below the point that is seen, in a direction that is uniform over the upper
-hemisphere. The ray meets the surface from inside, and there an ordinary closure is lit. On a plane a source at the
-depth z shows the surface with the density z / (2 pi (z^2 + r^2)^1.5) over the distance r. A weight that depends on r
-turns the mean of these densities over all depths into the stack's profile. On a curved surface each ray still meets the
-surface, so that no light is lost."""
+The portal moves the camera ray to a source below the shading point, with a direction uniform over the upper hemisphere.
+The ray hits the surface from inside and evaluates an ordinary closure there. On a plane, the hits of a source at depth
+z have the density z / (2 pi (z^2 + r^2)^1.5) over the distance r. A weight that depends on r turns the mean of these
+densities over all depths into the stack's profile. On a curved surface each ray still hits the surface, so no light is
+lost."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from .node_parameters import LEAST_IOR
 from .stack_nodes import boundary_on_top, require_finite_distance
 
 DEPTHS, WEIGHTS, VIEWS = 1024, 1024, 256  # sizes of the tables
-# A source's depth over a distance that the light travels, both of the same rank. The profile of an isotropic half-space
-# is exactly that of sources with absorption, whose depths have this ratio up to the median (albedo .9).
+# Ratio of source depth to exit distance at equal quantiles. The profile of an isotropic half-space equals that of
+# sources with absorption. Up to the median the depths of these sources have this ratio (albedo .9).
 DEPTH_SHARE = 0.9
-# From this optical thickness on, the light that a layer scatters once is that of a half-space, within 1e-4.
+# From this optical thickness on, single scattering of a layer equals that of a half-space within 1e-4.
 DEEP = 4.5
 _COSINES, _COSINE_WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(64))
 _COSINES = _COSINES + 0.5
@@ -40,13 +40,13 @@ _COSINES = _COSINES + 0.5
 class PortalTables:
     """Tables of the portal. Lengths in millimetres.
 
-    `depths`, shape (DEPTHS,): depths of sources, each as likely. `weights`, (WEIGHTS, channels): weight of a ray at the
-    distance r on the plane, at r / (r + scale) = k / (WEIGHTS - 1). `views`, (VIEWS, channels): light through the
-    portal of what enters below the boundary, for the view cosine k / (VIEWS - 1). `once`, (channels,): colour of the
-    Glossy closure (GGX, roughness 1) that shows light that was scattered once. `ior`, `roughness`: of the boundary on
-    top, 1.01 for none. `albedo`, `distance`, (channels,): exit albedo and mean exit distance of all light, without the
-    boundary's reflection, for a view along the normal. `profile_error`: of the flux within any distance, relative to
-    all flux, that the tables' resolution causes."""
+    `depths`, shape (DEPTHS,): equally likely depths of sources. `weights`, (WEIGHTS, channels): weight of a ray by the
+    distance r on the plane, at r / (r + scale) = k / (WEIGHTS - 1). `views`, (VIEWS, channels): share of the light
+    entering below the boundary that goes through the portal, at the view cosine k / (VIEWS - 1). `once`, (channels,):
+    colour of the Glossy closure (GGX, roughness 1) for single scattering. `ior`, `roughness`: the boundary on top, ior
+    1.01 for none. `albedo`, `distance`, (channels,): exit albedo and mean exit distance of all light without the
+    boundary's reflection, for a view along the normal. `profile_error`: largest error, from the tables' resolution, of
+    the flux within any distance, relative to the total flux."""
 
     depths: np.ndarray
     weights: np.ndarray
@@ -61,12 +61,12 @@ class PortalTables:
 
     @property
     def has_boundary(self) -> bool:
-        """Whether a Glossy closure belongs over all others."""
+        """True if the material needs a Glossy closure for a boundary on top."""
         return self.ior > LEAST_IOR
 
     @property
     def report(self) -> str:
-        """What the tables promise, as one sentence."""
+        """The predicted result of the tables and its error, as one sentence."""
         ways = ", ".join(f"{way:.3g}" for way in self.distance)
         return (f"Portal: on a flat surface the tables keep the flux within any distance to "
                 f"{max(100.0 * self.profile_error, 0.01):.2g} %, mean exit distance {ways} mm.")
@@ -74,10 +74,10 @@ class PortalTables:
 
 def portal_tables(stack: Stack, quality: str = "final", progress: Progress | None = None,
                   cancel: Callable[[], bool] | None = None) -> PortalTables:
-    """Tables with which Cycles' Ray Portal BSDF shows the light of a stack that leaves at another place.
+    """Tables with which Cycles' Ray Portal BSDF renders the lateral light transport of a stack.
 
-    Where the topmost layer is a deep isotropic medium without a boundary, light that was scattered once is left to a
-    Glossy closure, which has its exact directions. Arguments and errors are those of lamina.subsurface_nodes."""
+    If the topmost layer is a deep isotropic medium without a boundary, single scattering is rendered by a Glossy
+    closure, whose directions are exact. Arguments and errors are those of lamina.subsurface_nodes."""
     step = stepper("the portal", progress, cancel)
     beam = searchlight(stack, 1.0, quality, progress=portion(step, 0.0, 0.8), cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, 1.0, quality)
@@ -99,13 +99,13 @@ def portal_tables(stack: Stack, quality: str = "final", progress: Progress | Non
 
 
 def _distances(scale: float) -> np.ndarray:
-    """Places of the integrals over the plane: r / (r + scale) uniform, fine."""
+    """Nodes for integrals over the plane: uniform in r / (r + scale)."""
     u = (np.arange(8 * WEIGHTS) + 0.5) / (8 * WEIGHTS)
     return scale * u / (1.0 - u)
 
 
 def _rings(r: np.ndarray) -> np.ndarray:
-    """Areas that belong to the places r of _distances."""
+    """Areas of the rings around the nodes r of _distances."""
     scale = r[0] * (2.0 * len(r) - 1.0)  # r[0] = scale u / (1 - u) with u = .5 / len(r)
     edges = np.arange(len(r) + 1) / len(r)
     edges = scale * edges[:-1] / (1.0 - edges[:-1])
@@ -113,12 +113,12 @@ def _rings(r: np.ndarray) -> np.ndarray:
 
 
 def _within(r: np.ndarray, density: np.ndarray) -> np.ndarray:
-    """Flux within the outer edges of the rings about r."""
+    """Flux within the outer edge of each ring."""
     return np.cumsum(density * _rings(r)[:, None], axis=0)
 
 
 def _profile(beam: Searchlight, index: int, r: np.ndarray, once: float, extinction: float) -> np.ndarray:
-    """Flux density at r that goes through the portal, in one channel: all but the light of the Glossy closure."""
+    """Flux density at r of the light through the portal, in one channel: all light but that of the Glossy closure."""
     density = beam.profile(r)
     density = density if density.ndim == 1 else density[:, index]
     if once > 0.0:
@@ -127,8 +127,8 @@ def _profile(beam: Searchlight, index: int, r: np.ndarray, once: float, extincti
 
 
 def once_scattered(r: np.ndarray, albedo: float) -> np.ndarray:
-    """Flux density at the distance r, in mean free paths, of light that an isotropic half-space has scattered once, for
-    a beam along the normal: albedo / (4 pi) int exp(-z - d) z / d^3 dz, d^2 = r^2 + z^2."""
+    """Flux density of single scattering in an isotropic half-space at the distance r, in mean free paths, for a beam
+    along the normal: albedo / (4 pi) int exp(-z - d) z / d^3 dz, d^2 = r^2 + z^2."""
     angle = 0.5 * math.pi * _COSINES  # z = r tan(angle)
     z, d = r[:, None] * np.tan(angle), r[:, None] / np.cos(angle)
     return albedo / (4.0 * math.pi * r) * ((np.exp(-z - d) * np.sin(angle)) @ (0.5 * math.pi * _COSINE_WEIGHTS))
@@ -136,7 +136,7 @@ def once_scattered(r: np.ndarray, albedo: float) -> np.ndarray:
 
 def _weights(depths: np.ndarray, scale: float, r: np.ndarray, light: np.ndarray,
              within: np.ndarray) -> tuple[np.ndarray, float]:
-    """(weights at WEIGHTS places, error of the flux within any distance)."""
+    """(weights at WEIGHTS distances, largest error of the flux within any distance)."""
     shown = np.mean(depths / (2.0 * math.pi * np.hypot(depths, r[:, None]) ** 3), axis=1)
     exact = light / within[-1] / shown[:, None]
     u, places = r / (r + scale), np.linspace(0.0, 1.0, WEIGHTS)
@@ -148,17 +148,17 @@ def _weights(depths: np.ndarray, scale: float, r: np.ndarray, light: np.ndarray,
 
 
 def _views(stack: Stack, once: np.ndarray, quality: str) -> np.ndarray:
-    """Light through the portal by view cosine, of what enters below the boundary."""
+    """Share of the light entering below the boundary that goes through the portal, by view cosine."""
     cosines = np.linspace(0.0, 1.0, VIEWS)
     cosines[0] = 0.25 * cosines[1]
     on_top = boundary_on_top(stack, cosines, quality)[0]
     inside = (solve(stack, quality).reflectance(cosines) - on_top) / np.maximum(1.0 - on_top, 1e-6)
-    local = 1.0 - cosines * np.log1p(1.0 / cosines)  # of the Glossy closure of colour 1
+    local = 1.0 - cosines * np.log1p(1.0 / cosines)  # directional albedo of the Glossy closure with colour 1
     return np.clip(inside - local[:, None] * once, 0.0, 1.0)
 
 
 def _scattered_once(stack: Stack) -> np.ndarray:
-    """Colour of the Glossy closure for light that is scattered once, by channel; 0 where it goes through the portal."""
+    """Colour of the Glossy closure for single scattering, by channel; 0 if that light goes through the portal."""
     top = stack.layers[0] if stack.layers else stack.base
     if not isinstance(top, Medium | HalfSpace) or not isinstance(top.phase, Isotropic):
         return np.zeros(stack.channels)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tabulated response of Cycles' random walk, at one anisotropy and for light that enters in known directions."""
+"""The tabulated response of Cycles' random walk, interpolated to an anisotropy and to given entry directions."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ CURVE = np.linspace(LEAST_U, MOST_U, 4000)  # u of node_response
 
 
 class Curves(NamedTuple):
-    """Along CURVE: the single-scattering albedo; exit albedo and mean exit distance (in transport mean free paths) with
-    Cycles' limit of flights; and both without."""
+    """Values along CURVE: single-scattering albedo; exit albedo and mean exit distance (in transport mean free paths)
+    with Cycles' limit of flights; exit albedo and mean exit distance without the limit."""
 
     single: np.ndarray
     albedo: np.ndarray
@@ -28,8 +28,8 @@ class Curves(NamedTuple):
 
 
 def response_curves(g: float, cosines: np.ndarray, shares: np.ndarray) -> Curves:
-    """The response at an anisotropy `g` in [0, .9] to light that enters at `cosines`, inside and in (0, 1], in these
-    shares, whose sum is at most 1."""
+    """The response at an anisotropy `g` in [0, .9] to light that enters in the given `shares` (sum at most 1) at
+    `cosines` in (0, 1], measured inside."""
     at_g = np.tensordot(_polynomial(G_NODES, np.array([g]))[0], _table(), (0, 0))
     at_mu = np.tensordot(_polynomial(MU_NODES, np.maximum(cosines, LEAST_MU)), at_g, (1, 1))  # (mu, quantity, u)
     fine = local_cubic(CURVE, (LEAST_U, MOST_U), np.moveaxis(at_mu, 2, 0))  # (u, mu, quantity)
@@ -45,7 +45,7 @@ def _table() -> np.ndarray:
 
 
 def _polynomial(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Matrix, shape (x, nodes), of the polynomial through values at the nodes."""
+    """Matrix, shape (x, nodes), that interpolates node values at x by a polynomial."""
     weights = np.empty((len(x), len(nodes)))
     for k, node in enumerate(nodes):
         others = np.delete(nodes, k)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs of Cycles' Subsurface Scattering node for a stack: its light that travels sideways, relightable."""
+"""Inputs of Cycles' Subsurface Scattering node that reproduce the lateral light transport of a stack."""
 
 from __future__ import annotations
 
@@ -24,15 +24,16 @@ from .node_response import LARGEST_G
 
 def subsurface_nodes(stack: Stack, version: tuple[int, int] = (4, 5), mu: float = 1.0, quality: str = "final",
                      progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> SubsurfaceInputs:
-    """Inputs with which Cycles' Subsurface Scattering node stands for a stack, lengths in millimetres.
+    """Inputs with which Cycles' Subsurface Scattering node represents a stack, lengths in millimetres.
 
-    A boundary on top of the stack stays a boundary: a Glossy closure by its Fresnel reflectance over the node, which
-    gets its `ior` and its width as `roughness`. All other light that the stack reflects becomes exit albedo and mean
-    exit distance of the node, one per channel, for a view at the cosine `mu`, in (0, 1]. The node's anisotropy is the
-    mean cosine of the topmost medium, within [0, .9] and over channels; it has the two wanted values at any anisotropy.
+    A boundary on top of the stack is rendered by a Glossy closure, weighted by Fresnel reflectance, above the node. The
+    node gets the boundary's `ior`, and its width as `roughness`. All other reflected light determines the node's exit
+    albedo and mean exit distance, one per channel, for a view at the cosine `mu`, in (0, 1]. The node's anisotropy is
+    the mean cosine of the topmost medium, averaged over channels and clamped to [0, .9]; exit albedo and mean distance
+    match at any anisotropy.
 
     Arguments and errors are those of searchlight and subsurface_inputs. Raises StackError for a half-space or layer
-    that absorbs nothing and reflects its light at an infinite mean distance."""
+    without absorption, whose mean exit distance is infinite."""
     beam = searchlight(stack, mu, quality, progress=progress, cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, mu, quality)
     distance = require_finite_distance(beam, on_top)
@@ -41,8 +42,8 @@ def subsurface_nodes(stack: Stack, version: tuple[int, int] = (4, 5), mu: float 
 
 
 def boundary_on_top(stack: Stack, mu, quality: str) -> tuple[np.ndarray, float, float]:
-    """(light that a boundary on top of the stack reflects before any enters, at the cosine or cosines `mu`, last axis
-    channels; its index, 1.01 for none; its width alpha), the latter two as Cycles' node takes them."""
+    """(reflectance of a boundary on top of the stack at the cosine or cosines `mu`, last axis channels; the boundary's
+    index, 1.01 for none; its width alpha). Index and width are in the form of the inputs of Cycles' node."""
     shape = (*np.shape(mu), stack.channels)
     if not stack.layers or not isinstance(stack.layers[0], Interface):
         return np.zeros(shape), LEAST_IOR, 0.0
@@ -53,7 +54,7 @@ def boundary_on_top(stack: Stack, mu, quality: str) -> tuple[np.ndarray, float, 
 
 
 def require_finite_distance(beam: Searchlight, on_top: np.ndarray) -> np.ndarray:
-    """Mean exit distance of the light below the boundary, by channel. Raises StackError where it is infinite."""
+    """Mean exit distance of the light below the boundary, by channel. Raises StackError if a distance is infinite."""
     inside = beam.reflectance - on_top
     with np.errstate(divide="ignore", invalid="ignore"):
         way = np.where(inside > 1e-9, beam.reflectance * beam.mean_distance / inside, 0.0)
@@ -65,7 +66,7 @@ def require_finite_distance(beam: Searchlight, on_top: np.ndarray) -> np.ndarray
 
 
 def _anisotropy(stack: Stack) -> float:
-    """Mean cosine of the topmost medium's phase function, over channels, within the table's range."""
+    """Mean cosine of the topmost medium's phase function, averaged over channels and clamped to the table's range."""
     media = [layer for layer in (*stack.layers, stack.base) if isinstance(layer, Medium | HalfSpace)]
     if not media:
         return 0.0

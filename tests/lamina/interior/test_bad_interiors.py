@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bad interiors and meshes get one sentence; files of interiors come back as they were."""
+"""Bad interiors and meshes give an error of one sentence; saved interiors load unchanged."""
 
 import math
 
@@ -93,7 +93,7 @@ def test_bad_surfaces_and_lamps():
 
 
 def test_repairs():
-    """Each triangle with vertices of its own, one triangle without area, and holes that are filled."""
+    """Unshared vertices are welded, a triangle without area is removed, and holes are filled."""
     ball = sphere(1.0, 2)
     corners = ball.vertices[ball.triangles].reshape(-1, 3)
     loose = lamina.Solid(corners, np.arange(len(corners)).reshape(-1, 3))
@@ -134,7 +134,7 @@ def test_bad_files(tmp_path):
 
 
 def test_a_mixture_takes_two_bytes_a_voxel_and_coefficients_take_twelve():
-    """So 512 voxels a side of a mixture take a quarter of a GiB."""
+    """A mixture with 512 voxels per side then takes a quarter of a GiB."""
     shape = (64, 32, 16)
     half = np.broadcast_to(np.float32(0.5), shape)
     assert Interior.mixed(half, PALETTE, *CORNERS).bytes == 2 * math.prod(shape)

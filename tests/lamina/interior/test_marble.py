@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Marble: the noise, the veins, and its files."""
+"""Marble: noise, veins and files."""
 
 import itertools
 import json
@@ -22,14 +22,14 @@ def test_noise_is_0_on_the_lattice_and_smooth_between():
     near = gradient_noise(places + 1e-3, 5)
     assert np.abs(near - values).max() < 0.01
     assert abs(np.corrcoef(values, gradient_noise(places, 6))[0, 1]) < 0.02
-    # Across a face of the lattice the slope is continuous too.
+    # The slope is also continuous across a face of the lattice.
     face = np.column_stack([np.full(1000, 2.0), places[:1000, 1:]])
     left, middle, right = (gradient_noise(face + [shift, 0, 0], 5) for shift in (-1e-2, 0.0, 1e-2))
     assert np.abs(left - 2.0 * middle + right).max() < 1e-3
 
 
 def noise_at(place, seed):
-    """The same noise in Python's own numbers, one place at a time."""
+    """Reference implementation of the noise in Python numbers, for one position."""
     mask = (1 << 64) - 1
     edges = [(x, y, 0) for x in (-1, 1) for y in (-1, 1)] + [(x, 0, z) for x in (-1, 1) for z in (-1, 1)] + \
         [(0, y, z) for y in (-1, 1) for z in (-1, 1)]
@@ -54,7 +54,7 @@ def noise_at(place, seed):
 
 
 def test_the_noise_is_the_same_on_every_machine():
-    """Against whole numbers of any length, negative places among them."""
+    """Compared with Python's unbounded integers, also at negative positions."""
     places = np.random.default_rng(3).uniform(-100.0, 100.0, (50, 3))
     expected = [noise_at(place, 7) for place in places.tolist()]
     assert np.abs(expected).max() > 0.3

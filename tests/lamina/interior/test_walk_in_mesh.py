@@ -19,7 +19,7 @@ SURFACES = {"matched": Surface(), "smooth": Surface(1.4), "rough": Surface(1.4, 
 
 
 def stack(surface=None, sigma_s=SIGMA_S, sigma_a=SIGMA_A, phase=PHASE, thickness=THICKNESS):
-    """The plane stack that a slab is."""
+    """The plane stack equivalent to a slab."""
     medium = lamina.Medium(sigma_s=sigma_s, sigma_a=sigma_a, thickness=thickness, phase=phase)
     if surface is None or surface.ior == 1.0:
         return lamina.Stack([medium])
@@ -35,13 +35,13 @@ def require_within_error(difference, stderr):
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_a_wide_slab_is_a_plane_stack(name):
-    """All that leaves, of light from one direction, against the solver."""
+    """Exit albedo for light from one direction, compared with the solver."""
     surface, mu, samples = SURFACES[name], 0.7, 60000
     found = lamina.walk_in_mesh(*walk_slab(EndMaterial(SIGMA_S, SIGMA_A, G)), view(mu), surface, samples, seed=1)
     solved = lamina.solve(stack(surface))
     expected = solved.reflectance(mu) + solved.transmittance(mu)
     mirrored = found.mirrored[0]
-    # Facets mirror some walks whole, which is one more part of the variance.
+    # Facets reflect some walks entirely, which adds to the variance.
     variance = mirrored * (1.0 - mirrored) / samples if surface.alpha else 0.0
     require_within_error(found.albedo.value[0] + mirrored - expected, np.sqrt(found.albedo.stderr[0]**2 + variance))
     assert found.count.lost == 0.0
@@ -76,7 +76,7 @@ def test_distances_are_those_of_the_searchlight(mu):
 
 @pytest.mark.parametrize("surface", [Surface(), Surface(1.5), Surface(1.5, 0.4)])
 def test_a_sphere_that_absorbs_nothing_returns_all_light(surface):
-    """Ten mean free paths across; walks start at vertices and inside of faces."""
+    """A sphere of ten mean free paths; walks start at vertices and inside faces."""
     solid = sphere(5.0)
     corners = solid.vertices[solid.triangles[:3]]
     inside = corners.mean(axis=1)
@@ -88,7 +88,7 @@ def test_a_sphere_that_absorbs_nothing_returns_all_light(surface):
     mirrored = found.mirrored[:, None]
     variance = mirrored * (1.0 - mirrored) / samples
     stderr = np.sqrt(found.albedo.stderr**2 + variance)
-    # Channels share a path, so their mean is one score for each point; alone it is exact but for roulette.
+    # Channels share a path, so each point gives one score: the mean. Without roulette the mean is exact.
     require_within_error((found.albedo.value + mirrored - 1.0), stderr)
     assert found.count.lost < 1e-5
     if surface.ior == 1.0:
@@ -96,7 +96,7 @@ def test_a_sphere_that_absorbs_nothing_returns_all_light(surface):
 
 
 def test_layers_as_voxels_are_the_stack_of_layers():
-    """Three layers of four voxels each, constant in each voxel."""
+    """Three layers of four voxels each, with constant coefficients per voxel."""
     layers = [((0.9, 0.5, 1.5), 0.05, 1.0), (0.2, (0.4, 0.1, 0.0), 1.0), (2.0, 0.01, 1.0)]
     arrays = [np.array([np.broadcast_to(layer[k], 3) for layer in reversed(layers)]) for k in (0, 1)]
     sigma_s, sigma_a = (np.broadcast_to(np.repeat(array, 4, axis=0), (5, 3, 12, 3)) for array in arrays)
@@ -112,7 +112,7 @@ def test_layers_as_voxels_are_the_stack_of_layers():
 
 
 def test_a_smooth_grid_is_linear_between_voxel_centres():
-    """Against a medium with a profile, whose coefficients are linear in the depth between knots."""
+    """Compared with a medium with a profile: coefficients are linear in depth between knots."""
     ends = ((2.0, 0.02), (0.2, 0.3))  # (sigma_s, sigma_a) of the upper and the lower voxel
     solid, points, normals = slab(THICKNESS)
     sigma_s, sigma_a = (np.array([ends[1][k], ends[0][k]]).reshape(1, 1, 2) for k in (0, 1))
@@ -131,7 +131,7 @@ def test_a_smooth_grid_is_linear_between_voxel_centres():
 
 
 def test_end_materials_mix_with_both_phase_functions():
-    """A third between two materials in the middle of a palette of three."""
+    """A mixture coordinate between two of the three materials of a palette."""
     materials = [EndMaterial(5.0), EndMaterial((1.0, 0.5, 0.2), 0.1, 0.8), EndMaterial((0.3, 0.9, 0.6), 0.02, -0.3)]
     share = (1.0 / 3.0, 2.0 / 3.0)
     solid, points, normals = slab(THICKNESS)
@@ -149,7 +149,7 @@ def test_end_materials_mix_with_both_phase_functions():
 
 
 def test_one_path_for_three_channels_is_three_runs():
-    """A heterogeneous sphere with channels that differ by a factor of eight."""
+    """A heterogeneous sphere whose channels differ by a factor of eight."""
     rng = np.random.default_rng(1)
     sigma_s = rng.uniform(0.1, 1.0, (9, 10, 11, 1)) * [1.0, 3.0, 8.0]
     sigma_a = rng.uniform(0.0, 0.1, (9, 10, 11, 1)) * [8.0, 1.0, 0.1]
@@ -173,7 +173,7 @@ def test_one_path_for_three_channels_is_three_runs():
 
 @pytest.mark.parametrize("surface", [Surface(), Surface(1.4, 0.4)])
 def test_the_light_of_a_lamp_is_the_brdf(surface):
-    """Radiance from one lamp, view and light exchanged as well, without what facets reflect at the top."""
+    """Radiance from one lamp, also with view and light exchanged, without the reflection of facets at the top."""
     directions = [view(0.8), [-0.6, 0.0, 0.8], [0.0, 0.866, 0.5]]
     solid, points, normals = slab(THICKNESS)
     interior = Interior.uniform(EndMaterial(SIGMA_S, SIGMA_A, G))
@@ -203,7 +203,7 @@ def test_the_light_of_a_sky_is_the_albedo_of_a_convex_solid():
 
 
 def test_a_disc_behind_a_smooth_boundary():
-    """Against the BRDF, less what a black slab reflects, integrated over the disc."""
+    """Compared with the BRDF minus the reflection of a black slab, integrated over the disc."""
     solid, points, normals = slab(THICKNESS)
     interior = Interior.uniform(EndMaterial(SIGMA_S, SIGMA_A, G))
     found = lamina.light_in_mesh(solid, interior, [Lamp(view(0.8), 0.3)], points, normals, view(0.9), Surface(1.4),
@@ -213,7 +213,7 @@ def test_a_disc_behind_a_smooth_boundary():
     turn = 2.0 * np.pi * (np.arange(12) + 0.5) / 12
     x, _, z = view(0.8)
     sine = np.sqrt(1.0 - cosine * cosine)
-    # About the lamp's axis, in the plane of incidence and across.
+    # Angles about the lamp's axis, in the plane of incidence and perpendicular to this plane.
     ways = [cosine * x - sine * np.cos(turn) * z, sine * np.sin(turn), cosine * z + sine * np.cos(turn) * x]
     azimuth = -np.arctan2(-ways[1], -ways[0])
     whole, black = (lamina.solve(one).brdf(0.9, ways[2], azimuth)
@@ -225,8 +225,8 @@ def test_a_disc_behind_a_smooth_boundary():
 
 @pytest.mark.parametrize("surface", [Surface(), Surface(1.3, 0.5)])
 def test_a_lamp_and_the_eye_may_change_places(surface):
-    """The light that a heterogeneous ball sends in the direction a by a lamp at b is that which it sends in b by a lamp
-    at a, for any reciprocal solid, whatever its shape."""
+    """Reciprocity: the total light of a heterogeneous ball in direction a from a lamp at b equals the light in
+    direction b from a lamp at a. This holds for a solid of any shape."""
     rng = np.random.default_rng(4)
     sigma_s = rng.uniform(0.0, 2.0, (3, 3, 3, 3)) * [1.0, 2.0, 4.0]
     solid = sphere(1.0, 2)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts, threads, progress, cancelling, and files of walks in meshes."""
+"""Walks in meshes: parts, threads, progress, cancelling and files."""
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_progress_and_cancel():
     told = []
     lamina.walk_in_mesh(SOLID, INTERIOR, samples=2000, progress=lambda fraction, text: told.append(fraction))
     assert told == sorted(told) and told[-1] == 1.0 and len(told) > 4
-    # A single point is cancelled in the middle of its walks.
+    # Cancelling works in the middle of the walks of a single point.
     corner = ([SOLID.vertices[0]], [SOLID.vertices[0]])
     with pytest.raises(lamina.Cancelled):
         lamina.walk_in_mesh(SOLID, INTERIOR, *corner, samples=10**9, progress=lambda fraction, text: told.append(text),
@@ -83,13 +83,13 @@ def test_progress_and_cancel():
 
 
 def test_a_hollow_and_overlapping_parts():
-    """A box in a box with its faces turned is a hollow; the union of two overlapping boxes is one of their hull."""
+    """An inner box with reversed faces is a cavity; two overlapping boxes give the same result as their union."""
     outer, inner = box((-2, -2, -2), (2, 2, 2)), box((-1, -1, -1), (1, 1, 1))
     hollow = lamina.Solid(np.vstack([outer.vertices, inner.vertices]),
                           np.vstack([outer.triangles, inner.triangles[:, ::-1] + 8]))
     clear = Interior.uniform(EndMaterial(0.0, 1.0))
     down = lamina.walk_in_mesh(hollow, clear, [[0.1, 0.2, 2.0]], [[0, 0, 1]], [0, 0, 1], samples=4)
-    assert down.mean_distance.value[0, 0] == pytest.approx(1.0, rel=1e-5)  # as far as the hollow
+    assert down.mean_distance.value[0, 0] == pytest.approx(1.0, rel=1e-5)  # distance to the cavity
     halves = [box((-2, -2, -2), (2, 2, 0.3)), box((-2, -2, -0.3), (2, 2, 2))]
     union = lamina.Solid(np.vstack([one.vertices for one in halves]),
                          np.vstack([halves[0].triangles, halves[1].triangles + 8]))

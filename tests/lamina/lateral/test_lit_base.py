@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The searchlight near the spot that the beam lights on a diffuse base: against exact clear and absorbing layers, and
-against photons."""
+"""The searchlight near the spot that the beam illuminates on a diffuse base, compared with the exact solution for
+layers without scattering, and with photons."""
 
 import math
 
@@ -20,8 +20,8 @@ def layer_over_lambert(sigma_a, thickness, reflectance):
 @pytest.mark.parametrize("quality", ["preview", "final"])
 @pytest.mark.parametrize("sigma_a", [0.0, 0.3, 1.2])
 def test_a_layer_that_does_not_scatter(sigma_a, quality):
-    """Light of the spot at the angle t to the normal leaves at the distance thickness tan(t), attenuated along
-    thickness / cos(t); the base sends the share d(sin^2 t) in this direction. No light returns to the base."""
+    """Light from the spot at the angle t to the normal leaves at the distance thickness * tan(t), attenuated along the
+    path thickness / cos(t). The base reflects the share d(sin^2 t) in this direction. No light returns to the base."""
     thickness, reflectance = 0.8, 0.7
     beam = lamina.searchlight(layer_over_lambert(sigma_a, thickness, reflectance), quality=quality)
     x, weight = np.polynomial.legendre.leggauss(200)
@@ -40,7 +40,7 @@ def test_a_layer_that_does_not_scatter(sigma_a, quality):
           Lambert(0.6)),
 ], ids=["bright layer", "varnish"])
 def test_photons(stack):
-    """Fluxes in rings, by 5e5 photons each."""
+    """Fluxes in rings, compared with 5e5 photons per stack."""
     beam = lamina.searchlight(stack)
     walk = lamina.estimate_searchlight(stack, r=R, q=(8.0, 16.0, 24.0), samples=500_000, seed=5)
     scores = np.concatenate([(beam.reflected_inside(R) - walk.reflected_inside.value) / walk.reflected_inside.stderr,

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets in millimetres: which presets they are, how far their light travels by diffusion theory, and which colour
-travels farthest."""
+"""Presets in millimetres: the list of these presets, mean distances compared with diffusion theory, and the channel
+with the largest distance."""
 
 import functools
 import math
@@ -13,12 +13,12 @@ from lamina import HalfSpace, Interface, Lambert, Medium, Stack, presets
 from lamina.material.millimetres import has_lengths
 
 PRESETS = [entry.id for entry in presets.entries() if entry.has_lengths]
-# Not solved here: dark liquids with forward peaks take seconds each, a clear pond 250 mm deep takes minutes.
+# Too slow for this test: dark liquids with forward peaks take seconds each, a clear pond 250 mm deep takes minutes.
 COSTLY = {"espresso", "mint-mocha", "silted-pond"}
 
 
 def in_channel(value, index):
-    """The JSON of a stack with three numbers replaced by the one of a channel."""
+    """The JSON of a stack, with each list of three channels replaced by the value of one channel."""
     if isinstance(value, dict):
         return {key: in_channel(part, index) for key, part in value.items()}
     if isinstance(value, list) and len(value) == 3 and all(isinstance(part, float | int) for part in value):
@@ -36,8 +36,8 @@ def solved(id, index):
 
 
 def dipole(sigma_s, sigma_a, ior):
-    """(reflectance, mean distance in mm) of a half-space with isotropic scattering by the dipole of Jensen, Marschner,
-    Levoy and Hanrahan (2001), integrated over the distance. Its light enters below the boundary."""
+    """(reflectance, mean distance in mm) of a half-space with isotropic scattering, from the dipole of Jensen,
+    Marschner, Levoy and Hanrahan (2001), integrated over the distance. The light enters below the boundary."""
     sigma_t = sigma_s + sigma_a
     decay = math.sqrt(3.0 * sigma_a * sigma_t)
     inside = 0.0 if ior == 1.0 else -1.440 / ior**2 + 0.710 / ior + 0.668 + 0.0636 * ior
@@ -84,8 +84,8 @@ def test_lengths_of_all_media(stack, expected):
 @pytest.mark.parametrize(("number", "id"), [(n, id) for n, id in enumerate(PRESETS) if id not in COSTLY],
                          ids=lambda value: value if isinstance(value, str) else "")
 def test_a_preset_by_diffusion_theory(number, id):
-    """One channel of each preset. In bright half-spaces the dipole is within 10 % of the mean distance and .03 of
-    the flux. Other stacks reflect what the 1D solver says."""
+    """One channel of each preset. In bright half-spaces the dipole agrees within 10 % of the mean distance and .03 of
+    the flux. Other stacks have the reflectance of the 1D solver."""
     index = number % 3
     beam, stack = solved(id, index), one_channel(id, index)
     reflectance, distance = beam.reflectance[0], beam.mean_distance[0]
@@ -105,13 +105,14 @@ def test_a_preset_by_diffusion_theory(number, id):
     ("snow-fresh", "BGR"), ("leaf", "GRB"),
 ])
 def test_which_colour_travels_farthest(id, order):
-    """Red in marble, milk and skin; blue in snow, whose ice absorbs red; green in a leaf. The farthest colour first."""
+    """Channels in order of decreasing distance. Red travels farthest in marble, milk and skin, blue in snow (ice
+    absorbs red), green in a leaf."""
     distances = {name: solved(id, index).mean_distance[0] for index, name in enumerate("RGB")}
     assert "".join(sorted(distances, key=distances.get, reverse=True)) == order
 
 
 def test_lengths_change_no_bake():
-    """Snow and leaves were given by albedo and optical thickness, and have the same now."""
+    """Snow and leaves in millimetres have the albedo and optical thickness of their earlier definitions."""
     leaf = presets.load("leaf")
     assert [leaf.optics(1, index) for index in range(3)] == [(0.25, 2.89), (0.686, 1.99), (0.184, 5.97)]
     assert [presets.load("snow-fresh").base.albedo_of(index) for index in range(3)] == [0.999986, 0.999995, 0.999998]

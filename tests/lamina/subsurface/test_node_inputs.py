@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs of Cycles' Subsurface Scattering node: the walk that they start has the wanted albedo and distance."""
+"""Inputs of Cycles' Subsurface Scattering node: the resulting walk has the target albedo and distance."""
 
 import cycles_walk
 import numpy as np
@@ -28,7 +28,7 @@ def mean_free_path(radius, g, version):
 
 
 def walked(inputs, index, mu_in, seed):
-    """(exit albedo, its standard error, mean distance, its standard error) of the node's closures, by photons."""
+    """(exit albedo, its standard error, mean distance, its standard error) of the node's closures, from photons."""
     light = moment = light_variance = moment_variance = 0.0
     for k, (weight, colour, radius) in enumerate([(1.0, inputs.color, inputs.radius),
                                                   (inputs.extra_weight, inputs.extra_color, inputs.extra_radius)]):
@@ -47,13 +47,13 @@ def walked(inputs, index, mu_in, seed):
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize(("albedo", "g"), [(0.3, 0.0), (0.9, 0.0), (0.99, 0.0), (0.9, 0.5), (0.99, 0.8), (0.97, 0.9)])
 def test_walk_of_a_half_space(albedo, g, version):
-    """One closure has exit albedo and mean exit distance of the searchlight, in the anisotropic walk of either
-    version."""
+    """One closure has the exit albedo and mean exit distance of the searchlight, in the anisotropic walks of both
+    versions."""
     beam = lamina.searchlight(half_space(albedo, g), quality="preview")
     inputs = lamina.subsurface_inputs(beam.reflectance, beam.mean_distance, g, version)
     assert inputs.extra_weight == 0.0
     light, light_error, way, way_error = walked(inputs, 0, 1.0, 7)
-    # The promise is .3 % and 1 %; the method is good to .05 % and .1 %.
+    # The documented errors are .3 % and 1 %; the errors of the method are about .05 % and .1 %.
     assert abs(light - beam.reflectance[0]) < WORST_Z * light_error + 5e-4 * light
     assert abs(way - beam.mean_distance[0]) < WORST_Z * way_error + 1e-3 * way
     assert inputs.albedo == pytest.approx(beam.reflectance, rel=1e-5)
@@ -72,7 +72,7 @@ def test_light_that_the_limit_of_flights_loses_comes_back(albedo, g, version):
 
 
 def test_shares_that_are_known():
-    """Albedo 1, isotropic: of light that enters along the normal .897855 leaves, of Lambert light .918670."""
+    """Albedo 1, isotropic: the exit albedo is .897855 for light along the normal, and .918670 for Lambert light."""
     nodes, weights = np.polynomial.legendre.leggauss(12)
     cosines = 0.5 * (nodes + 1.0)
     for curves, share in ((response_curves(0.0, np.ones(1), np.ones(1)), 0.897855),
@@ -92,7 +92,7 @@ def test_light_that_enters_aslant(mu_in):
 
 
 def test_rough_entry():
-    """Facets by chance: normals of the GGX distribution that the view sees, as many as their projected area."""
+    """Compared with randomly sampled facets: visible GGX normals in proportion to their projected area."""
     rng = np.random.default_rng(5)
     mu, ior, alpha = 0.6, 1.4, 0.5
     # Slopes of GGX facets, kept with the probability of their area as seen from the view.
@@ -112,7 +112,7 @@ def test_rough_entry():
 
 
 def test_stack_with_a_boundary():
-    """The boundary's own reflection is on top; what is inside has the rest of the light, at its distance."""
+    """The Glossy closure has the boundary's reflection; the node has the rest of the light, at its mean distance."""
     stack = Stack([Interface(1.5), Medium(sigma_s=[2.0, 1.0, 0.5], sigma_a=[0.02, 0.1, 0.5], thickness=4.0,
                                           phase=HenyeyGreenstein(0.3))], Lambert(0.4))
     inputs = lamina.subsurface_nodes(stack, (5, 2), quality="preview")
@@ -129,7 +129,7 @@ def test_stack_with_a_boundary():
 
 
 def test_texels_at_once():
-    """Arrays keep their shape; one weight serves all texels, black ones among them."""
+    """Arrays keep their shape; one weight is valid for all texels, including black ones."""
     albedo = np.array([[0.0, 0.02, 0.5], [0.97, 0.9, 1.0]])
     distance = np.array([[0.0, 0.1, 0.4], [3.0, 1.0, 9.0]])
     inputs = lamina.subsurface_inputs(albedo, distance, 0.7)

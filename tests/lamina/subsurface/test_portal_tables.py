@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of the portal: rays drawn from them show the searchlight's profile on a plane."""
+"""Tables of the portal: rays sampled from the tables reproduce the searchlight's profile on a plane."""
 
 import functools
 import math
@@ -35,7 +35,7 @@ def tables_of(name):
 
 
 def drawn(tables, seed):
-    """(distances, weights) of rays as the shader draws them: a source, a cosine, and the table's weight there."""
+    """(distances, weights) of rays sampled like in the shader: random source and cosine, weight from the table."""
     rng = np.random.default_rng(seed)
     depth = tables.depths[rng.integers(0, DEPTHS, COUNT)]
     cosine = 1.0 - rng.random(COUNT)
@@ -70,7 +70,7 @@ def once_inside(radius, albedo):
 
 
 def test_once_scattered_light():
-    """Its flux is a / 2 (1 - ln 2), and photons have its density."""
+    """The flux is a / 2 (1 - ln 2), and the density agrees with photons."""
     assert once_inside(60.0, 0.8) == pytest.approx(0.4 * (1.0 - math.log(2.0)), rel=1e-5)
     rng = np.random.default_rng(2)
     depth, cosine = rng.exponential(size=COUNT), 2.0 * rng.random(COUNT) - 1.0
@@ -83,7 +83,7 @@ def test_once_scattered_light():
 
 
 def test_views():
-    """Portal, light that was scattered once and the boundary make up the directional albedo."""
+    """Portal, single scattering and boundary add up to the directional albedo."""
     for name, stack in STACKS.items():
         tables = tables_of(name)
         cosines = np.linspace(0.0, 1.0, len(tables.views))[[40, 128, 255]]
