@@ -22,7 +22,7 @@ from blender_window import DRAWING, beside, cut, on, picture, save, show, still,
 
 ZIP, OUT = (Path(name).resolve() for name in sys.argv[sys.argv.index("--") + 1:])
 PACKAGE = "bl_ext.user_default.lamina"
-RENDERED = 8  # a rendered viewport counts as complete after this number of steps without a change
+RENDERED = 25  # a rendered viewport counts as complete after this number of steps without a change
 
 
 def story():
@@ -98,6 +98,8 @@ def story():
     yield from still(RENDERED)
     save(OUT / "artists-dust.jpg", beside(picture(view), trimmed(picture(window))))
 
+    view.spaces.active.shading.type = "SOLID"  # beside a rendered viewport the render does not finish
+    yield from still()
     bpy.ops.render.render()
     bpy.data.images["Render Result"].save_render(str(OUT / "artists-render.jpg"))
 
