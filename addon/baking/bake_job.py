@@ -24,7 +24,7 @@ LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # quality and basis of live ba
 COARSE = "coarse"  # quality of a live bake with fewer rows or nodes
 
 _place = Place()
-running, forget, stop = _place.running, _place.forget, _place.stop
+running, running_for, forget, stop = _place.running, _place.running_for, _place.forget, _place.stop
 _failures = {}
 
 
@@ -112,11 +112,6 @@ def apply(material, lut, in_place=False, coarse=False):
 def start(material, quality=None):
     """Start a bake in the background; one at a time. Raises like bake_material, before it starts."""
     return _place.take(MaterialJob(material, quality or material.lamina.quality, preferences.threads()))
-
-
-def running_for(material):
-    job = running()
-    return job if job is not None and job.uid == material.session_uid else None
 
 
 def note_failure(material, error):

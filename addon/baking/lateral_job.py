@@ -4,7 +4,6 @@
 import logging
 
 import bpy
-from bpy.app.handlers import persistent
 
 from ..base import native
 from ..base.worker import Place, Worker
@@ -15,6 +14,7 @@ log = logging.getLogger(__name__)
 
 _place = Place()
 running, forget, stop = _place.running, _place.forget, _place.stop
+running_for, register, unregister = _place.running_for, _place.register, _place.unregister
 
 
 class LateralJob(Worker):
@@ -52,12 +52,6 @@ def make(material, scene=None, quality=None, output=None):
     return found
 
 
-def running_for(material):
-    """The running job of this material, or None."""
-    job = running()
-    return job if job is not None and job.uid == material.session_uid else None
-
-
 def start(material, scene):
     """Start a background job; only one runs at a time. Raises like make, before the job starts."""
     return _place.take(LateralJob(material, scene))
@@ -88,18 +82,3 @@ def _apply(material, output, found, length):
 
     lateral_group.build(material, output.capitalize(), draw, length)
     material.lamina.lateral_report = found.report
-
-
-@persistent
-def _on_load(*_):
-    stop()
-
-
-def register():
-    bpy.app.handlers.load_pre.append(_on_load)
-
-
-def unregister():
-    stop()
-    if _on_load in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_on_load)

@@ -3,6 +3,9 @@
 
 import threading
 
+import bpy
+from bpy.app.handlers import persistent
+
 
 class Worker:
     """Runs work(progress, cancel) in a thread. `fraction` and `text` hold its progress; at its end `result`
@@ -42,10 +45,24 @@ class Worker:
 
 
 class Place:
-    """Holds the one worker that runs."""
+    """Holds the one worker that runs. A registered place stops the worker before another file is loaded."""
 
     def __init__(self):
         self._job = None
+
+        @persistent
+        def on_load(*_):
+            self.stop()
+
+        self._on_load = on_load
+
+    def register(self):
+        bpy.app.handlers.load_pre.append(self._on_load)
+
+    def unregister(self):
+        self.stop()
+        if self._on_load in bpy.app.handlers.load_pre:
+            bpy.app.handlers.load_pre.remove(self._on_load)
 
     def take(self, job):
         self._job = job
@@ -54,6 +71,10 @@ class Place:
     def running(self):
         """The running worker, or None."""
         return self._job
+
+    def running_for(self, material):
+        """The running worker with the material's `uid`, or None."""
+        return self._job if self._job is not None and self._job.uid == material.session_uid else None
 
     def forget(self):
         """Drop the worker: its result has been used."""

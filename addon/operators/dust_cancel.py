@@ -4,18 +4,13 @@
 import bpy
 
 from ..settling import dust_job
+from .cancelling import Cancelling
 
 
-class LAMINA_OT_dust_cancel(bpy.types.Operator):
+class LAMINA_OT_dust_cancel(Cancelling, bpy.types.Operator):
     bl_idname = "lamina.dust_cancel"
     bl_label = "Cancel Dust"
     bl_description = "Stop settling; the earlier dust is kept"
     bl_options = {"INTERNAL"}
 
-    @classmethod
-    def poll(cls, _context):
-        return dust_job.running() is not None
-
-    def execute(self, _context):
-        dust_job.running().cancel()
-        return {"FINISHED"}
+    jobs = dust_job

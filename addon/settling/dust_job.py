@@ -4,7 +4,6 @@
 import logging
 
 import bpy
-from bpy.app.handlers import persistent
 
 from ..base import native, preferences
 from ..base.worker import Place, Worker
@@ -14,6 +13,7 @@ log = logging.getLogger(__name__)
 
 _place = Place()
 running, forget, stop = _place.running, _place.forget, _place.stop
+register, unregister = _place.register, _place.unregister
 
 
 class DustJob(Worker):
@@ -57,18 +57,3 @@ def start(context, objects):
     """Start in the background, one job at a time. Raises as object_dust.gather does, before it starts."""
     tasks = [object_dust.gather(context, obj) for obj in objects]
     return _place.take(DustJob(tasks, preferences.threads()))
-
-
-@persistent
-def _on_load(*_):
-    stop()
-
-
-def register():
-    bpy.app.handlers.load_pre.append(_on_load)
-
-
-def unregister():
-    stop()
-    if _on_load in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_on_load)

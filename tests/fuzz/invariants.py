@@ -90,12 +90,7 @@ def of_splitting(stack: Stack, found: dict, chance: random.Random) -> list[str]:
         divided = grids(lamina.solve(Stack(layers, stack.base), QUALITY, threads=1))
     except lamina.SolveError as error:
         return [f"layers[{k}] divided at {share:.2g}: refused, {error}"]
-    wrong = []
-    for sight, f in found.items():
-        off = difference(divided[sight], f, stack)
-        if off > 2.0 * TOLERANCE:
-            wrong.append(f"layers[{k}] divided at {share:.2g}: {' '.join(sight)} differs by {off:.2g}")
-    return wrong
+    return _apart(divided, found, stack, f"layers[{k}] divided at {share:.2g}")
 
 
 def of_thickness(solved, chance: random.Random) -> list[str]:
@@ -116,12 +111,7 @@ def of_thickness(solved, chance: random.Random) -> list[str]:
         grown = grids(solved.with_thickness(k, tau))
     except lamina.SolveError as error:
         return [f"layers[{k}] given tau {tau:.2g}: refused, {error}"]
-    wrong = []
-    for sight, f in fresh.items():
-        off = difference(grown[sight], f, anew)
-        if off > 2.0 * TOLERANCE:
-            wrong.append(f"layers[{k}] given tau {tau:.2g}: {' '.join(sight)} differs by {off:.2g} from a new solve")
-    return wrong
+    return _apart(grown, fresh, anew, f"layers[{k}] given tau {tau:.2g}, against a new solve")
 
 
 def of_walks(solved, found: dict, chance: random.Random, comparisons: int) -> list[str]:
@@ -169,6 +159,13 @@ def promised(f: np.ndarray, stack: Stack) -> np.ndarray:
 def difference(a: np.ndarray, b: np.ndarray, stack: Stack) -> float:
     """The largest difference relative to the reference of the tolerance."""
     return float((np.abs(a - b) / promised(b, stack)).max())
+
+
+def _apart(ones: dict, others: dict, stack: Stack, what: str) -> list[str]:
+    """Sentences about the grids of two solves of one stack that differ by more than both tolerances."""
+    differences = {sight: difference(ones[sight], other, stack) for sight, other in others.items()}
+    return [f"{what}: {' '.join(sight)} differs by {off:.2g}" for sight, off in differences.items()
+            if off > 2.0 * TOLERANCE]
 
 
 def _keeps_all(stack: Stack) -> bool:

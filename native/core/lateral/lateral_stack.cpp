@@ -19,7 +19,6 @@ using Eigen::VectorXd;
 /// The least cosine that nodes must resolve, by refractive index: the optical thickness of the thinnest layer with
 /// multiple scattering; in an almost clear layer, a cosine at which light travels far along the layer.
 std::map<double, double> least_cosines(const MeasuredStack& measured, const std::vector<double>& indices) {
-  constexpr double kThinnestRepeated = 1e-9;  // thinner layers scatter light once
   constexpr double kClear = 0.3;
   constexpr double kGrazing = 0.02;
   std::map<double, double> least;
