@@ -31,6 +31,8 @@ from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
 from .kinds.phases import *  # noqa: F403 - each phase function
 from .lateral.searchlight import Searchlight, searchlight
+from .maps.lit import LitImages, lit_images
+from .maps.relightable import RelightableImages, relightable_images
 from .material.layers import Medium
 from .material.phase import Mixture, Tabulated
 from .material.profile import Knot
@@ -61,6 +63,7 @@ __all__ = [
     "Knot",
     "Lamp",
     "LightEstimate",
+    "LitImages",
     "Lut",
     "Marble",
     "LutError",
@@ -68,6 +71,7 @@ __all__ = [
     "Mixture",
     "PortalTables",
     "Query",
+    "RelightableImages",
     "ScatteringFunction",
     "Searchlight",
     "SearchlightEstimate",
@@ -89,6 +93,7 @@ __all__ = [
     "estimate_searchlight",
     "export",
     "light_in_mesh",
+    "lit_images",
     "lobes",
     "marble",
     "merge_walks",
@@ -96,6 +101,7 @@ __all__ = [
     "ply",
     "portal_tables",
     "presets",
+    "relightable_images",
     "rgl",
     "searchlight",
     "solve",
