@@ -22,6 +22,7 @@ from .interior.estimates import ExitEstimate, LightEstimate
 from .interior.grid import Interior
 from .interior.lamps import Lamp
 from .interior.marble import Marble, marble
+from .interior.of_stack import interior_of_stack
 from .interior.parts import WalkPart, light_in_mesh, merge_walks, walk_in_mesh, walk_part
 from .interior.solid import Solid
 from .interior.walk import Surface
@@ -92,6 +93,7 @@ __all__ = [
     "estimate",
     "estimate_searchlight",
     "export",
+    "interior_of_stack",
     "light_in_mesh",
     "lit_images",
     "lobes",
