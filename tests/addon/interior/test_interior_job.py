@@ -140,7 +140,7 @@ def test_node_texture_between_materials(jobs, ball, lamina):
     for _ in range(2):
         interior = jobs.gather(bpy.context, ball, material).fill(None, None)
         coordinate = interior.voxels[:, 8, 8] / 65535.0
-        centres = (np.arange(16) + 0.5) / 8.0 - 1.0
+        centres = 0.1 * interior.high[0] * ((np.arange(16) + 0.5) / 8.0 - 1.0)  # in units of the object's space
         np.testing.assert_allclose(coordinate, np.clip(centres, 0.0, 1.0), atol=2e-3)
         make(jobs, ball)
 
