@@ -26,7 +26,7 @@ class Quality:
 # "small": the noise of the mean (three standard errors) is about a twentieth of the fit's error, which is 4 %.
 QUALITIES = {
     "tiny": Quality(96, 8, 16, 8),
-    "small": Quality(320, 8, 8, 8),
+    "small": Quality(320, 8, 8, 3),
     "final": Quality(480, 32, 64, 8),
 }
 FINE = 300  # number of rays across the picture that is enough for its mean

@@ -35,8 +35,8 @@ def save_first(path, facts, estimate, baked, expected, pixels):
         _difference("exact", baked, expected, pixels.region),
         SPAN,
         [
-            (f"Mean radiance: baked {estimate.mean:.4f} \u00b1 {estimate.sigma:.4f}, "
-             f"exact {exact_mean:.4f}", False),
+            (f"Mean radiance: baked {estimate.mean:.5f} \u00b1 {estimate.sigma:.5f}, "
+             f"exact {exact_mean:.5f}", False),
             (f"{estimate.mean / exact_mean - 1.0:+.2%} apart; error of the fit {facts['fit_error']:.2%}", False),
             COMPARED,
         ],
