@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base import uv_maps
 from ..base.messages import RefusedError
 
 KINDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
@@ -159,11 +160,9 @@ def _corner_normals(mesh, matrix):
 
 def _uvs(obj, mesh, name):
     """UV coordinates by face corner."""
-    layers = mesh.uv_layers
-    layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
+    layer = uv_maps.find(mesh, name)
     if layer is None:
-        wanted = f" named {name}" if name else ""
-        raise RefusedError(f"{obj.name} has no UV map{wanted}: unwrap it, or keep the dust in an attribute")
+        raise RefusedError(f"{uv_maps.missing(obj, name)}: unwrap it, or keep the dust in an attribute")
     corners = np.empty(2 * len(layer.uv), np.float32)
     layer.uv.foreach_get("vector", corners)
     return corners.reshape(-1, 2)
