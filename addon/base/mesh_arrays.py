@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import uv_maps
 from .messages import RefusedError
 
 
@@ -72,11 +73,9 @@ def corner_normals(mesh, matrix):
 def uvs(obj, mesh, name, instead):
     """(c, 2), UV coordinates by face corner of the map of this name; "": the one for rendering. Raises
     RefusedError, which ends with `instead`, what to do without the map."""
-    layers = mesh.uv_layers
-    layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
+    layer = uv_maps.find(mesh, name)
     if layer is None:
-        wanted = f" named {name}" if name else ""
-        raise RefusedError(f"{obj.name} has no UV map{wanted}: unwrap it, or {instead}")
+        raise RefusedError(f"{uv_maps.missing(obj, name)}: unwrap it, or {instead}")
     corners = np.empty(2 * len(layer.uv), np.float32)
     layer.uv.foreach_get("vector", corners)
     return corners.reshape(-1, 2)
