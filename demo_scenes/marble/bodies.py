@@ -54,12 +54,11 @@ def slab(step=FACE_STEP):
     half = 0.5 * SLAB_WIDTH
     count = 2 * round(half / step)
     line = np.linspace(-half, half, count + 1)
-    rows = [(x, y, 0.0) for y in line for x in line]
+    top_points = np.array([(x, y, 0.0) for y in line for x in line])
     at = np.arange((count + 1) ** 2).reshape(count + 1, -1)
     top = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 4)
     # The edge of the face, counter-clockwise, and the same edge below.
     loop = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
-    top_points = np.array(rows)
     below = top_points.copy()
     below[:, 2] = -SLAB_THICKNESS
     other = len(top_points)

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import light, veins
 
-FIRST, GROWTH = 0.12, 1.45  # mm: the first sublayer, and the ratio of each to the one above
+FIRST, GROWTH = 0.15, 1.6  # mm: the first sublayer, and the ratio of each to the one above
 LEVELS = 32  # of the share of veins
 FINE = 0.05  # mm between samples of the column
 THICKNESS_STEP = 0.02  # relative: thicknesses are rounded to multiples of this ratio
@@ -18,7 +18,7 @@ LEAST_COSINE = 0.02
 
 
 def radiance(interior, thickness, points, normals, towards_eye, lit):
-    """Radiance (n, 3) towards the eye, of the columns below `points`.
+    """(radiance towards the eye, (n, 3), of the columns below `points`; the number of columns solved).
 
     interior: lamina.Interior. thickness: (n,) in mm. normals: (n, 3). lit: (n,) whether the sun reaches the column's
     upper end (if the sun is above the surface) or lower end (if below).
@@ -38,7 +38,8 @@ def radiance(interior, thickness, points, normals, towards_eye, lit):
         solved = lamina.solve(stack(np.diff(edges), np.array(levels) / LEVELS), quality="preview")
         at = np.array(members)
         mu, mu0 = np.clip(mu_eye[at], LEAST_COSINE, 1.0), np.clip(np.abs(mu_sun[at]), LEAST_COSINE, 1.0)
-        for function, chosen in ((solved.brdf, lit[at] & (mu_sun[at] > 0.0)), (solved.btdf, lit[at] & (mu_sun[at] < 0.0))):
+        for function, side in ((solved.brdf, mu_sun[at] > 0.0), (solved.btdf, mu_sun[at] < 0.0)):
+            chosen = side & lit[at]
             if chosen.any():
                 # Isotropic phase functions: the azimuth does not matter.
                 value = function(mu[chosen], mu0[chosen], np.zeros(np.count_nonzero(chosen)))
@@ -74,7 +75,8 @@ def _shares(interior, point, normal, edges, thickness):
     """Mean share of the vein in each sublayer, 0 to 1; `edges` are scaled to the column's true thickness."""
     ends = edges * (thickness / edges[-1])
     counts = np.maximum(np.rint(np.diff(ends) / FINE).astype(int), 1)
-    depths = np.concatenate([np.linspace(a, b, 2 * n + 1)[1::2] for a, b, n in zip(ends, ends[1:], counts, strict=False)])
+    depths = np.concatenate([np.linspace(a, b, 2 * n + 1)[1::2]
+                             for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)])
     low, high = veins.WHITE[1][0], veins.VEIN[1][0]
     share = (interior.at(point - depths[:, None] * normal)[1][:, 0] - low) / (high - low)
     return np.array([part.mean() for part in np.split(share, np.cumsum(counts)[:-1])])

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import bpy
 import cycles_render
-import extension
 import numpy as np
 
-from . import columns, light, surfaces, veins, view
+from . import columns, interiors, light, surfaces, veins, view
 
 BOUNCES = 1024  # the most that Cycles allows
 SUBPIXELS = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
@@ -17,8 +16,8 @@ VOXEL = 0.2  # mm
 NAMES = {
     "truth": "Cycles volume (truth)",
     "columns": "1D columns",
-    "walk": "3D walk towards the eye",
-    "lit": "3D lit",
+    "walk": "3D lit, towards the eye",
+    "lit": "3D lit, all directions",
     "relightable": "3D relightable",
     "stock": "Stock Random Walk",
 }
@@ -33,7 +32,8 @@ class Effort:
     truth: int
     step_rate: float  # Cycles' steps through the volume
     sets: int  # of independent walks and renders
-    walks: int  # per pixel or vertex
+    walks: int  # per pixel
+    vertex_walks: int
     samples: int  # of renders of surfaces
 
 
@@ -59,7 +59,7 @@ def make(body, pattern, effort, say):
     mesh.materials.append(material)
     thing = bpy.data.objects.new(body.name, mesh)
     scene = _scene(body, thing)
-    interior = _interior(body, thing, material)
+    interior = interiors.sampled(thing, material, body.vertices, VOXEL, veins.WHITE, veins.VEIN)
     seconds["voxels"] = clock.lap()
     _quality(scene, effort, effort.truth)
     scene.cycles.volume_step_rate = effort.step_rate
@@ -93,12 +93,12 @@ def make(body, pattern, effort, say):
         seconds[name] = clock.lap()
 
     def lit(k):
-        one = lamina.light_in_mesh(*where, lamp, **at, samples=effort.walks, seed=100 + k)
+        one = lamina.light_in_mesh(*where, lamp, **at, samples=effort.vertex_walks, seed=100 + k)
         return surfaces.lit(mesh, light.radiance(one.lamps.value[:, 0], one.sky.value), used)
 
     baked("lit", lit)
     baked("relightable", lambda k: surfaces.relightable(mesh, lamina.walk_in_mesh(
-        *where, **at, directions=at["normals"], samples=effort.walks, seed=200 + k), used))
+        *where, **at, directions=at["normals"], samples=effort.vertex_walks, seed=200 + k), used))
     baked("stock", lambda k: surfaces.stock(mesh, interior, at["points"], used))
     bpy.data.scenes.remove(scene)
     return Made(pictures, seconds, region, solved)
@@ -117,19 +117,6 @@ def _quality(scene, effort, samples):
     scene.cycles.volume_max_steps = 65536
 
 
-def _interior(body, thing, material):
-    """The lamina.Interior whose voxels sample the material's own nodes."""
-    import lamina
-
-    low, high = body.box
-    shape = np.maximum(np.rint((high - low) / VOXEL).astype(int), 1)
-    with cycles_render.quiet():
-        share = extension.part("interior.node_texture").sample_nodes(
-            thing, material, low, high, shape, source=(veins.SHARE, "Result"))[..., 0]
-    palette = [lamina.EndMaterial(*veins.WHITE), lamina.EndMaterial(*veins.VEIN)]
-    return lamina.Interior.mixed(np.clip(share, 0.0, 1.0), palette, low, high)
-
-
 def _columns(body, tree, interior, size):
     """The 1D answer at the pixels' middles: one picture without noise, and the number of columns solved."""
     seen = view.seen(body, tree, size, [(0.5, 0.5)])
@@ -145,8 +132,8 @@ def _columns(body, tree, interior, size):
 
 
 def _over(hit, values, size):
-    """The picture of the means over each pixel's rays; `values` (hits, 3)."""
-    full = np.zeros((len(hit), 3))
+    """The picture of the means over each pixel's rays; `values` (hits, 3). Rays without a hit see the sky."""
+    full = np.tile(light.SKY, (len(hit), 1))
     full[hit] = values
     return full.reshape(size, size, -1, 3).mean(axis=2)
 

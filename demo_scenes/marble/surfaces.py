@@ -25,6 +25,24 @@ def lit(mesh, radiance, used):
     return material
 
 
+def polished(material, index, roughness):
+    """`material` with the mirror-like reflection of a boundary of this index added; `roughness` is Blender's."""
+    tree = material.node_tree
+    output = tree.get_output_node("CYCLES")
+    below = output.inputs["Surface"].links[0].from_socket
+    fresnel, mix = tree.nodes.new("ShaderNodeFresnel"), tree.nodes.new("ShaderNodeMixShader")
+    glossy, total = tree.nodes.new("ShaderNodeBsdfAnisotropic"), tree.nodes.new("ShaderNodeAddShader")
+    fresnel.inputs["IOR"].default_value = index
+    glossy.distribution = "GGX"
+    glossy.inputs["Roughness"].default_value = roughness
+    tree.links.new(fresnel.outputs[0], mix.inputs[0])
+    tree.links.new(glossy.outputs[0], mix.inputs[2])
+    tree.links.new(below, total.inputs[0])
+    tree.links.new(mix.outputs[0], total.inputs[1])
+    tree.links.new(total.outputs[0], output.inputs["Surface"])
+    return material
+
+
 def relightable(mesh, exits, used):
     """Subsurface Scattering with the exit albedo and mean exit distance of `exits`, a lamina.ExitEstimate."""
     import lamina

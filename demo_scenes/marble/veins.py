@@ -52,24 +52,31 @@ class Veins:
         return share.outputs["Result"]
 
 
-def volume(veins):
-    """A material without a surface whose volume has the coefficients of the mixture."""
-    material = bpy.data.materials.new("volume truth")
-    tree = node_tree.of(material)
+def material(veins, name="veins"):
+    """(a new material that holds only the veins' nodes, the socket with the share of the vein)."""
+    made = bpy.data.materials.new(name)
+    tree = node_tree.of(made)
     tree.nodes.clear()
-    share = veins.draw(tree)
-    density = max(s + a for material_ in (WHITE, VEIN) for s, a in zip(*material_, strict=True))
+    return made, veins.draw(tree)
+
+
+def volume(veins):
+    """A material without a surface whose volume has the coefficients of the mixture of WHITE and VEIN."""
+    made, share = material(veins, "volume truth")
+    tree = made.node_tree
+    density = max(s + a for end in (WHITE, VEIN) for s, a in zip(*end, strict=True))
     output, total = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeAddShader")
     scattering, absorption = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeVolumeAbsorption")
     # Cycles multiplies: sigma_s = colour * density, sigma_a = (1 - colour) * density.
-    ends = [[np.array(m[0]) / density for m in (WHITE, VEIN)], [1.0 - np.array(m[1]) / density for m in (WHITE, VEIN)]]
-    for k, (node, colours) in enumerate(zip((scattering, absorption), ends, strict=True)):
-        tree.links.new(mixed(tree, share, *colours), node.inputs["Color"])
+    colours = [[np.array(end[0]) / density for end in (WHITE, VEIN)],
+               [1.0 - np.array(end[1]) / density for end in (WHITE, VEIN)]]
+    for k, (node, ends) in enumerate(zip((scattering, absorption), colours, strict=True)):
+        tree.links.new(mixed(tree, share, *ends), node.inputs["Color"])
         node.inputs["Density"].default_value = density
         tree.links.new(node.outputs[0], total.inputs[k])
     scattering.inputs["Anisotropy"].default_value = 0.0
     tree.links.new(total.outputs[0], output.inputs["Volume"])
-    return material
+    return made
 
 
 def mixed(tree, share, ground, vein):
