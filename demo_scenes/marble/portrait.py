@@ -25,6 +25,7 @@ from . import interiors, surfaces, veins, view
 LENS = 90.0
 INDEX, ROUGHNESS = 1.5, 0.28  # of the polished surface; Blender's Roughness
 VOXEL = 1.5  # mm
+COLOUR_TIMES = 6
 FLOOR = (0.012, 0.013, 0.016)
 
 
@@ -32,15 +33,15 @@ FLOOR = (0.012, 0.013, 0.016)
 class Stone:
     """Coefficients (sigma_s, sigma_a) in 1/mm of ground and vein, the pattern, and the view of the dragon.
 
-    Angles in degrees. `sun`: azimuth, elevation, angular radius. `irradiance` of the sun, `sky`: its radiance."""
+    Angles in degrees. `eye`: azimuth, elevation. `lamps`: azimuth, elevation, angular radius, and irradiance of each.
+    `sky`: its radiance."""
 
     name: str
     ground: tuple
     vein: tuple
     pattern: veins.Veins
-    eye: tuple  # azimuth, elevation
-    sun: tuple
-    irradiance: tuple
+    eye: tuple
+    lamps: tuple
     sky: tuple
     exposure: float
 
@@ -48,13 +49,15 @@ class Stone:
 MARBLE = Stone(
     "Veined marble", veins.WHITE, ((1.3, 1.4, 1.5), (0.75, 0.70, 0.62)),
     veins.Veins(spacing=24.0, turn=(0.5, 0.9, 0.6), distortion=4.5, feature=30.0, octaves=3.0, edge=0.86),
-    eye=(-58.0, 5.0), sun=(92.0, 22.0, 3.0), irradiance=(9.0, 6.6, 4.4), sky=(0.05, 0.062, 0.085), exposure=1.5,
+    eye=(-58.0, 5.0), lamps=((92.0, 22.0, 3.0, (9.0, 6.6, 4.4)), (-165.0, 40.0, 9.0, (0.75, 0.85, 1.05))),
+    sky=(0.03, 0.037, 0.05), exposure=1.5,
 )
 # Green stone: chosen coefficients. No measured ones of jade were found.
 GREEN = Stone(
     "Green stone", ((1.1, 1.5, 1.3), (0.080, 0.008, 0.045)), ((2.2, 2.4, 2.3), (0.030, 0.012, 0.022)),
     veins.Veins(spacing=30.0, turn=(1.1, 0.3, 0.2), distortion=5.0, feature=30.0, octaves=3.0, edge=0.5),
-    eye=(-58.0, 5.0), sun=(92.0, 22.0, 3.0), irradiance=(8.0, 7.4, 6.2), sky=(0.055, 0.07, 0.08), exposure=1.7,
+    eye=(-58.0, 5.0), lamps=((92.0, 22.0, 3.0, (8.0, 7.4, 6.2)), (-165.0, 40.0, 9.0, (0.8, 0.9, 1.05))),
+    sky=(0.035, 0.045, 0.05), exposure=1.8,
 )
 HEIGHT, ASIDE, WIDTH = 128.0, -14.0, 300.0  # mm: middle of the picture above the floor and to the right; its width
 
@@ -91,10 +94,11 @@ def picture(stone, made, effort):
     material, _ = veins.material(stone.pattern)
     interior = interiors.sampled(thing, material, vertices, VOXEL, stone.ground, stone.vein)
     solid = lamina.Solid(vertices, triangles, name="dragon")
-    lamp = lamina.Lamp(tuple(_towards(stone.sun)), math.radians(stone.sun[2]))
-    light = lamina.light_in_mesh(solid, interior, [lamp], vertices[used], normals[used], samples=effort.walks)
-    radiance = light.lamps.value[:, 0] * stone.irradiance + light.sky.value * stone.sky
-    radiance = averaged(radiance, used, triangles, len(vertices), effort.averaged)
+    lamps = [lamina.Lamp(tuple(_towards(one)), math.radians(one[2])) for one in stone.lamps]
+    light = lamina.light_in_mesh(solid, interior, lamps, vertices[used], normals[used], samples=effort.walks)
+    radiance = light.sky.value * stone.sky
+    radiance += np.einsum("vlc,lc->vc", light.lamps.value, [one[3] for one in stone.lamps])
+    radiance = without_noise(radiance, used, triangles, len(vertices), effort.averaged)
     mesh.materials.clear()
     mesh.materials.append(surfaces.polished(surfaces.lit(mesh, radiance, used), INDEX, ROUGHNESS))
     _quality(stage, effort)
@@ -104,8 +108,17 @@ def picture(stone, made, effort):
                     "collisions": light.count.collisions}
 
 
+def without_noise(radiance, used, triangles, count, times):
+    """`radiance` (k, 3) at the vertices `used` of `count`, averaged over neighbours: the brightness `times`, the colour
+    COLOUR_TIMES as often, since the colour of light inside stone changes slowly."""
+    brightness = radiance.mean(axis=1, keepdims=True)
+    both = averaged(np.hstack([radiance, brightness]), used, triangles, count, COLOUR_TIMES * times)
+    colour = both[:, :3] / np.maximum(both[:, 3:], 1e-12)
+    return colour * averaged(brightness, used, triangles, count, times)
+
+
 def averaged(values, used, triangles, count, times):
-    """Values (k, 3) at the vertices `used` of `count`, each replaced `times` by the mean over itself and its neighbours
+    """Values (k, n) at the vertices `used` of `count`, each replaced `times` by the mean over itself and its neighbours
     along edges that are used too."""
     place = np.full(count, -1)
     place[used] = np.arange(len(used))
@@ -120,14 +133,15 @@ def averaged(values, used, triangles, count, times):
 
 
 def _stage(stone):
-    """(scene with sun, sky, floor and camera; the camera's object)."""
+    """(scene with lamps, sky, floor and camera; the camera's object)."""
     stage = bpy.data.scenes.new("portrait")
-    lamp = bpy.data.lights.new("sun", "SUN")
-    lamp.energy, lamp.angle = max(stone.irradiance), 2.0 * math.radians(stone.sun[2])
-    lamp.color = [value / lamp.energy for value in stone.irradiance]
-    sun = bpy.data.objects.new("sun", lamp)
-    sun.matrix_world = frame(_towards(stone.sun))
-    stage.collection.objects.link(sun)
+    for one in stone.lamps:
+        lamp = bpy.data.lights.new("lamp", "SUN")
+        lamp.energy, lamp.angle = max(one[3]), 2.0 * math.radians(one[2])
+        lamp.color = [value / lamp.energy for value in one[3]]
+        sun = bpy.data.objects.new("lamp", lamp)
+        sun.matrix_world = frame(_towards(one))
+        stage.collection.objects.link(sun)
     stage.world = bpy.data.worlds.new("sky")
     background = node_tree.of(stage.world).nodes["Background"]
     background.inputs["Color"].default_value = (*stone.sky, 1.0)
