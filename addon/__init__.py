@@ -7,10 +7,11 @@ from . import operators
 from .baking import bake_job, lateral_job, live
 from .base import native, preferences
 from .command_line import blend_saving, command
+from .interior import interior_job
 from .properties import dust_properties, material_properties, migration
 from .settling import dust_job
 from .stack_json import solved_colours
-from .ui import dust_panel, lateral_panel, menus, panel, thickness_panel
+from .ui import dust_panel, interior_panel, lateral_panel, menus, panel, thickness_panel
 
 PARTS = (
     material_properties,
@@ -20,11 +21,13 @@ PARTS = (
     bake_job,
     dust_job,
     lateral_job,
+    interior_job,
     live,
     operators,
     menus,
     panel,
     lateral_panel,
+    interior_panel,
     thickness_panel,
     dust_panel,
     blend_saving,

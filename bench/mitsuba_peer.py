@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mitsuba 3's volpath on one homogeneous slab: paths per second and relative variance of a path.
+"""Mitsuba 3's volpath on a homogeneous slab or on a ball of voxels: paths per second and relative variance of a path.
 
-    python bench/mitsuba_peer.py VARIANT PATHS RR_DEPTH REPEATS      prints one line of JSON
+    python bench/mitsuba_peer.py VARIANT PATHS RR_DEPTH REPEATS slab|ball      prints one line of JSON
 
 Runs as a process of its own: an LLVM version too old for Mitsuba ends the process that loads it."""
 
@@ -24,19 +24,20 @@ LLVM, SCALAR = "llvm_ad_rgb", "scalar_rgb"
 LIBRARY = "DRJIT_LIBLLVM_PATH"
 
 
-def measure(paths: int, rr_depths: tuple[int, ...], repeats: int) -> list[dict]:
+def measure(paths: int, rr_depths: tuple[int, ...], repeats: int, scene: str = "slab") -> list[dict]:
     """[{variant, value, variance: relative, of a path, paths_per_second: wall clock, all threads, and for LLVM
-    compilation: seconds}] of light at cosine MU, for the scalar variant and, if the system has a working library, for
-    LLVM. Each variant runs with the depth of its Russian roulette that makes it fastest."""
-    return [run for variant in (LLVM, SCALAR) if (run := _fastest(variant, paths, rr_depths, repeats)) is not None]
+    compilation: seconds}] of a scene ("slab" or "ball"), for the scalar variant and, if the system has a working
+    library, for LLVM. Each variant runs with the depth of its Russian roulette that makes it fastest."""
+    runs = (_fastest(variant, paths, rr_depths, repeats, scene) for variant in (LLVM, SCALAR))
+    return [run for run in runs if run is not None]
 
 
-def _fastest(variant: str, paths: int, rr_depths: tuple[int, ...], repeats: int) -> dict | None:
+def _fastest(variant: str, paths: int, rr_depths: tuple[int, ...], repeats: int, scene: str) -> dict | None:
     """The run with the least variance per unit of time, or None if the variant does not work here."""
     for library in _llvm_libraries() if variant == LLVM else [None]:
         runs = []
         for depth in rr_depths:
-            run, reason = _run(variant, library, paths, depth, repeats)
+            run, reason = _run(variant, library, paths, depth, repeats, scene)
             if run is None:
                 print(f"bench: Mitsuba {variant} {library or ''}: {reason}", file=sys.stderr)
                 break
@@ -50,11 +51,11 @@ def _fastest(variant: str, paths: int, rr_depths: tuple[int, ...], repeats: int)
     return None
 
 
-def _run(variant: str, library: Path | None, *numbers: int) -> tuple[dict | None, str]:
+def _run(variant: str, library: Path | None, *arguments: int | str) -> tuple[dict | None, str]:
     """(the process's result or None, the reason). LLVM compiles its own kernels, without those of earlier processes."""
     with tempfile.TemporaryDirectory() as home:
         environment = {**os.environ, "HOME": home, **({LIBRARY: str(library)} if library else {})}
-        call = [sys.executable, __file__, variant, *map(str, numbers)]
+        call = [sys.executable, __file__, variant, *map(str, arguments)]
         done = subprocess.run(call, env=environment, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return json.loads(done.stdout.splitlines()[-1]), ""
@@ -74,15 +75,11 @@ def _llvm_libraries() -> list[Path]:
     return [found[version] for version in sorted(found, reverse=True)]
 
 
-def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
-    """The radiance towards MU under unit radiance from above, in images of independent pixels."""
-    import drjit as dr
-    import mitsuba as mi
-
+def _slab_scene(mi) -> dict:
+    """The slab under unit radiance from above, seen at cosine MU."""
     import lamina
 
     sys.path.insert(0, str(ROOT / "tests/lamina"))
-    mi.set_variant(variant)
     from mitsuba_scenes import slab
 
     stack = lamina.Stack([lamina.Medium(albedo=SLAB[0], tau=SLAB[1], phase=lamina.HenyeyGreenstein(SLAB[2]))])
@@ -92,14 +89,55 @@ def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
     below = mi.ScalarTransform4f().translate([0.0, 0.0, bottom - 1.0]).scale(1e5)
     place = mi.ScalarTransform4f().look_at(origin=[5.0 * (1.0 - MU * MU) ** 0.5, 0.0, 5.0 * MU],
                                            target=[0.0, 0.0, 0.0], up=[0.1, 0.8, 0.6])
+    return {**shapes, "lid": {"type": "rectangle", "to_world": below, "bsdf": black},
+            "sensor": _sensor(place @ mi.ScalarTransform4f().scale(0.01), "luminance")}
+
+
+def _ball_scene(mi) -> dict:
+    """The veined ball under unit radiance from everywhere, seen along z."""
+    import interior_bench
+    import veined_ball
+
+    vertices, triangles = veined_ball.mesh()
+    extinction, albedo = veined_ball.coefficients()
+    shape = mi.Mesh("ball", len(vertices), len(triangles))
+    parameters = mi.traverse(shape)
+    parameters["vertex_positions"] = vertices.ravel()
+    parameters["faces"] = triangles.ravel()
+    parameters.update()
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "ball.ply")
+        shape.write_ply(path)
+        radius = veined_ball.RADIUS
+        box = mi.ScalarTransform4f().translate([-radius] * 3).scale(2.0 * radius)
+        grids = {name: {"type": "gridvolume", "grid": mi.VolumeGrid(np.ascontiguousarray(grid.swapaxes(0, 2))),
+                        "to_world": box, "raw": True, "filter_type": "trilinear"}
+                 for name, grid in (("sigma_t", extinction[..., None]), ("albedo", albedo))}
+        ball = mi.load_dict({"type": "ply", "filename": path, "bsdf": {"type": "null"},
+                             "interior": {"type": "heterogeneous", **grids}})
+    half = interior_bench.HALF
+    place = mi.ScalarTransform4f().look_at(origin=[0.0, 0.0, 3.0 * radius], target=[0.0, 0.0, 0.0], up=[0.0, 1.0, 0.0])
+    return {"ball": ball, "sensor": _sensor(place @ mi.ScalarTransform4f().scale([half, half, 1.0]), "rgb")}
+
+
+def _sensor(place, pixel_format: str) -> dict:
+    return {"type": "orthographic", "to_world": place,
+            "film": {"type": "hdrfilm", "width": PIXELS, "height": PIXELS, "rfilter": {"type": "box"},
+                     "pixel_format": pixel_format},
+            "sampler": {"type": "independent"}}
+
+
+def render(variant: str, paths: int, rr_depth: int, repeats: int, name: str) -> dict:
+    """The light of a scene, in images of independent pixels."""
+    import drjit as dr
+    import mitsuba as mi
+
+    mi.set_variant(variant)
+    described = {"slab": _slab_scene, "ball": _ball_scene}[name](mi)
     scene = mi.load_dict({
-        "type": "scene", **shapes, "lid": {"type": "rectangle", "to_world": below, "bsdf": black},
+        "type": "scene", **described,
         "light": {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}},
         "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": rr_depth},
-        "sensor": {"type": "orthographic", "to_world": place @ mi.ScalarTransform4f().scale(0.01),
-                   "film": {"type": "hdrfilm", "width": PIXELS, "height": PIXELS, "rfilter": {"type": "box"},
-                            "pixel_format": "luminance"},
-                   "sampler": {"type": "independent"}},
     })
     spp = -(-paths // PIXELS**2)
     images, seconds = [], []
@@ -111,12 +149,17 @@ def render(variant: str, paths: int, rr_depth: int, repeats: int) -> dict:
             images.append(image)
             seconds.append(time.perf_counter() - started)
     value = float(np.mean(images))
-    found = {"variant": variant, "value": value, "variance": float(np.var(images, ddof=1)) * spp / value**2,
+    found = {"variant": variant, "value": value, "variance": _variance(images) * spp / value**2,
              "paths_per_second": spp * PIXELS**2 / min(seconds)}
     if variant == LLVM:
         found["compilation"] = sum(kernel.get("backend_time", 0.0) for kernel in dr.kernel_history()) / 1000.0
     return found
 
 
+def _variance(images: list[np.ndarray]) -> float:
+    """The mean over pixels and channels of the variance between images."""
+    return float(np.mean(np.var(images, axis=0, ddof=1)))
+
+
 if __name__ == "__main__":
-    print(json.dumps(render(sys.argv[1], *(int(text) for text in sys.argv[2:5]))))
+    print(json.dumps(render(sys.argv[1], *(int(text) for text in sys.argv[2:5]), sys.argv[5])))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """make bench: all benchmarks in turn, printed as tables and stored as JSON in build/bench.
 
-    python bench/run.py [solver|doubling|walks|bake|fit|live|dust|interior|render ...]
+    python bench/run.py [solver|doubling|walks|searchlight|bake|fit|live|dust|interior|voxels|render ...]
 """
 
 import json
@@ -36,6 +36,12 @@ def walks():
     return walk_bench.measure()
 
 
+def searchlight():
+    import searchlight_bench
+
+    return searchlight_bench.measure()
+
+
 def bake():
     import bake_bench
 
@@ -64,6 +70,12 @@ def interior():
     return _rows_of("bench_mesh_walk")
 
 
+def voxels():
+    import interior_bench
+
+    return interior_bench.measure()
+
+
 def render():
     # bpy may hang when the interpreter exits, so this runs in a process of its own.
     subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
@@ -74,11 +86,13 @@ BENCHES = {
     "solver": (solver, "Slab solve, CPU time, against other codes (error: largest, mu >= .05)"),
     "doubling": (doubling, "Doubling step against the rate of matrix products, one thread"),
     "walks": (walks, "Walks on the standard slab to .1 % standard error, wall clock, 2 threads, against Mitsuba"),
+    "searchlight": (searchlight, "Searchlight against photons at equal error in rings, CPU time of one thread"),
     "bake": (bake, "Bake, wall clock, all threads"),
     "fit": (fit, "Closure fit, relative L2 errors of the slices"),
     "live": (live, "Live editing, wall clock from a changed property to updated pixels (limit 33 ms)"),
     "dust": (dust, "Dust: rays of settling against a bare loop of Embree's, wall clock"),
     "interior": (interior, "Walks in a mesh of 100 k faces with 256^3 voxels, CPU time of all threads (limit 1 M/s)"),
+    "voxels": (voxels, "Walks in voxels to 1 % of a texel, wall clock, 2 threads, against Mitsuba on the same grid"),
     "render": (render, "Rendering in Cycles"),
 }
 

@@ -67,43 +67,56 @@ class Comparison:
         )
 
 
+@dataclass(frozen=True)
+class Estimate:
+    """What renders that differ only in the seed say of the mean radiance over a region and over R, G, B."""
+
+    mean: float
+    sigma: float  # standard error of the mean, from the spread between seeds
+    pixel_variance: float  # of a pixel's mean over the seeds, averaged over the pixels
+
+    @property
+    def noise(self):
+        """Standard deviation of a pixel, rms, over the mean."""
+        return _root(self.pixel_variance) / self.mean
+
+
+def estimate(samples):
+    """The Estimate of samples (seeds, pixels, 3); at least two seeds.
+
+    The standard error comes from whole renders: pixels of one render share their random sequence.
+    """
+    seeds = len(samples)
+    of_seed = samples.mean(axis=(1, 2))
+    return Estimate(
+        mean=float(of_seed.mean()),
+        sigma=float(of_seed.std(ddof=1) / math.sqrt(seeds)),
+        pixel_variance=float(samples.var(axis=0, ddof=1).mean() / seeds),
+    )
+
+
 def compare(truth, baked, region, report, geometry_error=0.0):
     """Comparison of renders, each (seeds, height, width, 3), over the pixels of `region` (height, width).
 
     report: the LUT's, for `fit_error` and `worst_slice`. geometry_error: see Comparison.
     """
     truth, baked = truth[:, region], baked[:, region]
-    mean_truth, sigma_truth, variance_truth = _statistics(truth)
-    mean_baked, sigma_baked, variance_baked = _statistics(baked)
+    of_truth, of_baked = estimate(truth), estimate(baked)
     square = np.mean((baked.mean(axis=0) - truth.mean(axis=0)) ** 2)
     return Comparison(
-        mean_truth=mean_truth,
-        sigma_truth=sigma_truth,
-        mean_baked=mean_baked,
-        sigma_baked=sigma_baked,
-        rms_truth=_root(np.mean(truth.mean(axis=0) ** 2) - variance_truth),
+        mean_truth=of_truth.mean,
+        sigma_truth=of_truth.sigma,
+        mean_baked=of_baked.mean,
+        sigma_baked=of_baked.sigma,
+        rms_truth=_root(np.mean(truth.mean(axis=0) ** 2) - of_truth.pixel_variance),
         rms_difference=_root(square),
-        rms_without_noise=_root(square - variance_truth - variance_baked),
-        noise_truth=_root(variance_truth) / mean_truth,
-        noise_baked=_root(variance_baked) / mean_truth,
+        rms_without_noise=_root(square - of_truth.pixel_variance - of_baked.pixel_variance),
+        noise_truth=of_truth.noise,
+        noise_baked=_root(of_baked.pixel_variance) / of_truth.mean,
         fit_error=float(report["fit_error"]),
         worst_slice_error=float(report["worst_slice"]["error"]),
         pixels=int(np.count_nonzero(region)),
         geometry_error=float(geometry_error),
-    )
-
-
-def _statistics(samples):
-    """(mean, its standard error, mean variance of a pixel's mean) of samples (seeds, pixels, 3).
-
-    The standard error comes from whole renders: pixels of one render share their random sequence.
-    """
-    seeds = len(samples)
-    of_seed = samples.mean(axis=(1, 2))
-    return (
-        float(of_seed.mean()),
-        float(of_seed.std(ddof=1) / math.sqrt(seeds)),
-        float(samples.var(axis=0, ddof=1).mean() / seeds),
     )
 
 

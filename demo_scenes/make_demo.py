@@ -3,7 +3,8 @@
 
 A scene is a folder here with a demo.py. Its run(out, quality, stack_path, say) renders the scene, writes its files and
 returns (files, verdict, True if all is well). Its OPTIONS are names of further arguments of run. Each scene is
-announced when its files are written. Exit code 0 if all scenes are well, otherwise 1.
+announced when its files are written; the slab also announces the picture that needs no path-traced volume.
+Exit code 0 if all scenes are well, otherwise 1.
 """
 
 import argparse

@@ -25,6 +25,11 @@ def percent(value, digits=2):
     return "-" if value is None else f"{100 * value:.{digits}f} %"
 
 
+def plain(value):
+    """Three digits at most, without an exponent."""
+    return f"{value:,.0f}" if abs(value) >= 100.0 else f"{value:.2g}"
+
+
 def accuracy():
     import lamina
 
@@ -70,8 +75,22 @@ def walks(rows):
                       f"{row['compilation']:.1f} s" if "compilation" in row else "-"] for row in rows])
 
 
+def searchlight(rows):
+    return markdown(["stack", "quality", "CPU time", "largest error of a ring", "photons, to the same error",
+                     "times sooner"],
+                    [[row["name"], row["quality"], f"{plain(row['CPU-s'])} s", percent(row["error"]),
+                      f"{plain(row['photons, CPU-s to this error'])} s", plain(row["times sooner"])] for row in rows])
+
+
 def _millions(row, key):
     return f"{row[key] / 1e6:.1f} M" if key in row else "-"
+
+
+def voxels(rows):
+    return markdown(["walk", "time to 1 % of a texel", "times Lamina's", "relative variance", "paths/s", "mean light"],
+                    [[row["name"], f"{plain(row['ms a texel'])} ms", plain(row["times"]),
+                      f"{row['relative variance']:.2g}", f"{row['paths/s'] / 1e3:.3g} k", f"{row['value']:.3f}"]
+                     for row in rows])
 
 
 def bake(rows):
@@ -106,8 +125,8 @@ def render(report):
                       percent(row["noise"], 1), f"{row['time_to_equal_noise_over_principled']:.2f}"] for row in rows])
 
 
-TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "bake": bake, "fit": fit, "dust": dust,
-          "render": render}
+TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "searchlight": searchlight, "voxels": voxels,
+          "bake": bake, "fit": fit, "dust": dust, "render": render}
 
 
 def main():

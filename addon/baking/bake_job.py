@@ -12,7 +12,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..base import changes, messages, native, preferences
-from ..base.worker import Place, Worker
+from ..base.worker import OfMaterial, Place, Worker
 from ..editing import stack_io
 from ..nodes import node_group, thickness
 from ..stack_json import stack_check
@@ -46,30 +46,16 @@ class Job(Worker):
         return self.result
 
 
-class MaterialJob(Job):
-    """A job for one material, which is found again even if it is renamed meanwhile."""
+class MaterialJob(OfMaterial, Job):
+    """A bake for one material."""
 
     def __init__(self, material, quality, threads, stack=None, **more):
         self.uid, self.quality = material.session_uid, quality
         more.setdefault("basis", material.lamina.basis)
         super().__init__(stack or stack_io.to_stack(material), quality, threads, **more)
 
-    def material(self):
-        """The material, or None when it has been deleted."""
-        return next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
-
-    def finish(self):
-        """Put the finished LUT into its material; main thread only. Returns the material or None.
-
-        Raises the errors of the bake; then, and after a cancel, the material is unchanged.
-        """
-        material = self.material()
-        if self.error is not None:
-            raise self.error
-        if material is None or self.cancelling:
-            return None
+    def apply(self, material):
         apply(material, self.lut)
-        return material
 
 
 def bake_material(material, quality=None, threads=None, progress=None, cancel=None, basis=None):

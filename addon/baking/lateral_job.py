@@ -75,7 +75,7 @@ def _compute(output):
 
 
 def _apply(material, output, found, length):
-    def draw(graph, socket):
+    def draw(graph, socket, _more):
         if output == "PORTAL":
             return portal_graph.draw(graph, found, socket, f"Lamina Portal {material.name}")
         return relightable_graph.draw(graph, found, socket)

@@ -44,6 +44,28 @@ class Worker:
         self.fraction, self.text = fraction, text or self.text
 
 
+class OfMaterial:
+    """Mixin of a Worker for one material, with `uid`, the material's session_uid, and apply(material), which
+    uses `result`. The material is found again even if it is renamed meanwhile."""
+
+    def material(self):
+        """The material, or None when it has been deleted."""
+        return next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
+
+    def finish(self):
+        """Apply the result to the material; main thread only. Returns the material, or None after a cancel or
+        when the material has been deleted.
+
+        Raises the exception of the work. After an exception or a cancel the material is unchanged."""
+        if self.error is not None:
+            raise self.error
+        material = self.material()
+        if material is None or self.cancelling:
+            return None
+        self.apply(material)
+        return material
+
+
 class Place:
     """Holds the one worker that runs. A registered place stops the worker before another file is loaded."""
 

@@ -5,9 +5,7 @@ A preset of the user is a stack's JSON file, named like the preset, in the exten
 lists the files without reading them, so a broken file does not hide the others.
 """
 
-from pathlib import Path
 
-import bpy
 
 from ..base import native, package
 from ..base.messages import RefusedError
@@ -41,9 +39,7 @@ def apply(material, preset):
 
 def user_folder(create=False):
     """The folder of the user's presets. Raises OSError if it cannot be made."""
-    if package.NAME.startswith("bl_ext."):
-        return Path(bpy.utils.extension_path_user(package.NAME, path="presets", create=create))
-    return Path(bpy.utils.user_resource("CONFIG", path="lamina/presets", create=create))
+    return package.user_folder("presets", create)
 
 
 def user_names():

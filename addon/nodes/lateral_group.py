@@ -8,12 +8,14 @@ from . import graph, node_group, node_tree
 MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
 
 
-def build(material, name, draw, millimetre):
+def build(material, name, draw, millimetre, inputs=()):
     """Make or refill the material's lateral group and link it to the material output. Returns the group.
 
-    `draw(graph, length)` adds the nodes and returns the shader's socket. `length` is the socket with the
-    number of Blender units per millimetre; its initial value is `millimetre`. If `draw` fails, nothing is
-    changed."""
+    `draw(graph, length, sockets)` adds the nodes and returns the shader's socket. `length` is the socket
+    with the number of Blender units per millimetre; its initial value is `millimetre`. `inputs`: further
+    inputs of the group, (name, socket type, initial value, description) each; `sockets` has their
+    sockets by name. If `draw` fails, nothing is changed but further inputs, which the next build
+    removes."""
     node_tree.of(material)
     group = material.lamina.lateral_group
     is_new = group is None or not group.is_editable or _is_shared(material, group)
@@ -21,10 +23,11 @@ def build(material, name, draw, millimetre):
         group = _new_group(f"Lamina {name} {material.name}")
     old_nodes = list(group.nodes)
     old_images = node_group.images_of(old_nodes)
+    _set_inputs(group, inputs)
     drawing = graph.Graph(group)
     try:
-        inputs = drawing.node("NodeGroupInput", -3, 0)
-        shader = draw(drawing, inputs.outputs[MILLIMETRE])
+        given = drawing.node("NodeGroupInput", -3, 0).outputs
+        shader = draw(drawing, given[MILLIMETRE], given)
         drawing.link(shader, drawing.node("NodeGroupOutput", 5, 0).inputs["Shader"])
     except BaseException:
         new_images = node_group.images_of(drawing.created)
@@ -41,7 +44,8 @@ def build(material, name, draw, millimetre):
     material.lamina.lateral_group = group
     for node in [*node_group.group_nodes(material, group), node_group.connect(material, group)]:
         node.label = f"Lamina {name}"
-        node.inputs[MILLIMETRE].default_value = millimetre
+        for one, value in ((MILLIMETRE, millimetre), *((one[0], one[2]) for one in inputs)):
+            node.inputs[one].default_value = value
     return group
 
 
@@ -56,6 +60,16 @@ def _new_group(name):
     )
     socket.min_value = 0.0
     return group
+
+
+def _set_inputs(group, inputs):
+    """Give the group these inputs beside MILLIMETRE."""
+    for item in list(group.interface.items_tree):
+        if item.in_out == "INPUT" and item.name != MILLIMETRE:
+            group.interface.remove(item)
+    for name, kind, value, description in inputs:
+        socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
+        socket.default_value = value
 
 
 def _input(group):

@@ -6,13 +6,13 @@ import numpy as np
 from . import boundary_graph
 
 
-def draw(graph, inputs, length):
+def draw(graph, inputs, length, texels=None):
     """Add the nodes and return the shader's socket. `inputs`: lamina.SubsurfaceInputs in millimetres;
-    `length`: the socket with the number of Blender units per millimetre."""
-    shader = _walk(graph, 0, "walk", inputs, inputs.color, inputs.radius, length)
+    `length`: the socket with the number of Blender units per millimetre. If the inputs are images,
+    `texels(name, pixels, row)` adds an image of (height, width, 3) and returns the socket of its colour."""
+    shader = _walk(graph, 0, "walk", inputs, "", length, texels)
     if inputs.extra_weight > 0.0:
-        colour, radius = inputs.extra_color, inputs.extra_radius
-        lost = _walk(graph, 4, "light that the walk loses", inputs, colour, radius, length)
+        lost = _walk(graph, 4, "light that the walk loses", inputs, "extra_", length, texels)
         share = graph.node("ShaderNodeMixShader", 1, 4, "its share")
         share.inputs[0].default_value = inputs.extra_weight
         graph.link(lost, share.inputs[2])
@@ -23,11 +23,16 @@ def draw(graph, inputs, length):
     return boundary_graph.over(graph, inputs.ior, inputs.roughness, shader) if inputs.has_boundary else shader
 
 
-def _walk(graph, row, label, inputs, colour, radius, length):
+def _walk(graph, row, label, inputs, prefix, length, texels):
     node = graph.node("ShaderNodeSubsurfaceScattering", 0, row, label)
     node.falloff = "RANDOM_WALK"
-    node.inputs["Color"].default_value = (*_rgb(colour), 1.0)
-    node.inputs["Radius"].default_value = _rgb(radius)
+    colour, radius = getattr(inputs, f"{prefix}color"), getattr(inputs, f"{prefix}radius")
+    if texels is None:
+        node.inputs["Color"].default_value = (*_rgb(colour), 1.0)
+        node.inputs["Radius"].default_value = _rgb(radius)
+    else:
+        graph.link(texels(f"{prefix}color", colour, row), node.inputs["Color"])
+        graph.link(texels(f"{prefix}radius", radius, row + 1), node.inputs["Radius"])
     node.inputs["IOR"].default_value = inputs.ior
     node.inputs["Roughness"].default_value = inputs.roughness
     node.inputs["Anisotropy"].default_value = inputs.anisotropy

@@ -11,6 +11,9 @@ from .connect import LAMINA_OT_connect
 from .dust_cancel import LAMINA_OT_dust_cancel
 from .dust_clear import LAMINA_OT_dust_clear
 from .dust_settle import LAMINA_OT_dust_settle
+from .end_preset import LAMINA_OT_end_preset
+from .interior import LAMINA_OT_interior
+from .interior_cancel import LAMINA_OT_interior_cancel
 from .lateral import LAMINA_OT_lateral
 from .lateral_cancel import LAMINA_OT_lateral_cancel
 from .layer_add import LAMINA_OT_layer_add
@@ -50,6 +53,9 @@ CLASSES = (
     LAMINA_OT_connect,
     LAMINA_OT_lateral,
     LAMINA_OT_lateral_cancel,
+    LAMINA_OT_interior,
+    LAMINA_OT_interior_cancel,
+    LAMINA_OT_end_preset,
     LAMINA_OT_dust_settle,
     LAMINA_OT_dust_cancel,
     LAMINA_OT_dust_clear,

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake: blocking in the background, otherwise modal around a worker thread."""
+"""Bake the layers of a material."""
 
 import bpy
 
 from ..baking import bake_job, live
-from ..base import messages, native
+from ..base import messages
 from . import common
 from .following import Following
 
@@ -16,6 +16,7 @@ class LAMINA_OT_bake(Following, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     jobs = bake_job
+    kept = "Bake cancelled; the earlier one is kept"
 
     @classmethod
     def poll(cls, context):
@@ -28,37 +29,23 @@ class LAMINA_OT_bake(Following, bpy.types.Operator):
         try:
             bake_job.bake_material(material)
         except Exception as error:
-            return self._failed(material, error)
+            return self.failed(error, context)
         return {"FINISHED"}
 
-    def invoke(self, context, _event):
-        if bpy.app.background:
-            return self.execute(context)
+    def start(self, context):
         material = common.material_of(context)
         live.leave(material)
-        try:
-            job = bake_job.start(material)
-        except Exception as error:
-            return self._failed(material, error)
-        return self.follow(context, job, f"Lamina bakes {material.name}")
+        return bake_job.start(material), f"Lamina bakes {material.name}"
 
-    def ended(self, _context, job):
-        try:
-            material = job.finish()
-        except native.require().Cancelled:
-            material = None
-        except Exception as error:
-            material = job.material()
-            return self._failed(material, error) if material else {"CANCELLED"}
-        if material is None:
-            self.report({"INFO"}, "Bake cancelled; the earlier one is kept")
-            return {"CANCELLED"}
+    def told(self, material):
         result = material.lamina.result
-        seconds, fit = result.seconds, result.fit_error
-        self.report({"INFO"}, f"Baked {material.name} in {seconds:.1f} s, fit error {messages.percent(fit)}")
-        return {"FINISHED"}
+        fit = messages.percent(result.fit_error)
+        return f"Baked {material.name} in {result.seconds:.1f} s, fit error {fit}"
 
-    def _failed(self, material, error):
+    def failed(self, error, context, job=None):
+        material = common.material_of(context) if job is None else job.material()
+        if material is None:
+            return {"CANCELLED"}
         self.report({"ERROR"}, bake_job.note_failure(material, error))
         index = messages.layer_index(str(error))
         if index is not None and index < len(material.lamina.layers):

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Let dust settle: blocking in the background, otherwise modal around a worker thread."""
+"""Let dust settle on objects."""
 
 import bpy
 
-from ..base import messages, native, preferences
+from ..base import messages, preferences
 from ..settling import dust_job, object_dust
 from . import common
 from .following import Following
@@ -18,6 +18,7 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     jobs = dust_job
+    kept = "Cancelled; the last dust is kept"
 
     selected: bpy.props.BoolProperty(
         name="All Selected", description="Every selected mesh, each with its own settings"
@@ -33,32 +34,16 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
             for obj in self._objects(context):
                 object_dust.settle(context, obj, threads=preferences.threads())
         except Exception as error:
-            return self._failed(error)
+            return self.failed(error, context)
         return {"FINISHED"}
 
-    def invoke(self, context, _event):
-        if bpy.app.background:
-            return self.execute(context)
-        try:
-            objects = self._objects(context)
-            job = dust_job.start(context, objects)
-        except Exception as error:
-            return self._failed(error)
-        names = objects[0].name if len(objects) == 1 else f"{len(objects)} objects"
-        return self.follow(context, job, f"Dust settles on {names}")
+    def start(self, context):
+        objects = self._objects(context)
+        job = dust_job.start(context, objects)
+        return job, f"Dust settles on {objects[0].name if len(objects) == 1 else f'{len(objects)} objects'}"
 
-    def ended(self, _context, job):
-        try:
-            done = job.finish()
-        except native.require().Cancelled:
-            done = []
-        except Exception as error:
-            return self._failed(error)
-        if not done:
-            self.report({"INFO"}, "Cancelled; the last dust is kept")
-            return {"CANCELLED"}
-        self.report({"INFO"}, "; ".join(f"{obj.name}: {obj.lamina_dust.told}" for obj in done))
-        return {"FINISHED"}
+    def told(self, objects):
+        return "; ".join(f"{obj.name}: {obj.lamina_dust.told}" for obj in objects)
 
     def _objects(self, context):
         if not self.selected:
@@ -66,7 +51,7 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
         chosen = [obj for obj in context.selected_objects if obj.type == "MESH"]
         return chosen or [context.object]
 
-    def _failed(self, error):
+    def failed(self, error, _context, _job=None):
         if not messages.expected(error):
             dust_job.log.error("dust failed", exc_info=error)
         self.report({"ERROR"}, messages.sentence(error))

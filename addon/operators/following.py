@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Base of modal operators with a worker: a timer that checks it, ESC to cancel, a status line."""
+"""Base of operators with a worker: blocking in the background, otherwise modal, with a timer that checks the
+worker, ESC to cancel, and a status line."""
 
-from ..base import redraw
+import bpy
+
+from ..base import native, redraw
 
 INTERVAL = 0.1  # seconds between two checks of the worker
 
@@ -30,7 +33,37 @@ class _Sign:
 
 
 class Following:
-    """Mixin for an operator with `jobs` (a module with forget() and stop()) and ended(context, job)."""
+    """Mixin for an operator with `jobs`, a module with forget() and stop(), and
+
+    * execute(context), which blocks;
+    * start(context), which returns (job, text of the status line);
+    * told(done), the message on what job.finish() has returned;
+    * failed(error, context, job), which reports an error; `job` is None before the start;
+    * `kept`, the message after a cancel."""
+
+    kept = "Cancelled"
+
+    def invoke(self, context, _event):
+        if bpy.app.background:
+            return self.execute(context)
+        try:
+            job, text = self.start(context)
+        except Exception as error:
+            return self.failed(error, context)
+        return self.follow(context, job, text)
+
+    def ended(self, context, job):
+        try:
+            done = job.finish()
+        except native.require().Cancelled:
+            done = None
+        except Exception as error:
+            return self.failed(error, context, job)
+        if not done:
+            self.report({"INFO"}, self.kept)
+            return {"CANCELLED"}
+        self.report({"INFO"}, self.told(done))
+        return {"FINISHED"}
 
     def follow(self, context, job, text):
         self._job = job

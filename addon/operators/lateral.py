@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator for lateral light transport: blocks under `blender -b`, otherwise modal with a worker thread."""
+"""Operator for lateral light transport."""
 
 import bpy
 
 from ..baking import lateral_job
-from ..base import messages, native
 from . import common
-from .following import Following
+from .making import Making
 
 
-class LAMINA_OT_lateral(Following, bpy.types.Operator):
+class LAMINA_OT_lateral(Making, bpy.types.Operator):
     bl_idname = "lamina.lateral"
     bl_label = "Let Light Travel Sideways"
     bl_description = "Build nodes whose light enters at one place and leaves at another. ESC cancels"
     bl_options = {"REGISTER", "UNDO"}
 
     jobs = lateral_job
+    status = "Lamina follows light below"
 
     @classmethod
     def poll(cls, context):
@@ -26,43 +26,11 @@ class LAMINA_OT_lateral(Following, bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context):
-        """Compute and wait for the result: for scripts and for `blender -b`."""
-        material = common.material_of(context)
-        try:
-            lateral_job.make(material, context.scene)
-        except Exception as error:
-            return self._failed(error, material)
-        return self._told(material)
+    def made(self, context, material):
+        lateral_job.make(material, context.scene)
 
-    def invoke(self, context, _event):
-        if bpy.app.background:
-            return self.execute(context)
-        material = common.material_of(context)
-        try:
-            job = lateral_job.start(material, context.scene)
-        except Exception as error:
-            return self._failed(error, material)
-        return self.follow(context, job, f"Lamina follows light below {material.name}")
+    def started(self, context, material):
+        return lateral_job.start(material, context.scene)
 
-    def ended(self, _context, job):
-        try:
-            material = job.finish()
-        except native.require().Cancelled:
-            material = None
-        except Exception as error:
-            return self._failed(error)
-        if material is None:
-            self.report({"INFO"}, "Cancelled; the earlier nodes are kept")
-            return {"CANCELLED"}
-        return self._told(material)
-
-    def _told(self, material):
-        self.report({"INFO"}, material.lamina.lateral_report)
-        return {"FINISHED"}
-
-    def _failed(self, error, material=None):
-        if not messages.expected(error):
-            lateral_job.log.error("lateral light failed", exc_info=error)
-        self.report({"ERROR"}, messages.sentence(error, material))
-        return {"CANCELLED"}
+    def told(self, material):
+        return material.lamina.lateral_report

@@ -17,6 +17,8 @@ from bpy.props import (
 
 from ..base import changes
 from ..base.preferences import CLOSURE_BASES, QUALITIES
+from . import interior_properties
+from .interior_properties import LaminaInterior
 from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
 
 SCHEMA = 2  # 1: media of three phase functions on four bases
@@ -102,9 +104,10 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     )
     lateral_group: PointerProperty(type=bpy.types.NodeTree, description="The node group of that light")
     lateral_report: StringProperty(description="What the last lateral node group promises, as one sentence")
+    interior: PointerProperty(type=LaminaInterior)
 
 
-CLASSES = (LaminaDepth, LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)
+CLASSES = (*interior_properties.CLASSES, LaminaDepth, LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)
 
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)

@@ -5,26 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base import mesh_arrays
+from ..base.mesh_arrays import Arrays
 from ..base.messages import RefusedError
 
 KINDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 MOST_TRIANGLES = 100_000_000  # of all occluders together: some 6 GB
 
 _TAG = "lamina_vertex"
-
-
-@dataclass(frozen=True)
-class Arrays:
-    """vertices: (n, 3); triangles: (m, 3), counter-clockwise seen from outside; normals: (m, 3, 3) by corner,
-    as in shading (sharp edges, flat faces, custom normals), or None; uvs: (m, 3, 2) by corner, or None; name:
-    of the object.
-    """
-
-    vertices: np.ndarray
-    triangles: np.ndarray
-    normals: np.ndarray | None = None
-    uvs: np.ndarray | None = None
-    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -56,14 +44,15 @@ def of_object(context, obj, uv_map=None):
         result = evaluated.to_mesh()
         try:
             matrix = evaluated.matrix_world
-            vertices, triangles = _arrays(result, matrix, scale)
-            loops = _loops(result, matrix.determinant() < 0.0)
-            normals = _corner_normals(result, matrix)[loops]
-            uvs = None if uv_map is None else _uvs(obj, result, uv_map)[loops]
+            vertices = mesh_arrays.vertices(result, matrix, scale)
+            triangles, loops = mesh_arrays.triangles(result, matrix), mesh_arrays.loops(result, matrix)
+            normals, uvs = mesh_arrays.corner_normals(result, matrix)[loops], None
+            if uv_map is not None:
+                uvs = mesh_arrays.uvs(obj, result, uv_map, "keep the dust in an attribute")[loops]
             own = OwnMesh(
-                _vertices(mesh, matrix, scale),
-                _corner_vertices(mesh),
-                _corner_normals(mesh, matrix),
+                mesh_arrays.vertices(mesh, matrix, scale),
+                mesh_arrays.corner_vertices(mesh),
+                mesh_arrays.corner_normals(mesh, matrix),
                 loops if tags is None else None,
                 None if tags is None else _origins(result, tags),
             )
@@ -91,7 +80,8 @@ def others(context, obj):
         if mesh is None:
             continue
         try:
-            vertices, triangles = _arrays(mesh, instance.matrix_world, scale)
+            vertices = mesh_arrays.vertices(mesh, instance.matrix_world, scale)
+            triangles = mesh_arrays.triangles(mesh, instance.matrix_world)
         finally:
             other.to_mesh_clear()
         count += len(triangles)
@@ -112,61 +102,6 @@ def _stops(instance):
 
 def _is_itself(instance, obj):
     return not instance.is_instance and instance.object.original == obj
-
-
-def _vertices(mesh, matrix, scale):
-    local = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", local)
-    matrix = np.array(matrix, np.float64)
-    return (local.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]) * scale
-
-
-def _arrays(mesh, matrix, scale):
-    vertices = _vertices(mesh, matrix, scale)
-    mesh.calc_loop_triangles()
-    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("vertices", triangles)
-    triangles = triangles.reshape(-1, 3)
-    # Mirroring turns faces inside out; the reversed order of vertices corrects that.
-    return vertices, triangles[:, ::-1] if matrix.determinant() < 0.0 else triangles
-
-
-def _loops(mesh, mirrored):
-    """The face corner of each triangle's corner."""
-    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("loops", loops)
-    loops = loops.reshape(-1, 3)
-    return loops[:, ::-1] if mirrored else loops
-
-
-def _corner_vertices(mesh):
-    found = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", found)
-    return found
-
-
-def _corner_normals(mesh, matrix):
-    """Normals by face corner, of any length. The matrix of cofactors transforms them, also for a flattened
-    object."""
-    local = np.empty(3 * len(mesh.loops), np.float32)
-    if len(mesh.loops):
-        mesh.corner_normals.foreach_get("vector", local)
-    x, y, z = np.array(matrix, np.float64)[:3, :3].T
-    cofactors = np.array([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
-    sign = -1.0 if matrix.determinant() < 0.0 else 1.0
-    return (local.reshape(-1, 3) @ (sign * cofactors)).astype(np.float32)
-
-
-def _uvs(obj, mesh, name):
-    """UV coordinates by face corner."""
-    layers = mesh.uv_layers
-    layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
-    if layer is None:
-        wanted = f" named {name}" if name else ""
-        raise RefusedError(f"{obj.name} has no UV map{wanted}: unwrap it, or keep the dust in an attribute")
-    corners = np.empty(2 * len(layer.uv), np.float32)
-    layer.uv.foreach_get("vector", corners)
-    return corners.reshape(-1, 2)
 
 
 def _tag(mesh):

@@ -8,6 +8,7 @@ from ..nodes import thickness
 from ..settling import dust_job, object_dust
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
+from .uv_map_field import draw_uv_map
 
 BACK_MATTERS = 0.05  # share of the largest thickness
 
@@ -30,7 +31,7 @@ class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
         settings = obj.lamina_dust
         _draw_fall(layout, settings)
         _draw_stay(layout, settings)
-        _draw_target(layout, obj)
+        _draw_target(context, layout, obj)
         job = dust_job.running()
         if job is not None:
             draw_progress(layout, job, "lamina.dust_cancel")
@@ -89,13 +90,13 @@ def _draw_stay(layout, settings):
     column.prop(settings, "stops")
 
 
-def _draw_target(layout, obj):
+def _draw_target(context, layout, obj):
     settings = obj.lamina_dust
     column = split(layout.column())
     column.row().prop(settings, "target", expand=True)
     if settings.target == "image":
         column.prop(settings, "size")
-        column.prop_search(settings, "uv_map", obj.data, "uv_layers", text="UV Map")
+        draw_uv_map(context, column, settings, obj)
     for option in _options("target"):
         _draw_option(column, settings, option)
     column.prop(settings, "seed")

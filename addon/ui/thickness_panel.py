@@ -8,6 +8,7 @@ import bpy
 from ..base.messages import percent
 from ..nodes import thickness
 from .panel import MaterialPanel, draw_sentence
+from .uv_map_field import draw_uv_map
 
 SHOWN_ROWS = 5
 
@@ -51,9 +52,8 @@ def _draw_source(context, layout, now):
             draw_sentence(context, layout, f"This object has no attribute “{now.name}”: its thickness is 0")
     elif now.source == "image":
         column.template_ID(now.node, "image", new="image.new", open="image.open")
-        mesh = getattr(context.object, "data", None)
-        if now.uv is not None and hasattr(mesh, "uv_layers"):
-            column.prop_search(now.uv, "uv_map", mesh, "uv_layers", text="UV Map")
+        if now.uv is not None and context.object is not None and context.object.type == "MESH":
+            draw_uv_map(context, column, now.uv, context.object)
         problem = thickness.image_problem(now.node.image)
         if problem:
             draw_sentence(context, layout, problem, "ERROR", alert=True)

@@ -30,11 +30,13 @@ py::array_t<double> evaluated(const LeavingLight& light, const py::array_t<doubl
 void lamina::bind_lateral(py::module_& module) {
   const auto unlocked = py::call_guard<py::gil_scoped_release>();
   py::class_<MeasuredStack>(module, "MeasuredStack")
-      .def(py::init([](const Stack& stack, std::vector<double> extinction, std::vector<double> thickness) {
-             return MeasuredStack{stack, std::move(extinction), std::move(thickness)};
+      .def(py::init([](const Stack& stack, std::vector<double> extinction, std::vector<double> thickness,
+                       std::vector<double> whole_tau) {
+             return MeasuredStack{stack, std::move(extinction), std::move(thickness), std::move(whole_tau)};
            }),
-           py::arg("stack"), py::arg("extinction"), py::arg("thickness"),
-           "A stack of homogeneous layers with, by layer, extinction (1/mm) and thickness (mm).");
+           py::arg("stack"), py::arg("extinction"), py::arg("thickness"), py::arg("whole_tau"),
+           "A stack of homogeneous layers with, by layer, extinction (1/mm) and thickness (mm). whole_tau: the optical "
+           "thickness of the medium, and for slices of a graded medium that of the whole.");
 
   py::class_<LeavingLight>(module, "LeavingLight")
       .def_readonly("flux", &LeavingLight::flux)

@@ -22,6 +22,7 @@ from .interior.estimates import ExitEstimate, LightEstimate
 from .interior.grid import Interior
 from .interior.lamps import Lamp
 from .interior.marble import Marble, marble
+from .interior.of_stack import interior_of_stack
 from .interior.parts import WalkPart, light_in_mesh, merge_walks, walk_in_mesh, walk_part
 from .interior.solid import Solid
 from .interior.walk import Surface
@@ -31,6 +32,8 @@ from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
 from .kinds.phases import *  # noqa: F403 - each phase function
 from .lateral.searchlight import Searchlight, searchlight
+from .maps.lit import LitImages, lit_images
+from .maps.relightable import RelightableImages, relightable_images
 from .material.layers import Medium
 from .material.phase import Mixture, Tabulated
 from .material.profile import Knot
@@ -61,6 +64,7 @@ __all__ = [
     "Knot",
     "Lamp",
     "LightEstimate",
+    "LitImages",
     "Lut",
     "Marble",
     "LutError",
@@ -68,6 +72,7 @@ __all__ = [
     "Mixture",
     "PortalTables",
     "Query",
+    "RelightableImages",
     "ScatteringFunction",
     "Searchlight",
     "SearchlightEstimate",
@@ -88,7 +93,9 @@ __all__ = [
     "estimate",
     "estimate_searchlight",
     "export",
+    "interior_of_stack",
     "light_in_mesh",
+    "lit_images",
     "lobes",
     "marble",
     "merge_walks",
@@ -96,6 +103,7 @@ __all__ = [
     "ply",
     "portal_tables",
     "presets",
+    "relightable_images",
     "rgl",
     "searchlight",
     "solve",

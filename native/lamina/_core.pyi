@@ -383,9 +383,9 @@ class ScatteringWalk:
         For run_walk.
         """
 class MeasuredStack:
-    def __init__(self, stack: Stack, extinction: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], thickness: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+    def __init__(self, stack: Stack, extinction: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], thickness: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], whole_tau: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
         """
-        A stack of homogeneous layers with, by layer, extinction (1/mm) and thickness (mm).
+        A stack of homogeneous layers with, by layer, extinction (1/mm) and thickness (mm). whole_tau: the optical thickness of the medium, and for slices of a graded medium that of the whole.
         """
 class LeavingLight:
     def at(self, q: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:

@@ -53,6 +53,10 @@ class Layout:
         assert name in owner.bl_rna.properties, name
         self.lines.append(owner.bl_rna.properties[name].name if text is None else text)
 
+    def prop_search(self, owner, name, container, items, text=None, **_options):
+        assert items in container.bl_rna.properties, items
+        self.prop(owner, name, text)
+
     def label(self, text="", icon="NONE"):
         assert icon in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
         self.lines.append(text)

@@ -97,6 +97,9 @@ def test_the_demo_makes_its_files_and_the_two_slabs_agree(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     facts = json.loads((tmp_path / "slab.json").read_text())
     last = done.stdout.strip().splitlines()[-1]
+    # The picture that needs no volume is there before the first line on the volume's render.
+    first, volume = done.stdout.index("slab_baked.png is written: baked"), done.stdout.index("volume: seed")
+    assert first < volume
     assert "slab.png" in last and "slab.json" in last and " agree" in last
     noise = np.hypot(facts["sigma_truth"], facts["sigma_baked"])
     assert abs(facts["mean_baked"] - facts["mean_truth"]) < 3 * noise + facts["fit_error"] * facts["mean_truth"]
@@ -104,8 +107,9 @@ def test_the_demo_makes_its_files_and_the_two_slabs_agree(tmp_path):
     assert facts["sigma_truth"] < 0.005 * facts["mean_truth"]
     for key in ("rms_difference", "seconds_truth", "seconds_baked"):
         assert facts[key] > 0
-    with Image.open(tmp_path / "slab.png") as picture:
-        assert picture.width > 3 * facts["size"]
+    for name in ("slab.png", "slab_baked.png"):
+        with Image.open(tmp_path / name) as picture:
+            assert picture.width > 3 * facts["size"]
 
 
 def _pair(factor, seed=0):
@@ -113,6 +117,20 @@ def _pair(factor, seed=0):
     random = np.random.default_rng(seed)
     truth, baked = 1.0 + 0.1 * random.standard_normal((2, 8, 20, 20, 3))
     return truth, baked * factor
+
+
+def test_a_standard_error_is_that_of_the_mean_over_seeds():
+    """Many sets of renders whose pixels share a deviation per seed: the spread of their means is the standard error."""
+    random = np.random.default_rng(3)
+    seeds, sets = 8, 2000
+    shared = random.standard_normal((sets, seeds, 1, 1))
+    estimates = [comparison.estimate(1.0 + 0.01 * (of_set + 0.1 * random.standard_normal((seeds, 20, 3))))
+                 for of_set in shared]
+    spread = np.std([one.mean for one in estimates])
+    claimed = np.sqrt(np.mean([one.sigma**2 for one in estimates]))
+    # A variance from n values has the relative standard error sqrt(2 / (n - 1)), a root half of that.
+    sigma = 0.5 * np.sqrt(2 / (sets - 1) + 2 / (sets * (seeds - 1)))
+    assert abs(claimed / spread - 1.0) < z_limit(1, FAMILY_RISK) * sigma
 
 
 REPORT = {"fit_error": 0.03, "worst_slice": {"error": 0.06}}

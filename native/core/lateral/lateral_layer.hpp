@@ -15,9 +15,9 @@ namespace lamina {
 /// dv/dt = -B u as without a wave. But the extinction in A and B couples azimuths, and A and B are no longer symmetric.
 /// For light that enters both faces of a layer with equal or opposite signs,
 ///   R + T = (1 - G) (1 + G)^-1,   G = B f(A B),   R - T = -(1 - H) (1 + H)^-1,   H = f(A B) A,
-/// where f(k^2) = tanh(k tau / 2) / k. For a thin layer f is a Pade approximant, accurate to rounding; thicker layers
-/// follow by doubling. The method needs no modes, so complex pairs of modes and the vanishing rate of conservative
-/// media need no special treatment.
+/// where f(k^2) = tanh(k tau / 2) / k. For a thin layer f is a Pade approximant; thicker layers follow by doubling G
+/// and H, which is Newton's iteration for the sign of a matrix. The method needs no modes, so complex pairs of modes
+/// and the vanishing rate of conservative media need no special treatment.
 class LateralMedium {
  public:
   /// `moments`: number of moments that the directions resolve; `extinction` in 1/mm; `thickness` in mm.

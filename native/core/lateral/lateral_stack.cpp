@@ -17,7 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// The least cosine that nodes must resolve, by refractive index: the optical thickness of the thinnest layer with
-/// multiple scattering; in an almost clear layer, a cosine at which light travels far along the layer.
+/// multiple scattering; in an almost clear layer, a cosine at which light travels far along the layer. The slices of a
+/// graded medium are one layer.
 std::map<double, double> least_cosines(const MeasuredStack& measured, const std::vector<double>& indices) {
   constexpr double kClear = 0.3;
   constexpr double kGrazing = 0.02;
@@ -27,10 +28,11 @@ std::map<double, double> least_cosines(const MeasuredStack& measured, const std:
     if (medium == nullptr || !(measured.thickness[layer] > 0.0)) {
       continue;
     }
+    const double tau = measured.whole_tau[layer];
     double cosine = 1.0;
-    if (medium->albedo > 0.0 && medium->tau > kThinnestRepeated) {
-      cosine = std::max(kThinnestResolved, medium->tau);
-    } else if (medium->tau < kClear) {
+    if (medium->albedo > 0.0 && tau > kThinnestRepeated) {
+      cosine = std::max(kThinnestResolved, tau);
+    } else if (tau < kClear) {
       cosine = kGrazing;
     }
     double& known = least.try_emplace(indices[layer], 1.0).first->second;

@@ -17,6 +17,7 @@ struct MeasuredStack {
   Stack stack;
   std::vector<double> extinction;  ///< by layer, of media: 1/mm
   std::vector<double> thickness;   ///< by layer, of media: mm; infinite for a half-space
+  std::vector<double> whole_tau;   ///< by layer, of media: optical thickness of the graded medium with this slice
 };
 
 /// The discretisation of directions at lateral frequencies.

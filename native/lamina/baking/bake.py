@@ -15,7 +15,7 @@ from ..closures import lobes, narrow_lobes
 from ..closures.closure_table import LightGrid, grid_for
 from ..common.arguments import check_choice, check_whole
 from ..common.errors import ArgumentError, StackError, quoted
-from ..common.progress import Progress, portion, stepper
+from ..common.progress import Progress, portion, portions, stepper
 from ..kinds.bases import Lambert
 from ..kinds.fields import channel
 from ..kinds.table import COLUMNS, PREFIX, TAU_BEND, TAU_ROWS, THROWN_BACK
@@ -49,6 +49,9 @@ CLOSURE_BASES = {
 # Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},
           "final": {"overshoot": 2, "exchanges": 2, "column_stride": 4, "row_stride": 8}}
+
+# Shares of a bake's time, measured on stacks with a varying layer.
+TIME = {"solve": 0.1, "evaluate": 0.6, "fit": 0.1, "base": 0.02, "between": 0.2}
 
 
 def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
@@ -91,26 +94,29 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
     stack.require_air_below()
     started = time.perf_counter()
+    measured = stack.varying is not None and quality == "final"
+    shares = {**TIME, "base": TIME["base"] * _is_textured(stack), "between": TIME["between"] * measured}
     step = stepper("the bake", progress, cancel)
+    steps = portions(step, shares)
 
     # Solve the stack for each thickness of its varying layer
-    solved = solve_rows(narrow_lobes.resolved(stack), quality, threads, portion(step, 0.0, 0.3), row_stride, nodes)
+    solved = solve_rows(narrow_lobes.resolved(stack), quality, threads, steps["solve"], row_stride, nodes)
     pool = thread_pool(threads)
     grid = grid_for(quality, narrow_lobes.narrowest(stack))
 
     # Evaluate the slices to be fitted by closures
     if _is_textured(stack):
-        seen, base = over_texture(solved, grid, pool, portion(step, 0.3, 0.7))
+        seen, base = over_texture(solved, grid, pool, steps["evaluate"])
     else:
-        seen, base = slices(solved, grid, pool, portion(step, 0.3, 0.7)), None
+        seen, base = slices(solved, grid, pool, steps["evaluate"]), None
 
     # Choose closures and fit their weights, for each kind of light
     fit = _Fit(stack, solved, grid, pool, quality)
     fitted = {}
-    ends = np.linspace(0.7, 0.95, len(seen) + 1)
-    for (kind, wanted), first, last in zip(seen.items(), ends, ends[1:], strict=False):
+    for number, (kind, wanted) in enumerate(seen.items()):
+        part = portion(steps["fit"], number / len(seen), (number + 1) / len(seen))
         counts = limits.reflected if kind == "reflection" else limits.transmitted
-        fitted[kind] = fit(kind, wanted, counts, given[kind], portion(step, first, last), kind == "reflection")
+        fitted[kind] = fit(kind, wanted, counts, given[kind], part, kind == "reflection")
 
     # Correct for light that strays beyond the horizon, and for weights that Cycles drops
     if solved.is_sheet:
@@ -126,16 +132,16 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     # Fit the light that a textured base adds
     if base is not None:
         assert isinstance(stack.base, Lambert)
-        below = fit("reflection", base.slices, limits.textured_base, given["base"], portion(step, 0.95, 0.97), False)
+        below = fit("reflection", base.slices, limits.textured_base, given["base"], steps["base"], False)
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
         below = folded(below, base.slices, grid, False, factor=base.gain(reflectance))
         parts |= base.parts(reflectance, seen["reflection"], fitted["reflection"], below)
 
     # Measure the error of interpolation between rows
     between = None
-    if stack.varying is not None and quality == "final":
+    if stack.varying is not None and measured:
         largest = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
-        between = tau_error(solved, largest, stack.varying, grid, pool, portion(step, 0.97, 1.0))
+        between = tau_error(solved, largest, stack.varying, grid, pool, steps["between"])
     step(1.0, "Done")
 
     # Assemble the table

@@ -15,8 +15,8 @@ import numpy as np
 from .. import _core
 from ..closures import lobes
 from ..closures.closure_table import Closures, LightGrid, only, with_more
-from ..common.progress import Progress
-from .slices import Slices
+from ..common.progress import Progress, portion
+from .slices import Slices, batches
 
 # The objective's factor for a Principled BSDF, which renders slower and noisier than the other closures.
 PRINCIPLED_PENALTY = 1.1
@@ -96,8 +96,7 @@ def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: 
             names = choice.of(values, albedo, count, lambda name: name not in taken, ACCURATE / share)
         if not _serves_all_views(names, grid, mixed):
             names = [*names, EVERYWHERE[kind]]
-        step(0.5, "Fitting closures")
-        found, errors = _fit(names, values, albedo, grid, mixed, pool)
+        found, errors = _fit(names, values, albedo, grid, mixed, pool, portion(step, 0.5, 1.0))
         parts.append(found)
     errors = errors * left
 
@@ -144,9 +143,12 @@ def _fit_lobes(wanted: Slices, choice: _Choice, own: list[str]) -> _Fitted:
     grid, mixed, count = choice.grid, choice.mixed, choice.effort.lobes
     values, albedo = wanted.lobes, np.minimum(wanted.lobes @ grid.solid_angle, wanted.albedo)
     # A greedy choice among more closures is not always better: make both choices, and take the better fit.
+    step = portion(choice.step, 0.0, 0.1)
     chosen = [own] if own else [choice.of(values, albedo, count, lambda name: name in choice.made, ACCURATE, True),
                                 choice.of(values, albedo, count, lambda _: True, ACCURATE, True)]
-    found, _ = min((_fit(names, values, albedo, grid, mixed, choice.pool) for names in chosen),
+    found, _ = min((_fit(names, values, albedo, grid, mixed, choice.pool,
+                         portion(step, number / len(chosen), (number + 1) / len(chosen)))
+                    for number, names in enumerate(chosen)),
                    key=lambda fitted: float(fitted[1].mean()))
     return found
 
@@ -177,13 +179,19 @@ class _Fitted:
         return np.einsum("skrxc,ck->srxc", self.weights.astype(np.float32), self._basis.albedo)
 
 
-def _fit(names: Sequence[str], values, albedo, grid: LightGrid, mixed: bool, pool):
+def _fit(names: Sequence[str], values, albedo, grid: LightGrid, mixed: bool, pool, step: Progress):
     """(fitted closures, errors relative to the norm of `values` [side, row, channel, column])."""
-    basis = only(grid, mixed, tuple(names))
-    weights, errors = basis.table.fit(_targets(basis, values, albedo, pool), list(range(len(names))), pool)
+    basis, chosen, rows = only(grid, mixed, tuple(names)), list(range(len(names))), albedo.shape[1]
+    made = []
+    for part in batches(rows):
+        step(part.start / rows, f"Fitting thickness {part.start + 1} of {rows}")
+        exact = albedo[:, part]
+        weights, errors = basis.table.fit(_targets(basis, values[:, part], exact, pool), chosen, pool)
+        made.append((weights.reshape(*exact.shape, len(names)), errors.reshape(exact.shape)))
+    weights, errors = (np.concatenate(parts, axis=1) for parts in zip(*made, strict=True))
     black = albedo <= 0.0
-    weights = np.where(black[..., None], 0.0, weights.reshape(*albedo.shape, len(names)))
-    return _Fitted(basis, np.moveaxis(weights, -1, 1)), np.where(black, 1.0, errors.reshape(albedo.shape))
+    weights = np.where(black[..., None], 0.0, weights)
+    return _Fitted(basis, np.moveaxis(weights, -1, 1)), np.where(black, 1.0, errors)
 
 
 def _serves_all_views(names: Sequence[str], grid: LightGrid, mixed: bool) -> bool:

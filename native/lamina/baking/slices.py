@@ -76,30 +76,32 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
 def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> dict[str, Slices]:
     """The slices of each kind, "reflection" and for sheets "transmission", all rows for a viewer on each side; `step`
     is called before each batch of rows."""
-    kinds, sights = _sights(solved)
-    made = []
-    for first in range(0, len(solved.functions), ROWS_AT_ONCE):
-        last = min(first + ROWS_AT_ONCE, len(solved.functions))
-        step(first / len(solved.functions), f"Evaluating thickness {first + 1} of {len(solved.functions)}")
-        made.append(_evaluate(solved.functions[first:last], sights, view_cosines(), grid, pool))
-    values, lobes, albedo, direct = zip(*made, strict=True)
-    joined = [np.concatenate(parts, axis=1) for parts in (values, albedo, direct)]
-    all_lobes = None if lobes[0] is None else np.concatenate(lobes, axis=1)
+    every = evaluated(solved.functions, solved, view_cosines(), grid, pool, step)
     by_kind = {}
-    for number, kind in enumerate(kinds):
+    for number, kind in enumerate(_sights(solved)[0]):
         mine = slice(number * len(solved.sides), (number + 1) * len(solved.sides))
-        values_here, albedo_here, direct_here = (part[mine] for part in joined)
-        by_kind[kind] = Slices(values_here, np.maximum(albedo_here, 0.0),
-                               None if all_lobes is None else all_lobes[mine], direct_here)
+        by_kind[kind] = Slices(every.values[mine], every.albedo[mine],
+                               None if every.lobes is None else every.lobes[mine], every.direct[mine])
     return by_kind
 
 
 def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.ndarray, grid: LightGrid,
-              pool) -> Slices:
-    """Slices of the stack `solved` with other thicknesses, `functions`, at view cosines `mu_o`. For a sheet, those of
-    reflection and then those of transmission along the first axis."""
-    values, lobes, albedo, direct = _evaluate(functions, _sights(solved)[1], mu_o, grid, pool)
-    return Slices(values, np.maximum(albedo, 0.0), lobes, direct)
+              pool, step: Callable[[float, str], None]) -> Slices:
+    """Slices of the stack `solved` with the thicknesses of `functions`, at view cosines `mu_o`. For a sheet, those of
+    reflection and then those of transmission along the first axis. `step` is called before each batch of rows."""
+    sights = _sights(solved)[1]
+    made = []
+    for rows in batches(len(functions)):
+        step(rows.start / len(functions), f"Evaluating thickness {rows.start + 1} of {len(functions)}")
+        made.append(_evaluate(functions[rows], sights, mu_o, grid, pool))
+    values, lobes, albedo, direct = zip(*made, strict=True)
+    return Slices(np.concatenate(values, axis=1), np.maximum(np.concatenate(albedo, axis=1), 0.0),
+                  None if lobes[0] is None else np.concatenate(lobes, axis=1), np.concatenate(direct, axis=1))
+
+
+def batches(rows: int) -> list[slice]:
+    """Parts of so many rows of thickness, ROWS_AT_ONCE each; the last may be smaller."""
+    return [slice(first, min(first + ROWS_AT_ONCE, rows)) for first in range(0, rows, ROWS_AT_ONCE)]
 
 
 def shares_of_thickness(largest: float, rows: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..closures.closure_table import LightGrid, view_cosines
+from ..common.progress import portions
 from .mixture import norms
 from .slices import SolvedRows, evaluated, shares_of_thickness
 
@@ -16,6 +17,8 @@ from .slices import SolvedRows, evaluated, shares_of_thickness
 LOOKED_AT = (0, 1, 2, 3, 5, 8, 12, 16, 20, 24, 28, 31)
 # Columns of the test, up to the last column for which errors are reported.
 COLUMNS = slice(4, 61, 8)
+# Shares of the time, measured: half-way solutions, slices of the rows, half-way slices.
+TIME = {"solve": 0.2, "known": 0.5, "wanted": 0.3}
 
 
 def tau_error(solved: SolvedRows, largest: list[float], layer: int, grid: LightGrid, pool,
@@ -33,11 +36,14 @@ def tau_error(solved: SolvedRows, largest: list[float], layer: int, grid: LightG
     middle = shares_of_thickness(axis[-1], np.array(after) + 0.5)
     full = solved.functions[-1]
     rows = sorted({*after, *(k + 1 for k in after)})
-    halves = [full.with_thickness(layer, [share * tau for tau in largest]) for share in middle]
-    step(0.0, "Measuring between rows of thickness")
+    parts = portions(lambda fraction, _: step(fraction, "Measuring between rows of thickness"), TIME)
+    halves = []
+    for number, share in enumerate(middle):
+        parts["solve"](number / len(middle), "")
+        halves.append(full.with_thickness(layer, [share * tau for tau in largest]))
     mu = view_cosines()[COLUMNS]
-    known = evaluated([solved.functions[k] for k in rows], solved, mu, grid, pool)
-    wanted = evaluated(halves, solved, mu, grid, pool)
+    known = evaluated([solved.functions[k] for k in rows], solved, mu, grid, pool, parts["known"])
+    wanted = evaluated(halves, solved, mu, grid, pool, parts["wanted"])
     lower = np.searchsorted(rows, after)
 
     def between(values):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common.fresnel import fresnel
 from .lobe import ASIDE, INCOMING, Geometry, Lobe, NodeRecipe, number
 
 
@@ -71,15 +72,6 @@ def ggx(roughness: float, anisotropy: float = 0.0, name: str = "") -> Lobe:
     return Lobe(name, "reflection", evaluate, node, narrow=roughness < 0.65, density=density)
 
 
-def _fresnel(cosine, ior: float):
-    """Unpolarised reflectance of a dielectric of relative index `ior`; 1 beyond the critical angle."""
-    refracted2 = ior * ior - 1.0 + cosine**2
-    g = np.sqrt(np.maximum(refracted2, 0.0))
-    a = (g - cosine) / (g + cosine)
-    b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
-    return np.where(refracted2 > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)
-
-
 def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:
     """P(n): GGX times (F - F0) / (1 - F0), a Lommel-Seeliger lobe with a forward phase function.
 
@@ -92,8 +84,8 @@ def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:
 
     def evaluate(mu_o, mu_i, dphi):
         g = Geometry(mu_o, mu_i, dphi)
-        fresnel = (_fresnel(g.cos_half(), ior) - normal_reflectance) / (1.0 - normal_reflectance)
-        return np.maximum(fresnel, 0.0) * _ggx_reflection(g, alpha, alpha)
+        share = (fresnel(g.cos_half(), ior) - normal_reflectance) / (1.0 - normal_reflectance)
+        return np.maximum(share, 0.0) * _ggx_reflection(g, alpha, alpha)
 
     black = (0.0, 0.0, 0.0, 1.0)
     node = NodeRecipe(

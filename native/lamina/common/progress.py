@@ -29,3 +29,12 @@ def stepper(work: str, progress: Progress | None, cancel: Callable[[], bool] | N
 def portion(step: Progress, first: float, last: float) -> Progress:
     """A step function for one part of the work: its range 0 to 1 is [first, last] of the whole."""
     return lambda fraction, text: step(first + (last - first) * fraction, text)
+
+
+def portions(step: Progress, shares: dict[str, float]) -> dict[str, Progress]:
+    """Step functions for successive parts of the work, by name; `shares` of the time, of any sum > 0."""
+    total, done, parts = sum(shares.values()), 0.0, {}
+    for name, share in shares.items():
+        parts[name] = portion(step, min(done / total, 1.0), min((done + share) / total, 1.0))
+        done += share
+    return parts

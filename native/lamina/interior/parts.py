@@ -107,8 +107,9 @@ def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[Lamp] | N
     list, which may be empty) of light_in_mesh. Merged parts give the same bytes as one run. Raises the same errors."""
     shard = checked_shard(shard)
     kind = "exits" if lamps is None else "light"
-    return _part(kind, shard, *_started(kind, solid, interior, points, normals, directions, surface, lamps or (),
-                                        samples, seed, threads, progress, cancel))
+    walker, used, step, _ = _started(kind, solid, interior, points, normals, directions, surface, lamps or (), samples,
+                                     seed, threads, progress, cancel)
+    return part_of(job_of(kind, walker, used), shard, walker, used, step)
 
 
 def merge_walks(parts: Sequence[WalkPart]) -> ExitEstimate | LightEstimate:
@@ -140,9 +141,27 @@ def points_of(shard: tuple[int, int], count: int) -> range:
     return range((number - 1) * count // parts, number * count // parts)
 
 
+def job_of(kind: str, walker: Walker, lamps: tuple[Lamp, ...]) -> dict:
+    """The description of a run of this `kind`, "exits" or "light"."""
+    return {"kind": kind, "solid": walker.solid_hash, "interior": walker.interior.hash, "points": _points_hash(walker),
+            "surface": [walker.surface.ior, walker.surface.alpha, walker.surface.distribution],
+            "lamps": [[*lamp.towards, lamp.angle] for lamp in lamps], "samples": walker.samples, "seed": walker.seed,
+            "count": len(walker.positions)}
+
+
+def part_of(job: dict, shard: tuple[int, int], walker: Walker, lamps: tuple[Lamp, ...], step: Progress) -> WalkPart:
+    """Part `shard` of the run of a walker, whose description is `job`."""
+    points = points_of(shard, len(walker.positions))
+    if job["kind"] == "light":
+        arrays = walker.lights(lamps, points.start, points.stop, step)
+    else:
+        arrays = walker.exits(points.start, points.stop, step)
+    return WalkPart(job, shard, tuple(arrays))
+
+
 def _whole(kind, *given):
     walker, lamps, step, seconds = _started(kind, *given)
-    part = _part(kind, (1, 1), walker, lamps, step, seconds)
+    part = part_of(job_of(kind, walker, lamps), (1, 1), walker, lamps, step)
     step(1.0, "Done")
     return _summary(part.job, list(part.arrays), seconds())
 
@@ -157,19 +176,6 @@ def _started(kind, solid, interior, points, normals, directions, surface, lamps,
 
     return start(solid, interior, surface, points, normals, directions, samples, seed, threads, progress, cancel,
                  checked)
-
-
-def _part(kind: str, shard: tuple[int, int], walker: Walker, lamps: tuple[Lamp, ...], step, _seconds) -> WalkPart:
-    points = points_of(shard, len(walker.positions))
-    if kind == "light":
-        arrays = walker.lights(lamps, points.start, points.stop, step)
-    else:
-        arrays = walker.exits(points.start, points.stop, step)
-    job = {"kind": kind, "solid": walker.solid_hash, "interior": walker.interior.hash, "points": _points_hash(walker),
-           "surface": [walker.surface.ior, walker.surface.alpha, walker.surface.distribution],
-           "lamps": [[*lamp.towards, lamp.angle] for lamp in lamps], "samples": walker.samples, "seed": walker.seed,
-           "count": len(walker.positions)}
-    return WalkPart(job, shard, tuple(arrays))
 
 
 def _points_hash(walker: Walker) -> str:

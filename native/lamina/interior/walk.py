@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import math
 import time
@@ -77,6 +78,14 @@ class Walker:
                                   threads, lambda fraction: step(fraction, "sorting the faces"))
         self._grid = _grid(layer, self.interior, self._centre)
         self._boundary = layer.Boundary(self.surface.ior, self.surface.alpha, self.surface.distribution)
+
+    def with_points(self, chosen: np.ndarray, samples: int, seed: int) -> Walker:
+        """The same walker for the `chosen` of its points, with other samples and another seed."""
+        other = copy.copy(self)
+        other.positions, other.normals = self.positions[chosen], self.normals[chosen]
+        other.views = None if self.views is None else self.views[chosen]
+        other.samples, other.seed = samples, seed
+        return other
 
     def exits(self, first: int, last: int, step: Progress) -> list[np.ndarray]:
         """Tally exits: [moments, products, counts] of points [first, last)."""

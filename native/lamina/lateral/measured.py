@@ -23,8 +23,9 @@ FACE = 0.05
 
 
 def measured_layers(stack: Stack, index: int, quality: str) -> tuple[tuple, tuple]:
-    """(layers, base) of one channel, hashable. A layer is (kind, arguments, extinction, thickness), with the arguments
-    of the core's type; media with a profile become homogeneous slices. A base is (name, parameters...).
+    """(layers, base) of one channel, hashable. A layer is (kind, arguments, extinction, thickness, whole_tau), with the
+    arguments of the core's type; media with a profile become homogeneous slices, and whole_tau is their sum. A base is
+    (name, parameters...).
 
     Raises StackError for a medium without lengths."""
     require_millimetres(stack)
@@ -33,22 +34,24 @@ def measured_layers(stack: Stack, index: int, quality: str) -> tuple[tuple, tupl
     for number, layer in enumerate(stack.layers):
         kind, arguments = entries[number]
         if isinstance(layer, Interface):
-            layers.append((kind, arguments, 0.0, 0.0))
+            layers.append((kind, arguments, 0.0, 0.0, 0.0))
             continue
         thickness = channel(layer.thickness, index)
         if layer.profile is not None:
             layers += _slices(layer, index, thickness, COARSENESS[quality])
             continue
-        layers.append((kind, arguments, sigma_t(layer, index), thickness))
+        extinction = sigma_t(layer, index)
+        layers.append((kind, arguments, extinction, thickness, extinction * thickness))
     if isinstance(stack.base, HalfSpace):
-        layers.append((*entries[-1], sigma_t(stack.base, index), math.inf))
+        layers.append((*entries[-1], sigma_t(stack.base, index), math.inf, math.inf))
     return tuple(layers), base
 
 
 def measured_stack(layers: tuple, base: tuple) -> _core.MeasuredStack:
     """The core's stack from the result of measured_layers."""
-    core = _core.Stack([kind(*values) for kind, values, _, _ in layers], core_base(base))
-    return _core.MeasuredStack(core, [extinction for _, _, extinction, _ in layers], [last for *_, last in layers])
+    kinds, arguments, *lengths = zip(*layers, strict=True) if layers else ((),) * 5
+    core = _core.Stack([kind(*values) for kind, values in zip(kinds, arguments, strict=True)], core_base(base))
+    return _core.MeasuredStack(core, *lengths)
 
 
 def _slices(medium: Medium, index: int, thickness: float, coarseness: float) -> list[tuple]:
@@ -74,7 +77,7 @@ def _slices(medium: Medium, index: int, thickness: float, coarseness: float) -> 
                 scattering, extinction, phase = _between(first, last, (k + place) / count)
                 share = length / count * (1.0 if constant else 0.5)
                 albedo = scattering / extinction if extinction > 0.0 else 0.0
-                slices.append((_core.Medium, (albedo, extinction * share, *phase), extinction, share))
+                slices.append((_core.Medium, (albedo, extinction * share, *phase), extinction, share, whole))
     return slices
 
 

@@ -28,10 +28,7 @@ def texel_points(mesh: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, 
     DustUnavailable."""
     embree.layer()
     texels = TexelMap(checked_mesh(mesh, "mesh"), uvs_per_corner, size)
-    bands = [(points, mask) for _, points, mask in texels.bands()]
-    joined = (np.concatenate([getattr(points, name) for points, _ in bands]) for name in
-              ("positions", "normals", "areas"))
-    return Points(*joined), np.concatenate([mask for _, mask in bands])
+    return texels.points()
 
 
 class TexelMap:
@@ -69,6 +66,13 @@ class TexelMap:
             self._painted += float(self._texel_areas[triangle[mask]].sum())
             yield slice(first, first + count), points, mask
 
+    def points(self) -> tuple[Points, np.ndarray]:
+        """(points, mask) of the entire image."""
+        bands = [(points, mask) for _, points, mask in self.bands()]
+        joined = (np.concatenate([getattr(points, name) for points, _ in bands]) for name in
+                  ("positions", "normals", "areas"))
+        return Points(*joined), np.concatenate([mask for _, mask in bands])
+
     def _points(self, triangle: np.ndarray, weights: np.ndarray) -> Points:
         shares = np.column_stack([1.0 - weights.sum(axis=1), weights])
         positions = np.einsum("tk,tkc->tc", shares, self._mesh.vertices[self._mesh.triangles[triangle]])
@@ -100,9 +104,9 @@ class TexelMap:
         if beyond > LOST * whole:
             told.append(f"{100.0 * beyond / whole:.0f} % of the surface is unwrapped beyond the image (u from "
                         f"{low[0]:.3g} to {high[0]:.3g}, v from {low[1]:.3g} to {high[1]:.3g}): only u and v in "
-                        "[0, 1] get dust")
+                        "[0, 1] have texels")
         if flat > LOST * whole:
-            told.append(f"{100.0 * flat / whole:.0f} % of the surface has no area in the UV map and gets no dust")
+            told.append(f"{100.0 * flat / whole:.0f} % of the surface has no area in the UV map, and so no texels")
         if not told and self._painted < (1.0 - 5.0 * LOST) * whole:
             told.append(f"texels stand for {100.0 * self._painted / whole:.0f} % of the surface only: islands of the "
                         "UV map overlap, or are narrower than texels")

@@ -5,7 +5,31 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common.fresnel import fresnel
+from .node_parameters import LEAST_IOR
+
 SIDE = 24  # facets are sampled with the centres of SIDE x SIDE strata as random numbers
+VIEWS = 8  # Gauss-Legendre nodes in the view's cosine, for the mean over views
+BINS = 64  # of the entry cosines of that mean
+
+
+def mean_entry_cosines(ior: float, roughness: float) -> tuple[np.ndarray, np.ndarray]:
+    """(cosines, shares) of the directions inside, for light from all directions with the flux of a uniform sky.
+
+    Above LEAST_IOR there is a boundary, and views count by the light that a smooth boundary lets in. At LEAST_IOR there
+    is no boundary above the node, but the node still refracts."""
+    nodes, weights = np.polynomial.legendre.leggauss(VIEWS)
+    views = 0.5 * (nodes + 1.0)
+    passed = views * weights * ((1.0 - fresnel(views, ior)) if ior > LEAST_IOR else 1.0)
+    found = [entry_cosines(float(mu), ior, roughness) for mu in views]
+    cosines = np.concatenate([one for one, _ in found])
+    shares = np.concatenate([part * share for (_, part), share in zip(found, passed / passed.sum(), strict=True)])
+    if len(cosines) <= BINS:
+        return cosines, shares
+    place = np.minimum((cosines * BINS).astype(int), BINS - 1)
+    total = np.bincount(place, shares, BINS)
+    used = total > 0.0
+    return np.bincount(place, shares * cosines, BINS)[used] / total[used], total[used]
 
 
 def entry_cosines(mu: float, ior: float, roughness: float) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..common.arguments import check_number, finite_array
 from ..common.errors import ArgumentError, quoted
-from .entry_cosines import entry_cosines
+from .entry_cosines import entry_cosines, mean_entry_cosines
 from .node_parameters import LEAST_ALBEDO, LEAST_IOR, colour_of_albedo, radius_of_path
 from .node_response import LARGEST_G
 from .response_table import CURVE, Curves, response_curves
@@ -70,25 +70,28 @@ class SubsurfaceInputs:
                 f"distance within {worst[1]:.2g} %.")
 
 
-def subsurface_inputs(albedo, distance, anisotropy: float = 0.0, version: tuple[int, int] = (4, 5), mu: float = 1.0,
-                      ior: float = LEAST_IOR, roughness: float = 0.0) -> SubsurfaceInputs:
+def subsurface_inputs(albedo, distance, anisotropy: float = 0.0, version: tuple[int, int] = (4, 5),
+                      mu: float | str = 1.0, ior: float = LEAST_IOR, roughness: float = 0.0) -> SubsurfaceInputs:
     """Inputs for which Cycles' node has the exit albedo `albedo` and the mean exit distance `distance`.
 
     `albedo`, in [0, 1], is the share of the light entering below the boundary that leaves again. `distance`, at least 0
     in any unit, is the mean distance between entry and exit. Both are numbers or arrays of one shape, such as
     (texels, channels). `anisotropy`, in [0, .9], is the node's anisotropy. Light enters along the view direction at the
     cosine `mu`, in (0, 1], through a boundary of index `ior` (1.01 to 3.8; 1.01: none) and width `roughness` (0 to 1).
+    With `mu` = "diffuse", albedo and distance are means for light from all directions with the flux of a uniform sky.
     `version` is the release of Blender: before 5.2 its walk converts colours differently.
 
     Exact for the walk on a large flat surface of a body much thicker than `distance`. A second closure replaces the
     light that Cycles' limit of 256 flights loses, at the mean distance of the lost light. Raises ArgumentError."""
-    version = _checked_version(version)
+    version = checked_version(version)
     g = check_number(anisotropy, "anisotropy", f"must lie in [0, {LARGEST_G:g}]", lambda x: 0.0 <= x <= LARGEST_G)
-    mu = check_number(mu, "mu", "must lie in (0, 1]", lambda x: 0.0 < x <= 1.0)
+    if not (isinstance(mu, str) and mu == "diffuse"):
+        mu = check_number(mu, "mu", 'must lie in (0, 1], or be "diffuse"', lambda x: 0.0 < x <= 1.0)
     ior = check_number(ior, "ior", f"must lie in [{LEAST_IOR:g}, 3.8]", lambda x: LEAST_IOR <= x <= 3.8)
     roughness = check_number(roughness, "roughness", "must lie in [0, 1]", lambda x: 0.0 <= x <= 1.0)
     albedo, distance = _checked_targets(albedo, distance)
-    curves = response_curves(g, *entry_cosines(mu, ior, roughness))
+    entry = mean_entry_cosines(ior, roughness) if isinstance(mu, str) else entry_cosines(mu, ior, roughness)
+    curves = response_curves(g, *entry)
     main = _limited_walk(curves, g, albedo, distance)
     extra, weight = Walk(np.zeros_like(albedo), np.zeros_like(albedo)), 0.0
     if np.any(albedo - _exit_light(curves, g, _full_walk(curves, g, albedo, distance))[0] > NEGLIGIBLE_LOSS * albedo):
@@ -160,7 +163,7 @@ def _path(distances: np.ndarray, curves: Curves, g: float, place: np.ndarray, di
     return distance / np.interp(place, CURVE, distances) * (1.0 - g * np.interp(place, CURVE, curves.single))
 
 
-def _checked_version(version) -> tuple[int, int]:
+def checked_version(version) -> tuple[int, int]:
     """Major and minor number of a Blender release. Raises ArgumentError."""
     if isinstance(version, tuple | list) and len(version) >= 2:
         first = tuple(version[:2])

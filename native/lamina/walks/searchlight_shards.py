@@ -7,15 +7,13 @@ import math
 from collections.abc import Callable
 from dataclasses import asdict
 
-from ..common.arguments import check_kind, check_seed
+from ..common.arguments import check_kind
 from ..common.errors import ArgumentError, ShardError, quoted
 from ..common.progress import Progress, stepper
 from ..material.millimetres import lengths_hash
 from ..material.stack import Stack
-from ..solver.solve import check_stack, thread_pool
-from .estimate import blocks_of
 from .estimate_searchlight import SearchlightEstimate, SearchlightQuery, run_beams, summary
-from .shard_parts import SCHEMA, PartKind, check_counts, check_list, checked_shard, chunks_of, is_finite
+from .shard_parts import SCHEMA, PartKind, check_counts, check_list, is_finite, prepared
 
 
 def run_searchlight_shard(stack: Stack, query: SearchlightQuery, samples: int, seed: int, shard: tuple[int, int],
@@ -24,20 +22,16 @@ def run_searchlight_shard(stack: Stack, query: SearchlightQuery, samples: int, s
     """Part i of n, `shard` = (i, n) with i from 1, of a searchlight's estimate with `samples` samples, as a plain
     object for json.dump. It holds no times: the same part has the same bytes on any machine. Raises as
     estimate_searchlight does."""
-    check_stack(stack)
     check_kind(query, "query", SearchlightQuery, "a lamina.SearchlightQuery")
-    shard = checked_shard(shard)
-    blocks = blocks_of(samples)
-    check_seed(seed)
-    pool = thread_pool(threads)
+    work = prepared(stack, samples, seed, shard, threads)
     step = stepper("the estimate", progress, cancel)
-    channels = run_beams(stack, query, seed, *chunks_of(shard, blocks), blocks, pool, step)
+    channels = run_beams(stack, query, seed, *work.chunks, work.blocks, work.pool, step)
     for channel in channels:
         channel["tallies"] = [[list(above), list(below), count, events]
                               for above, below, count, events in channel["tallies"]]
-    job = {"stack": lengths_hash(stack), **asdict(query), "blocks": blocks, "seed": seed}
+    job = {"stack": lengths_hash(stack), **asdict(query), "blocks": work.blocks, "seed": seed}
     job["r"], job["q"] = list(query.r), list(query.q)
-    return {"schema": SCHEMA, "job": job, "shard": list(shard), "beam": "searchlight", "channels": channels}
+    return {"schema": SCHEMA, "job": job, "shard": list(work.shard), "beam": "searchlight", "channels": channels}
 
 
 def _query(part: dict, name: str) -> SearchlightQuery:

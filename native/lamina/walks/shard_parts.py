@@ -7,9 +7,12 @@ import numbers
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..common.arguments import check_whole
+from .. import _core
+from ..common.arguments import check_seed, check_whole
 from ..common.errors import ArgumentError, ShardError, quoted
-from .estimate import BLOCK, CHUNK, MOST_SAMPLES, chunks_in
+from ..material.stack import Stack
+from ..solver.solve import check_stack, thread_pool
+from .estimate import BLOCK, CHUNK, MOST_SAMPLES, blocks_of, chunks_in
 
 SCHEMA = 1
 MOST_PARTS = 1 << 20
@@ -31,6 +34,28 @@ class PartKind:
     def fits(self, part) -> bool:
         """True if it looks like a part of this kind; without its job it may be a damaged one."""
         return isinstance(part, dict) and set(part) == {"schema", "job", "shard", "channels", *self.keys}
+
+
+@dataclass(frozen=True)
+class Work:
+    """The work of one part: `shard` (i, n), the blocks of the entire run, and the threads."""
+
+    shard: tuple[int, int]
+    blocks: int
+    pool: _core.ThreadPool
+
+    @property
+    def chunks(self) -> tuple[int, int]:
+        return chunks_of(self.shard, self.blocks)
+
+
+def prepared(stack: Stack, samples: int, seed: int, shard: tuple[int, int], threads: int) -> Work:
+    """The checked work of a part. Raises ArgumentError."""
+    check_stack(stack)
+    shard = checked_shard(shard)
+    blocks = blocks_of(samples)
+    check_seed(seed)
+    return Work(shard, blocks, thread_pool(threads))
 
 
 def checked_shard(shard: tuple[int, int]) -> tuple[int, int]:

@@ -11,13 +11,12 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..common import json_file
-from ..common.arguments import check_kind, check_seed
+from ..common.arguments import check_kind
 from ..common.atomic import write_atomically
 from ..common.errors import ShardError, clipped, quoted
 from ..common.progress import Progress, stepper
 from ..material.stack import Stack
-from ..solver.solve import check_stack, thread_pool
-from .estimate import Estimate, Query, blocks_of, run_channels, run_chunks, summary
+from .estimate import Estimate, Query, run_channels, run_chunks, summary
 from .estimate_searchlight import SearchlightEstimate
 from .searchlight_shards import SEARCHLIGHT
 from .shard_parts import (
@@ -27,9 +26,8 @@ from .shard_parts import (
     check_list,
     check_part,
     check_together,
-    checked_shard,
-    chunks_of,
     is_finite,
+    prepared,
 )
 
 
@@ -37,17 +35,13 @@ def run_shard(stack: Stack, query: Query, method: str, samples: int, seed: int, 
               progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0) -> dict:
     """Part i of n, `shard` = (i, n) with i from 1, of an estimate with `samples` samples, as a plain object for
     json.dump. It holds no times: the same part has the same bytes on any machine. Raises as estimate does."""
-    check_stack(stack)
     check_kind(query, "query", Query, "a lamina.Query")
-    shard = checked_shard(shard)
-    blocks = blocks_of(samples)
-    check_seed(seed)
-    pool = thread_pool(threads)
+    work = prepared(stack, samples, seed, shard, threads)
     step = stepper("the estimate", progress, cancel)
-    channels, error = run_channels(stack, query, method, pool, step, lambda walk, within: [
-        list(tally) for tally in run_chunks(walk, seed, *chunks_of(shard, blocks), blocks, pool, within)])
-    job = {"stack": stack.hash, **asdict(query), "method": method, "blocks": blocks, "seed": seed}
-    return {"schema": SCHEMA, "job": job, "shard": list(shard), "table_error": error, "channels": channels}
+    channels, error = run_channels(stack, query, method, work.pool, step, lambda walk, within: [
+        list(tally) for tally in run_chunks(walk, seed, *work.chunks, work.blocks, work.pool, within)])
+    job = {"stack": stack.hash, **asdict(query), "method": method, "blocks": work.blocks, "seed": seed}
+    return {"schema": SCHEMA, "job": job, "shard": list(work.shard), "table_error": error, "channels": channels}
 
 
 def save_part(part: dict, path: str | os.PathLike) -> None:

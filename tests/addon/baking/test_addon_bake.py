@@ -278,6 +278,35 @@ class Window:
         self.text = text
 
 
+def detached(addon, operator):
+    """An operator without Blender's own part, which exists in a window alone; `reports` holds its reports."""
+    own = {name: getattr(operator, name) for name in ("jobs", "kept", "told", "failed")}
+    made = type("Operator", (addon.operators.following.Following,), own)()
+    made.reports = []
+    made.report = lambda level, text: made.reports.append((*level, text))
+    return made
+
+
+@pytest.mark.parametrize("end", ["done", "cancelled", "failed"])
+def test_the_operator_says_how_the_bake_ended(addon, lamina, material, end):
+    operator = detached(addon, addon.operators.bake.LAMINA_OT_bake)
+    material.lamina.quality = "preview"
+    job = addon.baking.bake_job.start(material)
+    if end == "cancelled":
+        job.cancel()
+    job.wait(60.0)
+    if end == "failed":
+        job.error = lamina.SolveError("layers[0].tau = 3: an error of this test")
+    addon.baking.bake_job.forget()
+    result = operator.ended(SimpleNamespace(), job)
+    (level, text), = operator.reports
+    assert (result, level) == {"done": ({"FINISHED"}, "INFO"), "cancelled": ({"CANCELLED"}, "INFO"),
+                               "failed": ({"CANCELLED"}, "ERROR")}[end]
+    assert {"done": f"Baked {material.name} in ", "cancelled": "Bake cancelled; the earlier one is kept",
+            "failed": "an error of this test"}[end] in text
+    assert (addon.baking.bake_job.failure(material) != "") == (end == "failed")
+
+
 @pytest.mark.parametrize("end", ["disabled", "cancelled", "done"])
 def test_the_status_line_goes_with_the_operator(addon, lamina, material, monkeypatch, end):
     bake, begun = endless(lamina)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina import Black, HalfSpace, HenyeyGreenstein, Lambert, Medium, Rayleigh, Stack, lobes
+from lamina import Black, HalfSpace, HenyeyGreenstein, Lambert, Medium, Rayleigh, Stack, _core, lobes
 
 STACKS = {
     "slab": Stack([Medium(albedo=0.9, tau=2.0, phase=HenyeyGreenstein(0.75))]),
@@ -133,6 +133,32 @@ def test_progress_is_monotone_and_ends_at_1(stack, fewest):
     assert fractions[0] == 0.0 and fractions[-1] == 1.0 and len(steps) > fewest
     assert all(a <= b for a, b in zip(fractions, fractions[1:], strict=False))
     assert all(isinstance(text, str) and text for _, text in steps)
+
+
+def test_progress_moves_with_the_rows_that_are_evaluated_and_fitted(monkeypatch):
+    """Between two calls of `progress` at most four rows are evaluated, and closures are fitted to at most four."""
+    rows, fitted, fractions = [0], [0], []
+
+    def evaluate(solutions, *rest, original=_core.slices):
+        rows[-1] += len(solutions)
+        return original(solutions, *rest)
+
+    def fit(table, targets, chosen, pool, original=_core.ClosureTable.fit):
+        fitted[-1] += len(targets)
+        return original(table, targets, chosen, pool)
+
+    def progress(fraction, _text):
+        fractions.append(fraction)
+        rows.append(0)
+        fitted.append(0)
+
+    monkeypatch.setattr(_core, "slices", evaluate)
+    monkeypatch.setattr(_core.ClosureTable, "fit", fit)
+    lamina.bake(VARYING, "final", progress=progress, row_stride=1)
+    views, channels = 64, VARYING.channels
+    assert sum(fitted) > 33 * channels * views and sum(rows) > 33 * channels
+    assert max(rows) <= 4 * channels and max(fitted) <= 4 * channels * views
+    assert max(b - a for a, b in zip(fractions, fractions[1:], strict=False)) < 0.1
 
 
 def test_cancelling_at_any_step():

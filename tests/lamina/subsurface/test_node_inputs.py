@@ -158,7 +158,7 @@ def test_colours_and_albedos(g, version):
     ({"anisotropy": 0.95}, "anisotropy = 0.95: must lie in [0, 0.9]"),
     ({"version": (3, 6)}, "version = (3, 6): must be a release of Blender from (4, 2) on"),
     ({"version": 5}, "version = 5: must be a release of Blender from (4, 2) on"),
-    ({"mu": 0.0}, "mu = 0.0: must lie in (0, 1]"),
+    ({"mu": 0.0}, 'mu = 0.0: must lie in (0, 1], or be "diffuse"'),
     ({"ior": 1.0}, "ior = 1.0: must lie in [1.01, 3.8]"),
     ({"roughness": 2.0}, "roughness = 2.0: must lie in [0, 1]"),
 ])

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The solid of an object, in millimetres and in the object's own axes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from mathutils import Matrix
+
+from ..base import mesh_arrays
+from ..base.messages import RefusedError
+
+SAME = 1e-3  # relative difference of scales that count as equal
+
+
+@dataclass(frozen=True)
+class Body:
+    """`arrays`: in the object's own axes, in mm. `millimetres`: of a unit of the object's own space.
+    `axes`: (3, 3), the object's unit axes in world space, as columns."""
+
+    arrays: mesh_arrays.Arrays
+    millimetres: float
+    axes: np.ndarray
+
+    def towards(self, direction):
+        """A direction in world space, in the object's own axes."""
+        return self.axes.T @ np.array(direction, float)
+
+
+def problem(obj):
+    """The reason why an object has no interior, in a sentence, or ''."""
+    if obj is None or obj.type != "MESH":
+        return "An interior needs a mesh object: select one"
+    if not obj.is_editable or not obj.data.is_editable:
+        return f"{obj.name} is linked from another file: edit it there, or make it local"
+    if obj.mode != "OBJECT":
+        return f"{obj.name} is being edited: change to Object Mode"
+    return ""
+
+
+def of_object(context, obj, material, uv_map):
+    """The Body of an object as it is rendered, with modifiers, and its UV map `uv_map`; "": the one for
+    rendering. Faces of other materials have no area in the UV map. Raises RefusedError."""
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    scale, axes = _uniform(obj, evaluated.matrix_world)
+    millimetres = scale * context.scene.unit_settings.scale_length * 1000.0
+    mesh = evaluated.to_mesh()
+    try:
+        still = Matrix.Identity(4)
+        vertices = mesh_arrays.vertices(mesh, still, millimetres)
+        triangles, loops = mesh_arrays.triangles(mesh, still), mesh_arrays.loops(mesh, still)
+        if not len(triangles):
+            raise RefusedError(f"{obj.name} has no faces: an interior needs a closed mesh")
+        normals = mesh_arrays.corner_normals(mesh, still)[loops]
+        uvs = mesh_arrays.uvs(obj, mesh, uv_map, "let Lamina unwrap it")[loops]
+        slots = [slot.material for slot in obj.material_slots]
+        uvs[_others(mesh, slots, material)] = 0.0
+    finally:
+        evaluated.to_mesh_clear()
+    return Body(mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name), millimetres, axes)
+
+
+def axes_of(obj):
+    """(3, 3): an object's unit axes in world space, as columns. Raises RefusedError for a scale that is
+    not uniform."""
+    return _uniform(obj, obj.matrix_world)[1]
+
+
+def _others(mesh, slots, material):
+    """(m,) bool: the triangles that have another material."""
+    faces = np.empty(len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("material_index", faces)
+    own = np.array([one == material for one in slots] or [True])
+    if not own.any():
+        raise RefusedError(
+            f"{material.name} is not a material of the active object: select an object that has it"
+        )
+    return ~own[np.minimum(faces, len(own) - 1)]
+
+
+def _uniform(obj, matrix):
+    """(scale, axes) of a uniform scale. Raises RefusedError."""
+    columns = np.array(matrix, float)[:3, :3]
+    scale = np.linalg.norm(columns, axis=0)
+    mean = float(scale.mean())
+    if not mean > 0.0:
+        raise RefusedError(f"{obj.name} has the scale 0: must be above 0")
+    axes = columns / mean
+    if not np.allclose(axes.T @ axes, np.eye(3), atol=2.0 * SAME):
+        text = "({:.3g}, {:.3g}, {:.3g})".format(*scale)
+        raise RefusedError(
+            f"{obj.name} has a scale that is not uniform, {text}: apply the scale (Object > Apply > Scale)"
+        )
+    return mean, axes

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What fills an object: lamina.Interior and lamina.Surface from the properties of a material."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import native
+from ..base.messages import RefusedError
+from ..editing import stack_io
+from . import node_texture
+from .node_sources import default_source
+
+
+@dataclass(frozen=True)
+class Contents:
+    """`fill`: a function of (progress, cancel) that returns the lamina.Interior and may run in a thread.
+    `surface`: the lamina.Surface. `identity`: a text that is equal for equal interiors."""
+
+    fill: Callable
+    surface: object
+    identity: str
+
+
+def of_material(obj, material, body):
+    """The Contents of a Body. Main thread only: it renders node textures. Raises RefusedError,
+    lamina.InteriorError, lamina.StackError."""
+    lamina, settings = native.require(), material.lamina.interior
+    if settings.source == "LAYERS":
+        interior, surface = lamina.interior_of_stack(stack_io.to_stack(material))
+        return _known(interior, surface)
+    surface = lamina.Surface(settings.ior, settings.roughness**2)
+    palette = [
+        lamina.EndMaterial(tuple(one.sigma_s), tuple(one.sigma_a), one.g)
+        for one in (settings.first, settings.second)
+    ]
+    low, high, counts = _box(body.arrays.vertices, settings.resolution)
+    if settings.source == "NODES":
+        corners = (low / body.millimetres, high / body.millimetres)
+        values = node_texture.sample_nodes(obj, material, *corners, counts, texture(material))
+        coordinate = np.clip(values.mean(axis=3), 0.0, 1.0)
+        return _known(lamina.Interior.mixed(coordinate, palette, low, high), surface)
+    names = ("spacing", "width", "distortion", "feature", "octaves", "seed")
+    numbers = {name: getattr(settings, name) for name in names}
+    veins, resolution = (
+        lamina.Marble(palette, direction=tuple(settings.direction), **numbers),
+        settings.resolution,
+    )
+
+    def fill(progress, cancel):
+        return lamina.marble(low, high, resolution, veins, progress, cancel)
+
+    identity = json.dumps([veins.to_json(), low.tolist(), high.tolist(), resolution])
+    return Contents(fill, surface, identity)
+
+
+def _known(interior, surface):
+    return Contents(lambda _progress, _cancel: interior, surface, interior.hash)
+
+
+def fill(end, preset):
+    """Set an end material to the one medium of a preset of the library. Raises lamina.StackError."""
+    lamina = native.require()
+    stack = lamina.presets.load(preset)
+    material = lamina.interior_of_stack(stack)[0].palette[0]
+    end.sigma_s, end.sigma_a, end.g, end.preset = (
+        material.sigma_s,
+        material.sigma_a,
+        material.g,
+        stack.name or preset,
+    )
+
+
+def presets():
+    """(id, name) of the presets that can be end materials, by name. Raises NativeMissingError."""
+    lamina, found = native.require(), []
+    for entry in lamina.presets.entries():
+        try:
+            lamina.interior_of_stack(entry.stack)
+        except (lamina.StackError, lamina.InteriorError):
+            continue
+        found.append((entry.id, entry.name or entry.id))
+    return sorted(found, key=lambda one: one[1].casefold())
+
+
+def texture(material):
+    """(node, output) of the texture that mixes the end materials. Raises RefusedError."""
+    settings = material.lamina.interior
+    if not settings.node:
+        return default_source(material)
+    node = material.node_tree.nodes.get(settings.node) if material.node_tree is not None else None
+    first = node.outputs[0].identifier if node is not None and node.outputs else ""
+    return settings.node, settings.socket or first
+
+
+def _box(vertices, resolution):
+    """(low, high) in mm, and the number of voxels along each axis; voxels are nearly cubes."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    side = float((high - low).max())
+    if not side > 0.0:
+        raise RefusedError("the object is 0 mm large: must have an extent")
+    flat = 1e-6 * side  # the box must have an extent along each axis
+    low, high = low - flat, high + flat
+    counts = np.maximum(1, np.ceil(resolution * (high - low) / (high - low).max() - 1e-9)).astype(int)
+    return low, high, tuple(map(int, counts))

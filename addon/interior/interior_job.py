@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images of the light in an object's interior, and their nodes: in a blocking function, or in a polled
+worker.
+
+`gather` reads the scene on the main thread, `compute` works on arrays only and may run in a thread,
+`apply` writes. Nothing in the file is written before all is computed, except the UV map of an automatic
+unwrap.
+"""
+
+import hashlib
+import json
+import logging
+import shutil
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..base import native, package, preferences
+from ..base.messages import RefusedError
+from ..base.worker import Place, Worker
+from ..nodes import interior_graph, lateral_group
+from . import body, contents, lights, unwrap
+
+log = logging.getLogger(__name__)
+
+_place = Place()
+running, forget, stop = _place.running, _place.forget, _place.stop
+running_for, register, unregister = _place.running_for, _place.register, _place.unregister
+
+FILLING = 0.1  # share of the progress: the voxels
+MARGIN = 4  # texels
+
+
+@dataclass(frozen=True)
+class Task:
+    """One computation, as arrays and numbers. `fill`: a function of (progress, cancel) that returns the
+    lamina.Interior. `sources`: the suns, then the world, for Lit. `folder`: of finished parts."""
+
+    material: int
+    object: str
+    name: str
+    output: str
+    solid: object
+    fill: object
+    surface: object
+    uvs: np.ndarray
+    uv_map: str
+    normals: np.ndarray
+    size: int
+    noise: float
+    sources: list
+    view: dict
+    node: tuple
+    millimetre: float
+    folder: Path
+    threads: int
+
+
+class InteriorJob(Worker):
+    """The computation for one material on one object. The material may be renamed while the job runs."""
+
+    def __init__(self, task):
+        self.task, self.uid = task, task.material
+        super().__init__(lambda progress, cancel: compute(task, progress, cancel), "lamina interior")
+
+    def finish(self):
+        """Build the nodes; main thread only. Returns the material, or None after a cancel.
+
+        Raises the exception of the computation. After an exception or a cancel the material is unchanged."""
+        if self.error is not None:
+            raise self.error
+        material = next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
+        if material is None or self.cancelling:
+            return None
+        apply(material, self.task, self.result)
+        return material
+
+
+def make(context, obj, material, progress=None, cancel=None, folder=None):
+    """Compute the light inside an object and show it by the material's nodes. Blocks.
+
+    Returns lamina.RelightableImages or lamina.LitImages, as material.lamina.interior.output says.
+    Finished parts are kept in `folder`, by default one of Lamina's own: after a cancel, an error or the
+    end of Blender, the next call with equal settings continues there. The folder is removed at the end.
+    Raises RefusedError, NativeMissingError, OSError and the errors of lamina.relightable_images; the
+    material is then unchanged."""
+    task = gather(context, obj, material, folder)
+    found = compute(task, progress, cancel)
+    apply(material, task, found)
+    return found
+
+
+def start(context, obj, material):
+    """Start a background job; only one runs at a time. Raises like make, before the job starts."""
+    return _place.take(InteriorJob(gather(context, obj, material)))
+
+
+def problem(obj, material):
+    """The reason why the interior of an object cannot be computed, in a sentence, or ''."""
+    sentence = body.problem(obj)
+    if sentence or not native.available():
+        return sentence or native.reason()
+    reason = native.part("dust").available()
+    if reason:
+        return reason
+    others = [one.name for one in bpy.data.objects if one != obj and _has(one, material)]
+    if others:
+        return f"{material.name} is also on {others[0]}: its images fit one object, make it single-user"
+    return ""
+
+
+def gather(context, obj, material, folder=None):
+    """The Task, read from the scene. Main thread only: it renders node textures. Raises RefusedError."""
+    sentence = problem(obj, material)
+    if sentence:
+        raise RefusedError(sentence)
+    lamina, settings = native.require(), material.lamina.interior
+    own = settings.map == "OWN" and len(obj.data.uv_layers) > 0
+    uv_map = settings.uv_map if own else unwrap.ensure(obj)
+    shape = body.of_object(context, obj, material, uv_map)
+    uv_map = uv_map or next(one.name for one in obj.data.uv_layers if one.active_render)
+    filled = contents.of_material(obj, material, shape)
+    is_lit = settings.output == "LIT"
+    task = Task(
+        material=material.session_uid,
+        object=obj.name,
+        name=material.name,
+        output=settings.output,
+        solid=lamina.Solid(shape.arrays.vertices, shape.arrays.triangles, name=obj.name),
+        fill=filled.fill,
+        surface=filled.surface,
+        uvs=shape.arrays.uvs,
+        uv_map=uv_map,
+        normals=shape.arrays.normals,
+        size=settings.size,
+        noise=0.01 * settings.noise,
+        sources=[*lights.suns(context.scene, shape), lights.world(context.scene)] if is_lit else [],
+        view=_view(context.scene, shape, obj) if is_lit and settings.view == "CAMERA" else {},
+        node=contents.texture(material) if settings.source == "NODES" else ("", ""),
+        millimetre=0.001 / context.scene.unit_settings.scale_length,
+        folder=Path("."),
+        threads=preferences.threads(),
+    )
+    base = package.user_folder("interiors") if folder is None else Path(folder)
+    return replace(task, folder=base / _key(task, filled.identity))
+
+
+def compute(task, progress=None, cancel=None):
+    """The images of a Task. Raises as lamina.relightable_images does."""
+    lamina = native.require()
+    told = progress or (lambda _fraction, _text="": None)
+    interior = task.fill(lambda fraction, text="": told(FILLING * fraction, text), cancel)
+    how = {
+        "uvs": task.uvs,
+        "size": task.size,
+        "surface": task.surface,
+        "noise": task.noise,
+        "normals": task.normals,
+        "margin": MARGIN,
+        "folder": task.folder,
+        "threads": task.threads,
+        "progress": lambda fraction, text="": told(FILLING + (1.0 - FILLING) * fraction, text),
+        "cancel": cancel,
+    }
+    if task.output == "LIT":
+        lamps = [lamina.Lamp(one.towards, one.angle) for one in task.sources if one.towards is not None]
+        return lamina.lit_images(task.solid, interior, lamps, **how, **task.view)
+    return lamina.relightable_images(task.solid, interior, version=tuple(bpy.app.version[:2]), **how)
+
+
+def apply(material, task, found):
+    """Build the nodes of a Task's images. The folder of parts is removed."""
+    settings = material.lamina.interior
+    if task.output == "LIT":
+        inputs = interior_graph.lit_inputs(task.sources)
+
+        def draw(graph, _length, sockets):
+            return interior_graph.draw_lit(
+                graph, found, task.sources, task.surface, task.uv_map, task.name, sockets
+            )
+    else:
+        inputs = ()
+
+        def draw(graph, length, _sockets):
+            return interior_graph.draw_relightable(graph, found.inputs, length, task.uv_map, task.name)
+
+    lateral_group.build(material, task.output.capitalize(), draw, task.millimetre, inputs)
+    if hasattr(material, "cycles"):
+        # A lit surface shines on others as a diffuse one would: Cycles need not aim at its texels.
+        material.cycles.emission_sampling = "NONE" if task.output == "LIT" else "AUTO"
+    settings.node, settings.socket = task.node
+    settings.suns, settings.shown_on = lights.kept(task.sources), task.object
+    settings.report = " ".join([found.report, *(f"{note[0].upper()}{note[1:]}." for note in found.notes)])
+    shutil.rmtree(task.folder, ignore_errors=True)
+
+
+def stale(context, obj, material):
+    """The reason why the last Lit no longer fits the scene, in a sentence, or ''."""
+    settings = material.lamina.interior
+    if not settings.suns or obj is None or obj.name != settings.shown_on:
+        return ""
+    try:
+        names = lights.moved(settings.suns, context.scene, body.axes_of(obj))
+    except RefusedError as error:
+        return str(error)
+    if names:
+        return f"{' and '.join(names)} has moved, changed in size or gone since: compute again"
+    return ""
+
+
+def _has(obj, material):
+    return any(slot.material == material for slot in obj.material_slots)
+
+
+def _view(scene, shape, obj):
+    """The view of the scene's camera, as arguments of lamina.lit_images. Raises RefusedError."""
+    camera = scene.camera
+    if camera is None:
+        raise RefusedError("The scene has no camera: set one, or choose the view All")
+    if camera.data.type == "ORTHO":
+        return {"view": tuple(shape.towards(np.array(camera.matrix_world, float)[:3, 2]))}
+    place = obj.matrix_world.inverted() @ camera.matrix_world.translation
+    return {"eye": tuple(shape.millimetres * value for value in place)}
+
+
+def _key(task, identity):
+    """Name of the folder: equal settings and geometry have the same."""
+    digest = hashlib.sha256()
+    for array in (task.solid.vertices, task.solid.triangles, task.uvs, task.normals):
+        digest.update(np.ascontiguousarray(array).data)
+    lamps = [[one.towards, one.angle] for one in task.sources if one.towards is not None]
+    surface = [task.surface.ior, task.surface.alpha, task.surface.distribution]
+    digest.update(
+        json.dumps([identity, task.output, task.size, task.noise, lamps, task.view, surface]).encode()
+    )
+    return digest.hexdigest()[:24]

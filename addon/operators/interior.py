@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator for the light inside an object."""
+
+import bpy
+
+from ..interior import interior_job
+from . import common
+from .making import Making
+
+
+class LAMINA_OT_interior(Making, bpy.types.Operator):
+    bl_idname = "lamina.interior"
+    bl_label = "Compute Interior"
+    bl_description = (
+        "Follow light inside the active object and show it by images. ESC cancels; finished parts are kept, "
+        "and the next start continues after them"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    jobs = interior_job
+    status = "Lamina follows light inside"
+
+    @classmethod
+    def poll(cls, context):
+        if not common.can_edit(cls, context):
+            return False
+        sentence = interior_job.problem(context.object, common.material_of(context))
+        if not sentence and interior_job.running() is not None:
+            sentence = "An interior is being computed"
+        if sentence:
+            cls.poll_message_set(sentence)
+        return not sentence
+
+    def made(self, context, material):
+        interior_job.make(context, context.object, material)
+
+    def started(self, context, material):
+        return interior_job.start(context, context.object, material)
+
+    def told(self, material):
+        return material.lamina.interior.report

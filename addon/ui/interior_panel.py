@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Lamina subpanel for the interior of the active object."""
+
+import bpy
+
+from ..base import messages, native
+from ..interior import contents, interior_job
+from .fields import split
+from .panel import MaterialPanel, draw_progress, draw_sentence
+
+
+class LAMINA_MT_end_presets(bpy.types.Menu):
+    """Presets of one end material; which one is a property of the panel's row."""
+
+    bl_label = "Material"
+    bl_description = "Take the coefficients per mm of a preset of the library"
+    second = False
+
+    def draw(self, _context):
+        try:
+            found = contents.presets()
+        except (native.NativeMissingError, ValueError) as error:
+            self.layout.label(text=messages.sentence(error), icon="ERROR")
+            return
+        for name, label in found:
+            choice = self.layout.operator("lamina.end_preset", text=label)
+            choice.preset, choice.second = name, self.second
+
+
+class LAMINA_MT_vein_presets(LAMINA_MT_end_presets):
+    second = True
+
+
+class LAMINA_PT_interior(MaterialPanel, bpy.types.Panel):
+    bl_label = "Interior"
+    bl_parent_id = "LAMINA_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def wanted(cls, material):
+        return material.grease_pencil is None
+
+    def draw(self, context):
+        layout, obj, material = self.layout, context.object, context.material
+        settings = material.lamina.interior
+        layout.row().prop(settings, "source", expand=True)
+        if settings.source != "LAYERS":
+            _draw_ends(layout, material, settings)
+        _draw_output(layout, obj, settings)
+        job = interior_job.running_for(material)
+        if job is not None:
+            draw_progress(layout, job, "lamina.interior_cancel")
+            return
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("lamina.interior", icon="LIGHT_HEMI")
+        sentence = interior_job.problem(obj, material) or interior_job.stale(context, obj, material)
+        if sentence:
+            draw_sentence(context, layout, sentence, "ERROR")
+        if settings.report:
+            draw_sentence(context, layout, settings.report)
+
+
+def _draw_ends(layout, material, settings):
+    column = split(layout.column())
+    if settings.source == "MARBLE":
+        for name in ("spacing", "width", "distortion", "feature", "octaves", "direction", "seed"):
+            column.prop(settings, name)
+    elif material.node_tree is not None:
+        column.prop_search(settings, "node", material.node_tree, "nodes", text="Texture Node")
+        if settings.node:
+            column.prop(settings, "socket")
+    menus = ("LAMINA_MT_end_presets", "LAMINA_MT_vein_presets")
+    titles = ("Ground", "Veins") if settings.source == "MARBLE" else ("At 0", "At 1")
+    for title, end, menu in zip(titles, (settings.first, settings.second), menus, strict=True):
+        row = layout.row()
+        row.label(text=f"{title} (per mm)")
+        row.menu(menu, text=end.preset or "Material")
+        column = split(layout.column())
+        for name in ("sigma_s", "sigma_a", "g"):
+            column.prop(end, name)
+    column = split(layout.column())
+    for name in ("ior", "roughness", "resolution"):
+        column.prop(settings, name)
+
+
+def _draw_output(layout, obj, settings):
+    layout.row().prop(settings, "output", expand=True)
+    column = split(layout.column())
+    if settings.output == "LIT":
+        column.row().prop(settings, "view", expand=True)
+    column.row().prop(settings, "map", expand=True)
+    if settings.map == "OWN" and obj is not None and obj.type == "MESH":
+        column.prop_search(settings, "uv_map", obj.data, "uv_layers", text="UV Map")
+    column.prop(settings, "size")
+    column.prop(settings, "noise")
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (LAMINA_MT_end_presets, LAMINA_MT_vein_presets, LAMINA_PT_interior)
+)

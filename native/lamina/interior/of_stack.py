@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The homogeneous interior that a stack with one medium stands for."""
+
+from __future__ import annotations
+
+from ..common.errors import StackError
+from ..kinds.bases import HalfSpace
+from ..kinds.boundaries import Interface
+from ..kinds.fields import channel
+from ..kinds.phases import HenyeyGreenstein, Isotropic
+from ..material.layers import Medium
+from ..material.millimetres import require_millimetres
+from ..material.stack import Stack
+from .end_material import CHANNELS, EndMaterial
+from .grid import Interior
+from .walk import Surface
+
+
+def interior_of_stack(stack: Stack) -> tuple[Interior, Surface]:
+    """(interior, surface) of a body that a stack fills: an optional interface on top, and one medium in 1/mm below,
+    as a layer or as a half-space; the thickness of a layer is not used. The phase function is isotropic or
+    Henyey-Greenstein. If g differs between channels, all get the mean g, and sigma_s is scaled so that
+    sigma_s (1 - g) stays the same (similarity). Raises StackError for other stacks, InteriorError for coefficients
+    out of range."""
+    require_millimetres(stack)
+    top = stack.layers[:1] if stack.layers and isinstance(stack.layers[0], Interface) else ()
+    media = [part for part in (*stack.layers[len(top):], stack.base) if part is not None]
+    if len(media) != 1 or not isinstance(media[0], Medium | HalfSpace) or getattr(media[0], "profile", None):
+        raise StackError("layers: must be one homogeneous medium, below at most one interface, to fill a body")
+    medium = media[0]
+    if not isinstance(medium.phase, Isotropic | HenyeyGreenstein):
+        raise StackError("phase: must be isotropic or Henyey-Greenstein inside a body")
+    sigma_s, sigma_a, by_channel = ([channel(values, c % stack.channels) for c in range(CHANNELS)] for values in
+                                    (medium.sigma_s, medium.sigma_a, getattr(medium.phase, "g", 0.0)))
+    g = sum(by_channel) / CHANNELS
+    sigma_s = [s * (1.0 - own) / (1.0 - g) for s, own in zip(sigma_s, by_channel, strict=True)]
+    surface = Surface(_mean(top[0].ior, stack), _mean(top[0].alpha, stack), top[0].distribution) if top else Surface()
+    return Interior.uniform(EndMaterial(sigma_s, sigma_a, g)), surface
+
+
+def _mean(values, stack: Stack) -> float:
+    return sum(channel(values, c) for c in range(stack.channels)) / stack.channels

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Walks from each point of a map."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.arguments import check_number, check_whole, finite_array
+from ..common.errors import ArgumentError
+from ..common.progress import Progress, portion, stepper
+from ..interior.estimates import ExitEstimate, LightEstimate
+from ..interior.lamps import Lamp
+from ..interior.parts import job_of, merge_walks, part_of
+from ..interior.walk import MOST_SAMPLES, Surface, Walker, checked_lamps
+from .noise import samples_for
+from .part_folder import PartFolder
+from .places import Places, places_of
+
+SETTING_UP = 0.1  # share of the progress
+
+
+@dataclass(frozen=True, eq=False)
+class MapWalk:
+    """The points of a map and the estimates there."""
+
+    places: Places
+    estimate: ExitEstimate | LightEstimate
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class MapJob:
+    """What both kinds of maps are made from. See relightable_images and lit_images."""
+
+    solid: object
+    interior: object
+    uvs: object
+    size: object
+    surface: Surface | None
+    normals: object
+    noise: float
+    samples: int | None
+    seed: int
+    folder: object
+    threads: int
+    progress: Progress | None
+    cancel: Callable[[], bool] | None
+
+
+def walk_map(job: MapJob, kind: str, lamps: Sequence[Lamp] = (), view=None, eye=None) -> MapWalk:
+    """Estimates of this `kind`, "exits" or "light". `view`, `eye`: see lit_images. Raises ArgumentError,
+    InteriorError, ShardError, OSError, Cancelled, DustUnavailable."""
+    began = time.perf_counter()
+    step = stepper("the map", job.progress, job.cancel)
+    check_number(job.noise, "noise", "must lie in (0, 1]", lambda value: 0.0 < value <= 1.0)
+    if job.samples is not None:
+        check_whole(job.samples, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^32, or None")
+    surface = Surface() if job.surface is None else job.surface
+    if not isinstance(surface, Surface):
+        raise ArgumentError(f"surface = {type(surface).__name__}: must be a lamina.Surface")
+    used = checked_lamps(lamps, surface)
+    places = places_of(job.solid, job.uvs, job.size, job.normals)
+    points = places.points
+    walker = Walker(job.solid, job.interior, surface, points.positions, points.normals,
+                    _directions(points.positions, view, eye), job.samples or 1, job.seed, job.threads,
+                    portion(step, 0.0, 0.5 * SETTING_UP))
+    described = job_of(kind, walker, used)
+    wanted = {"noise": job.noise} if job.samples is None else {"samples": job.samples}
+    parts = PartFolder(job.folder, {**{key: described[key] for key in described if key != "samples"}, **wanted})
+    if parts.samples is None:
+        walks = job.samples or samples_for(job.noise, kind, walker, used,
+                                           portion(step, 0.5 * SETTING_UP, SETTING_UP))
+        parts.begin(walks)
+    walker.samples = described["samples"] = parts.samples
+    done = parts.run(described, lambda shard, within: part_of(described, shard, walker, used, within),
+                     portion(step, SETTING_UP, 1.0))
+    step(1.0, "Done")
+    return MapWalk(places, merge_walks(done), time.perf_counter() - began)
+
+
+def _directions(positions: np.ndarray, view, eye) -> np.ndarray | None:
+    """Directions to the eye, or None for the mean over directions. Raises ArgumentError."""
+    if view is not None and eye is not None:
+        raise ArgumentError("view and eye are both given: give a direction, or a position, or neither")
+    if view is None and eye is None:
+        return None
+    name, value = ("view", view) if eye is None else ("eye", eye)
+    array = finite_array(value, name)
+    if array.shape != (3,) or (eye is None and not array.any()):
+        rule = "three numbers, not all 0" if eye is None else "three lengths in mm"
+        raise ArgumentError(f"{name} = {value!r}: must be {rule}")
+    return np.broadcast_to(array, positions.shape) if eye is None else array - positions

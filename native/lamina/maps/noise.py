@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The number of walks for a wanted noise, from a short trial."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..common.progress import Progress
+from ..interior.estimates import ExitEstimate, LightEstimate
+from ..interior.lamps import Lamp
+from ..interior.parts import job_of, merge_walks, part_of
+from ..interior.walk import Walker
+from ..walks.searchlight_moments import Measured
+
+TRIAL_POINTS, TRIAL_SAMPLES = 512, 64
+LEAST_SAMPLES, MOST_SAMPLES = 16, 1 << 20
+OTHER_SEED = 0x9E3779B97F4A7C15  # the trial must not share random numbers with the run
+
+
+def samples_for(noise: float, kind: str, walker: Walker, lamps: tuple[Lamp, ...], step: Progress) -> int:
+    """Walks per point, 16 to 2^20, for which `noise_of` the run is about `noise`; from a trial at up to 512 points."""
+    count = len(walker.positions)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, TRIAL_POINTS)).astype(int))
+    trial = walker.with_points(chosen, TRIAL_SAMPLES, (walker.seed ^ OTHER_SEED) % 2**64)
+    part = part_of(job_of(kind, trial, lamps), (1, 1), trial, lamps, lambda fraction, _: step(fraction, "Noise"))
+    found = noise_of(merge_walks([part]))
+    return int(min(max(LEAST_SAMPLES, math.ceil(TRIAL_SAMPLES * (found / noise) ** 2)), MOST_SAMPLES))
+
+
+def noise_of(estimate: ExitEstimate | LightEstimate) -> float:
+    """The relative noise of a map: of the exit albedo, or of the light of the worst lamp or of the sky."""
+    if isinstance(estimate, ExitEstimate):
+        return relative_noise(estimate.albedo)
+    lamps = [Measured(estimate.lamps.value[:, k], estimate.lamps.stderr[:, k]) for k in range(len(estimate.lamps_used))]
+    return max(map(relative_noise, [*lamps, estimate.sky]))
+
+
+def relative_noise(measured: Measured) -> float:
+    """The root mean square of the standard error over the mean value, both over all points and channels; 0 without
+    light."""
+    mean = float(measured.value.mean())
+    return float(np.sqrt((measured.stderr**2).mean())) / mean if mean > 0.0 else 0.0

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A folder with the finished parts of a run. An interrupted run continues at the parts that are missing."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from ..common import json_file
+from ..common.atomic import write_atomically
+from ..common.errors import ArgumentError, ShardError
+from ..common.progress import Progress, portion
+from ..interior.parts import WalkPart
+
+FORMAT, SCHEMA = "lamina-run", 1
+MOST_PARTS = 4096
+WALKS_PER_PART = 1 << 17  # about a second of work
+
+
+class PartFolder:
+    """The parts of one run in a folder, or in memory only if `path` is None.
+
+    The file run.json holds the request, which identifies the run, and the number of samples. A folder with the
+    run.json of another request is refused. Files of other names are left alone, except temporary files of parts, which
+    a killed run may leave behind. Raises ArgumentError, ShardError, OSError."""
+
+    def __init__(self, path: str | os.PathLike | None, request: dict):
+        if path is not None and not isinstance(path, str | os.PathLike):
+            raise ArgumentError(f"folder = {path!r}: must be a path or None")
+        self._path = None if path is None else Path(path)
+        self._request = json.loads(json.dumps(request))
+        self.samples: int | None = None
+        """Walks per point of an earlier start of this run, or None."""
+        if self._path is None:
+            return
+        self._path.mkdir(parents=True, exist_ok=True)
+        found = _read(self._path / "run.json")
+        if found is None:
+            return
+        for key in sorted({*self._request, *found["request"]}):
+            if found["request"].get(key) != self._request.get(key):
+                raise ShardError(f"{self._path} holds the parts of another run, with a different {key}: choose another "
+                                 "folder, or delete this one")
+        self.samples = found["samples"]
+        for left in self._path.glob(".part-*-of-*.npz.*.part"):
+            left.unlink(missing_ok=True)
+
+    def begin(self, samples: int) -> None:
+        """Note the number of samples of a new run."""
+        if self._path is not None and self.samples is None:
+            header = {"format": FORMAT, "schema": SCHEMA, "request": self._request, "samples": samples}
+            text = json.dumps(header, indent=1, sort_keys=True) + "\n"
+            self._kept(lambda: write_atomically(self._path / "run.json", lambda file: file.write(text.encode())), 0)
+        self.samples = samples
+
+    def run(self, job: dict, compute: Callable[[tuple[int, int], Progress], WalkPart],
+            step: Progress) -> list[WalkPart]:
+        """All parts, in sequence: read from the folder where they are whole, otherwise computed and written. `job`: the
+        description that each part must have."""
+        count = max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // WALKS_PER_PART)))
+        found = [self._load(job, (number, count)) for number in range(1, count + 1)]
+        done = sum(part is not None for part in found)
+        for place, part in enumerate(found):
+            if part is None:
+                within = portion(step, done / count, (done + 1) / count)
+                part = compute((place + 1, count), lambda fraction, _text, within=within, done=done: within(
+                    fraction, f"Part {done + 1} of {count}"))
+                self._save(part, done)
+                found[place] = part
+                done += 1
+        return found
+
+    def _load(self, job: dict, shard: tuple[int, int]) -> WalkPart | None:
+        """The part in the folder, or None if its file is missing, damaged or of another run."""
+        if self._path is None:
+            return None
+        try:
+            part = WalkPart.load(self._file(shard))
+        except (ShardError, OSError):
+            return None
+        return part if part.job == job and part.shard == shard else None
+
+    def _save(self, part: WalkPart, done: int) -> None:
+        if self._path is not None:
+            self._kept(lambda: part.save(self._file(part.shard)), done)
+
+    def _file(self, shard: tuple[int, int]) -> Path:
+        return self._path / f"part-{shard[0]:04d}-of-{shard[1]:04d}.npz"
+
+    def _kept(self, write: Callable[[], None], done: int) -> None:
+        """Write a file. An OSError then says what is kept."""
+        try:
+            write()
+        except OSError as error:
+            reason = error.strerror or "cannot be written"
+            raise OSError(error.errno, f"{reason}; {done} finished parts are kept, and the same call continues after "
+                          "them", str(self._path)) from None
+
+
+def _read(path: Path) -> dict | None:
+    """The header of a run, or None if the file is missing or damaged."""
+    try:
+        found = json_file.parse(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    if not isinstance(found, dict) or found.get("format") != FORMAT or found.get("schema") != SCHEMA:
+        return None
+    samples = found.get("samples")
+    whole = isinstance(samples, int) and not isinstance(samples, bool) and samples >= 1
+    return found if whole and isinstance(found.get("request"), dict) else None

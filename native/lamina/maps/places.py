@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The points of a map: the surface below the texels of an image, or the vertices of a mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.errors import ArgumentError, DustError, InteriorError
+from ..interior.solid import Solid
+from ..settling.mesh import Mesh, Points, checked_mesh, vertex_points
+from ..settling.texels import TexelMap, spread
+
+FAR_APART = 4.0  # in texels: two triangles that cover one texel at points farther apart overlap
+MOST_OVERLAP = 0.002  # share of the texels
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """`points`: where light is wanted. `mask`: which texels (height, width), rows from the bottom, or which vertices
+    (n,) they are, in sequence. `notes`: parts of the surface that the UV map leaves out."""
+
+    points: Points
+    mask: np.ndarray
+    notes: tuple[str, ...] = ()
+
+    @property
+    def is_image(self) -> bool:
+        return self.mask.ndim == 2
+
+    def filled(self, values: np.ndarray, margin: int) -> np.ndarray:
+        """float32: `values` (points, ...) at their texels or vertices, 0 elsewhere. Islands of an image are extended
+        over `margin` texels. Shape: that of the mask, then the further axes of the values."""
+        found = np.zeros((*self.mask.shape, *values.shape[1:]), np.float32)
+        found[self.mask] = values
+        if self.is_image and margin:
+            for place in np.ndindex(values.shape[1:]):
+                layer = (slice(None), slice(None), *place)
+                found[layer] = spread(np.ascontiguousarray(found[layer]), self.mask, margin)
+        return found
+
+
+def places_of(solid: Solid, uvs, size, normals) -> Places:
+    """The texels of an image of this `size` over the UV map `uvs`, (triangles, 3, 2), or the vertices if `uvs` is None.
+    `normals`: shading normals, as in lamina.dust.Mesh; those of corners are not used for vertices. Raises
+    InteriorError, ArgumentError."""
+    if not isinstance(solid, Solid):
+        raise InteriorError(f"solid = {type(solid).__name__}: must be a lamina.Solid")
+    if (uvs is None) != (size is None):
+        raise ArgumentError("size and uvs must be given together, or neither of them for values of vertices")
+    try:
+        mesh = checked_mesh(Mesh(solid.vertices, solid.triangles, normals, name=solid.name), solid.name or "solid")
+        return _vertices(mesh) if uvs is None else _texels(mesh, uvs, size)
+    except DustError as error:
+        raise InteriorError(str(error)) from None
+
+
+def _vertices(mesh: Mesh) -> Places:
+    by_corner = mesh.normals is not None and mesh.normals.ndim == 3
+    points = vertex_points(Mesh(mesh.vertices, mesh.triangles, None, mesh.sharp_angle) if by_corner else mesh)
+    mask = np.linalg.norm(points.normals, axis=1) > 0.0
+    if not mask.any():
+        raise InteriorError(f"{mesh.name} has no vertices with a normal: must have faces with an area")
+    return Places(Points(points.positions[mask], points.normals[mask]), mask)
+
+
+def _texels(mesh: Mesh, uvs, size) -> Places:
+    texels = TexelMap(mesh, uvs, size)
+    points, mask = texels.points()
+    texels.require_texels(bool(mask.any()))
+    notes = texels.notes()
+    reverse = Mesh(mesh.vertices, mesh.triangles[::-1],
+                   mesh.normals[::-1] if mesh.normals is not None and mesh.normals.ndim == 3 else mesh.normals,
+                   mesh.sharp_angle, mesh.name)
+    other, _ = TexelMap(reverse, np.asarray(uvs)[::-1], size).points()
+    # Of triangles that cover a texel, the first owns the texel; in reversed sequence, the last.
+    apart = np.linalg.norm(points.positions - other.positions, axis=1)
+    overlap = int(np.count_nonzero(apart > FAR_APART * np.sqrt(np.maximum(points.areas, other.areas))))
+    if overlap > MOST_OVERLAP * len(apart):
+        raise InteriorError(f"{mesh.name}: {overlap} of {len(apart)} texels lie on two parts of the surface, because "
+                            "islands of the UV map overlap: must be unwrapped without overlaps")
+    lengths = np.linalg.norm(points.normals, axis=1)
+    mask[mask] = lengths > 0.0
+    points = Points(points.positions[lengths > 0.0], points.normals[lengths > 0.0])
+    return Places(points, mask, notes)
+

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Relightable maps: inputs of Cycles' Subsurface Scattering node at each point of an interior."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.arguments import check_whole
+from ..common.progress import Progress
+from ..interior.estimates import ExitEstimate
+from ..interior.grid import Interior
+from ..interior.solid import Solid
+from ..interior.walk import Surface
+from ..subsurface.node_inputs import SubsurfaceInputs, checked_version, subsurface_inputs
+from ..subsurface.node_parameters import LEAST_IOR
+from ..subsurface.node_response import LARGEST_G
+from .lit import MOST_MARGIN
+from .map_walk import MapJob, walk_map
+from .noise import noise_of
+
+MOST_IOR = 3.8  # of Cycles' node
+_ARRAYS = ("color", "radius", "extra_color", "extra_radius", "albedo", "distance", "albedo_error", "distance_error")
+
+
+@dataclass(frozen=True, eq=False)
+class RelightableImages:
+    """Inputs of Cycles' Subsurface Scattering node. `inputs`: a lamina.SubsurfaceInputs whose arrays have the shape
+    (height, width, 3) or (vertices, 3), float32, lengths in mm. Images have their rows from the bottom, as in Blender.
+
+    `mask`: the texels, or the vertices, with a value of their own; texels of the margin have copies. `estimate`: exit
+    albedo and distance with standard errors, at the points of the mask in sequence. `noise`: standard error of the exit
+    albedo relative to the mean over points and channels. `notes`: parts of the surface without texels."""
+
+    inputs: SubsurfaceInputs
+    mask: np.ndarray
+    estimate: ExitEstimate
+    noise: float
+    seconds: float
+    notes: tuple[str, ...]
+
+    @property
+    def report(self) -> str:
+        """Size, noise and the nodes' errors, as two sentences."""
+        return (f"Relightable: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} walks each, "
+                f"standard error {100.0 * self.noise:.2g} %. {self.inputs.report}")
+
+
+def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, surface: Surface | None = None,
+                       version: tuple[int, int] = (4, 5), noise: float = 0.02, samples: int | None = None,
+                       seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None,
+                       threads: int = 0, progress: Progress | None = None,
+                       cancel: Callable[[], bool] | None = None) -> RelightableImages:
+    """Color and Radius, for each texel of a UV map or each vertex, with which Cycles' Subsurface Scattering node has
+    the exit albedo and the mean exit distance of an interior.
+
+    `solid`, `interior`, `surface`: as for walk_in_mesh, lengths in mm. `uvs`: (triangles, 3, 2) by corner, without
+    overlaps, and `size`: of a square image or (width, height), each 1 to 16384; without both, values of vertices.
+    `normals`: shading normals, (vertices, 3) or (triangles, 3, 3); by default of the faces, smooth across edges up to
+    30 degrees. `version`: the release of Blender. `noise`: wanted standard error of the exit albedo relative to its
+    mean, (0, 1]; a short trial finds the number of walks. `samples`: walks per point instead. `margin`: texels by which
+    islands are extended, 0 to 64.
+
+    `folder`: keeps finished parts of the walks, so that the same call after an interruption continues, and returns the
+    same bytes. A folder with parts of another call is refused; damaged parts are computed again. The folder is not
+    deleted at the end. The same seed gives the same bytes for any number of `threads` (0: all).
+
+    A boundary is shown by a Glossy closure above the node, see SubsurfaceInputs. Light enters from all directions with
+    the flux of a uniform sky, so the node's mean over views matches. Exact where the body is much thicker than the mean
+    exit distance. Raises InteriorError, ArgumentError, ShardError, Cancelled, OSError with the number of finished parts
+    when the folder cannot be written, and DustUnavailable without a working Embree."""
+    checked_version(version)
+    check_whole(margin, "margin", 0, MOST_MARGIN)
+    surface = Surface() if surface is None else surface
+    job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel)
+    walked = walk_map(job, "exits")
+    found: ExitEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
+    inputs = _inputs(found, interior, surface, version)
+    images = {name: walked.places.filled(getattr(inputs, name), margin) for name in _ARRAYS}
+    return RelightableImages(dataclasses.replace(inputs, **images), walked.places.mask, found, noise_of(found),
+                             walked.seconds, walked.places.notes)
+
+
+def _inputs(found: ExitEstimate, interior: Interior, surface: Surface, version: tuple[int, int]) -> SubsurfaceInputs:
+    """The node's inputs at each point."""
+    entered = 1.0 - float(found.mirrored.mean())  # the same at each point, except for noise
+    albedo = np.clip(found.albedo.value / entered, 0.0, 1.0)
+    distance = np.nan_to_num(found.mean_distance.value)
+    ior = min(max(surface.ior, LEAST_IOR), MOST_IOR)
+    return subsurface_inputs(albedo, distance, mean_anisotropy(interior), version, "diffuse", ior,
+                             surface.alpha if surface.ior > 1.0 else 0.0)
+
+
+def mean_anisotropy(interior: Interior) -> float:
+    """Mean cosine of the phase function, weighted by the scattering of the end materials, in the node's range."""
+    if not interior.palette:
+        return float(np.clip(interior.g, 0.0, LARGEST_G))
+    weights = np.array([sum(one.sigma_s) for one in interior.palette])  # type: ignore[arg-type]
+    if not weights.any():
+        return 0.0
+    return float(np.clip(np.average([one.g for one in interior.palette], weights=weights), 0.0, LARGEST_G))

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The interior of an object: its images, their nodes, interruptions, and what is refused."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from addon_helpers import drawn, pixels, surface_source
+
+
+@pytest.fixture
+def jobs(addon, lamina):
+    from bl_ext.user_default.lamina.interior import interior_job
+
+    yield interior_job
+    interior_job.stop()
+
+
+@pytest.fixture
+def ball(addon):
+    """A ball of radius 10 mm, turned and moved, with the material Marble in large voxels and a small noisy image."""
+    mesh, made = bpy.data.meshes.new("Ball"), bmesh.new()
+    bmesh.ops.create_icosphere(made, subdivisions=2, radius=1.0)
+    made.to_mesh(mesh)
+    made.free()
+    obj = bpy.data.objects.new("Ball", mesh)
+    obj.scale, obj.location, obj.rotation_euler = (0.01,) * 3, (1.0, 2.0, 3.0), (0.4, 0.5, 0.6)
+    bpy.context.scene.collection.objects.link(obj)
+    material = bpy.data.materials.new("Marble")
+    addon.nodes.node_tree.of(material)
+    mesh.materials.append(material)
+    settings = material.lamina.interior
+    settings.resolution, settings.size, settings.noise, settings.second.sigma_a = 16, 12, 40.0, (0.5, 0.4, 0.3)
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+    return obj
+
+
+def sun(name, towards, energy=2.0):
+    obj = bpy.data.objects.new(name, bpy.data.lights.new(name, "SUN"))
+    obj.data.energy, obj.data.color, obj.data.angle = energy, (1.0, 0.5, 0.25), 0.1
+    obj.rotation_euler = towards
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj
+
+
+def images(group):
+    return {node.label: pixels(node.image) for node in group.nodes if node.type == "TEX_IMAGE"}
+
+
+def make(jobs, obj, **more):
+    return jobs.make(bpy.context, obj, obj.active_material, **more)
+
+
+def test_relightable(jobs, ball, lamina):
+    """The images are those of lamina.relightable_images, in mm of the object's scale, over a map that was unwrapped."""
+    bpy.context.scene.unit_settings.scale_length = 0.5  # so that the ball has a radius of 5 mm
+    found = make(jobs, ball)
+    material = ball.active_material
+    group = material.lamina.lateral_group
+    assert [layer.name for layer in ball.data.uv_layers] == ["Lamina"]
+    shown = images(group)
+    np.testing.assert_array_equal(shown["color"][..., :3], found.inputs.color)
+    np.testing.assert_array_equal(shown["radius"][..., :3], found.inputs.radius)
+    assert ("extra_color" in shown) == (found.inputs.extra_weight > 0.0)
+    assert surface_source(material).node_tree == group
+    node = next(node for node in group.nodes if node.type == "SUBSURFACE_SCATTERING")
+    assert node.inputs["IOR"].default_value == pytest.approx(1.5)
+    assert node.inputs["Scale"].links[0].from_socket.name == "Millimetre"
+    assert surface_source(material).inputs["Millimetre"].default_value == pytest.approx(0.002)
+    assert next(node for node in group.nodes if node.type == "UVMAP").uv_map == "Lamina"
+    assert material.lamina.interior.report.startswith("Relightable: ")
+    task = jobs.gather(bpy.context, ball, material)
+    assert np.linalg.norm(task.solid.vertices, axis=1) == pytest.approx(5.0, rel=1e-5)
+    veins = task.fill(None, None)
+    assert veins.low[0] == pytest.approx(task.solid.vertices[:, 0].min(), rel=1e-4) and max(veins.voxels.shape) == 16
+    assert not task.folder.exists()
+
+
+def test_lit(jobs, ball, lamina):
+    """One input of strength and one of colour for each lamp and the world; the sum is emitted, nothing else is lit."""
+    first, second = sun("Key", (0.5, 0.2, 0.0)), sun("Back", (2.5, 0.0, 0.3), 3.0)
+    world = bpy.data.worlds.new("Sky")
+    bpy.context.scene.world = world
+    settings = ball.active_material.lamina.interior
+    settings.output = "LIT"
+    found = make(jobs, ball)
+    group = ball.active_material.lamina.lateral_group
+    shown = images(group)
+    assert set(shown) == {"Back", "Key", "World"}
+    np.testing.assert_array_equal(shown["Back"][..., :3], found.lamps[0])
+    np.testing.assert_array_equal(shown["World"][..., :3], found.sky)
+    node = surface_source(ball.active_material)
+    assert node.inputs["Back Strength"].default_value == pytest.approx(3.0)
+    assert tuple(node.inputs["Key Color"].default_value)[:3] == pytest.approx((1.0, 0.5, 0.25))
+    shaders = sorted(one.type for one in group.nodes if one.type.startswith(("BSDF", "EMISSION", "SUBSURFACE")))
+    assert shaders == ["BSDF_GLOSSY", "EMISSION"]
+    # The lamp's direction in the object's axes.
+    local = np.array(ball.matrix_world.to_3x3().normalized().inverted() @ second.matrix_world.col[2].xyz)
+    np.testing.assert_allclose(found.estimate.lamps_used[0].towards, local, atol=1e-6)
+    assert found.estimate.lamps_used[0].angle == pytest.approx(0.05)
+    assert jobs.stale(bpy.context, ball, ball.active_material) == ""
+    second.data.energy, first.rotation_euler.x = 9.0, 0.6
+    bpy.context.view_layer.update()
+    assert jobs.stale(bpy.context, ball, ball.active_material).startswith("Key has moved")
+    # The next relightable nodes have no inputs of lamps.
+    settings.output = "RELIGHTABLE"
+    make(jobs, ball)
+    assert [socket.name for socket in surface_source(ball.active_material).inputs] == ["Millimetre"]
+    assert not [image for image in bpy.data.images if "Key" in image.name]
+
+
+def test_camera(jobs, ball, lamina):
+    """Lit for the camera: faces that look away from it are black."""
+    settings = ball.active_material.lamina.interior
+    settings.output, settings.view = "LIT", "CAMERA"
+    camera = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
+    camera.location = (1.0, 2.0, 5.0)
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    bpy.context.view_layer.update()
+    found = make(jobs, ball)
+    task = jobs.gather(bpy.context, ball, ball.active_material)
+    # The camera lies 2 m above the ball's centre in world space, and in its own space beyond its upper side.
+    up = np.array(ball.matrix_world.to_3x3().normalized().inverted().col[2])
+    assert np.array(task.view["eye"]) == pytest.approx(2000.0 * up, rel=1e-4)
+    assert 0.3 < (found.estimate.sky.value > 0.0).mean() < 0.7
+
+
+def test_node_texture_between_materials(jobs, ball, lamina):
+    """A gradient along x in the object's own coordinates, also after the nodes were replaced by the result."""
+    material = ball.active_material
+    tree = material.node_tree
+    gradient, coordinates = tree.nodes.new("ShaderNodeSeparateXYZ"), tree.nodes.new("ShaderNodeTexCoord")
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    tree.links.new(coordinates.outputs["Object"], gradient.inputs[0])
+    tree.links.new(gradient.outputs["X"], shader.inputs["Base Color"])
+    material.lamina.interior.source = "NODES"
+    for _ in range(2):
+        interior = jobs.gather(bpy.context, ball, material).fill(None, None)
+        coordinate = interior.voxels[:, 8, 8] / 65535.0
+        centres = 0.1 * interior.high[0] * ((np.arange(16) + 0.5) / 8.0 - 1.0)  # in units of the object's space
+        np.testing.assert_allclose(coordinate, np.clip(centres, 0.0, 1.0), atol=2e-3)
+        make(jobs, ball)
+
+
+def test_homogeneous(jobs, ball, addon, lamina):
+    addon.editing.stack_io.assign_stack(ball.active_material, lamina.presets.load("marble-honed"))
+    ball.active_material.lamina.interior.source = "LAYERS"
+    task = jobs.gather(bpy.context, ball, ball.active_material)
+    assert task.fill(None, None).palette[0].sigma_s == (2.19, 2.62, 3.0)
+    assert (task.surface.ior, task.surface.alpha) == (1.5, pytest.approx(0.35))
+
+
+def test_cancel_keeps_the_material_and_the_parts(jobs, ball, lamina, tmp_path, monkeypatch):
+    """And the next call continues, with the same pixels as one without interruption."""
+    from lamina.maps import part_folder
+
+    monkeypatch.setattr(part_folder, "WALKS_PER_PART", 100)
+    material = ball.active_material
+    before = [(node.name, node.type) for node in material.node_tree.nodes]
+    said = []
+    with pytest.raises(lamina.Cancelled):
+        make(jobs, ball, folder=tmp_path, progress=lambda _, text: said.append(text),
+             cancel=lambda: said[-1:] and said[-1].startswith("Part 4 of "))  # fmt: skip
+    assert [(node.name, node.type) for node in material.node_tree.nodes] == before
+    assert material.lamina.lateral_group is None and not material.lamina.interior.report
+    assert not [image for image in bpy.data.images if image.name.startswith("Lamina")]
+    assert len(list(tmp_path.glob("*/part-*.npz"))) == 4
+    said.clear()
+    make(jobs, ball, folder=tmp_path, progress=lambda _, text: said.append(text))
+    assert not any(text.startswith("Part 3 of ") for text in said) and not list(tmp_path.iterdir())
+    first = images(material.lamina.lateral_group)
+    make(jobs, ball)
+    for name, texels in images(material.lamina.lateral_group).items():
+        np.testing.assert_array_equal(texels, first[name])
+
+
+def test_operator_and_worker(jobs, ball, lamina, call):
+    material = ball.active_material
+    assert call(bpy.ops.lamina.interior, material) == {"FINISHED"}
+    group, first = material.lamina.lateral_group, images(material.lamina.lateral_group)
+    job = jobs.start(bpy.context, ball, material)
+    assert jobs.running_for(material) is job and not bpy.ops.lamina.interior.poll()
+    job.wait()
+    assert job.finish() == material
+    jobs.forget()
+    assert material.lamina.lateral_group == group
+    np.testing.assert_array_equal(images(group)["color"], first["color"])
+    job = jobs.start(bpy.context, ball, material)
+    assert call(bpy.ops.lamina.interior_cancel, material) == {"FINISHED"}
+    job.wait()
+    jobs.forget()
+    with pytest.raises(lamina.Cancelled):
+        job.finish()
+
+
+def test_presets_of_end_materials(jobs, ball, addon, call):
+    from bl_ext.user_default.lamina.interior import contents
+
+    names = dict(contents.presets())
+    assert "marble-polished" in names and "leaf" not in names
+    assert call(bpy.ops.lamina.end_preset, ball.active_material, preset="skin-light", second=True) == {"FINISHED"}
+    end = ball.active_material.lamina.interior.second
+    assert end.preset == names["skin-light"] and tuple(end.sigma_s) == pytest.approx((1.09, 1.59, 1.79))
+    with pytest.raises(RuntimeError, match="must be one homogeneous medium"):
+        call(bpy.ops.lamina.end_preset, ball.active_material, preset="leaf")
+
+
+def test_panel(addon, ball):
+    from bl_ext.user_default.lamina.ui import interior_panel
+
+    material = ball.active_material
+    for source in ("MARBLE", "NODES", "LAYERS"):
+        for output in ("RELIGHTABLE", "LIT"):
+            material.lamina.interior.source, material.lamina.interior.output = source, output
+            with bpy.context.temp_override(material=material):
+                assert "Noise" in drawn(lambda layout: interior_panel.LAMINA_PT_interior.draw(
+                    type("Panel", (), {"layout": layout})(), bpy.context))  # fmt: skip
+
+
+def stretched(obj):
+    obj.scale.x *= 2.0
+
+
+def shared(obj):
+    other = bpy.data.objects.new("Twin", obj.data)
+    bpy.context.scene.collection.objects.link(other)
+
+
+def opened(obj):
+    made = bmesh.new()
+    made.from_mesh(obj.data)
+    bmesh.ops.delete(made, geom=[made.faces[:][0]], context="FACES")
+    made.to_mesh(obj.data)
+    made.free()
+
+
+def flipped(obj):
+    obj.data.flip_normals()
+
+
+def emptied(obj):
+    obj.data.clear_geometry()
+
+
+def overlapping(obj):
+    layer = obj.data.uv_layers.new(name="Own")
+    layer.uv.foreach_set("vector", np.tile([0.1, 0.1, 0.9, 0.1, 0.1, 0.9], len(obj.data.polygons)))
+
+
+def lamp(obj):
+    obj.active_material.lamina.interior.output = "LIT"
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Bulb", bpy.data.lights.new("Bulb", "POINT")))
+
+
+def narrow_sun(obj):
+    settings = obj.active_material.lamina.interior
+    settings.output, settings.roughness = "LIT", 0.0
+    sun("Sun", (0, 0, 0)).data.angle = 0.0
+
+
+def no_texture(obj):
+    obj.active_material.lamina.interior.source = "NODES"
+
+
+def layers_without_lengths(obj):
+    from bl_ext.user_default.lamina.editing import layer_list
+
+    layer_list.add_stack(obj.active_material)
+    obj.active_material.lamina.interior.source = "LAYERS"
+
+
+def missing_map(obj):
+    obj.data.uv_layers.new(name="Own")
+    obj.active_material.lamina.interior.uv_map = "Other"
+
+
+@pytest.mark.parametrize(("change", "words"), [
+    (stretched, r"Ball has a scale that is not uniform, \(0.02, 0.01, 0.01\): apply the scale"),
+    (shared, "Marble is also on Twin: its images fit one object, make it single-user"),
+    (opened, "Ball is open along 3 edges"),
+    (flipped, "Ball is inside out"),
+    (emptied, "Ball has no faces"),
+    (overlapping, "Ball: .* texels lie on two parts of the surface"),
+    (lamp, "Bulb is a lamp of type Point: Lit takes suns and the world"),
+    (narrow_sun, r"lamps\[0\].angle = 0: must be at least"),
+    (no_texture, "Marble has no texture linked to a colour or density"),
+    (layers_without_lengths, "has no lengths"),
+    (missing_map, "Ball has no UV map named Other: unwrap it, or let Lamina unwrap it"),
+])  # fmt: skip
+def test_refusals(jobs, ball, call, change, words):
+    """One sentence, and the material is unchanged."""
+    change(ball)
+    bpy.context.view_layer.update()
+    material = ball.active_material or bpy.data.materials["Marble"]
+    before = [node.name for node in material.node_tree.nodes]
+    with pytest.raises(ValueError, match=words) as raised:
+        jobs.make(bpy.context, ball, material)
+    assert "\n" not in str(raised.value)
+    assert [node.name for node in material.node_tree.nodes] == before and material.lamina.lateral_group is None

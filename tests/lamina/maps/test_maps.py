@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps of homogeneous interiors against the solver; the node's inputs against Cycles' walk photon by photon."""
+
+import cycles_walk
+import numpy as np
+import pytest
+from map_meshes import slab_with_uvs
+from walk_meshes import sphere
+from z_limit import z_limit
+
+import lamina
+from lamina import EndMaterial, Interior, Lamp, Surface
+from lamina.subsurface.node_parameters import albedo_of_colour
+
+SIGMA_S, SIGMA_A, G = (0.9, 1.6, 0.4), (0.1, 0.05, 0.3), 0.6
+UNIFORM = Interior.uniform(EndMaterial(SIGMA_S, SIGMA_A, G))
+SIZE = (7, 5)
+
+
+def plane_stack(surface, thickness=2.0):
+    medium = lamina.Medium(sigma_s=SIGMA_S, sigma_a=SIGMA_A, thickness=thickness, phase=lamina.HenyeyGreenstein(G))
+    top, bottom = (lamina.Interface(ior=ior, alpha=surface.alpha) for ior in (surface.ior, 1.0))
+    return lamina.solve(lamina.Stack([medium] if surface.ior == 1.0 else [top, medium, bottom]))
+
+
+def require_within_error(difference, stderr):
+    z = np.ravel(difference) / np.ravel(stderr)
+    assert np.abs(z).max() < z_limit(z.size), z
+
+
+@pytest.mark.parametrize("surface", [Surface(), Surface(1.4), Surface(1.4, 0.3)])
+def test_each_texel_of_a_slab_is_the_plane_stack(surface):
+    solid, uvs = slab_with_uvs(2.0)
+    found = lamina.relightable_images(solid, UNIFORM, uvs, SIZE, surface, noise=0.02, seed=1)
+    solved, mirrored = plane_stack(surface), found.estimate.mirrored
+    expected = solved.reflectance("diffuse") + solved.transmittance("diffuse")
+    # Facets reflect some walks entirely; at a smooth surface each walk loses its own Fresnel reflectance.
+    variance = (mirrored * (1.0 - mirrored) / found.estimate.count.samples)[:, None] if surface.ior > 1.0 else 0.0
+    require_within_error(found.estimate.albedo.value + mirrored[:, None] - expected,
+                         np.sqrt(found.estimate.albedo.stderr**2 + variance))
+    assert found.mask.all() and found.mask.shape == SIZE[::-1]
+    assert found.noise == pytest.approx(0.02, rel=0.15)
+    entered = found.estimate.albedo.value / (1.0 - mirrored.mean())
+    np.testing.assert_allclose(found.inputs.albedo.reshape(-1, 3), entered, rtol=2e-3)
+
+
+def test_inputs_for_light_from_all_directions():
+    """Albedo and mean distance of photons in the half-space that the node's inputs stand for."""
+    albedo, distance, g = np.array([0.3, 0.6, 0.8]), np.array([0.5, 1.0, 2.0]), 0.5
+    inputs = lamina.subsurface_inputs(albedo, distance, g, (5, 2), "diffuse")
+    single = albedo_of_colour(inputs.color, g, (5, 2))
+    count = 40_000
+    for k in range(3):
+        views2 = (np.arange(count) + 0.5) / count  # squared cosines
+        inside = np.sqrt(1.0 - (1.0 - views2) / inputs.ior**2)  # the node refracts with its least index
+        left = cycles_walk.walk(single[k], inputs.radius[k], g, inside, count, seed=k)
+        require_within_error([left.albedo - albedo[k], left.moment - albedo[k] * distance[k]],
+                             [np.hypot(left.albedo_error, 1e-3 * albedo[k]),
+                              np.hypot(left.moment_error, 2e-3 * albedo[k] * distance[k])])
+
+
+@pytest.mark.parametrize("surface", [Surface(), Surface(1.4, 0.3)])
+def test_light_of_a_lamp_and_the_sky_on_a_slab(surface):
+    """Radiance towards one direction, compared with the solver."""
+    solid, uvs = slab_with_uvs(2.0)
+    mu_i, mu_o, dphi = 0.8, 0.6, 2.0
+    lamp = Lamp([np.sqrt(1.0 - mu_i**2), 0.0, mu_i])
+    # Light keeps its azimuth at dphi = 0.
+    view = [-np.sqrt(1.0 - mu_o**2) * np.cos(dphi), np.sqrt(1.0 - mu_o**2) * np.sin(dphi), mu_o]
+    found = lamina.lit_images(solid, UNIFORM, [lamp], uvs, (3, 2), surface, view, noise=0.08, seed=2)
+    solved = plane_stack(surface)
+    lit, sky = found.estimate.lamps, found.estimate.sky
+    expected = solved.brdf(mu_o, mu_i, dphi) * mu_i
+    if surface.ior > 1.0:  # light that the facets mirror is not part of the map
+        bare = lamina.Stack([lamina.Interface(ior=surface.ior, alpha=surface.alpha)])
+        expected = expected - lamina.solve(bare).brdf(mu_o, mu_i, dphi) * mu_i
+    else:
+        require_within_error(sky.value - solved.reflectance(mu_o) - solved.transmittance(mu_o), sky.stderr)
+    require_within_error(lit.value[:, 0] - expected, lit.stderr[:, 0])
+    assert found.noise < 0.1
+    np.testing.assert_array_equal(found.lamps[0].reshape(-1, 3), lit.value[:, 0].astype(np.float32))
+
+
+def test_values_of_vertices():
+    """Under a uniform sky, a body without absorption is as bright as the sky. An eye sees the half that faces it."""
+    solid = sphere(2.0, 2)
+    clear = Interior.uniform(EndMaterial((0.5, 1.0, 2.0)))
+    lonely = lamina.Solid(np.vstack([solid.vertices, [[9.0, 9.0, 9.0]]]), solid.triangles)
+    found = lamina.lit_images(lonely, clear, samples=200)
+    assert found.mask.tolist() == [True] * len(solid.vertices) + [False]
+    assert found.sky.shape == (len(lonely.vertices), 3) and found.lamps.shape == (0, len(lonely.vertices), 3)
+    assert np.abs(found.sky[:-1].mean(axis=1) - 1.0).max() < 1e-5 and not found.sky[-1].any()
+    seen = lamina.lit_images(lonely, clear, eye=[0.0, 0.0, 4.0], samples=50).sky[:-1, 0] > 0.0
+    clearly = np.abs(solid.vertices[:, 2] - 1.0) > 1e-3
+    np.testing.assert_array_equal(seen[clearly], solid.vertices[clearly, 2] > 1.0)
+
+
+def test_margin_and_seams():
+    """Texels beside an island have values of their neighbours; farther ones are 0."""
+    solid, uvs = slab_with_uvs(2.0)
+    shrunk = 0.5 + 0.5 * (uvs - 0.5)
+    shrunk[uvs[:, :, 0].max(axis=1) == 0.0] = 0.0
+    found = lamina.relightable_images(solid, UNIFORM, np.where(np.abs(uvs) > 0.0, shrunk * 0.4 + 0.3, 0.0), 20,
+                                      samples=20, margin=2)
+    colour, mask = found.inputs.color, found.mask
+    assert 0 < mask.sum() < mask.size
+    filled = colour[..., 1] > 0.0
+    grown = mask.copy()
+    for _ in range(2):
+        wide = np.pad(grown, 1)
+        grown = np.any([wide[1 + y:21 + y, 1 + x:21 + x] for y in (-1, 0, 1) for x in (-1, 0, 1)], axis=0)
+    np.testing.assert_array_equal(filled, grown)
