@@ -14,12 +14,15 @@ FACE_STEP = 0.3  # mm between vertices
 # The cup: a spherical shell, cut open at the top.
 RADIUS, WALL, CENTRE, RIM = 8.0, 1.1, 9.5, 11.0
 MARGIN = 1.0
+MAPPED = 1.125  # side of the mapped square, relative to the picture
+UNWRAPPED = 0.6  # share of the image that an automatic UV map fills, about
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
     """A closed mesh with outward normals, and the picture of the body: `towards_eye` (unit vector), the `middle` of the
-    picture (mm) and its `width` (mm)."""
+    picture (mm) and its `width` (mm). `voxels`: along the longest side. `mapped`: whether the UV map holds the picture
+    alone, seen from above; otherwise the extension unwraps the body."""
 
     name: str
     vertices: np.ndarray  # (n, 3), mm
@@ -27,11 +30,16 @@ class Body:
     towards_eye: Vector
     middle: Vector
     width: float
+    voxels: int
+    mapped: bool = False
 
-    @property
-    def box(self):
-        """Corners (low, high) of the box around the body."""
-        return self.vertices.min(axis=0), self.vertices.max(axis=0)
+    def texels(self, size):
+        """Texels along an edge of the images for a picture of `size` pixels: about as large as pixels."""
+        if self.mapped:
+            return round(MAPPED * size)
+        edges = self.vertices[self.quads[:, [2, 3]]] - self.vertices[self.quads[:, [0, 0]]]
+        area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum()
+        return round(np.sqrt(2.0 * area / UNWRAPPED) * size / self.width)
 
     def triangles(self):
         """(2 m, 3) indices of vertices."""
@@ -46,7 +54,16 @@ class Body:
         mesh = bpy.data.meshes.new(self.name)
         mesh.from_pydata(self.vertices, [], self.quads.tolist())
         mesh.shade_smooth()
+        if self.mapped:
+            self._map(mesh)
         return mesh
+
+    def _map(self, mesh):
+        """The upper face's UV map, in which the picture with a margin fills the image; other faces have no area."""
+        corners = self.vertices[self.quads]
+        uvs = 0.5 + (corners[..., :2] - np.array(self.middle)[:2]) / (MAPPED * self.width)
+        uvs[~(corners[..., 2] == corners[..., 2].max()).all(axis=1)] = 0.0
+        mesh.uv_layers.new(name="above").uv.foreach_set("vector", uvs.astype(np.float32).ravel())
 
 
 def slab(step=FACE_STEP):
@@ -65,7 +82,7 @@ def slab(step=FACE_STEP):
     sides = np.stack([loop, loop + other, np.roll(loop, -1) + other, np.roll(loop, -1)], axis=1)
     quads = np.concatenate([top, top[:, ::-1] + other, sides])
     return Body("slab", np.concatenate([top_points, below]), quads, Vector((0.0, 0.0, 1.0)), Vector((0.0, 0.0, 0.0)),
-                0.4 * SLAB_WIDTH)
+                0.4 * SLAB_WIDTH, 200, mapped=True)
 
 
 def cup(step=FACE_STEP):
@@ -78,7 +95,7 @@ def cup(step=FACE_STEP):
     box = np.array([(-10.0, -10.0, -3.0), (14.0, 10.0, 13.5)]) + np.array([[-MARGIN], [MARGIN]])
     vertices, quads = surface_nets.mesh(lambda points, reach: distance.melt(parts, points, reach), box, step)
     eye = Vector((0.35, -1.0, 0.62)).normalized()
-    return Body("cup", vertices, quads, eye, Vector((1.0, 0.0, 5.2)), 23.0)
+    return Body("cup", vertices, quads, eye, Vector((1.0, 0.0, 5.2)), 23.0, 150)
 
 
 def _shell(points):

@@ -13,9 +13,9 @@ from . import bodies, differences, methods, portrait, sheet, veins
 
 EXPOSURE = 1.1
 QUALITIES = {
-    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 16, 8, 8), portrait.Effort((5.0, 4.0), 1, 1, 64, 2)),
-    "small": (methods.Effort(48, 8, 12, 0.1, 3, 48, 32, 32), portrait.Effort((2.6, 1.5), 6, 4, 360, 12)),
-    "final": (methods.Effort(96, 16, 32, 0.05, 4, 256, 128, 128), portrait.Effort((1.15, 0.6), 48, 3, 1000, 48)),
+    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 12, 8), portrait.Effort((5.0, 4.0), 1, 1, 64, 2)),
+    "small": (methods.Effort(48, 8, 12, 0.1, 3, 32, 32), portrait.Effort((2.6, 1.5), 6, 4, 360, 12)),
+    "final": (methods.Effort(96, 16, 24, 0.05, 4, 160, 128), portrait.Effort((1.15, 0.6), 48, 3, 1000, 48)),
 }
 
 
@@ -64,12 +64,12 @@ def compared(made):
 
 
 def verdict_holds(found):
-    """True if the walk towards the eye agrees with the truth within 2 % rms and noise, and if the relightable material
-    has at most half the error of the stock node. `found`: differences of the slab as plain data, by method."""
-    walk, ours, stock = (found[name] for name in ("walk", "relightable", "stock"))
-    limit = 0.02**2 + 3.0 * walk["square_error"]
+    """True if Lit agrees with the truth within 2 % rms, and if Relightable has at most half the error of the stock
+    node, each within 3 standard errors. `found`: differences of the slab as plain data, by method."""
+    lit, ours, stock = (found[name] for name in ("lit", "relightable", "stock"))
+    limit = 0.02**2 + 3.0 * lit["square_error"]
     noise = 3.0 * np.hypot(ours["square_error"], 0.25 * stock["square_error"])
-    return bool(walk["square"] <= limit and ours["square"] <= 0.25 * stock["square"] + noise)
+    return bool(lit["square"] <= limit and ours["square"] <= 0.25 * stock["square"] + noise)
 
 
 def _dragons(effort, say):

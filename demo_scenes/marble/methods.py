@@ -11,30 +11,28 @@ import numpy as np
 from . import columns, interiors, light, surfaces, veins, view
 
 BOUNCES = 1024  # the most that Cycles allows
-SUBPIXELS = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
-VOXEL = 0.2  # mm
+LIT_SAMPLES = 8  # of a render of emitted light, which is noisy only within a pixel
 NAMES = {
     "truth": "Cycles volume (truth)",
     "columns": "1D columns",
-    "walk": "3D lit, towards the eye",
-    "lit": "3D lit, all directions",
-    "relightable": "3D relightable",
+    "lit": "3D Lit, to the camera",
+    "lit_all": "3D Lit, all directions",
+    "relightable": "3D Relightable",
     "stock": "Stock Random Walk",
 }
 
 
 @dataclass(frozen=True)
 class Effort:
-    """Pixels along an edge, seeds and samples per seed of the truth, samples and walks of the others per set."""
+    """Pixels along an edge; seeds and samples per seed of the truth; the others' independent sets."""
 
     size: int
     seeds: int
     truth: int
     step_rate: float  # Cycles' steps through the volume
-    sets: int  # of independent walks and renders
-    walks: int  # per pixel
-    vertex_walks: int
-    samples: int  # of renders of surfaces
+    sets: int  # of walks and renders
+    walks: int  # per texel
+    samples: int  # of renders with Subsurface Scattering
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,59 +47,46 @@ class Made:
 
 def make(body, pattern, effort, say):
     """Made for a body and its veins.Veins."""
-    import lamina
-
-    tree, size = body.tree(), effort.size
-    region = view.region(body, tree, size)
+    tree, mesh = body.tree(), body.mesh()
+    region = view.region(body, tree, effort.size)
     pictures, seconds, clock = {}, {}, _Clock()
-    material = veins.volume(pattern)
-    mesh = body.mesh()
+    material = veins.material(pattern)
     mesh.materials.append(material)
     thing = bpy.data.objects.new(body.name, mesh)
     scene = _scene(body, thing)
-    interior = interiors.sampled(thing, material, body.vertices, VOXEL, veins.WHITE, veins.VEIN)
+    stone = interiors.Stone(scene, thing, veins.WHITE, veins.VEIN, body.voxels, body.texels(effort.size))
     seconds["voxels"] = clock.lap()
-    _quality(scene, effort, effort.truth)
-    scene.cycles.volume_step_rate = effort.step_rate
-    material.cycles.volume_sampling = "DISTANCE"
-    pictures["truth"], _ = cycles_render.render_seeds(scene, effort.seeds, lambda text: say(f"{body.name}: {text}"))
-    seconds["truth"] = clock.lap()
-
-    solid = lamina.Solid(body.vertices, body.triangles(), name=body.name)
-    lamp = [lamina.Lamp(tuple(light.TOWARDS_SUN))]
-    seen = view.seen(body, tree, size, SUBPIXELS)
-    pictures["columns"], solved = _columns(body, tree, interior, size)
+    pictures["columns"], solved = _columns(body, tree, stone.interior, effort.size)
     seconds["columns"] = clock.lap()
-    found = [lamina.light_in_mesh(solid, interior, lamp, seen.points, seen.normals, directions=tuple(body.towards_eye),
-                                  samples=max(1, effort.walks // len(SUBPIXELS)), seed=k) for k in range(effort.sets)]
-    pictures["walk"] = np.stack([_over(seen.hit, light.radiance(one.lamps.value[:, 0], one.sky.value), size)
-                                 for one in found])
-    seconds["walk"] = clock.lap()
 
-    normals = np.array([vertex.normal for vertex in mesh.vertices])
-    used = np.flatnonzero(_near_visible(body, tree, normals))
-    where = (solid, interior)
-    at = {"points": body.vertices[used], "normals": normals[used]}
-
-    def baked(name, build):
+    def shown(name, output, samples, seed, direction="ALL"):
         shots = []
         for k in range(effort.sets):
-            mesh.materials[0] = build(k)
-            _quality(scene, effort, 4 if name == "lit" else effort.samples)
-            shots.append(cycles_render.render(scene, seed=1000 + k)[0])
+            stone.show(output, direction, effort.walks, seed + k)
+            shots.append(_rendered(scene, effort, samples, seed + k))
         pictures[name] = np.stack(shots)
         seconds[name] = clock.lap()
+        say(f"{body.name}: {NAMES[name]}")
 
-    def lit(k):
-        one = lamina.light_in_mesh(*where, lamp, **at, samples=effort.vertex_walks, seed=100 + k)
-        return surfaces.lit(mesh, light.radiance(one.lamps.value[:, 0], one.sky.value), used)
-
-    baked("lit", lit)
-    baked("relightable", lambda k: surfaces.relightable(mesh, lamina.walk_in_mesh(
-        *where, **at, directions=at["normals"], samples=effort.vertex_walks, seed=200 + k), used))
-    baked("stock", lambda k: surfaces.stock(mesh, interior, at["points"], used))
+    shown("lit", "LIT", LIT_SAMPLES, 100, "CAMERA")
+    shown("lit_all", "LIT", LIT_SAMPLES, 200)
+    shown("relightable", "RELIGHTABLE", effort.samples, 300)
+    mesh.materials[0] = surfaces.stock(mesh, stone.interior, body.vertices)
+    pictures["stock"] = np.stack([_rendered(scene, effort, effort.samples, 400 + k) for k in range(effort.sets)])
+    seconds["stock"] = clock.lap()
+    mesh.materials[0] = veins.volume(pattern)
+    mesh.materials[0].cycles.volume_sampling = "DISTANCE"
+    scene.cycles.volume_step_rate, scene.cycles.volume_max_steps = effort.step_rate, 65536
+    cycles_render.unbiased(scene, effort.size, effort.size, effort.truth, BOUNCES)
+    truth, _ = cycles_render.render_seeds(scene, effort.seeds, lambda text: say(f"{body.name}: volume, {text}"))
+    seconds["truth"] = clock.lap()
     bpy.data.scenes.remove(scene)
-    return Made(pictures, seconds, region, solved)
+    return Made({"truth": truth, **pictures}, seconds, region, solved)
+
+
+def _rendered(scene, effort, samples, seed):
+    cycles_render.unbiased(scene, effort.size, effort.size, samples, BOUNCES)
+    return cycles_render.render(scene, seed)[0]
 
 
 def _scene(body, thing):
@@ -110,11 +95,6 @@ def _scene(body, thing):
     view.build(scene, body)
     light.build(scene)
     return scene
-
-
-def _quality(scene, effort, samples):
-    cycles_render.unbiased(scene, effort.size, effort.size, samples, BOUNCES)
-    scene.cycles.volume_max_steps = 65536
 
 
 def _columns(body, tree, interior, size):
@@ -136,21 +116,6 @@ def _over(hit, values, size):
     full = np.tile(light.SKY, (len(hit), 1))
     full[hit] = values
     return full.reshape(size, size, -1, 3).mean(axis=2)
-
-
-def _near_visible(body, tree, normals):
-    """The vertices of faces that the eye may see: bool (n,)."""
-    eye = body.towards_eye
-    inside = np.abs((body.vertices - np.array(body.middle)) @ np.array(view.frame(eye))[:3, :2]).max(axis=1)
-    inside = inside < 0.55 * body.width
-    facing = normals @ np.array(eye) > 0.0
-    seen = inside & facing
-    seen[seen] = np.isinf(view.lengths(tree, body.vertices[seen] + 1e-3 * normals[seen],
-                                       np.broadcast_to(np.array(eye), (np.count_nonzero(seen), 3))))
-    # Interpolation reads the corners of all visible faces.
-    for _ in range(2):
-        seen[body.quads[seen[body.quads].any(axis=1)]] = True
-    return seen & inside
 
 
 class _Clock:

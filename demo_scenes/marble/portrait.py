@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import bpy
 import cycles_render
+import extension
 import node_tree
 import numpy as np
 from dragon import scene as dragon_scene
@@ -20,7 +21,7 @@ from mathutils.bvhtree import BVHTree
 from scipy import sparse
 from slab.light import frame, towards_sun
 
-from . import interiors, surfaces, veins, view
+from . import surfaces, veins, view
 
 LENS = 90.0
 INDEX, ROUGHNESS = 1.5, 0.28  # of the polished surface; Blender's Roughness
@@ -91,8 +92,7 @@ def picture(stone, made, effort):
     thing = bpy.data.objects.new("dragon", mesh)
     stage.collection.objects.link(thing)
     used = _seen(vertices, normals, triangles, np.array(eye.location))
-    material, _ = veins.material(stone.pattern)
-    interior = interiors.sampled(thing, material, vertices, VOXEL, stone.ground, stone.vein)
+    interior = _interior(stone, thing, vertices)
     solid = lamina.Solid(vertices, triangles, name="dragon")
     lamps = [lamina.Lamp(tuple(_towards(one)), math.radians(one[2])) for one in stone.lamps]
     light = lamina.light_in_mesh(solid, interior, lamps, vertices[used], normals[used], samples=effort.walks)
@@ -106,6 +106,18 @@ def picture(stone, made, effort):
     bpy.data.scenes.remove(stage)
     return pixels, {"vertices": len(vertices), "walked": len(used), "walks": effort.walks,
                     "collisions": light.count.collisions}
+
+
+def _interior(stone, thing, vertices):
+    """The lamina.Interior whose voxels sample the nodes of the stone's veins."""
+    import lamina
+
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    with cycles_render.quiet():
+        share = extension.part("interior.node_texture").sample_nodes(
+            thing, veins.material(stone.pattern), low, high, np.rint((high - low) / VOXEL).astype(int))[..., 0]
+    ends = [lamina.EndMaterial(*stone.ground), lamina.EndMaterial(*stone.vein)]
+    return lamina.Interior.mixed(np.clip(share, 0.0, 1.0), ends, low, high)
 
 
 def without_noise(radiance, used, triangles, count, times):

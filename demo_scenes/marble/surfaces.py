@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials whose inputs vary over the surface: what is known at each vertex, as attributes that the nodes read.
-
-Vertices that the camera does not see get no walks: their attributes stay 0.
-"""
+"""Materials whose inputs vary over the surface: values at the vertices, as attributes that the nodes read."""
 
 import bpy
 import node_tree
@@ -10,14 +7,13 @@ import numpy as np
 
 from . import veins
 
-LIT, COLOUR, RADIUS = "lit", "walk colour", "walk radius"
-EXTRA_COLOUR, EXTRA_RADIUS = "extra colour", "extra radius"
-MU = 1.0  # the light of the relightable material enters along the normal
+LIT, COLOUR, RADIUS = "lit", "colour of stone", "radius of stone"
+LEAST_IOR = 1.01  # of Cycles' node: practically a matched boundary
 SHARES = np.linspace(0.0, 1.0, 33)  # of the vein, between which the stock node's colours are interpolated
 
 
 def lit(mesh, radiance, used):
-    """An Emission material with `radiance` (k, 3) at the vertices `used`; written to the mesh's attributes."""
+    """An Emission material with `radiance` (k, 3) at the vertices `used`, black at the others."""
     material, tree, output = _new("lit")
     emission = tree.nodes.new("ShaderNodeEmission")
     _read(tree, mesh, LIT, radiance, used, emission.inputs["Color"])
@@ -43,30 +39,9 @@ def polished(material, index, roughness):
     return material
 
 
-def relightable(mesh, exits, used):
-    """Subsurface Scattering with the exit albedo and mean exit distance of `exits`, a lamina.ExitEstimate."""
-    import lamina
-
-    distance = np.nan_to_num(exits.mean_distance.value)
-    albedo = np.clip(exits.albedo.value, 0.0, 1.0)
-    inputs = lamina.subsurface_inputs(albedo, distance, version=bpy.app.version[:2], mu=MU)
-    material, tree, output = _new("relightable")
-    shader = _walk(tree, mesh, used, inputs, inputs.color, inputs.radius, COLOUR, RADIUS)
-    if inputs.extra_weight > 0.0:
-        lost = _walk(tree, mesh, used, inputs, inputs.extra_color, inputs.extra_radius, EXTRA_COLOUR, EXTRA_RADIUS)
-        share, total = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeAddShader")
-        share.inputs[0].default_value = inputs.extra_weight
-        tree.links.new(lost, share.inputs[2])
-        tree.links.new(shader, total.inputs[0])
-        tree.links.new(share.outputs[0], total.inputs[1])
-        shader = total.outputs[0]
-    tree.links.new(shader, output.inputs["Surface"])
-    return material
-
-
-def stock(mesh, interior, points, used):
+def stock(mesh, interior, points):
     """Subsurface Scattering as an artist sets it: Color is the reflectance of a deep body of the mixture at the point,
-    Radius gives the walk the mixture's mean free path."""
+    Radius gives the walk the mixture's mean free path. `points`: the vertices (n, 3) in mm."""
     import lamina
     from lamina.subsurface import node_parameters
 
@@ -75,12 +50,16 @@ def stock(mesh, interior, points, used):
     colours = np.array([lamina.solve(lamina.Stack([], base=_deep(u)), quality="preview").reflectance("diffuse")
                         for u in SHARES])
     colour = np.stack([np.interp(share, SHARES, column) for column in colours.T], axis=1)
-    version = bpy.app.version[:2]
-    radius = node_parameters.radius_of_path(1.0 / (sigma_s + sigma_a), 0.0, version)
-    plain = lamina.subsurface_inputs(0.5, 1.0, version=version, mu=MU)
+    radius = node_parameters.radius_of_path(1.0 / (sigma_s + sigma_a), 0.0, bpy.app.version[:2])
     material, tree, output = _new("stock")
-    shader = _walk(tree, mesh, used, plain, colour, radius, COLOUR, RADIUS)
-    tree.links.new(shader, output.inputs["Surface"])
+    node = tree.nodes.new("ShaderNodeSubsurfaceScattering")
+    node.falloff = "RANDOM_WALK"
+    for name, value in (("Scale", 1.0), ("IOR", LEAST_IOR), ("Roughness", 0.0), ("Anisotropy", 0.0)):
+        node.inputs[name].default_value = value
+    used = np.arange(len(points))
+    _read(tree, mesh, COLOUR, colour, used, node.inputs["Color"])
+    _read(tree, mesh, RADIUS, radius, used, node.inputs["Radius"])
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
     return material
 
 
@@ -96,17 +75,6 @@ def _new(name):
     tree = node_tree.of(material)
     tree.nodes.clear()
     return material, tree, tree.nodes.new("ShaderNodeOutputMaterial")
-
-
-def _walk(tree, mesh, used, inputs, colour, radius, colour_name, radius_name):
-    node = tree.nodes.new("ShaderNodeSubsurfaceScattering")
-    node.falloff = "RANDOM_WALK"
-    node.inputs["Scale"].default_value = 1.0
-    node.inputs["IOR"].default_value, node.inputs["Roughness"].default_value = inputs.ior, inputs.roughness
-    node.inputs["Anisotropy"].default_value = inputs.anisotropy
-    _read(tree, mesh, colour_name, colour, used, node.inputs["Color"])
-    _read(tree, mesh, radius_name, radius, used, node.inputs["Radius"])
-    return node.outputs[0]
 
 
 def _read(tree, mesh, name, values, used, socket):

@@ -12,7 +12,6 @@ import node_tree
 import numpy as np
 
 CHANNELS = 3
-SHARE = "share of vein"  # name of the node whose Result is the share
 # White marble: Jensen, Marschner, Levoy and Hanrahan 2001, measured; reduced scattering in 1/mm, hence isotropic.
 # The veins' coefficients are chosen.
 WHITE = ((2.19, 2.62, 3.00), (0.0021, 0.0041, 0.0071))  # sigma_s, sigma_a
@@ -44,7 +43,7 @@ class Veins:
         # The noise of the distortion reads position times Scale times Detail Scale.
         wave.inputs["Detail Scale"].default_value = 1.0 / (self.feature * scale)
         share = tree.nodes.new("ShaderNodeMapRange")
-        share.name, share.interpolation_type, share.clamp = SHARE, "SMOOTHSTEP", True
+        share.interpolation_type, share.clamp = "SMOOTHSTEP", True
         share.inputs["From Min"].default_value = self.edge
         tree.links.new(place.outputs["Object"], turn.inputs["Vector"])
         tree.links.new(turn.outputs[0], wave.inputs["Vector"])
@@ -52,18 +51,21 @@ class Veins:
         return share.outputs["Result"]
 
 
-def material(veins, name="veins"):
-    """(a new material that holds only the veins' nodes, the socket with the share of the vein)."""
-    made = bpy.data.materials.new(name)
+def material(veins):
+    """A material whose base colour is the share of the vein: the texture that an interior samples."""
+    made = bpy.data.materials.new("veins")
     tree = node_tree.of(made)
-    tree.nodes.clear()
-    return made, veins.draw(tree)
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    tree.links.new(veins.draw(tree), shader.inputs["Base Color"])
+    return made
 
 
 def volume(veins):
     """A material without a surface whose volume has the coefficients of the mixture of WHITE and VEIN."""
-    made, share = material(veins, "volume truth")
-    tree = made.node_tree
+    made = bpy.data.materials.new("volume")
+    tree = node_tree.of(made)
+    tree.nodes.clear()
+    share = veins.draw(tree)
     density = max(s + a for end in (WHITE, VEIN) for s, a in zip(*end, strict=True))
     output, total = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeAddShader")
     scattering, absorption = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeVolumeAbsorption")
