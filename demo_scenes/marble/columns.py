@@ -10,7 +10,7 @@ import numpy as np
 
 from . import light, veins
 
-FIRST, GROWTH = 0.15, 1.6  # mm: the first sublayer, and the ratio of each to the one above
+FIRST, GROWTH = 0.12, 1.4  # mm: the first sublayer, and the ratio of each to the one above
 LEVELS = 32  # of the share of veins
 FINE = 0.05  # mm between samples of the column
 THICKNESS_STEP = 0.02  # relative: thicknesses are rounded to multiples of this ratio
