@@ -27,8 +27,8 @@ def save_rows(path, title, rows, span):
     first, row_height = MARGIN + 84, 56 + height + 96
     sheet = Image.new("RGB", (2 * MARGIN + 3 * width + 2 * GAP, first + len(rows) * row_height + MARGIN), PAPER)
     draw = ImageDraw.Draw(sheet)
-    draw.text((MARGIN, MARGIN), title[0], INK, _font(28))
-    draw.text((MARGIN, MARGIN + 40), title[1], FAINT, _font(16))
+    draw.text((MARGIN, MARGIN), title[0], INK, font(28))
+    draw.text((MARGIN, MARGIN + 40), title[1], FAINT, font(16))
     for k, row in enumerate(rows):
         _row(sheet, draw, first + k * row_height + 56, *row, span)
     output.place(path, lambda partial: sheet.save(partial, "PNG", optimize=True))
@@ -39,12 +39,12 @@ def _row(sheet, draw, top, panels, difference, notes, span):
     height, width = values.shape
     for k, (name, explanation, pixels) in enumerate([*panels, (heading, detail, diverging(values, span))]):
         left = MARGIN + k * (width + GAP)
-        draw.text((left, top - 50), name, INK, _font(20))
-        draw.text((left, top - 24), explanation, FAINT, _font(14))
+        draw.text((left, top - 50), name, INK, font(20))
+        draw.text((left, top - 24), explanation, FAINT, font(14))
         sheet.paste(Image.fromarray(pixels), (left, top))
-    _colour_bar(sheet, draw, MARGIN + 2 * (width + GAP), top + height + 16, width, span)
+    colour_bar(sheet, draw, MARGIN + 2 * (width + GAP), top + height + 16, width, span)
     for k, (text, plain) in enumerate(notes):
-        draw.text((MARGIN, top + height + 14 + 26 * k), text, FAINT if plain else INK, _font(16))
+        draw.text((MARGIN, top + height + 14 + 26 * k), text, FAINT if plain else INK, font(16))
 
 
 def tone(pixels, exposure):
@@ -84,15 +84,17 @@ def diverging(values, span):
     return np.round(colours * 255.0).astype(np.uint8)
 
 
-def _colour_bar(sheet, draw, left, top, width, span):
+def colour_bar(sheet, draw, left, top, width, span):
+    """Draw the colours of `diverging` and their values."""
     bar = np.broadcast_to(np.linspace(-span, span, width), (14, width))
     sheet.paste(Image.fromarray(diverging(bar, span)), (left, top))
     for share, anchor in ((-1.0, "la"), (-0.5, "ma"), (0.0, "ma"), (0.5, "ma"), (1.0, "ra")):
         x = left + (share + 1.0) / 2.0 * (width - 1)
         draw.line((x, top + 14, x, top + 19), FAINT)
-        draw.text((x, top + 24), f"{share * span:+.0%}" if share else "0", FAINT, _font(14), anchor)
+        draw.text((x, top + 24), f"{share * span:+.0%}" if share else "0", FAINT, font(14), anchor)
 
 
-def _font(size):
+def font(size):
+    """The font of captions."""
     # Pillow's own font is the same on every machine.
     return ImageFont.load_default(size)

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Veined marble in 1D, in 3D and as Cycles' volume, on a slab and on a cup; and two dragons that glow."""
+
+import dataclasses
+import time
+
+import numpy as np
+import output
+import picture
+from PIL import Image
+
+from . import bodies, differences, methods, portrait, sheet, veins
+
+EXPOSURE = 1.1
+QUALITIES = {
+    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 12, 8), portrait.Effort((5.0, 4.0), 1, 1, 64, 2)),
+    "small": (methods.Effort(48, 8, 12, 0.1, 3, 32, 32), portrait.Effort((2.6, 1.5), 6, 4, 360, 12)),
+    "final": (methods.Effort(96, 16, 24, 0.05, 4, 160, 128), portrait.Effort((1.15, 0.6), 48, 3, 1000, 48)),
+}
+
+
+def run(out, quality, stack_path, say):
+    """Render marble.png, marble_dragons.png and marble.json into `out`. Returns (files, verdict, True if all is well).
+
+    Raises ValueError for a stack: the stone has its own coefficients."""
+    if stack_path is not None:
+        raise ValueError(f"stack = {stack_path}: marble has no stack; leave the option out")
+    of_bodies, of_dragons = QUALITIES[quality]
+    files = [out / "marble.png", out / "marble_dragons.png", out / "marble.json"]
+    pattern, rows, facts = veins.Veins(), [], {}
+    for body in (bodies.slab(), bodies.cup()):
+        made = methods.make(body, pattern, of_bodies, say)
+        found = compared(made)
+        rows.append(({methods.NAMES[name]: shots.mean(axis=0) for name, shots in made.pictures.items()}, made.region,
+                     [_lines(found.get(name), differences.noise(shots, made.region))
+                      for name, shots in made.pictures.items()]))
+        facts[body.name] = {
+            "pixels": int(made.region.sum()), "columns_solved": made.columns_solved, "cpu_seconds": made.seconds,
+            "noise": {name: differences.noise(shots, made.region) for name, shots in made.pictures.items()},
+            "differences": {name: dataclasses.asdict(one) for name, one in found.items()},
+        }
+        for name, one in found.items():
+            say(f"{body.name}: {methods.NAMES[name]}: {_numbers(one)}")
+    sheet.save(files[0], ("Veined marble by six methods", _describe(of_bodies)), rows, EXPOSURE)
+    say(f"{files[0].name} is written")
+    pictures, facts["dragons"] = _dragons(of_dragons, say)
+    shown = np.concatenate(pictures, axis=1)
+    output.place(files[1], lambda partial: Image.fromarray(shown).save(partial, "PNG", optimize=True))
+    output.save_json(files[2], {
+        "quality": quality, "effort": dataclasses.asdict(of_bodies), "effort_dragons": dataclasses.asdict(of_dragons),
+        "veins": dataclasses.asdict(pattern), "white": veins.WHITE, "vein": veins.VEIN, **facts,
+    })
+    found, well = facts["slab"]["differences"], verdict_holds(facts["slab"]["differences"])
+    numbers = ", ".join(f"{methods.NAMES[name]} {one['rms']:.1%}" for name, one in found.items())
+    text = f"slab, rms against Cycles' volume without noise: {numbers}"
+    return files, text if well else f"{text}; NOT AS IT SHOULD BE", well and all(map(np.any, pictures))
+
+
+def compared(made):
+    """differences.Difference of each method against the truth, by name."""
+    truth = made.pictures["truth"]
+    return {name: differences.difference(truth, shots, made.region)
+            for name, shots in made.pictures.items() if name != "truth"}
+
+
+def verdict_holds(found):
+    """True if Lit agrees with the truth within 2 % rms, and if Relightable has at most half the error of the stock
+    node, each within 3 standard errors. `found`: differences of the slab as plain data, by method."""
+    lit, ours, stock = (found[name] for name in ("lit", "relightable", "stock"))
+    limit = 0.02**2 + 3.0 * lit["square_error"]
+    noise = 3.0 * np.hypot(ours["square_error"], 0.25 * stock["square_error"])
+    return bool(lit["square"] <= limit and ours["square"] <= 0.25 * stock["square"] + noise)
+
+
+def _dragons(effort, say):
+    """(sRGB pictures of the stones, facts as plain data)."""
+    start = time.process_time()
+    made = portrait.figure(effort.spacing)
+    pictures, facts = [], {}
+    for stone in (portrait.MARBLE, portrait.GREEN):
+        pixels, known = portrait.picture(stone, made, effort)
+        pictures.append(picture.tone(pixels, stone.exposure))
+        facts[stone.name] = {**known, **dataclasses.asdict(stone), "cpu_seconds": time.process_time() - start}
+        say(f"dragon: {stone.name}")
+        start = time.process_time()
+    return pictures, facts
+
+
+def _numbers(one):
+    return f"mean {one.mean:+.1%} \u00b1 {one.mean_error:.1%}, rms {one.rms:.1%}"
+
+
+def _lines(one, noise):
+    if one is None:
+        return [f"noise of a pixel {noise:.1%}", "Colours: difference / mean"]
+    error = one.square_error / (2.0 * one.rms) if one.rms > 0.0 else np.sqrt(one.square_error)
+    return [f"rms {one.rms:.1%} \u00b1 {error:.1%}", f"mean {one.mean:+.1%} \u00b1 {one.mean_error:.1%}",
+            f"noise of a pixel {noise:.1%}" if noise else "no noise"]
+
+
+def _describe(effort):
+    return (f"Sun and sky. Truth: {effort.seeds * effort.truth} samples per pixel. rms: of pixels, relative to the "
+            "mean, with the noise of both pictures subtracted. Below: differences from the truth.")
