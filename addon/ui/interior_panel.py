@@ -7,6 +7,7 @@ from ..base import messages, native
 from ..interior import contents, interior_job
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
+from .uv_map_field import draw_uv_map
 
 
 class LAMINA_MT_end_presets(bpy.types.Menu):
@@ -46,7 +47,7 @@ class LAMINA_PT_interior(MaterialPanel, bpy.types.Panel):
         layout.row().prop(settings, "source", expand=True)
         if settings.source != "LAYERS":
             _draw_ends(layout, material, settings)
-        _draw_output(layout, obj, settings)
+        _draw_output(context, layout, settings)
         job = interior_job.running_for(material)
         if job is not None:
             draw_progress(layout, job, "lamina.interior_cancel")
@@ -84,14 +85,18 @@ def _draw_ends(layout, material, settings):
         column.prop(settings, name)
 
 
-def _draw_output(layout, obj, settings):
+def _draw_output(context, layout, settings):
+    obj = context.object
     layout.row().prop(settings, "output", expand=True)
     column = split(layout.column())
     if settings.output == "LIT":
         column.row().prop(settings, "view", expand=True)
     column.row().prop(settings, "map", expand=True)
     if settings.map == "OWN" and obj is not None and obj.type == "MESH":
-        column.prop_search(settings, "uv_map", obj.data, "uv_layers", text="UV Map")
+        if obj.data.uv_layers:
+            draw_uv_map(context, column, settings, obj)
+        else:
+            draw_sentence(context, column, f"{obj.name} has no UV map: Lamina unwraps it")
     column.prop(settings, "size")
     column.prop(settings, "noise")
 

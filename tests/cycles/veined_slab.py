@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Euler
 
 SIDE, THICKNESS = 12.0, 4.0  # mm
-SEEN, PIXELS = 8.0, 32  # side of the picture in mm and pixels
+SEEN, PIXELS = 8.0, 24  # side of the picture in mm and pixels
 GROUND, VEIN = ((2.0, 2.4, 2.8), (0.02, 0.04, 0.08)), ((1.6, 1.4, 1.2), (0.5, 0.6, 0.8))  # (sigma_s, sigma_a) per mm
 SUN = (0.7, 0.3, 0.0)  # Euler angles
 
@@ -89,7 +89,7 @@ def volume(material):
     tree.links.new(both.outputs[0], tree.get_output_node("CYCLES").inputs["Volume"])
 
 
-def interior(material, output, noise, size=40):
+def interior(material, output, noise, size=30):
     """Settings of the extension for the same mixture."""
     tree = goniophotometer.node_tree.of(material)
     shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")

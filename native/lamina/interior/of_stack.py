@@ -23,8 +23,8 @@ def interior_of_stack(stack: Stack) -> tuple[Interior, Surface]:
     sigma_s (1 - g) stays the same (similarity). Raises StackError for other stacks, InteriorError for coefficients
     out of range."""
     require_millimetres(stack)
-    top = stack.layers[:1] if stack.layers and isinstance(stack.layers[0], Interface) else ()
-    media = [part for part in (*stack.layers[len(top):], stack.base) if part is not None]
+    top = stack.layers[0] if stack.layers and isinstance(stack.layers[0], Interface) else None
+    media = [part for part in (*stack.layers[0 if top is None else 1:], stack.base) if part is not None]
     if len(media) != 1 or not isinstance(media[0], Medium | HalfSpace) or getattr(media[0], "profile", None):
         raise StackError("layers: must be one homogeneous medium, below at most one interface, to fill a body")
     medium = media[0]
@@ -34,8 +34,10 @@ def interior_of_stack(stack: Stack) -> tuple[Interior, Surface]:
                                     (medium.sigma_s, medium.sigma_a, getattr(medium.phase, "g", 0.0)))
     g = sum(by_channel) / CHANNELS
     sigma_s = [s * (1.0 - own) / (1.0 - g) for s, own in zip(sigma_s, by_channel, strict=True)]
-    surface = Surface(_mean(top[0].ior, stack), _mean(top[0].alpha, stack), top[0].distribution) if top else Surface()
-    return Interior.uniform(EndMaterial(sigma_s, sigma_a, g)), surface
+    interior = Interior.uniform(EndMaterial(sigma_s, sigma_a, g))
+    if top is None:
+        return interior, Surface()
+    return interior, Surface(_mean(top.ior, stack), _mean(top.alpha, stack), top.distribution)
 
 
 def _mean(values, stack: Stack) -> float:

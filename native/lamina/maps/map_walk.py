@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,8 +14,10 @@ from ..common.arguments import check_number, check_whole, finite_array
 from ..common.errors import ArgumentError
 from ..common.progress import Progress, portion, stepper
 from ..interior.estimates import ExitEstimate, LightEstimate
+from ..interior.grid import Interior
 from ..interior.lamps import Lamp
 from ..interior.parts import job_of, merge_walks, part_of
+from ..interior.solid import Solid
 from ..interior.walk import MOST_SAMPLES, Surface, Walker, checked_lamps
 from .noise import samples_for
 from .part_folder import PartFolder
@@ -38,16 +41,16 @@ class MapWalk:
 class MapJob:
     """What both kinds of maps are made from. See relightable_images and lit_images."""
 
-    solid: object
-    interior: object
-    uvs: object
-    size: object
+    solid: Solid
+    interior: Interior
+    uvs: np.ndarray | None
+    size: int | tuple[int, int] | None
     surface: Surface | None
-    normals: object
+    normals: np.ndarray | None
     noise: float
     samples: int | None
     seed: int
-    folder: object
+    folder: str | os.PathLike | None
     threads: int
     progress: Progress | None
     cancel: Callable[[], bool] | None
@@ -74,11 +77,10 @@ def walk_map(job: MapJob, kind: str, lamps: Sequence[Lamp] = (), view=None, eye=
     described = job_of(kind, walker, used)
     wanted = {"noise": job.noise} if job.samples is None else {"samples": job.samples}
     parts = PartFolder(job.folder, {**{key: described[key] for key in described if key != "samples"}, **wanted})
-    if parts.samples is None:
-        walks = job.samples or samples_for(job.noise, kind, walker, used,
-                                           portion(step, 0.5 * SETTING_UP, SETTING_UP))
-        parts.begin(walks)
-    walker.samples = described["samples"] = parts.samples
+    walks = parts.samples or job.samples or samples_for(job.noise, kind, walker, used,
+                                                        portion(step, 0.5 * SETTING_UP, SETTING_UP))
+    parts.begin(walks)
+    walker.samples = described["samples"] = walks
     done = parts.run(described, lambda shard, within: part_of(described, shard, walker, used, within),
                      portion(step, SETTING_UP, 1.0))
     return MapWalk(places, merge_walks(done), walker, portion(whole, share, 1.0), began)

@@ -51,43 +51,38 @@ class PartFolder:
         """Note the number of samples of a new run."""
         if self._path is not None and self.samples is None:
             header = {"format": FORMAT, "schema": SCHEMA, "request": self._request, "samples": samples}
-            text = json.dumps(header, indent=1, sort_keys=True) + "\n"
-            self._kept(lambda: write_atomically(self._path / "run.json", lambda file: file.write(text.encode())), 0)
-        self.samples = samples
+            text, path = json.dumps(header, indent=1, sort_keys=True) + "\n", self._path / "run.json"
+            self._kept(lambda: write_atomically(path, lambda file: file.write(text.encode())), 0)
 
     def run(self, job: dict, compute: Callable[[tuple[int, int], Progress], WalkPart],
             step: Progress) -> list[WalkPart]:
         """All parts, in sequence: read from the folder where they are whole, otherwise computed and written. `job`: the
         description that each part must have."""
         count = max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // WALKS_PER_PART)))
-        found = [self._load(job, (number, count)) for number in range(1, count + 1)]
-        done = sum(part is not None for part in found)
-        for place, part in enumerate(found):
-            if part is None:
-                within = portion(step, done / count, (done + 1) / count)
-                part = compute((place + 1, count), lambda fraction, _text, within=within, done=done: within(
-                    fraction, f"Part {done + 1} of {count}"))
-                self._save(part, done)
-                found[place] = part
-                done += 1
-        return found
+        found = {number: self._load(job, (number, count)) for number in range(1, count + 1)}
+        whole = {number: part for number, part in found.items() if part is not None}
+        for number in range(1, count + 1):
+            if number not in whole:
+                done = len(whole)
+                whole[number] = compute((number, count), _named(portion(step, done / count, (done + 1) / count),
+                                                                f"Part {done + 1} of {count}"))
+                self._save(whole[number], done)
+        return [whole[number] for number in range(1, count + 1)]
 
     def _load(self, job: dict, shard: tuple[int, int]) -> WalkPart | None:
         """The part in the folder, or None if its file is missing, damaged or of another run."""
         if self._path is None:
             return None
         try:
-            part = WalkPart.load(self._file(shard))
+            part = WalkPart.load(self._path / _name(shard))
         except (ShardError, OSError):
             return None
         return part if part.job == job and part.shard == shard else None
 
     def _save(self, part: WalkPart, done: int) -> None:
         if self._path is not None:
-            self._kept(lambda: part.save(self._file(part.shard)), done)
-
-    def _file(self, shard: tuple[int, int]) -> Path:
-        return self._path / f"part-{shard[0]:04d}-of-{shard[1]:04d}.npz"
+            path = self._path / _name(part.shard)
+            self._kept(lambda: part.save(path), done)
 
     def _kept(self, write: Callable[[], None], done: int) -> None:
         """Write a file. An OSError then says what is kept."""
@@ -97,6 +92,15 @@ class PartFolder:
             reason = error.strerror or "cannot be written"
             raise OSError(error.errno, f"{reason}; {done} finished parts are kept, and the same call continues after "
                           "them", str(self._path)) from None
+
+
+def _name(shard: tuple[int, int]) -> str:
+    return f"part-{shard[0]:04d}-of-{shard[1]:04d}.npz"
+
+
+def _named(step: Progress, text: str) -> Progress:
+    """A step function that always tells this text."""
+    return lambda fraction, _: step(fraction, text)
 
 
 def _read(path: Path) -> dict | None:

@@ -36,8 +36,8 @@ class Places:
         found[self.mask] = values
         if self.is_image and margin:
             for place in np.ndindex(values.shape[1:]):
-                layer = (slice(None), slice(None), *place)
-                found[layer] = spread(np.ascontiguousarray(found[layer]), self.mask, margin)
+                layer = found[(..., *place)]  # type: ignore[arg-type]  # numpy's stubs know no mixed tuples
+                layer[...] = spread(np.ascontiguousarray(layer), self.mask, margin)
         return found
 
 
@@ -76,7 +76,8 @@ def _texels(mesh: Mesh, uvs, size) -> Places:
     other, _ = TexelMap(reverse, np.asarray(uvs)[::-1], size).points()
     # Of triangles that cover a texel, the first owns the texel; in reversed sequence, the last.
     apart = np.linalg.norm(points.positions - other.positions, axis=1)
-    overlap = int(np.count_nonzero(apart > FAR_APART * np.sqrt(np.maximum(points.areas, other.areas))))
+    areas = np.maximum(points.areas, other.areas)  # type: ignore[arg-type]  # texels have areas
+    overlap = int(np.count_nonzero(apart > FAR_APART * np.sqrt(areas)))
     if overlap > MOST_OVERLAP * len(apart):
         raise InteriorError(f"{mesh.name}: {overlap} of {len(apart)} texels lie on two parts of the surface, because "
                             "islands of the UV map overlap: must be unwrapped without overlaps")

@@ -87,7 +87,8 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
     inputs = _inputs(found, walked, surface, version)
     walked.step(1.0, "Done")
     images = {name: walked.places.filled(getattr(inputs, name), margin) for name in _ARRAYS}
-    return RelightableImages(dataclasses.replace(inputs, **images), walked.places.mask, found, noise_of(found),
+    in_images = dataclasses.replace(inputs, **images)  # type: ignore[arg-type]  # fields that are arrays
+    return RelightableImages(in_images, walked.places.mask, found, noise_of(found),
                              time.perf_counter() - walked.began, walked.places.notes)
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The interior of an object: its images, their nodes, interruptions, and what is refused."""
 
+from types import SimpleNamespace
+
 import bmesh
 import bpy
 import numpy as np
@@ -212,12 +214,24 @@ def test_panel(addon, ball):
     from bl_ext.user_default.lamina.ui import interior_panel
 
     material = ball.active_material
+    context = SimpleNamespace(
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=600),
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=ball, material=material,
+        scene=bpy.context.scene,
+    )  # fmt: skip
+    said = {}
     for source in ("MARBLE", "NODES", "LAYERS"):
         for output in ("RELIGHTABLE", "LIT"):
             material.lamina.interior.source, material.lamina.interior.output = source, output
-            with bpy.context.temp_override(material=material):
-                assert "Noise" in drawn(lambda layout: interior_panel.LAMINA_PT_interior.draw(
-                    type("Panel", (), {"layout": layout})(), bpy.context))  # fmt: skip
+            said[source, output] = drawn(lambda layout: interior_panel.LAMINA_PT_interior.draw(
+                SimpleNamespace(layout=layout), context))  # fmt: skip
+    assert "Spacing" in said["MARBLE", "LIT"] and "Spacing" not in said["NODES", "LIT"]
+    assert "View" in said["NODES", "LIT"] and "View" not in said["LAYERS", "RELIGHTABLE"]
+    assert all("Ball has no UV map: Lamina unwraps it" in lines and "Compute Interior" in lines
+               for lines in said.values())  # fmt: skip
+    ball.data.uv_layers.new(name="Own")
+    assert any("the map “Own” is used" in line for line in drawn(
+        lambda layout: interior_panel.LAMINA_PT_interior.draw(SimpleNamespace(layout=layout), context)))  # fmt: skip
 
 
 def stretched(obj):
@@ -288,7 +302,7 @@ def missing_map(obj):
     (narrow_sun, r"lamps\[0\].angle = 0: must be at least"),
     (no_texture, "Marble has no texture linked to a colour or density"),
     (layers_without_lengths, "has no lengths"),
-    (missing_map, "Ball has no UV map named Other: unwrap it, or let Lamina unwrap it"),
+    (missing_map, "Ball has no UV map named .Other.: unwrap it, or let Lamina unwrap it"),
 ])  # fmt: skip
 def test_refusals(jobs, ball, call, change, words):
     """One sentence, and the material is unchanged."""
