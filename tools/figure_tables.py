@@ -93,6 +93,12 @@ def voxels(rows):
                      for row in rows])
 
 
+def frames(rows):
+    return markdown(["method", "bake", "frame", "break-even, frames"],
+                    [[row["name"], f"{plain(row['bake, CPU-s'])} s", f"{plain(row['frame, CPU-s'])} s",
+                      str(row.get("break-even, frames") or "-")] for row in rows])
+
+
 def bake(rows):
     return markdown(["stack", "quality", "time", "fit error", "closures"],
                     [[row["stack"], row["quality"], f"{row['ms']:.0f} ms", percent(row.get("fit_error")),
@@ -126,7 +132,7 @@ def render(report):
 
 
 TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "searchlight": searchlight, "voxels": voxels,
-          "bake": bake, "fit": fit, "dust": dust, "render": render}
+          "frames": frames, "bake": bake, "fit": fit, "dust": dust, "render": render}
 
 
 def main():

@@ -53,7 +53,7 @@ def make(body, pattern, effort, say):
     material = veins.material(pattern)
     mesh.materials.append(material)
     thing = bpy.data.objects.new(body.name, mesh)
-    scene = _scene(body, thing)
+    scene = scene_of(body, thing)
     stone = interiors.Stone(scene, thing, veins.WHITE, veins.VEIN, body.voxels, body.texels(effort.size))
     seconds["voxels"] = clock.lap()
     pictures["columns"], solved = _columns(body, tree, stone.interior, effort.size)
@@ -89,7 +89,8 @@ def _rendered(scene, effort, samples, seed):
     return cycles_render.render(scene, seed)[0]
 
 
-def _scene(body, thing):
+def scene_of(body, thing):
+    """A scene with the body's object, the camera and the light."""
     scene = bpy.data.scenes.new(body.name)
     scene.collection.objects.link(thing)
     view.build(scene, body)

@@ -14,9 +14,8 @@ SUN = (0.7, 0.3, 0.0)  # Euler angles
 
 
 def scene_with(light):
-    """A new scene with the slab's camera and `light`: "sky" or "sun"; it becomes the current one."""
+    """A new scene with the slab's camera and `light`: "sky" or "sun"."""
     scene = bpy.data.scenes.new("veined slab")
-    bpy.context.window_manager  # noqa: B018 - data exist
     scene.unit_settings.scale_length = 0.001
     camera = bpy.data.cameras.new("eye")
     camera.type, camera.ortho_scale = "ORTHO", SEEN
@@ -74,7 +73,8 @@ def volume(material):
             tree.nodes.remove(node)
     share = veins(tree)
     both = tree.nodes.new("ShaderNodeAddShader")
-    for place, (kind, inverted) in enumerate((("ShaderNodeVolumeScatter", False), ("ShaderNodeVolumeAbsorption", True))):
+    kinds = (("ShaderNodeVolumeScatter", False), ("ShaderNodeVolumeAbsorption", True))
+    for place, (kind, inverted) in enumerate(kinds):
         most = max(max(GROUND[place]), max(VEIN[place]))
         mix = tree.nodes.new("ShaderNodeMix")
         mix.data_type = "RGBA"
@@ -111,8 +111,3 @@ def picture(scene, samples, bounces=256, step=None, seed=0):
         scene.cycles.volume_step_rate = step
         scene.cycles.volume_max_steps = 65536
     return goniophotometer._render(scene)[..., :3]
-
-
-def rms(found, truth):
-    """Root mean square of the difference over the mean of the truth."""
-    return float(np.sqrt(((found - truth) ** 2).mean()) / truth.mean())

@@ -59,7 +59,8 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
     : measured_(measured), resolution_(resolution), mu_(mu) {
   const Stack& stack = measured_.stack;
   const std::vector<double> indices = refractive_indices(stack);
-  const DirectionSet set(indices, resolution.nodes, least_cosines(measured_, indices));
+  const DirectionSet whole(indices, resolution.nodes, least_cosines(measured_, indices));
+  const DirectionSet set = resolution.forward > 0 ? whole.divided(kForward, resolution.forward) : whole;
   for (const double ior : indices) {
     directions_.push_back(set.in_medium(ior, VectorXd::Constant(1, mu)));
   }

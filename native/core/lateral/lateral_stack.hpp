@@ -20,12 +20,16 @@ struct MeasuredStack {
   std::vector<double> whole_tau;   ///< by layer, of media: optical thickness of the graded medium with this slice
 };
 
+/// The cosine in air above which directions may be denser.
+inline constexpr double kForward = 0.9;
+
 /// The discretisation of directions at lateral frequencies.
 struct LateralResolution {
   int nodes = 12;              ///< number of nodes for cosines from 0 to 1
   Eigen::Index azimuths = 12;  ///< largest number of azimuths at any frequency
   double bend = 0.2;           ///< bend of the azimuths' path, see AzimuthRule
-  int moments() const { return 2 * nodes; }
+  int forward = 0;             ///< number of further nodes for cosines in air above kForward; 0: no such range
+  int moments() const { return forward > 0 ? 4 * forward : 2 * nodes; }
 };
 
 /// The flux that leaves a stack for a beam from above, at one lateral frequency.

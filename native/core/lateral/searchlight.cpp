@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <sstream>
-#include <stdexcept>
+#include <utility>
 
 #include "numeric/quadrature.hpp"
 
 namespace lamina {
 namespace {
 
-constexpr int kMostNodes = 40;
 constexpr int kMostIntervals = 64;
 constexpr std::size_t kBatch = 8;
 
@@ -78,185 +77,38 @@ Searchlight::Searchlight(MeasuredStack measured, double mu, const SearchlightQua
   }
 }
 
-/// Chooses directions for the sharpest phase function. Truncation keeps the moments below 2 * nodes, so the first
-/// moments, which determine the mean distances, are exact.
-void Searchlight::choose_resolution() {
-  double peak = 0.0;
-  bool bounded = false;
-  for (const Layer& layer : measured_.stack.layers) {
-    const auto* medium = std::get_if<Medium>(&layer);
-    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > 0.0) {
-      peak = std::max(peak, medium->phase.peak());
-    }
-    const auto* interface = std::get_if<Interface>(&layer);
-    bounded = bounded || (interface != nullptr && interface->ior != 1.0);
-  }
-  // Without attenuation, waves along a layer oscillate at all cosines. Measured with this number: errors of 1e-3.
-  constexpr int kForClearLayers = 16;
-  constexpr double kTruncated = 0.05;
-  constexpr double kSmooth = 0.3;
-  sharp_ = peak > kSmooth;
-  const double wanted = peak > 0.0 ? 0.5 * std::log(kTruncated) / std::log(peak) : 0.0;
-  resolution_.nodes = std::clamp(static_cast<int>(std::ceil(wanted)),
-                                 bounded ? quality_.nodes_with_boundary : quality_.nodes, kMostNodes);
-  if (runs_along_) {
-    resolution_.nodes = std::max(resolution_.nodes, kForClearLayers);
-  }
-  resolution_.azimuths = quality_.azimuths;
-  resolution_.bend = sharp_ ? std::clamp(0.1 - 0.5 * std::log(peak), 0.1, 0.6) : 0.6;
-}
-
-/// Chooses the frequency scale: `slowest`, where the spectra begin to fall, and `fastest`, beyond which only single
-/// scattering and a tail are left.
-void Searchlight::choose_scale() {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double whole = 0.0;
-  double least = kInfinity;
-  double slowest = kInfinity;
-  double fastest = 0.0;
-  for (std::size_t k = 0; k < measured_.stack.layers.size(); ++k) {
-    whole += std::holds_alternative<Medium>(measured_.stack.layers[k]) ? measured_.thickness[k] : 0.0;
-  }
-  for (std::size_t k = 0; k < measured_.stack.layers.size(); ++k) {
-    const auto* medium = std::get_if<Medium>(&measured_.stack.layers[k]);
-    if (medium == nullptr || !(measured_.thickness[k] > 0.0)) {
-      continue;
-    }
-    const double thickness = measured_.thickness[k];
-    if (medium->albedo > 0.0 && medium->tau > 0.0) {
-      const TruncatedMedium truncated(*medium, resolution_.moments());
-      const double extinction = measured_.extinction[k] * (1.0 - medium->albedo * truncated.forward_share);
-      const double reduced = 1.0 - truncated.albedo * truncated.moments[1];
-      const double absorbed = std::sqrt(3.0 * (1.0 - truncated.albedo) * reduced);
-      const double leak = 1.0 / (extinction * whole + 1.0 / reduced);
-      slowest = std::min(slowest, extinction * std::min(1.0, std::hypot(absorbed, leak)));
-      least = std::min(least, extinction);
-      fastest = std::max({fastest, 20.0 * extinction, 6.0 / thickness});
-    } else {
-      const double extinction = measured_.extinction[k];
-      slowest = std::min(slowest, std::isinf(thickness) ? extinction : std::hypot(extinction, 1.0 / thickness));
-      fastest = std::max(fastest, std::isinf(thickness) ? extinction : 10.0 / thickness);
-    }
-  }
-  const Base& base = measured_.stack.base;
-  if (base.kind == Base::Kind::kLambert && base.reflectance > 0.0 && whole > 0.0 && !std::isinf(whole)) {
-    // The spot that the beam lights on the base, and the edge of its total reflection, are still seen at this
-    // frequency.
-    constexpr double kSpot = 30.0;
-    fastest = std::max(fastest, kSpot / whole);
-  }
-  if (!(fastest > 0.0) || std::isinf(slowest)) {
-    slowest = 1.0;
-    fastest = 2.0;
-  }
-  constexpr double kSlowest = 0.03;
-  constexpr double kLow = 1.5;  // relative to the extinction
-  extinction_ = std::isinf(least) ? slowest : least;
-  decay_ = slowest > 0.0 ? slowest : 1e-3 * extinction_;
-  scale_ = {std::max(slowest, kSlowest * extinction_)};
-  const double middle = scale_.place(std::min(std::max(kLow * extinction_, 2.0 * scale_.slowest), 0.5 * fastest));
-  pieces_[0] = {0.0, middle, 0, {}};
-  pieces_[1] = {middle, scale_.place(fastest), 0, {}};
-}
-
-AzimuthRule Searchlight::azimuths_for(double q) const {
-  if (q == 0.0) {
-    return AzimuthRule::mean();
-  }
-  // Measured errors with these numbers, relative to the flux of a half-space: 1e-8 at low and 1e-6 at high frequencies.
-  const double wave = q / extinction_;
-  const Eigen::Index least = wave < 0.1 ? 6 : wave < 0.4 ? 8 : wave < 1.2 ? 10 : 12;
-  const Eigen::Index count = std::min(sharp_ ? least : std::min<Eigen::Index>(least, 8), resolution_.azimuths);
-  return AzimuthRule(count, resolution_.bend, count);
-}
-
 /// The spectrum at q without light at r = 0, rings, and the closed form of single scattering.
 Searchlight::Faces Searchlight::rest_at(double q) const {
   const AzimuthRule azimuths = azimuths_for(q);
-  const LateralFlux flux = stack_->at(q, azimuths);
+  const double share = forward_ ? forward_share(q) : 0.0;
   Faces rest{};
-  const auto scattered = [&](double all, double direct, double limit, const std::optional<ForwardPeaks>& peaks) {
-    // For a beam along the normal, light of truncated peaks spreads; for an oblique beam it stays in the rings.
-    const double spread = peaks ? (direct - limit) * peaks->at(q) : 0.0;
-    return all - direct + spread;
-  };
-  rest[0] =
-      scattered(flux.reflected, flux.mirrored, limit_.mirrored, peaks_back_) - (limit_.reflected - limit_.mirrored);
-  rest[1] = scattered(flux.transmitted, flux.unscattered, limit_.unscattered, peaks_down_) -
-            (limit_.transmitted - limit_.unscattered);
+  for (const auto& [beam, weight] : {std::pair{beam_.get(), 1.0 - share}, std::pair{forward_.get(), share}}) {
+    if (weight > 0.0) {
+      const Faces beside = beam->beside(q, azimuths);
+      for (std::size_t face = 0; face < rest.size(); ++face) {
+        rest[face] += weight * beside[face];
+      }
+    }
+  }
   for (std::size_t face = 0; face < rest.size(); ++face) {
     if (const std::optional<OnceScatteredBeam>& once = faces_[face].once) {
-      rest[face] += once->at(q) - once->discretised(q, azimuths) - once->whole_at(q);
+      rest[face] -= once->whole_at(q);
     }
-    for (const OnceScatteredBeam& deeper : deeper_[face]) {
-      rest[face] += deeper.at(q) - deeper.discretised(q, azimuths);
-    }
-  }
-  if (lit_base_) {
-    rest[0] += lit_base_->at(q) - lit_base_->discretised(q, azimuths);
   }
   return rest;
-}
-
-void Searchlight::prepare(ThreadPool& pool) {
-  stack_ = std::make_unique<LateralStack>(measured_, resolution_, mu_, pool);
-  limit_ = stack_->at_infinity();
-}
-
-/// Compares fluxes with those of more nodes, at q = 0 and where light is scattered about once per wavelength. If they
-/// differ, adds nodes and returns true.
-bool Searchlight::refine(ThreadPool& pool) {
-  constexpr int kMore = 4;
-  LateralResolution finer = resolution_;
-  finer.nodes += kMore;
-  const LateralStack other(measured_, finer, mu_, pool);
-  std::array<LateralFlux, 4> fluxes;
-  const double q = scale_.slowest;
-  pool.run(fluxes.size(), [&](std::size_t k) {
-    const bool fine = k >= 2;
-    const double frequency = k % 2 == 0 ? 0.0 : q;
-    fluxes[k] = (fine ? other : *stack_).at(frequency, azimuths_for(frequency));
-  });
-  double change = 0.0;
-  for (std::size_t k = 0; k < 2; ++k) {
-    const auto differ = [&](double a, double b) { change = std::max(change, std::abs(a - b)); };
-    differ(fluxes[k].reflected, fluxes[k + 2].reflected);
-    differ(fluxes[k].transmitted, fluxes[k + 2].transmitted);
-  }
-  if (change <= quality_.resolution) {
-    return false;
-  }
-  if (resolution_.nodes >= kMostNodes) {
-    std::ostringstream message;
-    message << "the stack cannot be resolved: at " << resolution_.nodes
-            << " nodes per hemisphere the flux still changes by " << change << " (allowed " << quality_.resolution
-            << ")";
-    throw std::runtime_error(message.str());
-  }
-  resolution_.nodes = std::min(kMostNodes, resolution_.nodes + kMore);
-  return true;
 }
 
 void Searchlight::advance(ThreadPool& pool) {
   if (done_) {
     return;
   }
-  if (!stack_) {
+  if (!beam_) {
     do {
-      prepare(pool);
+      beam_ = std::make_unique<ResolvedBeam>(measured_, resolution_, mu_, pool);
     } while (refine(pool));
-    faces_[0].once = once_scattered_upward(*stack_);
-    faces_[1].once = once_scattered_downward(*stack_);
-    deeper_ = {deeper_scattered_upward(*stack_), deeper_scattered_downward(*stack_)};
-    lit_base_ = lit_base(*stack_);
-    if (stack_->along_normal()) {
-      peaks_down_.emplace(*stack_, 1);
-      peaks_back_.emplace(*stack_, 2);
-      for (auto* peaks : {&peaks_down_, &peaks_back_}) {
-        if ((*peaks)->none()) {
-          peaks->reset();
-        }
-      }
+    resolve_forward(pool);
+    for (std::size_t face = 0; face < faces_.size(); ++face) {
+      faces_[face].once = beam_->once(face);
     }
     for (auto& rest : small_rest_) {
       rest.resize(small_.size());
@@ -344,13 +196,13 @@ void Searchlight::finish() {
     }
     faces_[face].rest = Spectrum(scale_, std::move(spectrum), !faces_[face].once);
   }
-  const Rings rings = unscattered_rings(*stack_);
+  const Rings rings = unscattered_rings(beam_->stack());
   faces_[0].rings = rings.reflected;
   faces_[1].rings = rings.transmitted;
-  faces_[0].at_entry = limit_.reflected;
-  faces_[1].at_entry = limit_.transmitted;
-  faces_[0].direct = limit_.mirrored;
-  faces_[1].direct = limit_.unscattered;
+  faces_[0].at_entry = beam_->limit().reflected;
+  faces_[1].at_entry = beam_->limit().transmitted;
+  faces_[0].direct = beam_->limit().mirrored;
+  faces_[1].direct = beam_->limit().unscattered;
   for (std::size_t face = 0; face < faces_.size(); ++face) {
     LeavingLight& light = faces_[face];
     for (const Ring& ring : light.rings) {

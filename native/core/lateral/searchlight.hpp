@@ -8,6 +8,7 @@
 
 #include "lateral/beam_paths.hpp"
 #include "lateral/lateral_stack.hpp"
+#include "lateral/resolved_beam.hpp"
 #include "lateral/spectrum.hpp"
 
 namespace lamina {
@@ -40,8 +41,9 @@ struct SearchlightQuality {
   int nodes_with_boundary = 8;  ///< smaller, because the range of total reflection adds nodes
   Eigen::Index azimuths = 12;
   int intervals = 16;  ///< first number of intervals between the frequencies of a piece
+  int forward = 8;     ///< nodes of each range of denser directions for high frequencies; 0: none
 
-  static SearchlightQuality preview() { return {2e-4, {1e-5, 1e-3}, 8, 6, 6, 8}; }
+  static SearchlightQuality preview() { return {2e-4, {1e-5, 1e-3}, 8, 6, 6, 8, 0}; }
 };
 
 /// The 3D scattering function of a plane stack for one beam. Each call of advance() solves one batch of lateral
@@ -64,7 +66,7 @@ class Searchlight {
   std::size_t frequencies() const;
 
  private:
-  using Faces = std::array<double, 2>;
+  using Faces = ResolvedBeam::Faces;
   /// A piece of the spectra of both faces, while its frequencies are solved.
   struct Piece {
     double low;  // in s
@@ -83,9 +85,10 @@ class Searchlight {
   void choose_resolution();
   void choose_scale();
   AzimuthRule azimuths_for(double q) const;
-  void prepare(ThreadPool& pool);
   bool refine(ThreadPool& pool);
   Faces rest_at(double q) const;
+  double forward_share(double q) const;
+  void resolve_forward(ThreadPool& pool);
   void refine_piece(std::size_t number);
   bool is_resolved(std::size_t number) const;
   void finish();
@@ -101,13 +104,11 @@ class Searchlight {
   bool spreads_ = false;     // true if the mean distances are infinite
   bool runs_along_ = false;  // true if light travels along a clear layer and mean squares are infinite
   bool sharp_ = false;       // true if a phase function has a sharp peak
-  std::unique_ptr<LateralStack> stack_;
-  std::optional<ForwardPeaks> peaks_down_;
-  std::optional<ForwardPeaks> peaks_back_;
-  LateralFlux limit_;
+  std::unique_ptr<ResolvedBeam> beam_;
+  std::unique_ptr<ResolvedBeam> forward_;  // with more directions near the beam, for high frequencies; may be empty
+  double forward_from_ = 0.0;              // above this frequency, 1/mm, `forward_` has a share in the spectrum
+  double forward_only_ = 0.0;              // above this frequency the spectrum is that of `forward_`
   std::array<LeavingLight, 2> faces_;
-  std::array<std::vector<OnceScatteredBeam>, 2> deeper_;  // by face
-  std::optional<LitBase> lit_base_;
   std::array<Piece, 2> pieces_{};  // of low and of high frequencies
   std::vector<double> small_;      // frequencies near 0
   std::array<std::vector<double>, 2> small_rest_;

@@ -78,6 +78,16 @@ DirectionSet DirectionSet::finer_by(double factor) const {
   return fine;
 }
 
+DirectionSet DirectionSet::divided(double division, int nodes) const {
+  DirectionSet fine = *this;
+  const auto steepest = std::find_if(fine.ranges_.begin(), fine.ranges_.end(),
+                                     [&](const Range& range) { return range.nodes.high() > division; });
+  const Range range = *steepest;
+  *steepest = {range.ior, Quadrature(static_cast<int>(range.nodes.mu.size()), range.nodes.low(), division)};
+  fine.ranges_.insert(steepest + 1, {range.ior, Quadrature(nodes, division, range.nodes.high())});
+  return fine;
+}
+
 Eigen::MatrixXd DirectionSet::carry_to(const DirectionSet& fine) const {
   Eigen::Index rows = 0;
   Eigen::Index columns = 0;

@@ -76,7 +76,7 @@ class Walker:
         self._size = float(np.linalg.norm(high - low))
         self._solid = layer.Solid(np.ascontiguousarray(mesh.vertices - self._centre, np.float32), mesh.triangles,
                                   threads, lambda fraction: step(fraction, "sorting the faces"))
-        self._grid = _grid(layer, self.interior, self._centre)
+        self._grid = self._gridded(self.interior)
         self._boundary = layer.Boundary(self.surface.ior, self.surface.alpha, self.surface.distribution)
 
     def with_points(self, chosen: np.ndarray, samples: int, seed: int) -> Walker:
@@ -86,6 +86,21 @@ class Walker:
         other.views = None if self.views is None else self.views[chosen]
         other.samples, other.seed = samples, seed
         return other
+
+    def with_matched(self, interior: Interior) -> Walker:
+        """The same walker in another interior, without a boundary and with light from all directions."""
+        other = copy.copy(self)
+        other.interior, other.surface, other.views = interior, Surface(), None
+        other._grid, other._boundary = self._gridded(interior), self._layer.Boundary(1.0, 0.0, "ggx")
+        return other
+
+    @property
+    def solid_size(self) -> float:
+        """Diagonal of the mesh's box, mm."""
+        return self._size
+
+    def _gridded(self, interior: Interior):
+        return _grid(self._layer, interior, self._centre)
 
     def exits(self, first: int, last: int, step: Progress) -> list[np.ndarray]:
         """Tally exits: [moments, products, counts] of points [first, last)."""

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -61,8 +62,10 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[Lamp] = (), uvs
     check_whole(margin, "margin", 0, MOST_MARGIN)
     job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel)
     walked = walk_map(job, "light", lamps, view, eye)
+    walked.step(1.0, "Done")
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
     images = [walked.places.filled(found.lamps.value[:, k], margin) for k in range(len(found.lamps_used))]
     sky = walked.places.filled(found.sky.value, margin)
     stacked = np.stack(images) if images else np.zeros((0, *sky.shape), np.float32)
-    return LitImages(stacked, sky, walked.places.mask, found, noise_of(found), walked.seconds, walked.places.notes)
+    return LitImages(stacked, sky, walked.places.mask, found, noise_of(found), time.perf_counter() - walked.began,
+                     walked.places.notes)

@@ -25,11 +25,13 @@ SETTING_UP = 0.1  # share of the progress
 
 @dataclass(frozen=True, eq=False)
 class MapWalk:
-    """The points of a map and the estimates there."""
+    """The points of a map and the estimates there. `step`: for further work, the rest of the progress."""
 
     places: Places
     estimate: ExitEstimate | LightEstimate
-    seconds: float
+    walker: Walker
+    step: Progress
+    began: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +53,12 @@ class MapJob:
     cancel: Callable[[], bool] | None
 
 
-def walk_map(job: MapJob, kind: str, lamps: Sequence[Lamp] = (), view=None, eye=None) -> MapWalk:
-    """Estimates of this `kind`, "exits" or "light". `view`, `eye`: see lit_images. Raises ArgumentError,
-    InteriorError, ShardError, OSError, Cancelled, DustUnavailable."""
+def walk_map(job: MapJob, kind: str, lamps: Sequence[Lamp] = (), view=None, eye=None, share: float = 1.0) -> MapWalk:
+    """Estimates of this `kind`, "exits" or "light". `view`, `eye`: see lit_images. `share`: of the progress, the rest
+    is for further work. Raises ArgumentError, InteriorError, ShardError, OSError, Cancelled, DustUnavailable."""
     began = time.perf_counter()
-    step = stepper("the map", job.progress, job.cancel)
+    whole = stepper("the map", job.progress, job.cancel)
+    step = portion(whole, 0.0, share)
     check_number(job.noise, "noise", "must lie in (0, 1]", lambda value: 0.0 < value <= 1.0)
     if job.samples is not None:
         check_whole(job.samples, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^32, or None")
@@ -78,8 +81,7 @@ def walk_map(job: MapJob, kind: str, lamps: Sequence[Lamp] = (), view=None, eye=
     walker.samples = described["samples"] = parts.samples
     done = parts.run(described, lambda shard, within: part_of(described, shard, walker, used, within),
                      portion(step, SETTING_UP, 1.0))
-    step(1.0, "Done")
-    return MapWalk(places, merge_walks(done), time.perf_counter() - began)
+    return MapWalk(places, merge_walks(done), walker, portion(whole, share, 1.0), began)
 
 
 def _directions(positions: np.ndarray, view, eye) -> np.ndarray | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,11 +20,13 @@ from ..interior.walk import Surface
 from ..subsurface.node_inputs import SubsurfaceInputs, checked_version, subsurface_inputs
 from ..subsurface.node_parameters import LEAST_IOR
 from ..subsurface.node_response import LARGEST_G
+from .body_response import targets_in_body
 from .lit import MOST_MARGIN
-from .map_walk import MapJob, walk_map
+from .map_walk import MapJob, MapWalk, walk_map
 from .noise import noise_of
 
 MOST_IOR = 3.8  # of Cycles' node
+WALKING = 0.8  # share of the progress: the walks of the map
 _ARRAYS = ("color", "radius", "extra_color", "extra_radius", "albedo", "distance", "albedo_error", "distance_error")
 
 
@@ -31,6 +34,8 @@ _ARRAYS = ("color", "radius", "extra_color", "extra_radius", "albedo", "distance
 class RelightableImages:
     """Inputs of Cycles' Subsurface Scattering node. `inputs`: a lamina.SubsurfaceInputs whose arrays have the shape
     (height, width, 3) or (vertices, 3), float32, lengths in mm. Images have their rows from the bottom, as in Blender.
+    Its `albedo` and `distance` are those of the node in a flat and infinitely thick body; in the mesh, the node has
+    those of `estimate`.
 
     `mask`: the texels, or the vertices, with a value of their own; texels of the margin have copies. `estimate`: exit
     albedo and distance with standard errors, at the points of the mask in sequence. `noise`: standard error of the exit
@@ -70,29 +75,31 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
     deleted at the end. The same seed gives the same bytes for any number of `threads` (0: all).
 
     A boundary is shown by a Glossy closure above the node, see SubsurfaceInputs. Light enters from all directions with
-    the flux of a uniform sky, so the node's mean over views matches. Exact where the body is much thicker than the mean
-    exit distance. Raises InteriorError, ArgumentError, ShardError, Cancelled, OSError with the number of finished parts
-    when the folder cannot be written, and DustUnavailable without a working Embree."""
+    the flux of a uniform sky, so the node's mean over views matches. Walks in two uniform media in the same mesh
+    correct for thin parts. Raises InteriorError, ArgumentError, ShardError, Cancelled, OSError with the number of
+    finished parts when the folder cannot be written, and DustUnavailable without a working Embree."""
     checked_version(version)
     check_whole(margin, "margin", 0, MOST_MARGIN)
     surface = Surface() if surface is None else surface
     job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel)
-    walked = walk_map(job, "exits")
+    walked = walk_map(job, "exits", share=WALKING)
     found: ExitEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
-    inputs = _inputs(found, interior, surface, version)
+    inputs = _inputs(found, walked, surface, version)
+    walked.step(1.0, "Done")
     images = {name: walked.places.filled(getattr(inputs, name), margin) for name in _ARRAYS}
     return RelightableImages(dataclasses.replace(inputs, **images), walked.places.mask, found, noise_of(found),
-                             walked.seconds, walked.places.notes)
+                             time.perf_counter() - walked.began, walked.places.notes)
 
 
-def _inputs(found: ExitEstimate, interior: Interior, surface: Surface, version: tuple[int, int]) -> SubsurfaceInputs:
+def _inputs(found: ExitEstimate, walked: MapWalk, surface: Surface, version: tuple[int, int]) -> SubsurfaceInputs:
     """The node's inputs at each point."""
     entered = 1.0 - float(found.mirrored.mean())  # the same at each point, except for noise
     albedo = np.clip(found.albedo.value / entered, 0.0, 1.0)
     distance = np.nan_to_num(found.mean_distance.value)
     ior = min(max(surface.ior, LEAST_IOR), MOST_IOR)
-    return subsurface_inputs(albedo, distance, mean_anisotropy(interior), version, "diffuse", ior,
-                             surface.alpha if surface.ior > 1.0 else 0.0)
+    g, roughness = mean_anisotropy(walked.walker.interior), surface.alpha if surface.ior > 1.0 else 0.0
+    albedo, distance = targets_in_body(albedo, distance, walked.walker, g, ior, roughness, walked.step)
+    return subsurface_inputs(albedo, distance, g, version, "diffuse", ior, roughness)
 
 
 def mean_anisotropy(interior: Interior) -> float:

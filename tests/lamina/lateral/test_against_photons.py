@@ -54,13 +54,7 @@ def test_reflected_photons_by_distance(name):
     _compare(walked(name)[0], beam.reflected_inside(RADII) - mirrored)
 
 
-# Near the beam, light that forward peaks have scattered several times is transmitted in too few discrete directions:
-# 9 % of the peaked slab's light within .05 mm is missing, 2.4 % of the two layers' within .2 mm. See docs/limits.md.
-PEAKED = pytest.mark.xfail(strict=True, reason="forward peaks near the beam are not resolved")
-
-
-@pytest.mark.parametrize("name", [pytest.param(name, marks=PEAKED if name in ("peaked", "two layers") else ())
-                                  for name in SLABS])
+@pytest.mark.parametrize("name", SLABS)
 def test_transmitted_photons_by_distance(name):
     beam = lamina.searchlight(stack_of(SLABS[name]))
     _compare(walked(name)[1], beam.transmitted_inside(RADII))

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lateral/resolved_beam.hpp"
+
+namespace lamina {
+
+ResolvedBeam::ResolvedBeam(const MeasuredStack& measured, const LateralResolution& resolution, double mu,
+                           ThreadPool& pool)
+    : stack_(measured, resolution, mu, pool),
+      limit_(stack_.at_infinity()),
+      once_{once_scattered_upward(stack_), once_scattered_downward(stack_)},
+      deeper_{deeper_scattered_upward(stack_), deeper_scattered_downward(stack_)},
+      lit_base_(lit_base(stack_)) {
+  if (!stack_.along_normal()) {
+    return;
+  }
+  for (const int legs : {1, 2}) {
+    ForwardPeaks peaks(stack_, legs);
+    if (!peaks.none()) {
+      peaks_[legs == 1 ? 1 : 0] = std::move(peaks);
+    }
+  }
+}
+
+ResolvedBeam::Faces ResolvedBeam::beside(double q, const AzimuthRule& azimuths) const {
+  const LateralFlux flux = stack_.at(q, azimuths);
+  const auto scattered = [&](double all, double direct, double limit, const std::optional<ForwardPeaks>& peaks) {
+    // For a beam along the normal, light of truncated peaks spreads; for an oblique beam it stays in the rings.
+    const double spread = peaks ? (direct - limit) * peaks->at(q) : 0.0;
+    return all - direct + spread;
+  };
+  Faces rest{
+      scattered(flux.reflected, flux.mirrored, limit_.mirrored, peaks_[0]) - (limit_.reflected - limit_.mirrored),
+      scattered(flux.transmitted, flux.unscattered, limit_.unscattered, peaks_[1]) -
+          (limit_.transmitted - limit_.unscattered)};
+  for (std::size_t face = 0; face < rest.size(); ++face) {
+    if (once_[face]) {
+      rest[face] += once_[face]->at(q) - once_[face]->discretised(q, azimuths);
+    }
+    for (const OnceScatteredBeam& deeper : deeper_[face]) {
+      rest[face] += deeper.at(q) - deeper.discretised(q, azimuths);
+    }
+  }
+  if (lit_base_) {
+    rest[0] += lit_base_->at(q) - lit_base_->discretised(q, azimuths);
+  }
+  return rest;
+}
+
+}  // namespace lamina

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Interiors in Cycles: a homogeneous slab against the solver, and a veined slab against Cycles' own volume."""
+
+import bpy
+import numpy as np
+import pytest
+import veined_slab
+from z_limit import z_limit
+
+import lamina
+
+
+@pytest.fixture
+def jobs(addon):
+    from importlib import import_module
+
+    return import_module(f"{addon.__name__}.interior.interior_job")
+
+
+def shown(jobs, light, output, noise, change=None):
+    """(scene, images) of a slab with the nodes of its interior."""
+    scene = veined_slab.scene_with(light)
+    material = bpy.data.materials.new("interior")
+    veined_slab.interior(material, output, noise)
+    obj = veined_slab.slab(scene, material)
+    if change is not None:
+        change(material)
+    with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0]):
+        scene.view_layers[0].update()
+        found = jobs.make(bpy.context, obj, material)
+    return scene, found
+
+
+@pytest.mark.parametrize("output", ["RELIGHTABLE", "LIT"])
+def test_homogeneous_slab_under_a_sky(jobs, addon, output):
+    """The 1D answer, from the panel's properties to the pixels."""
+    sigma_s, sigma_a = veined_slab.VEIN
+
+    def uniform(material):
+        for end in (material.lamina.interior.first, material.lamina.interior.second):
+            end.sigma_s, end.sigma_a = sigma_s, sigma_a
+
+    scene, found = shown(jobs, "sky", output, 2.0, uniform)
+    medium = lamina.Medium(sigma_s=list(sigma_s), sigma_a=list(sigma_a), thickness=veined_slab.THICKNESS)
+    solved = lamina.solve(lamina.Stack([medium]))
+    # The camera looks along the normal.
+    expected = solved.reflectance(1.0) + solved.transmittance(1.0)
+    pixels = veined_slab.picture(scene, 64).reshape(-1, 3)
+    error = pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels))
+    if output == "LIT":
+        # Neighbouring pixels share texels of four bilinear weights at most.
+        assert np.all(np.abs(pixels.mean(axis=0) - expected) < z_limit(3) * 2.0 * error)
+        sky = found.estimate.sky
+        z = (sky.value - expected) / sky.stderr
+        assert np.abs(z).max() < z_limit(z.size)
+    else:
+        # .5 %: the two media of the correction for thin parts, 300 walks at each of 1600 points.
+        assert np.all(np.abs(pixels.mean(axis=0) - expected) < 0.005 * expected + z_limit(3) * 2.0 * error)
+
+
+@pytest.fixture(scope="module")
+def truth():
+    """Two pictures of the volume with independent noise."""
+    scene = veined_slab.scene_with("sky")
+    material = bpy.data.materials.new("volume")
+    veined_slab.volume(material)
+    veined_slab.slab(scene, material)
+    return [veined_slab.picture(scene, 48, step=0.05, seed=seed) for seed in (1, 2)]
+
+
+def rms(found, truth):
+    """Root mean square difference over the mean, without the noise of the truth: its two pictures are independent."""
+    first, second = ((found - one) for one in truth)
+    return float(np.sqrt(max(0.0, (first * second).mean())) / np.mean(truth))
+
+
+@pytest.mark.parametrize(("output", "noise", "limit"), [("RELIGHTABLE", 4.0, 0.10), ("LIT", 2.0, 0.02)])
+def test_veined_slab_against_the_volume(jobs, truth, output, noise, limit):
+    """Relightable: at most half the difference of each texel's own material (25 %). Lit: at most 2 %."""
+    scene, _ = shown(jobs, "sky", output, noise)
+    found = veined_slab.picture(scene, 64)
+    assert rms(found, truth) < limit
+    assert abs(found.mean() / np.mean(truth) - 1.0) < 0.015
