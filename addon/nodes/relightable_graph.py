@@ -7,8 +7,10 @@ from . import boundary_graph
 
 
 def draw(graph, inputs, length):
-    """Add the nodes and return the shader's socket. `inputs`: lamina.SubsurfaceInputs in millimetres;
-    `length`: the socket with the number of Blender units per millimetre."""
+    """Add the nodes and return (the shader's socket, None): there is no volume.
+
+    `inputs`: lamina.SubsurfaceInputs in millimetres; `length`: the socket with the number of Blender units
+    per millimetre."""
     shader = _walk(graph, 0, "walk", inputs, inputs.color, inputs.radius, length)
     if inputs.extra_weight > 0.0:
         colour, radius = inputs.extra_color, inputs.extra_radius
@@ -20,7 +22,9 @@ def draw(graph, inputs, length):
         graph.link(shader, both.inputs[0])
         graph.link(share.outputs[0], both.inputs[1])
         shader = both.outputs[0]
-    return boundary_graph.over(graph, inputs.ior, inputs.roughness, shader) if inputs.has_boundary else shader
+    if inputs.has_boundary:
+        shader = boundary_graph.over(graph, inputs.ior, inputs.roughness, shader)
+    return shader, None
 
 
 def _walk(graph, row, label, inputs, colour, radius, length):
