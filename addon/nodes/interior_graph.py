@@ -8,9 +8,10 @@ from . import boundary_graph, relightable_graph
 
 
 def draw_relightable(graph, inputs, length, uv_map, name):
-    """Add the nodes and return the shader's socket. `inputs`: lamina.SubsurfaceInputs with images in
-    millimetres; `length`: the socket with the number of Blender units per millimetre; `name`: of the
-    material."""
+    """Add the nodes and return (the shader's socket, None): there is no volume.
+
+    `inputs`: lamina.SubsurfaceInputs with images in millimetres; `length`: the socket with the number of
+    Blender units per millimetre; `name`: of the material."""
     images = _Images(graph, uv_map, name)
     return relightable_graph.draw(graph, inputs, length, images.socket)
 
@@ -26,10 +27,10 @@ def lit_inputs(sources):
 
 
 def draw_lit(graph, images, sources, surface, uv_map, name, sockets):
-    """Add the nodes and return the shader's socket. `images`: lamina.LitImages for the sources in sequence,
-    suns first, the world last; `sockets`: inputs of the group by name; `name`: of the material.
+    """Add the nodes and return (the shader's socket, None): there is no volume.
 
-    The surface emits the sum and no closure but the boundary's mirror receives light, so that nothing is
+    `images`: lamina.LitImages for the sources in sequence, suns first, the world last; `sockets`: inputs of
+    the group by name; `name`: of the material. The surface emits the sum and no closure but the boundary's mirror receives light, so that nothing is
     lit twice."""
     textures, total = _Images(graph, uv_map, name), None
     for row, (one, image) in enumerate(zip(sources, [*images.lamps, images.sky], strict=True)):
@@ -40,8 +41,8 @@ def draw_lit(graph, images, sources, surface, uv_map, name, sockets):
     emission = graph.node("ShaderNodeEmission", 4, 0, "light from inside")
     graph.link(total, emission.inputs["Color"])
     if surface.ior == 1.0:
-        return emission.outputs[0]
-    return boundary_graph.beside(graph, surface.ior, surface.alpha, emission.outputs[0])
+        return emission.outputs[0], None
+    return boundary_graph.beside(graph, surface.ior, surface.alpha, emission.outputs[0]), None
 
 
 def _strength(source):

@@ -11,11 +11,11 @@ MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
 def build(material, name, draw, millimetre, inputs=()):
     """Make or refill the material's lateral group and link it to the material output. Returns the group.
 
-    `draw(graph, length, sockets)` adds the nodes and returns the shader's socket. `length` is the socket
-    with the number of Blender units per millimetre; its initial value is `millimetre`. `inputs`: further
-    inputs of the group, (name, socket type, initial value, description) each; `sockets` has their
-    sockets by name. If `draw` fails, nothing is changed but further inputs, which the next build
-    removes."""
+    `draw(graph, length, sockets)` adds the nodes and returns the sockets of the shader and of the volume
+    (None: no volume). `length` is the socket with the number of Blender units per millimetre; its initial
+    value is `millimetre`. `inputs`: further inputs of the group, (name, socket type, initial value,
+    description) each; `sockets` has their sockets by name. If `draw` fails, nothing is changed but further
+    inputs, which the next build removes."""
     node_tree.of(material)
     group = material.lamina.lateral_group
     is_new = group is None or not group.is_editable or _is_shared(material, group)
@@ -27,8 +27,12 @@ def build(material, name, draw, millimetre, inputs=()):
     drawing = graph.Graph(group)
     try:
         given = drawing.node("NodeGroupInput", -3, 0).outputs
-        shader = draw(drawing, given[MILLIMETRE], given)
-        drawing.link(shader, drawing.node("NodeGroupOutput", 5, 0).inputs["Shader"])
+        shader, volume = draw(drawing, given[MILLIMETRE], given)
+        _settle_volume(group, volume is not None)
+        outputs = drawing.node("NodeGroupOutput", 5, 0)
+        drawing.link(shader, outputs.inputs["Shader"])
+        if volume is not None:
+            drawing.link(volume, outputs.inputs[node_group.VOLUME])
     except BaseException:
         new_images = node_group.images_of(drawing.created)
         drawing.remove_created()
@@ -70,6 +74,15 @@ def _set_inputs(group, inputs):
     for name, kind, value, description in inputs:
         socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
         socket.default_value = value
+
+
+def _settle_volume(group, wanted):
+    """Give the group an output for a volume, or remove that output."""
+    found = next((item for item in group.interface.items_tree if item.name == node_group.VOLUME), None)
+    if wanted and found is None:
+        group.interface.new_socket(node_group.VOLUME, in_out="OUTPUT", socket_type="NodeSocketShader")
+    elif not wanted and found is not None:
+        group.interface.remove(found)
 
 
 def _input(group):

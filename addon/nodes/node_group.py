@@ -23,6 +23,8 @@ GROUP_INPUTS = (
     ("Base Color", "NodeSocketColor", "Reflectance of the base, linear; what the layers do to it is exact"),
 )
 
+VOLUME = "Volume"  # output of groups that need a volume, and input of the material's output
+
 LARGEST = 1.0e6  # the panel's largest optical thickness
 
 
@@ -147,15 +149,26 @@ def is_connected(material):
 
 
 def connect(material, group=None):
-    """Link `group`, by default that of the last bake, to the Surface of the material's output; other nodes
-    are unchanged. Returns the group node."""
+    """Link `group`, by default that of the last bake, to the Surface of the material's output, and the
+    group's volume, if there is one, to the Volume. If `group` has none, the volume of the lateral group is
+    unlinked. Other nodes are unchanged. Returns the group node."""
     tree = material.node_tree
     node = (group_nodes(material, group) or [None])[0]
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
     if node is None:
         node = _add_group_node(material, group or material.lamina.node_group, output)
     tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
+    volume = output.inputs[VOLUME]
+    if VOLUME in node.outputs:
+        tree.links.new(node.outputs[VOLUME], volume)
+    elif volume.is_linked and volume.links[0].from_node in _lateral_nodes(material):
+        tree.links.remove(volume.links[0])
     return node
+
+
+def _lateral_nodes(material):
+    group = material.lamina.lateral_group
+    return [] if group is None else group_nodes(material, group)
 
 
 def remove(material):

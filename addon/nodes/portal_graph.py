@@ -9,8 +9,11 @@ import math
 import numpy as np
 
 from ..base import float_image
-from . import boundary_graph
+from . import boundary_graph, mix_shader, portal_volume
 
+# The step to the outside: a part of the tables' scale, Blender units, and a part of the distance from the
+# origin. Cycles misses the surface of a metre-wide face from 6e-6 units above; 1.3e-4 is enough.
+STEP, LEAST_STEP, ROUNDING = 0.05, 6.0e-5, 3.0e-5
 # Rows of the image, from below.
 DEPTHS, WEIGHTS, VIEWS, ROWS = 0, 1, 2, 4
 # Scale of the position for White Noise: about 1000 steps per millimetre give neighbours different numbers.
@@ -19,12 +22,26 @@ ASIDE = (0.8017837, 0.2672612, 0.5345225)  # helper axis for the tangent frame; 
 
 
 def draw(graph, tables, length, name):
-    """Add the nodes and return the shader's socket. `tables`: lamina.PortalTables; `length`: the socket with
-    the number of Blender units per millimetre; `name`: name of the image."""
+    """Add the nodes and return the sockets (shader, volume). Without single scattering the volume is None.
+
+    `tables`: lamina.PortalTables; `length`: the socket with the number of Blender units per millimetre;
+    `name`: name of the image."""
     image = float_image.create(name, _texels(tables))
     geometry = graph.node("ShaderNodeNewGeometry", -3, 4)
-    normal, position = geometry.outputs["Normal"], geometry.outputs["Position"]
-    chance = _chance(graph, position, length)
+    light_path = graph.node("ShaderNodeLightPath", -3, 10)
+    chance = _chance(graph, geometry.outputs["Position"], length)
+    shader = _to_the_source(graph, tables, length, geometry, image, chance)
+    volume = None
+    if tables.single is not None:
+        shader, volume = portal_volume.with_volume(graph, tables, length, light_path, shader, chance[2])
+    if tables.has_boundary:
+        shader = boundary_graph.over(graph, tables.ior, tables.roughness, shader)
+    return _by_side(graph, tables, length, geometry, light_path, shader, volume), volume
+
+
+def _to_the_source(graph, tables, length, geometry, image, chance):
+    """The portal from the front face to the source."""
+    normal = geometry.outputs["Normal"]
     depth = _row(graph, image, DEPTHS, "depth of the source, mm", chance[0], "Closest").outputs["Color"]
     cosine, sine = _cosine(graph, chance[1])
     out = graph.math("DIVIDE", 0, 8, "over depth", sine, cosine)
@@ -37,12 +54,12 @@ def draw(graph, tables, length, name):
     graph.link(graph.vector("MULTIPLY", 3, 10, "colour", colour, weight), portal.inputs["Color"])
     way = graph.math("MULTIPLY", 1, 5, "depth of the source", depth, length)
     below = graph.scale(2, 5, "down", normal, way)
-    graph.link(graph.vector("SUBTRACT", 3, 5, "source", position, below), portal.inputs["Position"])
-    graph.link(_direction(graph, normal, cosine, sine, chance[2]), portal.inputs["Direction"])
-    shader = _with_once_scattered(graph, tables, portal.outputs[0])
-    if tables.has_boundary:
-        shader = boundary_graph.over(graph, tables.ior, tables.roughness, shader)
-    return _seen_from_behind(graph, geometry, shader)
+    source = graph.vector("SUBTRACT", 3, 5, "source", geometry.outputs["Position"], below)
+    graph.link(source, portal.inputs["Position"])
+    # A full turn for the random numbers that rays into the volume leave over.
+    turn = 2.0 * math.pi / _share(tables)
+    graph.link(_direction(graph, normal, cosine, sine, chance[2], turn), portal.inputs["Direction"])
+    return portal.outputs[0]
 
 
 def _texels(tables):
@@ -51,11 +68,16 @@ def _texels(tables):
     texels = np.zeros((ROWS, width, 4), np.float32)
     texels[:, :, 3] = 1.0
     texels[DEPTHS, :, :3] = tables.depths[:, None]
-    for row, values in ((WEIGHTS, tables.weights), (VIEWS, tables.views)):
+    for row, values in ((WEIGHTS, tables.weights), (VIEWS, tables.views / _share(tables))):
         places = np.linspace(0.0, len(values) - 1.0, width)
         wide = np.stack([np.interp(places, np.arange(len(values)), column) for column in values.T], axis=1)
         texels[row, :, :3] = wide
     return texels
+
+
+def _share(tables):
+    """Share of the views that take the portal."""
+    return 1.0 if tables.single is None else 1.0 - portal_volume.ENTERING
 
 
 def _row(graph, image, row, label, place, interpolation):
@@ -90,8 +112,8 @@ def _cosine(graph, chance):
     return cosine, graph.math("SQRT", 3, 7, "sine", graph.math("SUBTRACT", 2, 7, "rest", 1.0, square))
 
 
-def _direction(graph, normal, cosine, sine, chance):
-    angle = graph.math("MULTIPLY", 0, 14, "azimuth", chance, 2.0 * math.pi)
+def _direction(graph, normal, cosine, sine, chance, turn):
+    angle = graph.math("MULTIPLY", 0, 14, "azimuth", chance, turn)
     first = graph.vector("CROSS_PRODUCT", 0, 15, "across", normal, ASIDE)
     first = graph.vector("NORMALIZE", 1, 15, "first axis", first)
     second = graph.vector("CROSS_PRODUCT", 2, 15, "second axis", normal, first)
@@ -105,27 +127,42 @@ def _direction(graph, normal, cosine, sine, chance):
     return graph.vector("ADD", 5, 15, "direction", level, graph.scale(4, 16, "upwards", normal, cosine))
 
 
-def _with_once_scattered(graph, tables, portal):
-    """The portal plus the Glossy closure for single scattering."""
-    once = np.broadcast_to(tables.once, 3)
-    if not np.any(once > 0.0):
-        return portal
-    glossy = graph.node("ShaderNodeBsdfAnisotropic", 4, 4, "scattered once")
-    glossy.distribution = "GGX"
-    glossy.inputs["Color"].default_value = (*map(float, once), 1.0)
-    glossy.inputs["Roughness"].default_value = 1.0
-    both = graph.node("ShaderNodeAddShader", 5, 5, "all that leaves")
-    graph.link(portal, both.inputs[0])
-    graph.link(glossy.outputs[0], both.inputs[1])
-    return both.outputs[0]
+def _by_side(graph, tables, length, geometry, light_path, shader, volume):
+    """The shader of both faces.
+
+    Back face: rays from the source show the light from outside, by a Translucent closure. Cycles cannot
+    sample a Toon closure there, so a part of the rays goes on to a point just outside, and back to the front
+    face. Front face: rays as short as that step show the Toon closure. All others are views and get
+    `shader`."""
+    normal, position = geometry.outputs["True Normal"], geometry.outputs["Position"]
+    step = _step(graph, tables, length, position)
+    leave = graph.node("ShaderNodeBsdfRayPortal", 6, 8, "to the outside")
+    leave.inputs["Color"].default_value = (*portal_volume.rgb(tables.entry.toon), 1.0)
+    outside = graph.vector("SUBTRACT", 5, 9, "outside", position, graph.scale(4, 9, "a step", normal, step))
+    graph.link(outside, leave.inputs["Position"])
+    graph.link(normal, leave.inputs["Direction"])
+    lit = graph.node("ShaderNodeBsdfTranslucent", 6, 9, "light from outside")
+    lit.inputs["Color"].default_value = (*portal_volume.rgb(tables.entry.diffuse), 1.0)
+    both = graph.node("ShaderNodeAddShader", 7, 9, "all that enters")
+    graph.link(lit.outputs[0], both.inputs[0])
+    graph.link(leave.outputs[0], both.inputs[1])
+    behind = both.outputs[0]
+    if volume is not None:
+        behind = portal_volume.behind(graph, light_path, behind)
+    toon = graph.node("ShaderNodeBsdfToon", 4, 15, "light from outside")
+    toon.component = "DIFFUSE"
+    toon.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    toon.inputs["Size"].default_value = tables.entry.size
+    toon.inputs["Smooth"].default_value = tables.entry.smooth
+    limit = graph.math("MULTIPLY", 4, 12, "twice", step, 2.0)
+    near = graph.math("LESS_THAN", 5, 12, "came from the step", light_path.outputs["Ray Length"], limit)
+    front = mix_shader.between(graph, 6, 6, "from outside", near, shader, toon.outputs[0])
+    return mix_shader.between(graph, 7, 6, "from inside", geometry.outputs["Backfacing"], front, behind)
 
 
-def _seen_from_behind(graph, geometry, shader):
-    """The shader of back faces, which a source's ray hits from inside: the surface lit from outside."""
-    lit = graph.node("ShaderNodeBsdfTranslucent", 6, 8, "light from outside")
-    lit.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    mix = graph.node("ShaderNodeMixShader", 7, 6, "from inside")
-    graph.link(geometry.outputs["Backfacing"], mix.inputs[0])
-    graph.link(shader, mix.inputs[1])
-    graph.link(lit.outputs[0], mix.inputs[2])
-    return mix.outputs[0]
+def _step(graph, tables, length, position):
+    """Distance between the surface and the point outside: a small part of the profile, and above the rounding
+    errors of the position."""
+    away = graph.vector("LENGTH", 2, 12, "from the origin", position)
+    far = graph.math("MULTIPLY_ADD", 3, 12, "rounding", away, ROUNDING, LEAST_STEP)
+    return graph.math("MULTIPLY_ADD", 4, 11, "a step", length, STEP * tables.scale, far)

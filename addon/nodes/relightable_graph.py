@@ -7,9 +7,11 @@ from . import boundary_graph
 
 
 def draw(graph, inputs, length, texels=None):
-    """Add the nodes and return the shader's socket. `inputs`: lamina.SubsurfaceInputs in millimetres;
-    `length`: the socket with the number of Blender units per millimetre. If the inputs are images,
-    `texels(name, pixels, row)` adds an image of (height, width, 3) and returns the socket of its colour."""
+    """Add the nodes and return (the shader's socket, None): there is no volume.
+
+    `inputs`: lamina.SubsurfaceInputs in millimetres; `length`: the socket with the number of Blender units
+    per millimetre. If the inputs are images, `texels(name, pixels, row)` adds an image of (height, width, 3)
+    and returns the socket of its colour."""
     shader = _walk(graph, 0, "walk", inputs, "", length, texels)
     if inputs.extra_weight > 0.0:
         lost = _walk(graph, 4, "light that the walk loses", inputs, "extra_", length, texels)
@@ -20,7 +22,9 @@ def draw(graph, inputs, length, texels=None):
         graph.link(shader, both.inputs[0])
         graph.link(share.outputs[0], both.inputs[1])
         shader = both.outputs[0]
-    return boundary_graph.over(graph, inputs.ior, inputs.roughness, shader) if inputs.has_boundary else shader
+    if inputs.has_boundary:
+        shader = boundary_graph.over(graph, inputs.ior, inputs.roughness, shader)
+    return shader, None
 
 
 def _walk(graph, row, label, inputs, prefix, length, texels):

@@ -60,11 +60,14 @@ def _render(material, samples, width, size, light):
 
 
 def _plane(scene, start, height, material):
-    """From x = `start` to HALF."""
+    """From x = `start` to HALF; with a material, the top of a box."""
     mesh = bpy.data.meshes.new("plane")
     corners = [(start, -HALF, height), (HALF, -HALF, height), (HALF, HALF, height), (start, HALF, height)]
-    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
-    if material is not None:
+    faces = [(0, 1, 2, 3)]
+    if material is not None:  # a box: volumes need a closed mesh
+        corners += [(x, y, height - HALF) for x, y, _ in corners]
+        faces += [(7, 6, 5, 4), *((k, k + 4, (k + 1) % 4 + 4, (k + 1) % 4) for k in range(4))]
         mesh.materials.append(material)
+    mesh.from_pydata(corners, [], faces)
     scene.collection.objects.link(bpy.data.objects.new("plane", mesh))
     return mesh

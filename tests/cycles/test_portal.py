@@ -13,11 +13,12 @@ import pytest
 from z_limit import z_limit
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack
+from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack, lobes
 
 SPHERE = json.loads((Path(__file__).parents[1] / "data/portal_sphere.json").read_text())["paths"]
-# Root mean square over the mean, and the energy's error, that were measured; Random Walk has .17, .27 and .44.
-REACHED = {"0.03": (0.058, 0.02), "0.1": (0.105, 0.045), "0.3": (0.22, 0.04)}
+# Root mean square over the mean, and the energy's error. Measured: .03, .06, .15 and .012, .024, .012. Random Walk has
+# .17, .27, .44. A portal with Lambert entry and single scattering by a local closure has .047, .095, .206.
+REACHED = {"0.03": (0.04, 0.018), "0.1": (0.068, 0.03), "0.3": (0.16, 0.025)}
 
 
 def deep(albedos, phase, extinction=4.0):
@@ -27,10 +28,14 @@ def deep(albedos, phase, extinction=4.0):
 
 STACKS = {
     "isotropic": Stack([deep([0.5, 0.9, 0.99], Isotropic())]),
+    "forward": Stack([deep([0.5, 0.9, 0.99], HenyeyGreenstein(0.8))]),
     "layers under a boundary": Stack(
         [Interface(1.4), Medium(sigma_s=[2.0, 4.0, 6.0], sigma_a=[0.3, 0.1, 0.2], thickness=0.3,
                                 phase=HenyeyGreenstein(0.5)), deep([0.95, 0.8, 0.9], HenyeyGreenstein(0.3))]),
 }
+
+
+ONCE = {"isotropic": 0.0, "forward": 0.8}  # mean cosines of the media whose single scattering is a volume's
 
 
 def portal(addon, name, stack):
@@ -44,26 +49,30 @@ def portal(addon, name, stack):
 @pytest.mark.parametrize("name", STACKS)
 def test_plane(addon, name):
     """White sky, and light that has travelled into a shadow."""
-    stack, limit = STACKS[name], z_limit(12)
+    stack, limit = STACKS[name], z_limit(18)
     material = portal(addon, name, stack)
     beam = lamina.searchlight(stack, quality="preview")
-    light, error = lit_edge.exit_albedo(material, 400)
+    light, error = lit_edge.exit_albedo(material, 1600)
     assert np.all(np.abs(light - beam.reflectance) < 0.002 * beam.reflectance + limit * error)
-    assert np.all(error < 0.004 * beam.reflectance)
+    assert np.all(error < 0.004 * beam.reflectance + 1e-4)
     moment, error = lit_edge.exit_moment(material, 400, 0.001 * 24.0 * float(beam.mean_distance.max()))
+    # Light that is scattered once leaves along the normal only where it entered: the sun at the zenith shows no moment.
     wanted = 0.001 * beam.reflectance * beam.mean_distance
-    # Light that was scattered once stays where it enters in the first stack: its own mean distance is missing.
-    if name == "isotropic":
-        wanted = wanted - 0.001 * once_scattered_moment(np.array([0.5, 0.9, 0.99])) / 4.0
+    if name in ONCE:
+        wanted = wanted - 0.001 * once_scattered_moment(np.array([0.5, 0.9, 0.99]), ONCE[name]) / 4.0
+    entry = lamina.portal_tables(stack, "preview").entry
+    toon = float(lobes.toon(entry.size, entry.smooth).evaluate(1.0, 1.0, 0.0))
+    wanted = wanted * (entry.diffuse + math.pi * toon * entry.toon)  # light along the normal, over the mean
     assert np.all(np.abs(moment - wanted) < 0.005 * wanted + limit * error)
 
 
-def once_scattered_moment(albedo):
+def once_scattered_moment(albedo, g):
     """Albedo times mean distance, in mean free paths, of once-scattered light: int exp(-z) E[exp(-z/mu) z tan]."""
     nodes, weights = np.polynomial.legendre.leggauss(200)
     mu, w = 0.5 * (nodes + 1.0), 0.5 * weights
-    # Depth: int z exp(-z (1 + 1 / mu)) dz = 1 / (1 + 1 / mu)^2; half of the light goes upwards.
-    return albedo * 0.5 * np.sum(w * np.sqrt(1.0 - mu * mu) / mu / (1.0 + 1.0 / mu) ** 2)
+    phase = (1.0 - g * g) / (1.0 + g * g + 2.0 * g * mu) ** 1.5
+    # Depth: int z exp(-z (1 + 1 / mu)) dz = 1 / (1 + 1 / mu)^2; half of isotropic light goes upwards.
+    return albedo * 0.5 * np.sum(w * phase * np.sqrt(1.0 - mu * mu) / mu / (1.0 + 1.0 / mu) ** 2)
 
 
 @pytest.mark.parametrize("path", SPHERE)
@@ -71,14 +80,15 @@ def test_sphere(addon, path):
     """Against renders of Cycles' volume, which this repository keeps."""
     extinction = 0.001 / float(path)  # per millimetre: the sphere's radius is a metre
     material = portal(addon, "sphere", Stack([deep([0.9], Isotropic(), extinction)]))
-    blocks = sphere_blocks(material, 64)
+    first, second = (sphere_blocks(material, 48, seed) for seed in (1, 2))
     truth = np.array(SPHERE[path])
     rms, energy = REACHED[path]
-    assert np.sqrt(np.mean((blocks - truth) ** 2)) < rms * truth.mean()
-    assert blocks.mean() == pytest.approx(truth.mean(), rel=energy)
+    # The noise of two renders is independent: the mean of their product is free of it.
+    assert np.mean((first - truth) * (second - truth)) < (rms * truth.mean()) ** 2
+    assert 0.5 * (first + second).mean() == pytest.approx(truth.mean(), rel=energy)
 
 
-def sphere_blocks(material, samples):
+def sphere_blocks(material, samples, seed):
     scene = bpy.data.scenes.new("sphere")
     mesh = _sphere(material)
     scene.collection.objects.link(bpy.data.objects.new("sphere", mesh))
@@ -94,7 +104,7 @@ def sphere_blocks(material, samples):
     sun.rotation_euler = (0.0, math.radians(45.0), math.radians(25.0))
     scene.world = goniophotometer._world(0.0)
     goniophotometer._settings(scene, samples, 1)
-    scene.cycles.max_bounces = 8
+    scene.cycles.max_bounces, scene.cycles.seed = 8, seed
     scene.render.resolution_x = scene.render.resolution_y = 64
     try:
         pixels = goniophotometer._render(scene)

@@ -2,7 +2,7 @@
 """Tables for a tabulated BSSRDF of a stack, rendered in Cycles by its Ray Portal BSDF.
 
 The portal moves the camera ray to a source below the shading point, with a direction uniform over the upper hemisphere.
-The ray hits the surface from inside and evaluates an ordinary closure there. On a plane, the hits of a source at depth
+The ray hits the surface from inside and evaluates ordinary closures there. On a plane, the hits of a source at depth
 z have the density z / (2 pi (z^2 + r^2)^1.5) over the distance r. A weight that depends on r turns the mean of these
 densities over all depths into the stack's profile. On a curved surface each ray still hits the surface, so no light is
 lost."""
@@ -16,24 +16,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.progress import Progress, portion, stepper
-from ..kinds.bases import HalfSpace
-from ..kinds.phases import Isotropic
 from ..lateral.searchlight import Searchlight, searchlight
-from ..material.layers import Medium
-from ..material.millimetres import sigma_t
 from ..material.stack import Stack
 from ..solver.solve import solve
+from . import entry_lobes, single_scattering
+from .entry_lobes import EntryLobes
 from .node_parameters import LEAST_IOR
+from .single_scattering import SingleScattering
 from .stack_nodes import boundary_on_top, require_finite_distance
 
 DEPTHS, WEIGHTS, VIEWS = 1024, 1024, 256  # sizes of the tables
 # Ratio of source depth to exit distance at equal quantiles. The profile of an isotropic half-space equals that of
 # sources with absorption. Up to the median the depths of these sources have this ratio (albedo .9).
 DEPTH_SHARE = 0.9
-# From this optical thickness on, single scattering of a layer equals that of a half-space within 1e-4.
-DEEP = 4.5
-_COSINES, _COSINE_WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(64))
-_COSINES = _COSINES + 0.5
 
 
 @dataclass(frozen=True)
@@ -42,8 +37,9 @@ class PortalTables:
 
     `depths`, shape (DEPTHS,): equally likely depths of sources. `weights`, (WEIGHTS, channels): weight of a ray by the
     distance r on the plane, at r / (r + scale) = k / (WEIGHTS - 1). `views`, (VIEWS, channels): share of the light
-    entering below the boundary that goes through the portal, at the view cosine k / (VIEWS - 1). `once`, (channels,):
-    colour of the Glossy closure (GGX, roughness 1) for single scattering. `ior`, `roughness`: the boundary on top, ior
+    entering below the boundary that goes through the portal, at the view cosine k / (VIEWS - 1). `single`: the medium
+    whose single scattering does not go through the portal, or None. `entry`: closures for the directions from which
+    light enters. `ior`, `roughness`: the boundary on top, ior
     1.01 for none. `albedo`, `distance`, (channels,): exit albedo and mean exit distance of all light without the
     boundary's reflection, for a view along the normal. `profile_error`: largest error, from the tables' resolution, of
     the flux within any distance, relative to the total flux."""
@@ -52,7 +48,8 @@ class PortalTables:
     weights: np.ndarray
     scale: float
     views: np.ndarray
-    once: np.ndarray
+    single: SingleScattering | None
+    entry: EntryLobes
     ior: float
     roughness: float
     albedo: np.ndarray
@@ -76,25 +73,26 @@ def portal_tables(stack: Stack, quality: str = "final", progress: Progress | Non
                   cancel: Callable[[], bool] | None = None) -> PortalTables:
     """Tables with which Cycles' Ray Portal BSDF renders the lateral light transport of a stack.
 
-    If the topmost layer is a deep isotropic medium without a boundary, single scattering is rendered by a Glossy
-    closure, whose directions are exact. Arguments and errors are those of lamina.subsurface_nodes."""
+    If the topmost layer is a deep medium without a boundary, with isotropic scattering or Henyey and Greenstein's phase
+    function, the portal leaves out single scattering, which Cycles' volume rendering adds. Arguments and errors are
+    those of lamina.subsurface_nodes."""
     step = stepper("the portal", progress, cancel)
     beam = searchlight(stack, 1.0, quality, progress=portion(step, 0.0, 0.8), cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, 1.0, quality)
     distance = require_finite_distance(beam, on_top)
-    once = _scattered_once(stack)
-    extinction = np.array([_top_extinction(stack, c) for c in range(stack.channels)])
+    single = single_scattering.of_stack(stack)
     scale = float(np.median(distance))
     r = _distances(scale)
-    light = np.stack([_profile(beam, c, r, once[c], extinction[c]) for c in range(stack.channels)], axis=1)
+    light = np.stack([_profile(beam, c, r, single) for c in range(stack.channels)], axis=1)
     within = _within(r, light)
     ranks = (np.arange(DEPTHS) + 0.5) / DEPTHS
     depths = DEPTH_SHARE * np.interp(ranks, (within / within[-1]).mean(axis=1), r)
     weights, error = _weights(depths, scale, r, light, within)
     step(0.9, "Views")
-    views = _views(stack, once, quality)
+    views = _views(stack, single, quality)
+    entry = entry_lobes.fit(_inside(stack, entry_lobes.COSINES, single, quality)[0])
     step(1.0, "Done")
-    return PortalTables(depths, weights, scale, views, once, ior, roughness,
+    return PortalTables(depths, weights, scale, views, single, entry, ior, roughness,
                         (beam.reflectance - on_top) / (1.0 - on_top), distance, error)
 
 
@@ -117,21 +115,13 @@ def _within(r: np.ndarray, density: np.ndarray) -> np.ndarray:
     return np.cumsum(density * _rings(r)[:, None], axis=0)
 
 
-def _profile(beam: Searchlight, index: int, r: np.ndarray, once: float, extinction: float) -> np.ndarray:
-    """Flux density at r of the light through the portal, in one channel: all light but that of the Glossy closure."""
+def _profile(beam: Searchlight, index: int, r: np.ndarray, single: SingleScattering | None) -> np.ndarray:
+    """Flux density at r of the light through the portal, in one channel."""
     density = beam.profile(r)
     density = density if density.ndim == 1 else density[:, index]
-    if once > 0.0:
-        density = density - once_scattered(r * extinction, 2.0 * once) * extinction**2
+    if single is not None:
+        density = density - single.density(r, index)
     return np.maximum(density, 0.0)
-
-
-def once_scattered(r: np.ndarray, albedo: float) -> np.ndarray:
-    """Flux density of single scattering in an isotropic half-space at the distance r, in mean free paths, for a beam
-    along the normal: albedo / (4 pi) int exp(-z - d) z / d^3 dz, d^2 = r^2 + z^2."""
-    angle = 0.5 * math.pi * _COSINES  # z = r tan(angle)
-    z, d = r[:, None] * np.tan(angle), r[:, None] / np.cos(angle)
-    return albedo / (4.0 * math.pi * r) * ((np.exp(-z - d) * np.sin(angle)) @ (0.5 * math.pi * _COSINE_WEIGHTS))
 
 
 def _weights(depths: np.ndarray, scale: float, r: np.ndarray, light: np.ndarray,
@@ -147,32 +137,20 @@ def _weights(depths: np.ndarray, scale: float, r: np.ndarray, light: np.ndarray,
     return table, float(np.max(np.abs(reached / reached[-1] - within / within[-1])))
 
 
-def _views(stack: Stack, once: np.ndarray, quality: str) -> np.ndarray:
+def _views(stack: Stack, single: SingleScattering | None, quality: str) -> np.ndarray:
     """Share of the light entering below the boundary that goes through the portal, by view cosine."""
     cosines = np.linspace(0.0, 1.0, VIEWS)
     cosines[0] = 0.25 * cosines[1]
+    inside, on_top = _inside(stack, cosines, single, quality)
+    return np.clip(inside / np.maximum(1.0 - on_top, 1e-6), 0.0, 1.0)
+
+
+def _inside(stack: Stack, cosines: np.ndarray, single: SingleScattering | None,
+            quality: str) -> tuple[np.ndarray, np.ndarray]:
+    """(light through the portal, light that a boundary on top reflects), as shares of the incident light, by view
+    cosine or, by reciprocity, by incidence cosine."""
     on_top = boundary_on_top(stack, cosines, quality)[0]
-    inside = (solve(stack, quality).reflectance(cosines) - on_top) / np.maximum(1.0 - on_top, 1e-6)
-    local = 1.0 - cosines * np.log1p(1.0 / cosines)  # directional albedo of the Glossy closure with colour 1
-    return np.clip(inside - local[:, None] * once, 0.0, 1.0)
-
-
-def _scattered_once(stack: Stack) -> np.ndarray:
-    """Colour of the Glossy closure for single scattering, by channel; 0 if that light goes through the portal."""
-    top = stack.layers[0] if stack.layers else stack.base
-    if not isinstance(top, Medium | HalfSpace) or not isinstance(top.phase, Isotropic):
-        return np.zeros(stack.channels)
-    if isinstance(top, Medium) and top.profile is not None:
-        return np.zeros(stack.channels)
-    found = []
-    for c in range(stack.channels):
-        albedo, tau = stack.optics(0, c) if isinstance(top, Medium) else (top.albedo_of(c), math.inf)
-        found.append(0.5 * albedo if tau >= DEEP else 0.0)
-    return np.array(found)
-
-
-def _top_extinction(stack: Stack, index: int) -> float:
-    top = stack.layers[0] if stack.layers else stack.base
-    if isinstance(top, Medium | HalfSpace) and getattr(top, "profile", None) is None:
-        return sigma_t(top, index)
-    return 1.0
+    inside = solve(stack, quality).reflectance(cosines) - on_top
+    if single is not None:
+        inside = inside - single.reflectance(cosines)
+    return np.maximum(inside, 0.0), on_top

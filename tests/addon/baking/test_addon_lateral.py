@@ -81,6 +81,27 @@ def test_portal(addon, lamina, marble, call):
     assert texels == pytest.approx(list(tables.depths), rel=1e-6)
 
 
+def test_volume_of_the_portal(addon, lamina, marble, call):
+    """The portal of a deep medium needs a volume. The volume goes away with another output and with the bake."""
+    slab = lamina.Medium(sigma_s=[2.0, 3.0, 4.0], sigma_a=[0.1, 0.2, 0.3], thickness=float("inf"))
+    addon.editing.stack_io.assign_stack(marble, lamina.Stack([slab]))
+    addon.baking.lateral_job.make(marble, quality="preview", output="PORTAL")
+    output = marble.node_tree.get_output_node("CYCLES")
+
+    def volumes():
+        return [link.from_node.node_tree for link in output.inputs["Volume"].links]
+
+    assert volumes() == [marble.lamina.lateral_group]
+    (scatter,) = [node for node in marble.lamina.lateral_group.nodes if node.type == "VOLUME_SCATTER"]
+    assert list(scatter.inputs["Color"].default_value)[:3] == pytest.approx([2.0 / 4.3, 3.0 / 4.3, 4.0 / 4.3])
+    addon.baking.lateral_job.make(marble, quality="preview", output="RELIGHTABLE")
+    assert not volumes() and "Volume" not in marble.lamina.lateral_group.interface.items_tree
+    addon.baking.lateral_job.make(marble, quality="preview", output="PORTAL")
+    addon.baking.bake_job.bake_material(marble, quality="preview")
+    assert call(bpy.ops.lamina.connect, marble) == {"FINISHED"}
+    assert not volumes()
+
+
 def test_layers_without_lengths(addon, material, call):
     """The first stack's dust has an optical thickness: one sentence, and nothing changes."""
     before = len(material.node_tree.nodes)

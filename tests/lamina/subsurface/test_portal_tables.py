@@ -9,9 +9,10 @@ import pytest
 from z_limit import z_limit
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack
+from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack, lobes
 from lamina.common.errors import StackError
-from lamina.subsurface.portal import DEPTHS, WEIGHTS, once_scattered
+from lamina.subsurface import entry_lobes, single_scattering
+from lamina.subsurface.portal import DEPTHS, WEIGHTS
 
 COUNT = 400_000
 
@@ -23,6 +24,7 @@ def deep(albedos, phase, extinction=1.0):
 
 STACKS = {
     "isotropic": Stack([deep([0.5, 0.9, 0.99], Isotropic())]),
+    "forward": Stack([deep([0.5, 0.9, 0.99], HenyeyGreenstein(0.8))]),
     "skin": Stack([Interface(1.4), Medium(sigma_s=[3.0, 5.0, 9.0], sigma_a=[0.05, 0.3, 0.9], thickness=0.2,
                                           phase=HenyeyGreenstein(0.7)),
                    deep([0.98, 0.9, 0.8], HenyeyGreenstein(0.3), 2.0)]),
@@ -59,27 +61,51 @@ def test_profile_on_a_plane(name):
         exact = beam.reflected_inside(radius) - beam.mirrored
         if name == "isotropic":
             exact = exact - [once_inside(radius, albedo) for albedo in (0.5, 0.9, 0.99)]
+        if name == "forward":
+            exact = exact - [once_inside(radius, albedo, 0.8) for albedo in (0.5, 0.9, 0.99)]
         assert np.all(np.abs(flux - exact) < limit * error + 5e-4 * beam.reflectance)
 
 
-def once_inside(radius, albedo):
+def once_inside(radius, albedo, g=0.0):
     """Once-scattered flux within a radius, in mean free paths, by quadrature of its density."""
     nodes, weights = np.polynomial.legendre.leggauss(400)
     r = 0.5 * radius * (nodes + 1.0)
-    return np.sum(0.5 * radius * weights * 2.0 * math.pi * r * once_scattered(r, albedo))
+    density = single_scattering.flux_density(r, albedo, g)
+    return np.sum(0.5 * radius * weights * 2.0 * math.pi * r * density)
 
 
-def test_once_scattered_light():
-    """The flux is a / 2 (1 - ln 2), and the density agrees with photons."""
-    assert once_inside(60.0, 0.8) == pytest.approx(0.4 * (1.0 - math.log(2.0)), rel=1e-5)
+def turned_cosine(g, u):
+    """Cosine of the angle of scattering by Henyey and Greenstein, from uniform random numbers."""
+    return 2.0 * u - 1.0 if g == 0.0 else (1.0 + g * g - ((1.0 - g * g) / (1.0 - g + 2.0 * g * u)) ** 2) / (2.0 * g)
+
+
+@pytest.mark.parametrize("g", [0.0, 0.8, -0.5])
+def test_once_scattered_light(g):
+    """The density agrees with photons; for isotropic scattering the flux is a / 2 (1 - ln 2)."""
     rng = np.random.default_rng(2)
-    depth, cosine = rng.exponential(size=COUNT), 2.0 * rng.random(COUNT) - 1.0
+    depth, cosine = rng.exponential(size=COUNT), -turned_cosine(g, rng.random(COUNT))  # cosine with the way out
     r = depth * np.sqrt(1.0 - cosine**2) / np.abs(cosine)
     left = np.where(cosine > 0.0, 0.8 * np.exp(-depth / np.abs(cosine)), 0.0)
     for radius in (0.2, 1.0, 3.0):
         inside = np.where(r < radius, left, 0.0)
         error = inside.std() / math.sqrt(COUNT)
-        assert abs(inside.mean() - once_inside(radius, 0.8)) < z_limit(3) * error
+        assert abs(inside.mean() - once_inside(radius, 0.8, g)) < z_limit(9) * error
+    if g == 0.0:
+        assert once_inside(60.0, 0.8) == pytest.approx(0.4 * (1.0 - math.log(2.0)), rel=1e-5)
+
+
+@pytest.mark.parametrize("g", [0.0, 0.8, -0.5])
+def test_once_scattered_light_by_angle(g):
+    """Against photons that enter at an angle."""
+    rng = np.random.default_rng(3)
+    for mu in (0.1, 0.5, 1.0):
+        turned, azimuth = turned_cosine(g, rng.random(COUNT)), 2.0 * math.pi * rng.random(COUNT)
+        up = -mu * turned + math.sqrt(1.0 - mu * mu) * np.sqrt(1.0 - turned**2) * np.cos(azimuth)
+        depth = mu * rng.exponential(size=COUNT)
+        left = np.where(up > 0.0, np.exp(-depth / np.maximum(up, 1e-12)), 0.0)
+        error = left.std() / math.sqrt(COUNT)
+        share = single_scattering.reflected_share(np.array([mu]), g)[0]
+        assert abs(left.mean() - share) < z_limit(9) * error
 
 
 def test_views():
@@ -87,15 +113,42 @@ def test_views():
     for name, stack in STACKS.items():
         tables = tables_of(name)
         cosines = np.linspace(0.0, 1.0, len(tables.views))[[40, 128, 255]]
-        once = (1.0 - cosines * np.log1p(1.0 / cosines))[:, None] * tables.once
+        once = 0.0 if tables.single is None else tables.single.reflectance(cosines)
         exact = lamina.solve(stack).reflectance(cosines)
         mirrored = lamina.solve(Stack(stack.layers[:1])).reflectance(cosines) if tables.has_boundary else 0.0
         assert mirrored + (1.0 - mirrored) * (tables.views[[40, 128, 255]] + once) == pytest.approx(exact, rel=2e-3)
 
 
-def test_which_light_stays_local():
-    assert np.all(tables_of("skin").once == 0.0)
-    assert tables_of("isotropic").once == pytest.approx([0.25, 0.45, 0.495])
+def test_directions_of_entry():
+    """The closures follow the light that enters by direction, and reflect all light together."""
+    for name, stack in STACKS.items():
+        tables, mu = tables_of(name), entry_lobes.COSINES
+        entering = lamina.solve(stack).reflectance(mu)
+        if tables.has_boundary:
+            entering = entering - lamina.solve(Stack(stack.layers[:1])).reflectance(mu)
+        if tables.single is not None:
+            entering = entering - tables.single.reflectance(mu)
+        weights = 0.5 * np.polynomial.legendre.leggauss(len(mu))[1]
+        cone = lobes.toon(tables.entry.size, tables.entry.smooth).evaluate(np.ones_like(mu), mu, np.zeros_like(mu))
+        found = tables.entry.diffuse * mu[:, None] / math.pi + tables.entry.toon * cone[:, None]
+        assert 2.0 * math.pi * weights @ found == pytest.approx(np.ones(3), abs=1e-9)
+        wanted = entering * mu[:, None] / (2.0 * math.pi * weights @ (entering * mu[:, None]))
+        error = np.sqrt(np.max(weights @ (found - wanted) ** 2 / (weights @ wanted**2)))
+        lambert = np.sqrt(np.max(weights @ (mu[:, None] / math.pi - wanted) ** 2 / (weights @ wanted**2)))
+        assert error < max(0.6 * lambert, 0.01), name
+        assert error == pytest.approx(tables.entry.error, abs=1e-3)
+
+
+def test_what_the_volume_scatters():
+    assert tables_of("skin").single is None
+    for name, g in (("isotropic", 0.0), ("forward", 0.8)):
+        single = tables_of(name).single
+        assert single.sigma_s == pytest.approx([0.5, 0.9, 0.99]) and single.sigma_a == pytest.approx([0.5, 0.1, 0.01])
+        assert single.g == g
+    thin = Medium(sigma_s=1.0, sigma_a=0.1, thickness=2.0)
+    colourful = deep([0.9, 0.9, 0.8], HenyeyGreenstein([0.1, 0.2, 0.3]))
+    for stack in (Stack([thin], base=lamina.Lambert(0.5)), Stack([colourful])):
+        assert single_scattering.of_stack(stack) is None
 
 
 def test_light_that_nothing_absorbs():

@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mixture of two shaders."""
+
+
+def between(graph, column, row, label, factor, first, second):
+    """The shader `first` at the factor 0, and `second` at 1. `factor`: a number or a socket."""
+    mix = graph.node("ShaderNodeMixShader", column, row, label)
+    graph.set(mix.inputs[0], factor)
+    graph.link(first, mix.inputs[1])
+    graph.link(second, mix.inputs[2])
+    return mix.outputs[0]

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light that is scattered once, by Cycles' volume rendering, in addition to the portal.
+
+A part of the views enters the volume through a Refraction closure of index 1. From then on the ray has an odd
+number of transmissions, while a ray of the portal has an even number. The volume and the back faces tell the
+two kinds by this number. Views that arrive with an odd number, as through a single refracting face, get a
+Diffuse closure with the material's albedo instead."""
+
+import numpy as np
+
+from . import mix_shader
+
+ENTERING = 0.4  # share of the views that enter the volume
+
+
+def with_volume(graph, tables, length, light_path, portal, chance):
+    """The sockets (shader, volume) of `portal` together with single scattering.
+
+    `tables`: lamina.PortalTables; `length`: socket with the Blender units per millimetre; `chance`: socket
+    with a random number in [0, 1). Where `chance` is at least ENTERING, the portal is used, which must be
+    weighted with 1 / (1 - ENTERING)."""
+    inside = _is_inside(graph, light_path)
+    enter = graph.node("ShaderNodeBsdfRefraction", 4, 3, "into the volume")
+    enter.inputs["Color"].default_value = (1.0 / ENTERING,) * 3 + (1.0,)
+    enter.inputs["IOR"].default_value, enter.inputs["Roughness"].default_value = 1.0, 0.0
+    local = graph.node("ShaderNodeBsdfDiffuse", 4, 2, "seen through one face")
+    local.inputs["Color"].default_value = (*rgb(tables.albedo), 1.0)
+    chosen = graph.math("LESS_THAN", 4, 4, "enters", chance, ENTERING)
+    shader = mix_shader.between(graph, 5, 4, "volume or portal", chosen, portal, enter.outputs[0])
+    shader = mix_shader.between(graph, 5, 3, "seen through one face", inside, shader, local.outputs[0])
+    return shader, _volume(graph, tables.single, length, light_path, inside)
+
+
+def behind(graph, light_path, portal):
+    """The shader of back faces: transparent from the volume, `portal` for the rays of the portal."""
+    through = graph.node("ShaderNodeBsdfTransparent", 6, 10, "out of the volume")
+    through.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    inside = _is_inside_or_shadow(graph, light_path, _is_inside(graph, light_path))
+    return mix_shader.between(graph, 6, 9, "volume or portal", inside, portal, through.outputs[0])
+
+
+def _volume(graph, single, length, light_path, inside):
+    """Rays that were scattered are not scattered again: for them the volume only absorbs."""
+    here = _is_inside_or_shadow(graph, light_path, inside)
+    dense = graph.math("DIVIDE", 3, -2, "in Blender units", here, length)
+    largest = float(np.max(single.sigma_s + single.sigma_a))
+    density = graph.math("MULTIPLY", 4, -2, "density", dense, largest)
+    scatter = graph.node("ShaderNodeVolumeScatter", 5, -1, "scattered once")
+    absorb = graph.node("ShaderNodeVolumeAbsorption", 5, -3, "absorbed")
+    scattered = light_path.outputs["Is Volume Scatter Ray"]
+    first = graph.math("SUBTRACT", 3, -1, "not scattered yet", 1.0, scattered)
+    graph.link(graph.math("MULTIPLY", 4, -1, "density", density, first), scatter.inputs["Density"])
+    scatter.inputs["Color"].default_value = (*rgb(single.sigma_s / largest), 1.0)
+    scatter.inputs["Anisotropy"].default_value = single.g
+    lost = graph.node("ShaderNodeVectorMath", 4, -4, "all that is lost")
+    lost.operation = "MULTIPLY_ADD"
+    graph.link(scattered, lost.inputs[0])
+    # The closure absorbs its density times (1 - colour).
+    lost.inputs[1].default_value = rgb(-single.sigma_s / largest)
+    lost.inputs[2].default_value = rgb(1.0 - single.sigma_a / largest)
+    graph.link(lost.outputs["Vector"], absorb.inputs["Color"])
+    graph.link(density, absorb.inputs["Density"])
+    both = graph.node("ShaderNodeAddShader", 6, -2, "the volume")
+    graph.link(scatter.outputs[0], both.inputs[0])
+    graph.link(absorb.outputs[0], both.inputs[1])
+    return both.outputs[0]
+
+
+def _is_inside(graph, light_path):
+    """1 for rays in the volume, 0 for all others."""
+    return graph.math("MODULO", 2, -3, "odd transmissions", light_path.outputs["Transmission Depth"], 2.0)
+
+
+def _is_inside_or_shadow(graph, light_path, inside):
+    return graph.math("MAXIMUM", 3, -4, "or shadow", inside, light_path.outputs["Is Shadow Ray"])
+
+
+def rgb(values):
+    """Three numbers, from one or three."""
+    return tuple(float(value) for value in np.broadcast_to(values, 3))
