@@ -6,7 +6,7 @@ import logging
 import bpy
 
 from ..base import native
-from ..base.worker import Place, Worker
+from ..base.worker import OfMaterial, Place, Worker
 from ..editing import stack_io
 from ..nodes import lateral_group, portal_graph, relightable_graph
 
@@ -17,8 +17,8 @@ running, forget, stop = _place.running, _place.forget, _place.stop
 running_for, register, unregister = _place.running_for, _place.register, _place.unregister
 
 
-class LateralJob(Worker):
-    """The computation for one material. The material may be renamed while the job runs."""
+class LateralJob(OfMaterial, Worker):
+    """The computation for one material."""
 
     def __init__(self, material, scene):
         self.uid, self.millimetre = material.session_uid, millimetre(scene)
@@ -26,17 +26,9 @@ class LateralJob(Worker):
         stack, compute = stack_io.to_stack(material), _compute(self.output)
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
-    def finish(self):
-        """Build the node group; main thread only. Returns the material, or None after a cancel.
-
-        Raises the exception of the computation. After an exception or a cancel the material is unchanged."""
-        if self.error is not None:
-            raise self.error
-        material = next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
-        if material is not None and not self.cancelling:
-            _apply(material, self.output, self.result, self.millimetre)
-            return material
-        return None
+    def apply(self, material):
+        """Build the node group."""
+        _apply(material, self.output, self.result, self.millimetre)
 
 
 def make(material, scene=None, quality=None, output=None):

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..base import native, package, preferences
 from ..base.messages import RefusedError
-from ..base.worker import Place, Worker
+from ..base.worker import OfMaterial, Place, Worker
 from ..nodes import interior_graph, lateral_group
 from . import body, contents, lights, unwrap
 
@@ -58,24 +58,16 @@ class Task:
     threads: int
 
 
-class InteriorJob(Worker):
-    """The computation for one material on one object. The material may be renamed while the job runs."""
+class InteriorJob(OfMaterial, Worker):
+    """The computation for one material on one object."""
 
     def __init__(self, task):
         self.task, self.uid = task, task.material
         super().__init__(lambda progress, cancel: compute(task, progress, cancel), "lamina interior")
 
-    def finish(self):
-        """Build the nodes; main thread only. Returns the material, or None after a cancel.
-
-        Raises the exception of the computation. After an exception or a cancel the material is unchanged."""
-        if self.error is not None:
-            raise self.error
-        material = next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
-        if material is None or self.cancelling:
-            return None
+    def apply(self, material):
+        """Build the nodes."""
         apply(material, self.task, self.result)
-        return material
 
 
 def make(context, obj, material, progress=None, cancel=None, folder=None):
