@@ -27,6 +27,7 @@ class LateralJob(OfMaterial, Worker):
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
     def apply(self, material):
+        """Build the node group."""
         _apply(material, self.output, self.result, self.millimetre)
 
 

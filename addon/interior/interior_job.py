@@ -66,6 +66,7 @@ class InteriorJob(OfMaterial, Worker):
         super().__init__(lambda progress, cancel: compute(task, progress, cancel), "lamina interior")
 
     def apply(self, material):
+        """Build the nodes."""
         apply(material, self.task, self.result)
 
 

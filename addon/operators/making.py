@@ -7,9 +7,13 @@ from .following import Following
 
 
 class Making(Following):
-    """Mixin for an operator with `jobs`, as in Following, with a `log`; made(context, material), which
-    blocks; started(context, material), which returns a job; told(material), the report; and `status`, the
-    text of the status line before the material's name."""
+    """Mixin for an operator with `jobs` as in Following, and with
+
+    * jobs.log;
+    * made(context, material), which blocks;
+    * started(context, material), which returns a worker.OfMaterial;
+    * told(material), the report;
+    * `status`, the text of the status line before the material's name."""
 
     kept = "Cancelled; the earlier nodes are kept"
 
@@ -28,8 +32,8 @@ class Making(Following):
         return self.started(context, material), f"{self.status} {material.name}"
 
     def failed(self, error, context, job=None):
+        material = common.material_of(context) if job is None else job.material()
         if not messages.expected(error):
             self.jobs.log.error("%s failed", self.bl_idname, exc_info=error)
-        material = common.material_of(context) if job is None else job.material()
         self.report({"ERROR"}, messages.sentence(error, material))
         return {"CANCELLED"}

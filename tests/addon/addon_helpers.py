@@ -79,3 +79,12 @@ def drawn(function, *arguments):
     layout = Layout()
     function(layout, *arguments)
     return layout.lines
+
+
+def detached(addon, operator):
+    """An operator without Blender's own part, which exists only in a window; `reports` holds its reports."""
+    own = {name: getattr(operator, name) for name in ("jobs", "kept", "told", "failed")}
+    made = type("Operator", (addon.operators.following.Following,), own)()
+    made.reports = []
+    made.report = lambda level, text: made.reports.append((*level, text))
+    return made

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import bpy
 import conftest
 import pytest
-from addon_helpers import snapshot
+from addon_helpers import detached, snapshot
 
 
 def finish(addon):
@@ -276,15 +276,6 @@ class Window:
 
     def status_text_set(self, text):
         self.text = text
-
-
-def detached(addon, operator):
-    """An operator without Blender's own part, which exists in a window alone; `reports` holds its reports."""
-    own = {name: getattr(operator, name) for name in ("jobs", "kept", "told", "failed")}
-    made = type("Operator", (addon.operators.following.Following,), own)()
-    made.reports = []
-    made.report = lambda level, text: made.reports.append((*level, text))
-    return made
 
 
 @pytest.mark.parametrize("end", ["done", "cancelled", "failed"])

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light that travels sideways: the operator, the plain function, and the node group."""
 
+from types import SimpleNamespace
+
 import bpy
 import pytest
+from addon_helpers import detached
 
 
 @pytest.fixture
@@ -124,3 +127,28 @@ def test_worker(addon, lamina, marble):
     with pytest.raises(lamina.Cancelled):
         cancelled.finish()
     assert marble.lamina.lateral_group == group
+
+
+@pytest.mark.parametrize("end", ["done", "cancelled", "failed", "deleted"])
+def test_the_operator_says_how_the_work_ended(addon, lamina, marble, end):
+    """An error names the layer as the panel does. Nothing is reported as done for a deleted material."""
+    operator = detached(addon, addon.operators.lateral.LAMINA_OT_lateral)
+    job = addon.baking.lateral_job.start(marble, bpy.context.scene)
+    if end == "cancelled":
+        job.cancel()
+    job.wait()
+    addon.baking.lateral_job.forget()
+    if end == "failed":
+        job.error = lamina.SolveError("layers[1].tau = 3: an error of this test")
+    if end == "deleted":
+        bpy.data.materials.remove(marble)
+    result = operator.ended(SimpleNamespace(material=None), job)
+    ((level, text),) = operator.reports
+    if end == "done":
+        assert (result, level, text) == ({"FINISHED"}, "INFO", marble.lamina.lateral_report)
+    elif end == "failed":
+        name = marble.lamina.layers[1].name
+        assert (result, level) == ({"CANCELLED"}, "ERROR")
+        assert text == f"Layer 2 “{name}”, optical thickness = 3: an error of this test"
+    else:
+        assert (result, level, text) == ({"CANCELLED"}, "INFO", "Cancelled; the earlier nodes are kept")
