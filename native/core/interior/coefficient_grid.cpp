@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "interior/coefficient_grid.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace lamina {
@@ -9,6 +10,8 @@ namespace {
 
 // Majorants are raised by this factor. The margin exceeds the rounding error of sums in single precision.
 constexpr float kAbove = 1.0F + 0x1p-20F;
+// Extinctions of this ratio count as equal.
+constexpr float kEqual = 0.995F;
 
 }  // namespace
 
@@ -63,7 +66,11 @@ void CoefficientGrid::find_majorants() {
       bricks_at(1, y);
       for (int z = 0; z < voxels_[2]; ++z) {
         bricks_at(2, z);
-        const float extinction = kAbove * largest_of(voxel(index++).extinction);
+        const Sample sample = voxel(index++);
+        const float largest_extinction = largest_of(sample.extinction);
+        is_grey_ = is_grey_ && sample.g_first == sample.g_second &&
+                   *std::min_element(sample.extinction.begin(), sample.extinction.end()) >= kEqual * largest_extinction;
+        const float extinction = kAbove * largest_extinction;
         for (std::size_t i = first[0]; i <= last[0]; ++i) {
           for (std::size_t j = first[1]; j <= last[1]; ++j) {
             for (std::size_t k = first[2]; k <= last[2]; ++k) {

@@ -76,6 +76,8 @@ class CoefficientGrid {
   const std::array<double, 3>& low() const { return low_; }
   /// Bricks per mm along each axis.
   const std::array<double, 3>& bricks_per_mm() const { return bricks_per_mm_; }
+  /// True if the channels have the same extinction everywhere, to half a per cent, and one phase function.
+  bool is_grey() const { return is_grey_; }
   /// The largest extinction of any channel in a brick, in 1/mm.
   double majorant(const std::array<int, 3>& brick) const {
     return majorants_[(static_cast<std::size_t>(brick[0]) * static_cast<std::size_t>(bricks_[1]) +
@@ -139,6 +141,7 @@ class CoefficientGrid {
   std::array<int, 3> bricks_;
   std::array<double, 3> bricks_per_mm_;
   std::vector<float> majorants_;
+  bool is_grey_ = true;
 };
 
 }  // namespace lamina

@@ -17,18 +17,26 @@ void ExitSums::add(const ExitSums& other) {
 bool ExitTally::leaves(const Exit& exit) {
   const double r = start_.distance(exit.place);
   for (std::size_t c = 0; c < kChannels; ++c) {
-    const double w = exit.weights[c];
-    const std::array<double, ExitSums::kScores> scored = {w, w * r, w * r * r};
-    ExitSums::OfChannel& sums = sums_.channels[c];
-    std::size_t product = 0;
-    for (std::size_t i = 0; i < scored.size(); ++i) {
-      sums.moments[i] += scored[i];
-      for (std::size_t j = i; j < scored.size(); ++j) {
-        sums.products[product++] += scored[i] * scored[j];
-      }
-    }
+    const double w = exit.weights[c] / kChannels;
+    found_[c][ExitSums::kWeight] += w;
+    found_[c][ExitSums::kDistance] += w * r;
+    found_[c][ExitSums::kSquare] += w * r * r;
   }
   return false;
+}
+
+void ExitTally::finish() {
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    ExitSums::OfChannel& sums = sums_.channels[c];
+    std::size_t product = 0;
+    for (std::size_t i = 0; i < ExitSums::kScores; ++i) {
+      sums.moments[i] += found_[c][i];
+      for (std::size_t j = i; j < ExitSums::kScores; ++j) {
+        sums.products[product++] += found_[c][i] * found_[c][j];
+      }
+    }
+    found_[c].fill(0.0);
+  }
 }
 
 }  // namespace lamina

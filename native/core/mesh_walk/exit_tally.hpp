@@ -7,8 +7,8 @@
 
 namespace lamina {
 
-/// Sums over the walks from one point, per channel: w is the weight at the first exit, r the straight distance in mm
-/// from start to exit.
+/// Sums over the samples from one point, per channel: w is the weight at the first exit, r the straight distance in mm
+/// from start to exit. A sample's w, w r and w r^2 are means over its paths.
 struct ExitSums {
   enum Score { kWeight, kDistance, kSquare, kScores };
   struct OfChannel {
@@ -21,17 +21,20 @@ struct ExitSums {
   void add(const ExitSums& other);
 };
 
-/// Records the first exit of each walk.
+/// Records the first exit of each path.
 class ExitTally final : public WalkListener {
  public:
   explicit ExitTally(ExitSums& sums) : sums_(sums) {}
 
   void begin(const Place& start) { start_ = start; }
   bool leaves(const Exit& exit) override;
+  /// Ends a sample.
+  void finish();
 
  private:
   ExitSums& sums_;
   Place start_;
+  std::array<std::array<double, ExitSums::kScores>, kChannels> found_ = {};  ///< of the current sample, by channel
 };
 
 }  // namespace lamina

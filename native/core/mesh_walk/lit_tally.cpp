@@ -84,8 +84,9 @@ void LitTally::meets_facets(const Place& place, const Ray& direction, const Ray&
 void LitTally::finish() {
   for (std::size_t k = 0; k < found_.size(); ++k) {
     for (std::size_t c = 0; c < kChannels; ++c) {
-      sums_.sums[k][c] += found_[k][c];
-      sums_.squares[k][c] += found_[k][c] * found_[k][c];
+      const double light = found_[k][c] / kChannels;
+      sums_.sums[k][c] += light;
+      sums_.squares[k][c] += light * light;
     }
     found_[k].fill(0.0);
   }

@@ -13,8 +13,8 @@ struct DistantLight {
   double cosine = 1.0;  ///< cosine of the disc's angular radius; 1: all light comes from one direction
 };
 
-/// Sums over walks of the radiance that leaves at the start of the walk, and of the squared radiance: one entry per
-/// lamp, and a last entry for a sky of radiance 1.
+/// Sums over samples of the radiance that leaves at the start, and of the squared radiance: one entry per lamp, and a
+/// last entry for a sky of radiance 1. A sample's radiance is the mean over its paths.
 struct LitSums {
   std::vector<Weights> sums;
   std::vector<Weights> squares;
@@ -39,7 +39,7 @@ class LitTally final : public WalkListener {
                 Rng& rng) override;
   void meets_facets(const Place& place, const Ray& direction, const Ray& normal, const Weights& weights) override;
 
-  /// Ends a walk.
+  /// Ends a sample.
   void finish();
 
  private:
@@ -47,7 +47,7 @@ class LitTally final : public WalkListener {
   const std::vector<DistantLight>& lights_;
   LitSums& sums_;
   WalkCounts& counts_;
-  std::vector<Weights> found_;  ///< light collected by the current walk
+  std::vector<Weights> found_;  ///< light collected by the current sample
 };
 
 }  // namespace lamina

@@ -33,13 +33,14 @@ void WalkCounts::add(const WalkCounts& other) {
   rays += other.rays;
 }
 
-/// One walk.
+/// One path, led by one channel.
 class MeshWalk::Path {
  public:
-  Path(const MeshWalk& walk, Rng& rng, WalkListener& listener, WalkCounts& counts)
+  Path(const MeshWalk& walk, std::size_t leader, Rng& rng, WalkListener& listener, WalkCounts& counts)
       : solid_(walk.solid_),
         grid_(walk.grid_),
         boundary_(walk.boundary_),
+        leader_(leader),
         rng_(rng),
         listener_(listener),
         counts_(counts) {}
@@ -75,14 +76,14 @@ class MeshWalk::Path {
     if (boundary_.kind() == SurfaceBoundary::Kind::kRough) {
       const auto outcome = boundary_.meet(in, normal, rng_);
       if (outcome.direction.dot(normal) >= 0.0 || outcome.weight == 0.0) {
-        counts_.mirrored += outcome.weight;
+        counts_.mirrored += outcome.weight / kChannels;
         return false;
       }
       direction_ = outcome.direction;
       weight = outcome.weight;
     } else {
       const auto outcome = boundary_.enter(in, normal);
-      counts_.mirrored += 1.0 - outcome.weight;
+      counts_.mirrored += (1.0 - outcome.weight) / kChannels;
       direction_ = outcome.direction;
       weight = outcome.weight;
     }
@@ -93,7 +94,13 @@ class MeshWalk::Path {
     if (direction_.dot(normal_) > 0.0) {
       direction_ = reflected(direction_, normal_);
     }
-    weights_.fill(weight);
+    if (grid_.is_grey()) {
+      weights_.fill(weight);
+      densities_.fill(1.0);
+    } else {
+      weights_[leader_] = kChannels * weight;
+      densities_[leader_] = kChannels;
+    }
     return true;
   }
 
@@ -139,7 +146,7 @@ class MeshWalk::Path {
       }
       const Place here = place_.moved(direction_, distance);
       if (distance == kInfinity || !solid_.box_holds(here)) {
-        counts_.lost += mean_of(weights_);
+        counts_.lost += mean_of(weights_) / kChannels;
         return false;
       }
       ++counts_.collisions;
@@ -153,26 +160,31 @@ class MeshWalk::Path {
     }
   }
 
-  /// Accepts or rejects a tentative collision. Multiplies each channel's weight by the channel's own probability of
-  /// the outcome, divided by the probability used.
+  /// Accepts or rejects a tentative collision, with the probability of the leading channel.
   bool is_real(const CoefficientGrid::Sample& sample, double majorant) {
-    double sum = 0.0;
-    double real = 0.0;
+    const bool real = rng_.uniform() * majorant < static_cast<double>(sample.extinction[leader_]);
+    Weights probabilities;
+    Weights kept;  // the part that is not absorbed
     for (std::size_t c = 0; c < kChannels; ++c) {
-      sum += weights_[c];
-      real += weights_[c] * static_cast<double>(sample.extinction[c]);
+      const auto extinction = static_cast<double>(sample.extinction[c]);
+      probabilities[c] = real ? extinction : majorant - extinction;
+      kept[c] = real ? static_cast<double>(sample.scattering[c]) : majorant - extinction;
     }
-    if (rng_.uniform() * majorant * sum < real) {
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        weights_[c] *= static_cast<double>(sample.scattering[c]) * (sum / real);
-      }
-      return true;
-    }
-    const double scale = sum / (majorant * sum - real);
+    weigh(probabilities, kept);
+    return real;
+  }
+
+  /// Updates the weights after a random outcome. `probabilities`: of the outcome in each channel, up to a common
+  /// factor; `kept`: the same without light that is absorbed.
+  void weigh(const Weights& probabilities, const Weights& kept) {
+    double mean = 0.0;
     for (std::size_t c = 0; c < kChannels; ++c) {
-      weights_[c] *= (majorant - static_cast<double>(sample.extinction[c])) * scale;
+      mean += densities_[c] * probabilities[c] * (1.0 / kChannels);
     }
-    return false;
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      weights_[c] *= kept[c] / mean;
+      densities_[c] *= probabilities[c] / mean;
+    }
   }
 
   void scatter(const CoefficientGrid::Sample& sample) {
@@ -183,22 +195,18 @@ class MeshWalk::Path {
       direction_ = scattered(direction_, first.sample(rng_.uniform()), rng_);
       return;
     }
-    // Draw from the mean of the channels' phase functions, weighted by the path weights.
+    // Draw from the mixture of phase functions in the leading channel.
     const HenyeyGreenstein second{sample.g_second};
-    const double sum = weights_[0] + weights_[1] + weights_[2];
-    double by_second = 0.0;
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      by_second += weights_[c] * static_cast<double>(sample.second[c]);
-    }
-    const bool chosen = rng_.uniform() * sum < by_second;
+    const bool chosen = rng_.uniform() < static_cast<double>(sample.second[leader_]);
     const double cosine = (chosen ? second : first).sample(rng_.uniform());
     const double p_first = first.evaluate(cosine);
     const double p_second = second.evaluate(cosine);
-    const double scale = sum / (by_second * p_second + (sum - by_second) * p_first);
+    Weights phases;
     for (std::size_t c = 0; c < kChannels; ++c) {
       const auto share = static_cast<double>(sample.second[c]);
-      weights_[c] *= (share * p_second + (1.0 - share) * p_first) * scale;
+      phases[c] = share * p_second + (1.0 - share) * p_first;
     }
+    weigh(phases, phases);
     direction_ = scattered(direction_, cosine, rng_);
   }
 
@@ -259,6 +267,7 @@ class MeshWalk::Path {
   const Solid& solid_;
   const CoefficientGrid& grid_;
   const SurfaceBoundary& boundary_;
+  std::size_t leader_;
   Rng& rng_;
   WalkListener& listener_;
   WalkCounts& counts_;
@@ -267,12 +276,15 @@ class MeshWalk::Path {
   Ray direction_;
   Ray normal_;  ///< normal of the face that was hit last
   Weights weights_ = {};
+  Weights densities_ = {};  ///< of the path, if each of the channels that it serves led it, relative to the mean of all
   int shells_ = 1;
   bool on_surface_ = true;
 };
 
 void MeshWalk::run(const Start& start, Rng& rng, WalkListener& listener, WalkCounts& counts) const {
-  Path(*this, rng, listener, counts).run(start);
+  for (std::size_t leader = 0; leader < kChannels; ++leader) {
+    Path(*this, leader, rng, listener, counts).run(start);
+  }
 }
 
 Weights MeshWalk::transmittance(const Place& from, const Ray& direction, Rng& rng, WalkCounts& counts) const {

@@ -50,7 +50,10 @@ std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& po
   const auto run = [&](const MeshWalk::Start& start, ExitResult& result, const auto& each) {
     ExitTally tally(result.exits);
     tally.begin(start.place);
-    each([&](Rng& rng) { walk.run(start, rng, tally, result.counts); });
+    each([&](Rng& rng) {
+      walk.run(start, rng, tally, result.counts);
+      tally.finish();
+    });
   };
   return sum_by_point(points, ExitResult{}, pool, run);
 }

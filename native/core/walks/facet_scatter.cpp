@@ -87,6 +87,7 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
       kept += share * reflected.weight + (1.0 - share) * passed.weight;
     }
     loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept / kPoints);
+    loss.largest = std::max(loss.largest, loss.at[static_cast<std::size_t>(knot)]);
   }
   // int 2 mu e dmu = int 4 t^3 e dt with t = sqrt(mu): exact for e linear in t between knots.
   for (int knot = 0; knot < Loss::kKnots; ++knot) {
@@ -177,9 +178,12 @@ FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
   if (choice < lost) {
     const double above = ior_above_ * ior_above_ * losses_[0].mean / whole_loss_;
     const std::size_t side = rng.uniform() < above ? 0 : 1;
+    // Rejection: the density of directions is the cosine times the loss, so that all weights are equal.
     Ray out = lambert_ray(rng);
-    const double weight = compensation_ * losses_[side](out.z) / losses_[side].mean;
-    return {side == 0 ? out : out.mirrored(), weight};
+    while (rng.uniform() * losses_[side].largest >= losses_[side](out.z)) {
+      out = lambert_ray(rng);
+    }
+    return {side == 0 ? out : out.mirrored(), compensation_};
   }
   const double u = rng.uniform();
   const double v = rng.uniform();

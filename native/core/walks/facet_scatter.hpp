@@ -34,7 +34,8 @@ class FacetScatter {
   struct Loss {
     static constexpr int kKnots = 40;
     std::array<double, kKnots + 1> at = {};
-    double mean = 0.0;  ///< for uniform diffuse light
+    double mean = 0.0;     ///< for uniform diffuse light
+    double largest = 0.0;  ///< of all cosines
 
     double operator()(double mu) const;
   };

@@ -75,13 +75,14 @@ def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, su
     `solid`: a lamina.Solid in mm; `interior`: a lamina.Interior; `surface`: a lamina.Surface, the boundary, by default
     matched. `points`, `normals`: (n, 3) each, at most 1e-4 of the mesh's size off a face; default: the vertices of the
     solid. `directions`: (n, 3) or (3,), towards the eye; light enters against these directions. By default light enters
-    from all directions with the flux of a uniform sky. `samples`: walks per point, up to 2^32.
+    from all directions with the flux of a uniform sky. `samples`: samples per point, up to 2^32; each has three walks,
+    one for each channel.
     The same seed gives the same numbers for any number of `threads` (0: all). `progress(fraction, text)` reports
     progress. `cancel()` is called often; if it returns true, Cancelled is raised. Also raises InteriorError and
     ArgumentError (both are ValueErrors), and DustUnavailable without a working Embree.
-    Method: delta tracking with a majorant for each brick of voxels (Woodcock et al. 1965); one path for three channels
-    (Kutz et al. 2017); unlimited path length. Faces are flat: interpolated normals are used only at the start of a
-    walk."""
+    Method: delta tracking with a majorant for each brick of voxels (Woodcock et al. 1965); walks that serve all channels
+    only where the channels have equal extinctions; unlimited path length. Faces are flat: interpolated normals are used
+    only at the start of a walk."""
     return _whole("exits", solid, interior, points, normals, directions, surface, (), samples, seed, threads, progress,
                   cancel)
 

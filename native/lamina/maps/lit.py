@@ -45,7 +45,7 @@ class LitImages:
     @property
     def report(self) -> str:
         """Size and noise, as one sentence."""
-        return (f"Lit: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} walks each, standard error "
+        return (f"Lit: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, standard error "
                 f"{100.0 * self.noise:.2g} %.")
 
 

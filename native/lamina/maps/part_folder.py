@@ -16,7 +16,7 @@ from ..interior.parts import WalkPart
 
 FORMAT, SCHEMA = "lamina-run", 1
 MOST_PARTS = 4096
-WALKS_PER_PART = 1 << 17  # about a second of work
+SAMPLES_PER_PART = 1 << 15  # about a second of work
 
 
 class PartFolder:
@@ -58,7 +58,7 @@ class PartFolder:
             step: Progress) -> list[WalkPart]:
         """All parts, in sequence: read from the folder where they are whole, otherwise computed and written. `job`: the
         description that each part must have."""
-        count = max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // WALKS_PER_PART)))
+        count = max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // SAMPLES_PER_PART)))
         found = {number: self._load(job, (number, count)) for number in range(1, count + 1)}
         whole = {number: part for number, part in found.items() if part is not None}
         for number in range(1, count + 1):

@@ -159,7 +159,7 @@ def test_cancel_keeps_the_material_and_the_parts(jobs, ball, lamina, tmp_path, m
     """And the next call continues, with the same pixels as one without interruption."""
     from lamina.maps import part_folder
 
-    monkeypatch.setattr(part_folder, "WALKS_PER_PART", 100)
+    monkeypatch.setattr(part_folder, "SAMPLES_PER_PART", 100)
     material = ball.active_material
     before = [(node.name, node.type) for node in material.node_tree.nodes]
     said = []

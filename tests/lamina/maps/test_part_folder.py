@@ -17,7 +17,7 @@ from lamina import EndMaterial, Interior
 
 SOLID, UVS = slab_with_uvs(0.5)
 DARK = Interior.uniform(EndMaterial(0.5, 1.0))  # walks are short
-HOW = {"uvs": UVS, "size": 8, "samples": 12_000, "seed": 5}
+HOW = {"uvs": UVS, "size": 8, "samples": 3_000, "seed": 5}
 
 # Runs in a process of its own; `limit` is executed before the call. Prints a line for each progress report.
 SCRIPT = """
@@ -97,10 +97,10 @@ def test_full_disk(tmp_path, whole):
     assert bytes_of(lamina.relightable_images(SOLID, DARK, folder=tmp_path, **HOW)) == bytes_of(whole)
 
 
-@pytest.mark.parametrize(("change", "key"), [({"seed": 6}, "seed"), ({"samples": 13_000}, "samples"),
+@pytest.mark.parametrize(("change", "key"), [({"seed": 6}, "seed"), ({"samples": 3_300}, "samples"),
                                              ({"size": 9}, "count"), ({"noise": 0.5, "samples": None}, "noise")])
 def test_folder_of_another_run_is_refused(tmp_path, change, key):
-    header = {"format": "lamina-run", "schema": 1, "samples": 12_000}
+    header = {"format": "lamina-run", "schema": 1, "samples": 3_000}
     with pytest.raises(lamina.Cancelled):  # writes the request alone
         lamina.relightable_images(SOLID, DARK, folder=tmp_path, cancel=lambda: (tmp_path / "run.json").exists(), **HOW)
     assert header.items() <= json.loads((tmp_path / "run.json").read_text()).items()
