@@ -41,4 +41,5 @@ def interior_of_stack(stack: Stack) -> tuple[Interior, Surface]:
 
 
 def _mean(values, stack: Stack) -> float:
-    return sum(channel(values, c) for c in range(stack.channels)) / stack.channels
+    found = [channel(values, c) for c in range(stack.channels)]
+    return found[0] if len(set(found)) == 1 else sum(found) / len(found)  # without rounding where all are equal
