@@ -76,7 +76,8 @@ def test_portal(addon, lamina, marble, call):
     for _ in range(2):
         assert call(bpy.ops.lamina.lateral, marble) == {"FINISHED"}
     assert marble.lamina.lateral_group == group and not walks(marble)
-    assert [node.type for node in group.nodes].count("BSDF_RAY_PORTAL") == 1
+    # To the source, and from there to the outside.
+    assert [node.type for node in group.nodes].count("BSDF_RAY_PORTAL") == 2
     assert marble.lamina.lateral_report.startswith("Portal: ")
     (image,) = [image for image in bpy.data.images if image.name.startswith("Lamina Portal")]
     tables = lamina.portal_tables(addon.editing.stack_io.to_stack(marble), "preview")

@@ -86,9 +86,10 @@ def test_a_sphere_that_absorbs_nothing_returns_all_light(surface):
     found = lamina.walk_in_mesh(solid, Interior.uniform(EndMaterial((1.0, 0.5, 2.0), 0.0, 0.5)), points, normals,
                                 surface=surface, samples=samples, seed=4)
     mirrored = found.mirrored[:, None]
-    assert found.count.lost < 1e-5
-    if surface.alpha == 0.0:  # no path is absorbed or reflected at its start, so the result has no noise
-        np.testing.assert_allclose(found.albedo.value + mirrored, 1.0, atol=1e-9)
+    assert found.count.lost < 1e-4
+    if surface.alpha == 0.0:  # no path is absorbed or reflected at its start: without lost light there is no noise
+        lost = 3 * len(points) * found.count.lost  # at most this much in one channel of one point
+        np.testing.assert_allclose(found.albedo.value + mirrored, 1.0, atol=1e-9 + lost)
         return
     variance = mirrored * (1.0 - mirrored) / (3 * samples)
     require_within_error(found.albedo.value + mirrored - 1.0, np.sqrt(found.albedo.stderr**2 + variance))
