@@ -7,7 +7,9 @@ import numpy as np
 from ..base.messages import RefusedError
 
 NAME = "Lamina"  # of the UV map
-ANGLE, MARGIN = 1.15, 0.01  # limit of the angle in radians; margin between islands, relative to the image
+# Limit of the angle in radians, small enough that islands of curved handles do not fold over; margin between
+# islands, relative to the image.
+ANGLE, MARGIN = 0.8, 0.01
 
 
 def ensure(obj):

@@ -15,7 +15,7 @@ FACE_STEP = 0.3  # mm between vertices
 RADIUS, WALL, CENTRE, RIM = 8.0, 1.1, 9.5, 11.0
 MARGIN = 1.0
 MAPPED = 1.125  # side of the mapped square, relative to the picture
-UNWRAPPED = 0.6  # share of the image that an automatic UV map fills, about
+UNWRAPPED = 0.43  # share of the image that an automatic UV map fills, about
 
 
 @dataclass(frozen=True, eq=False)
