@@ -17,8 +17,8 @@ _PRODUCT = {(0, 0): 0, (0, 1): 1, (0, 2): 2, (1, 1): 3, (1, 2): 4, (2, 2): 5}
 
 @dataclass(frozen=True)
 class WalkCount:
-    """The cost of the walks. `seconds`: total time, NaN for merged parts. `samples`: samples per point. `lost`: share of
-    the light that misses the surface by rounding errors; this light is missing from the results. `collisions`:
+    """The cost of the walks. `seconds`: total time, NaN for merged parts. `samples`: samples per point. `lost`: share
+    of the light that misses the surface by rounding errors; this light is missing from the results. `collisions`:
     scatterings and rejected collisions. `rays`: number of rays traced."""
 
     seconds: float

@@ -80,9 +80,9 @@ def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, su
     The same seed gives the same numbers for any number of `threads` (0: all). `progress(fraction, text)` reports
     progress. `cancel()` is called often; if it returns true, Cancelled is raised. Also raises InteriorError and
     ArgumentError (both are ValueErrors), and DustUnavailable without a working Embree.
-    Method: delta tracking with a majorant for each brick of voxels (Woodcock et al. 1965); walks that serve all channels
-    only where the channels have equal extinctions; unlimited path length. Faces are flat: interpolated normals are used
-    only at the start of a walk."""
+    Method: delta tracking with a majorant for each brick of voxels (Woodcock et al. 1965); walks serve all channels
+    only where the channels have equal extinctions; unlimited path length. Faces are flat: interpolated normals are
+    used only at the start of a walk."""
     return _whole("exits", solid, interior, points, normals, directions, surface, (), samples, seed, threads, progress,
                   cancel)
 

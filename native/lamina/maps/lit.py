@@ -45,8 +45,8 @@ class LitImages:
     @property
     def report(self) -> str:
         """Size and noise, as one sentence."""
-        return (f"Lit: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, standard error "
-                f"{100.0 * self.noise:.2g} %.")
+        return (f"Lit: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, "
+                f"standard error {100.0 * self.noise:.2g} %.")
 
 
 def lit_images(solid: Solid, interior: Interior, lamps: Sequence[Lamp] = (), uvs=None, size=None,

@@ -32,7 +32,7 @@ def fit(entering: np.ndarray) -> EntryLobes:
     mean = 2.0 * (_WEIGHTS * COSINES) @ entering
     wanted = entering / mean * COSINES[:, None] / np.pi  # times the cosine, like closures
     flat, _ = _lobe(diffuse())
-    best = None
+    found = []
     for size in SIZES:
         for smooth in SMOOTHS[size + SMOOTHS <= 1.0 + 1e-9]:
             cone, whole = _lobe(toon(float(size), float(smooth)))
@@ -42,9 +42,8 @@ def fit(entering: np.ndarray) -> EntryLobes:
             share = np.clip((_WEIGHTS * apart) @ (wanted - flat[:, None]) / square, 0.0, 1.0)
             left = wanted - flat[:, None] - apart[:, None] * share
             error = float(np.sqrt(np.max(_WEIGHTS @ left**2 / (_WEIGHTS @ wanted**2))))
-            if best is None or error < best.error:
-                best = EntryLobes(1.0 - share, share / whole, float(size), float(smooth), error)
-    return best
+            found.append(EntryLobes(1.0 - share, share / whole, float(size), float(smooth), error))
+    return min(found, key=lambda one: one.error)
 
 
 def _lobe(lobe) -> tuple[np.ndarray, float]:
