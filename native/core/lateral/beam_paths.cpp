@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "lateral/fine_quadrature.hpp"
-#include "matter/microfacet.hpp"
+#include "operators/base_reflection.hpp"
 #include "operators/delta_field.hpp"
 #include "operators/interface.hpp"
 
@@ -36,10 +36,8 @@ std::vector<ScatteringFunction> delta_layers(const LateralStack& stack) {
   }
   const Base& base = stack.measured().stack.base;
   const Directions& bottom = directions.back();
-  if (base.kind == Base::Kind::kConductor && base.facets.alpha == 0.0) {
-    functions.push_back(smooth_conductor(base.ior, bottom));
-  } else if (base.kind != Base::Kind::kNone) {
-    functions.push_back(ScatteringFunction::bare(bottom.size(), bottom.nodes));
+  if (base.kind != Base::Kind::kNone) {
+    functions.push_back(base_deltas(base, bottom));
   }
   return functions;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "operators/base_reflection.hpp"
 #include "operators/interface.hpp"
 #include "solve/resolution.hpp"
 
@@ -31,7 +32,7 @@ std::map<double, double> least_cosines(const MeasuredStack& measured, const std:
     const double tau = measured.whole_tau[layer];
     double cosine = 1.0;
     if (medium->albedo > 0.0 && tau > kThinnestRepeated) {
-      cosine = std::max(kThinnestResolved, tau);
+      cosine = std::max(kLeastDivision, tau);
     } else if (tau < kClear) {
       cosine = kGrazing;
     }
@@ -79,7 +80,7 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
       }
     }
   }
-  if (stack.base.kind == Base::Kind::kConductor && stack.base.facets.alpha > 0.0) {
+  if (stack.base.is_rough()) {
     lobes_.back() = lobes(RoughSurface(stack.base, set, indices.back(), orders, pool), stack.layers.size(), pool);
   }
 }
@@ -112,15 +113,14 @@ LateralFunction LateralStack::boundary(std::size_t layer, const LateralRows& row
 MatrixXd LateralStack::base(const LateralRows& rows) const {
   const Base& base = measured_.stack.base;
   const Directions& above = directions_.back();
-  if (base.kind == Base::Kind::kLambert) {
-    if (base.reflectance == 0.0) {
-      return {};
-    }
-    return from_orders({ScatteringFunction::lambert(base.reflectance, 0, above).reflect_above.kernel}, rows);
+  if (base.is_rough()) {
+    return from_orders(lobes_.back()->reflect_above, rows);
   }
-  if (base.kind == Base::Kind::kConductor) {
-    return lobes_.back() ? from_orders(lobes_.back()->reflect_above, rows)
-                         : from_delta(smooth_conductor(base.ior, above).reflect_above.delta, rows);
+  if (base.is_mirror()) {
+    return from_delta(base_deltas(base, above).reflect_above.delta, rows);
+  }
+  if (base.is_diffuse()) {
+    return from_orders({base_reflection(base, 0, above).reflect_above.kernel}, rows);
   }
   return {};
 }

@@ -28,7 +28,7 @@ bool is_endless_and_bright(const MeasuredStack& measured) {
 
 /// True if light can travel along a layer without attenuation.
 bool has_clear_layer(const MeasuredStack& measured) {
-  bool scatters = measured.stack.base.kind == Base::Kind::kLambert && measured.stack.base.reflectance > 0.0;
+  bool scatters = measured.stack.base.scatters();
   bool clear = false;
   for (std::size_t k = 0; k < measured.stack.layers.size(); ++k) {
     const Layer& layer = measured.stack.layers[k];
@@ -39,7 +39,6 @@ bool has_clear_layer(const MeasuredStack& measured) {
       scatters = scatters || interface->facets.alpha > 0.0;
     }
   }
-  scatters = scatters || (measured.stack.base.kind == Base::Kind::kConductor && measured.stack.base.facets.alpha > 0.0);
   return clear && scatters;
 }
 

@@ -82,7 +82,7 @@ void Searchlight::choose_scale() {
     }
   }
   const Base& base = measured_.stack.base;
-  if (base.kind == Base::Kind::kLambert && base.reflectance > 0.0 && whole > 0.0 && !std::isinf(whole)) {
+  if (base.is_diffuse() && whole > 0.0 && !std::isinf(whole)) {
     // The spot that the beam lights on the base, and the edge of its total reflection, are still seen at this
     // frequency.
     constexpr double kSpot = 30.0;

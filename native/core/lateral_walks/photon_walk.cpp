@@ -81,7 +81,7 @@ class PhotonWalk final : public LateralWalk {
     double share = 0.0;
     if (here.kind == Kind::kMedium) {
       share = here.medium.albedo > 0.0 ? -std::expm1(-here.medium.tau / std::abs(in.z)) : 0.0;
-    } else if (here.kind == Kind::kRough || (here.kind == Kind::kLambert && here.reflectance > 0.0)) {
+    } else if (here.is_scattering_surface()) {
       share = 1.0;
     }
     if (power * share > 0.0) {
@@ -96,7 +96,7 @@ class PhotonWalk final : public LateralWalk {
     if (here.kind == Kind::kMedium) {
       return cross(element, photon, first, rng, events);
     }
-    if (here.kind == Kind::kSmooth || here.kind == Kind::kMetal) {
+    if (here.is_polished()) {
       return meet_polished(stack_.walked, element, photon.ray, photon.weight, rng);
     }
     ++events;

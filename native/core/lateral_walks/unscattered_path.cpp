@@ -25,7 +25,7 @@ UnscatteredPath::UnscatteredPath(const LateralWalkStack& stack, const WalkBeam& 
       const double below = arrival.up.z;
       step.turns = true;
       step.mirror = mu > 0.0 && below > 0.0 ? fresnel(mu, below, walked.ior[k], walked.ior[k + 1]) : 1.0;
-    } else if (kind == Kind::kMetal) {
+    } else if (kind == Kind::kMirror) {
       step.turns = true;
       step.mirror = 1.0;
     }

@@ -47,8 +47,8 @@ GradedMedium joined_media(const Stack& stack, bool endless) {
   if (knots.empty()) {
     refuse("a stack without media");
   }
-  if (stack.base.kind == Base::Kind::kConductor) {
-    refuse("metals");
+  if (!stack.base.is_none_or_lambert()) {
+    refuse("other bases");
   }
   const bool is_one = only != nullptr && knots.size() == 2;
   return (is_one ? GradedMedium::homogeneous(only->albedo, only->tau, only->phase) : GradedMedium(std::move(knots)))

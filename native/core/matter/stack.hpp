@@ -2,10 +2,10 @@
 // A stack: media and boundaries, top first, on a base.
 #pragma once
 #include <algorithm>
-#include <complex>
 #include <variant>
 #include <vector>
 
+#include "matter/base.hpp"
 #include "matter/graded_medium.hpp"
 #include "matter/medium.hpp"
 #include "matter/microfacet.hpp"
@@ -25,16 +25,6 @@ struct Interface {
 
 using Layer = std::variant<Medium, Interface, GradedMedium>;
 
-/// The surface below the last layer.
-struct Base {
-  enum class Kind { kNone, kLambert, kConductor };
-  Kind kind = Kind::kNone;        ///< kNone: the stack is a thin sheet, and light leaves at the bottom
-  double reflectance = 0.0;       ///< of a Lambert surface, [0, 1]
-  std::complex<double> ior = {};  ///< of a conductor, n + ik, absolute
-  Facets facets{.alpha = 0.0};    ///< of a conductor
-  bool compensate = true;
-};
-
 /// One channel of a stack, top layer first. A half-space is a last layer of infinite thickness.
 struct Stack {
   std::vector<Layer> layers;
@@ -43,7 +33,7 @@ struct Stack {
 
 /// True if all layers are homogeneous media, over nothing or a Lambert surface.
 inline bool has_only_media(const Stack& stack) {
-  return stack.base.kind != Base::Kind::kConductor &&
+  return stack.base.is_none_or_lambert() &&
          std::all_of(stack.layers.begin(), stack.layers.end(),
                      [](const Layer& layer) { return std::holds_alternative<Medium>(layer); });
 }

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "matter/microfacet.hpp"
-
 namespace lamina {
 
 ScatteringFunction smooth_interface(const Directions& above, const Directions& below) {
@@ -23,14 +21,6 @@ ScatteringFunction smooth_interface(const Directions& above, const Directions& b
   for (Eigen::Index t = 0; t < above.targets; ++t) {
     set(above.nodes + t, above.live + t, below.live + t);
   }
-  return s;
-}
-
-ScatteringFunction smooth_conductor(std::complex<double> ior, const Directions& above) {
-  ScatteringFunction s = ScatteringFunction::bare(above.size(), above.nodes);
-  const Eigen::VectorXd reflected =
-      above.mu.unaryExpr([&](double mu) { return conductor_fresnel(mu, ior / above.ior); });
-  s.reflect_above.delta = above.spread(reflected);
   return s;
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fresnel's equations and the scattering function of a smooth boundary.
 #pragma once
-#include <complex>
-
 #include "operators/directions.hpp"
 #include "operators/scattering_function.hpp"
 
@@ -19,8 +17,5 @@ inline double fresnel(double mu_above, double mu_below, double ior_above, double
 /// A smooth boundary: specular reflection and refraction only, no kernels. Directions that exist on one side only are
 /// totally reflected.
 ScatteringFunction smooth_interface(const Directions& above, const Directions& below);
-
-/// A smooth conductor of absolute complex index n + ik; opaque.
-ScatteringFunction smooth_conductor(std::complex<double> ior, const Directions& above);
 
 }  // namespace lamina

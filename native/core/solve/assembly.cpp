@@ -2,6 +2,7 @@
 #include "solve/assembly.hpp"
 
 #include "operators/adding.hpp"
+#include "operators/base_reflection.hpp"
 #include "operators/interface.hpp"
 
 namespace lamina {
@@ -72,13 +73,10 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
   }
   const Base& base = stack.base;
   const Directions& bottom = directions_.back();
-  if (base.kind == Base::Kind::kLambert) {
-    functions.push_back(kernels ? ScatteringFunction::lambert(base.reflectance, order, bottom)
-                                : ScatteringFunction::bare(bottom.size(), bottom.nodes));
-  } else if (base.kind == Base::Kind::kConductor && base.facets.alpha > 0.0) {
+  if (base.is_rough()) {
     rough(bottom);
-  } else if (base.kind == Base::Kind::kConductor) {
-    push_smooth(smooth_conductor(base.ior, bottom));
+  } else if (base.kind != Base::Kind::kNone) {
+    functions.push_back(kernels ? base_reflection(base, order, bottom) : base_deltas(base, bottom));
   }
   for (ScatteringFunction& function : functions) {
     for (DirectionOperator* part : {&function.reflect_above, &function.transmit, &function.reflect_below}) {
@@ -103,8 +101,7 @@ ScatteringFunction Assembly::joined(int order, const std::vector<LayerKernels>& 
 ScatteringFunction Assembly::without_single(int order) const {
   const Stack& stack = solution_.stack();
   const std::vector<Solution::Scatterer>& scatterers = solution_.scatterers();
-  const bool base_reflects = stack.base.kind == Base::Kind::kConductor ||
-                             (stack.base.kind == Base::Kind::kLambert && order == 0 && stack.base.reflectance > 0.0);
+  const bool base_reflects = stack.base.is_glossy() || (stack.base.is_diffuse() && order == 0);
   if (stack.layers.size() == 1 && scatterers.size() == 1 && !base_reflects) {
     // A single medium: the assembly is its multiple scattering.
     const Directions& here = directions_.front();

@@ -29,9 +29,10 @@ Deltas MirrorSections::layer(std::size_t layer, const Cosines& cosines) const {
   const ArrayXd above = cosines(layer);
   Deltas deltas = Deltas::nothing(above.size());
   if (layer == stack.layers.size()) {
-    if (stack.base.kind == Base::Kind::kConductor) {
-      const std::complex<double> ratio = stack.base.ior / indices_.back();
-      deltas.reflect_above = above.unaryExpr([&](double mu) { return mu > 0.0 ? conductor_fresnel(mu, ratio) : 1.0; });
+    if (stack.base.is_mirror()) {
+      const double ior = indices_.back();
+      deltas.reflect_above =
+          above.unaryExpr([&](double mu) { return mu > 0.0 ? stack.base.mirror_reflectance(mu, ior) : 1.0; });
     }
     if (stack.base.kind != Base::Kind::kNone) {
       deltas.transmit.setZero();

@@ -112,7 +112,7 @@ std::vector<Reflector> reflectors_of(const Stack& stack) {
       found.push_back({alpha, std::abs(below - above) * alpha, 2.0 * std::min(above, below) * alpha, depth});
     }
   }
-  if (stack.base.kind == Base::Kind::kConductor) {
+  if (stack.base.is_glossy()) {
     const double alpha = stack.base.facets.alpha;
     found.push_back({alpha, kNone, 2.0 * indices.back() * alpha, depth});
   }
@@ -191,7 +191,7 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
     nodes = std::max(nodes, nodes_for(phase, albedo, tolerance));
   };
   // Single scattering uses the phase function itself. Only multiple scattering needs nodes.
-  const double least = thinnest_resolved(tolerance);
+  const double least = thickest_unresolved(tolerance);
   for (const Layer& layer : stack.layers) {
     const auto* medium = std::get_if<Medium>(&layer);
     if (medium != nullptr && medium->albedo > 0.0 && medium->tau > least) {
@@ -211,7 +211,7 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
   }
   Resolution resolution;
   resolution.nodes = nodes;
-  resolution.thinnest = std::max(thinnest, kThinnestResolved);
+  resolution.thinnest = std::max(thinnest, kLeastDivision);
   resolution.tolerance = tolerance;
   resolution.azimuth_tolerance = 0.03 * tolerance;
   return resolution;

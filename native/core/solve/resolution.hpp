@@ -16,22 +16,19 @@ struct Resolution {
   double tolerance = 1e-3;          ///< largest admitted estimate of the relative pointwise error
 
   int moments() const { return 2 * nodes; }
-  /// Optical thickness up to which a layer needs no nodes of its own, see below.
-  double thinnest_resolved() const;
 };
 
 /// Thinner layers scatter light only once.
 inline constexpr double kThinnestRepeated = 1e-9;
 
-/// Optical thickness up to which multiple scattering within a layer may be coarse. Its share of the light that the
-/// layer scatters is about thickness * |log(thickness)|: a tenth of the tolerance. Single scattering is always exact.
-inline double thinnest_resolved(double tolerance) { return 1e-2 * std::min(tolerance, 1e-2); }
-
-inline double Resolution::thinnest_resolved() const { return lamina::thinnest_resolved(tolerance); }
+/// The largest optical thickness of a layer that needs no nodes of its own, where multiple scattering may be coarse.
+/// The share of multiple scattering in the light that the layer scatters is about thickness * |log(thickness)|: a tenth
+/// of the tolerance. Single scattering is always exact.
+inline double thickest_unresolved(double tolerance) { return 1e-2 * std::min(tolerance, 1e-2); }
 
 /// The node ranges are divided down to cosines about equal to the thickness, but not below this value. In thinner
 /// layers part of the multiple scattering of grazing light is missed; its share is about thickness * |log(thickness)|.
-inline constexpr double kThinnestResolved = 1e-5;
+inline constexpr double kLeastDivision = 1e-5;
 
 /// The resolution for the stack's phase functions. n Gauss nodes per hemisphere integrate products of the first 2n
 /// moments, and |chi_2n| is left to the truncation of the forward peak. `tolerance` is the relative pointwise error for

@@ -37,7 +37,7 @@ std::map<double, double> thinnest_layers(const Stack& stack, const Resolution& r
   std::map<double, double> thinnest;
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
     const auto* medium = std::get_if<Medium>(&stack.layers[layer]);
-    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > resolution.thinnest_resolved()) {
+    if (medium != nullptr && medium->albedo > 0.0 && medium->tau > thickest_unresolved(resolution.tolerance)) {
       double& known = thinnest.try_emplace(indices[layer], 1.0).first->second;
       known = std::min(known, std::max(resolution.thinnest, medium->tau));
     }
@@ -48,7 +48,7 @@ std::map<double, double> thinnest_layers(const Stack& stack, const Resolution& r
 /// The number of boundaries that reflect, smooth or rough.
 int reflectors(const Stack& stack) {
   const std::vector<double> indices = refractive_indices(stack);
-  int count = stack.base.kind == Base::Kind::kConductor ? 1 : 0;
+  int count = stack.base.is_glossy() ? 1 : 0;
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
     count += indices[layer + 1] != indices[layer] ? 1 : 0;
   }
@@ -114,7 +114,8 @@ Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& poo
       const double before = medium.tau;
       medium.tau = sublayers_.share[scatterer.layer] * tau;
       scatterer.medium = TruncatedMedium(medium, resolution_.moments());
-      grown = grown || (medium.tau > resolution_.thinnest_resolved() && before <= resolution_.thinnest_resolved());
+      grown = grown || (medium.tau > thickest_unresolved(resolution_.tolerance) &&
+                        before <= thickest_unresolved(resolution_.tolerance));
     }
   }
   if (grown && std::isfinite(resolution_.tolerance)) {
@@ -197,7 +198,7 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
   multiple = multiple_scattering(solved, medium, phase, order, directions);
   if (order == 0) {
     checks = check_layer(solved, multiple, phase, medium, directions, *set_);
-    if (medium.tau <= resolution_.thinnest_resolved()) {
+    if (medium.tau <= thickest_unresolved(resolution_.tolerance)) {
       checks.resolution = 0.0;
       checks.negativity = 0.0;
     }
@@ -252,7 +253,7 @@ std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) con
 /// function. Successive lobes need orders by their width.
 int Solution::fewest_orders() const {
   const std::vector<double> indices = refractive_indices(stack());
-  bool rough = stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0;
+  bool rough = stack().base.is_rough();
   for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
     const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
     rough = rough || (interface != nullptr && interface->is_rough(indices[layer]));
@@ -286,7 +287,7 @@ void Solution::add_boundaries(ThreadPool& pool) {
       boundaries_.push_back({layer, shared_surface(*interface, *set_, indices[layer], orders(), pool, fineness)});
     }
   }
-  if (stack().base.kind == Base::Kind::kConductor && stack().base.facets.alpha > 0.0) {
+  if (stack().base.is_rough()) {
     boundaries_.push_back(
         {stack().layers.size(), shared_surface(stack().base, *set_, indices.back(), orders(), pool, fineness)});
   }

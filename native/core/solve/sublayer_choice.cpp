@@ -30,7 +30,7 @@ std::vector<double> probe(const std::vector<Medium>& sublayers, ThreadPool& pool
   for (const Medium& sublayer : sublayers) {
     tau += sublayer.tau;
   }
-  resolution.thinnest = std::clamp(tau, kThinnestResolved, 1.0);
+  resolution.thinnest = std::clamp(tau, kLeastDivision, 1.0);
   const Solution solution(SublayerStack(Stack{{sublayers.begin(), sublayers.end()}, {}}), resolution, pool);
   const Eigen::VectorXd mu{{0.05, 0.2, 0.5, 1.0}};
   const Eigen::VectorXd dphi{{0.0, 1.8}};

@@ -55,11 +55,11 @@ void StackWalk::begin() {
 }
 
 void StackWalk::add_start(std::size_t element, const Ray& in, double power) {
-  const Kind kind = stack_.elements[element].kind;
-  if (power == 0.0 || kind == Kind::kSmooth || kind == Kind::kMetal) {
+  const Element& here = stack_.elements[element];
+  if (power == 0.0 || here.is_polished()) {
     return;
   }
-  const bool medium = kind == Kind::kMedium;
+  const bool medium = here.kind == Kind::kMedium;
   if (!target_.flux) {
     known_ += power * first_leaving(element, exits_[element], in);
   }
@@ -119,7 +119,7 @@ bool StackWalk::meet(std::size_t element, const Exit& out, Light& light, bool fi
   if (here.kind == Kind::kMedium) {
     return cross(element, out, light, first, score, rng, events);
   }
-  if (here.kind == Kind::kSmooth || here.kind == Kind::kMetal) {
+  if (here.is_polished()) {
     return meet_polished(stack_, element, light.ray, light.weight, rng);
   }
   ++events;
@@ -134,16 +134,12 @@ double StackWalk::first_leaving(std::size_t element, const Exit& out, const Ray&
 }
 
 double StackWalk::surface_leaving(std::size_t element, const Exit& out, const Ray& in) const {
-  const Element& here = stack_.elements[element];
-  if (here.kind == Kind::kLambert) {
-    return here.reflectance / (pi * stack_.ior[element] * stack_.ior[element]) * out.up_share;
-  }
   double sum = 0.0;
   if (out.up_share > 0.0) {
-    sum += out.up_share * here.facets->value(in, out.up);
+    sum += out.up_share * leaving_surface(stack_, element, in, out.up);
   }
   if (out.down_share > 0.0) {
-    sum += out.down_share * here.facets->value(in, out.down);
+    sum += out.down_share * leaving_surface(stack_, element, in, out.down);
   }
   return sum;
 }

@@ -2,6 +2,7 @@
 #include "walks/surface_meeting.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "operators/interface.hpp"
 #include "walks/survival.hpp"
@@ -10,6 +11,7 @@ namespace lamina {
 namespace {
 
 using Kind = WalkElements::Element::Kind;
+using std::numbers::pi;
 
 void meet_smooth(const WalkElements& stack, std::size_t element, Ray& ray, Rng& rng) {
   const bool down = ray.z < 0.0;
@@ -39,7 +41,7 @@ bool meet_polished(const WalkElements& stack, std::size_t element, Ray& ray, dou
     meet_smooth(stack, element, ray, rng);
     return true;
   }
-  weight *= conductor_fresnel(-ray.z, here.metal);
+  weight *= here.mirror.mirror_reflectance(-ray.z, stack.ior[element]);
   ray = ray.mirrored();
   return survives(weight, rng);
 }
@@ -54,6 +56,14 @@ bool scatter_at_surface(const WalkElements::Element& surface, Ray& ray, double& 
     ray = outcome.ray;
   }
   return weight != 0.0 && survives(weight, rng);
+}
+
+double leaving_surface(const WalkElements& stack, std::size_t element, const Ray& in, const Ray& out) {
+  const WalkElements::Element& surface = stack.elements[element];
+  if (surface.kind == Kind::kLambert) {
+    return out.z > 0.0 ? surface.reflectance / (pi * stack.ior[element] * stack.ior[element]) : 0.0;
+  }
+  return surface.facets->value(in, out);
 }
 
 }  // namespace lamina

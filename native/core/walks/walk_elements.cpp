@@ -41,13 +41,12 @@ Element element_of(const Base& base, double ior_above) {
   Element element;
   element.kind = Kind::kLambert;
   element.reflectance = base.reflectance;
-  if (base.kind == Base::Kind::kConductor) {
-    element.kind = Kind::kMetal;
-    element.metal = base.ior / ior_above;
-    if (base.facets.alpha > 0.0) {
-      element.kind = Kind::kRough;
-      element.facets = std::make_shared<FacetScatter>(base.facets, ior_above, base.ior, base.compensate);
-    }
+  if (base.is_mirror()) {
+    element.kind = Kind::kMirror;
+    element.mirror = base;
+  } else if (base.is_rough()) {
+    element.kind = Kind::kRough;
+    element.facets = std::make_shared<FacetScatter>(base.facets, ior_above, base.ior, base.compensate);
   }
   return element;
 }
@@ -126,8 +125,8 @@ void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t la
       const double back = above > 0.0 && below > 0.0 ? fresnel(above, below, stack.ior[k], stack.ior[k + 1]) : 1.0;
       s.reflect_above.delta[0] = s.reflect_below.delta[0] = back;
       s.transmit.delta[0] = 1.0 - back;
-    } else if (element.kind == Kind::kMetal) {
-      s.reflect_above.delta[0] = conductor_fresnel(cosine(k), element.metal);
+    } else if (element.kind == Kind::kMirror) {
+      s.reflect_above.delta[0] = element.mirror.mirror_reflectance(cosine(k), stack.ior[k]);
     }
     deltas.push_back(std::move(s));
   }

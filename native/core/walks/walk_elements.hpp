@@ -26,13 +26,18 @@ struct WalkTarget {
 /// A stack as a list of elements, turned so that light enters at the top; the base is the last element.
 struct WalkElements {
   struct Element {
-    enum class Kind { kMedium, kSmooth, kRough, kLambert, kMetal };
+    enum class Kind { kMedium, kSmooth, kRough, kLambert, kMirror };
     Kind kind = Kind::kMedium;
     Medium medium = {};                          ///< kMedium; with the largest albedo if it is graded
     std::shared_ptr<const GradedMedium> graded;  ///< kMedium that varies with depth
     double reflectance = 0.0;                    ///< kLambert
-    std::complex<double> metal = {};             ///< kMetal, polished: relative index
+    Base mirror = {};                            ///< kMirror
     std::shared_ptr<const FacetScatter> facets;  ///< kRough
+
+    /// True if light keeps to specular paths at this element.
+    bool is_polished() const { return kind == Kind::kSmooth || kind == Kind::kMirror; }
+    /// True for a surface that scatters light.
+    bool is_scattering_surface() const { return kind == Kind::kRough || (kind == Kind::kLambert && reflectance > 0.0); }
   };
   std::vector<Element> elements;
   std::vector<double> ior;  ///< above each element, and below the last

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "operators/base_reflection.hpp"
+
+namespace lamina {
+
+ScatteringFunction base_deltas(const Base& base, const Directions& above) {
+  ScatteringFunction s = ScatteringFunction::bare(above.size(), above.nodes);
+  if (base.is_mirror()) {
+    const Eigen::VectorXd reflected =
+        above.mu.unaryExpr([&](double mu) { return base.mirror_reflectance(mu, above.ior); });
+    s.reflect_above.delta = above.spread(reflected);
+  }
+  return s;
+}
+
+ScatteringFunction base_reflection(const Base& base, int order, const Directions& above) {
+  if (base.is_mirror()) {
+    return base_deltas(base, above).with_zero_kernels();
+  }
+  return ScatteringFunction::lambert(base.reflectance, order, above);
+}
+
+}  // namespace lamina

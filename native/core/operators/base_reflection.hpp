@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The scattering function of a base without facets.
+#pragma once
+#include "matter/base.hpp"
+#include "operators/directions.hpp"
+#include "operators/scattering_function.hpp"
+
+namespace lamina {
+
+/// The specular reflection of an opaque base; no kernels. Zero for a base that is not a mirror.
+ScatteringFunction base_deltas(const Base& base, const Directions& above);
+
+/// One azimuth order of the reflection of an opaque base without facets.
+ScatteringFunction base_reflection(const Base& base, int order, const Directions& above);
+
+}  // namespace lamina
