@@ -149,16 +149,16 @@ def render(variant: str, paths: int, rr_depth: int, repeats: int, name: str) -> 
             images.append(image)
             seconds.append(time.perf_counter() - started)
     value = float(np.mean(images))
-    found = {"variant": variant, "value": value, "variance": _variance(images) * spp / value**2,
+    found = {"variant": variant, "value": value, "variance": _variance(np.array(images), name) * spp / value**2,
              "paths_per_second": spp * PIXELS**2 / min(seconds)}
     if variant == LLVM:
         found["compilation"] = sum(kernel.get("backend_time", 0.0) for kernel in dr.kernel_history()) / 1000.0
     return found
 
 
-def _variance(images: list[np.ndarray]) -> float:
-    """The mean over pixels and channels of the variance between images."""
-    return float(np.mean(np.var(images, axis=0, ddof=1)))
+def _variance(images: np.ndarray, name: str) -> float:
+    """The variance of a pixel. All pixels of the slab have one mean; of the ball, images are compared."""
+    return float(np.var(images, ddof=1) if name == "slab" else np.mean(np.var(images, axis=0, ddof=1)))
 
 
 if __name__ == "__main__":

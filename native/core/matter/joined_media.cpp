@@ -48,7 +48,7 @@ GradedMedium joined_media(const Stack& stack, bool endless) {
     refuse("a stack without media");
   }
   if (!stack.base.is_none_or_lambert()) {
-    refuse("other bases");
+    refuse("this base");
   }
   const bool is_one = only != nullptr && knots.size() == 2;
   return (is_one ? GradedMedium::homogeneous(only->albedo, only->tau, only->phase) : GradedMedium(std::move(knots)))

@@ -107,7 +107,7 @@ def check_scattering_walk(stack, walk):
 @pytest.mark.parametrize("stack, words", [
     (Stack([Interface(1.5), SILT]), "boundaries"),
     (Stack([Medium(albedo=0.5, tau=math.inf)]), "infinitely thick media"),
-    (Stack([SILT], Conductor(0.4, 2.5)), "metals"),
+    (Stack([SILT], Conductor(0.4, 2.5)), "this base"),
     (Stack([], Lambert(0.5)), "a stack without media"),
 ])
 def test_what_the_scattering_walk_does_not_know(stack, words):
