@@ -22,7 +22,7 @@ import output  # noqa: E402
 
 NOISE = 0.01
 SEEDS = 4
-WALKS = {"relightable": 256, "lit": 128}  # per texel
+WALKS = {"relightable": 96, "lit": 48}  # samples per texel
 # By method, (many samples, few samples): their difference is timed.
 SAMPLES = {"volume": (12, 4), "stock": (48, 16), "relightable": (48, 16), "lit": (32, 8)}
 NAMES = {"volume": "Cycles' volume", "stock": "Random Walk, stock", "relightable": "Lamina, Relightable",

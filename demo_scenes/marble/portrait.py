@@ -65,7 +65,7 @@ HEIGHT, ASIDE, WIDTH = 128.0, -14.0, 300.0  # mm: middle of the picture above th
 
 @dataclass(frozen=True)
 class Effort:
-    """Grid spacing (mm) of the dragon's body and head, walks per vertex, times of averaging, pixels, samples."""
+    """Grid spacing (mm) of the dragon's body and head, samples per vertex, times of averaging, pixels, samples."""
 
     spacing: tuple
     walks: int
