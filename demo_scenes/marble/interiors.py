@@ -24,8 +24,8 @@ class Stone:
         self.interior = self.task.fill(lambda *_: None, None)
 
     def show(self, output, view, samples, seed):
-        """Compute images with `samples` of walks per texel and let the material show them. output: "LIT" or "RELIGHTABLE";
-        view: "CAMERA" or "ALL", for Lit. Returns lamina.LitImages or lamina.RelightableImages."""
+        """Compute images with `samples` per texel and let the material show them. output: "LIT" or "RELIGHTABLE"; view:
+        "CAMERA" or "ALL", for Lit. Returns lamina.LitImages or lamina.RelightableImages."""
         import lamina  # the extension's wheel: not there before the extension is installed
 
         task = self._gathered(output, view)

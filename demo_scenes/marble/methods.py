@@ -31,7 +31,7 @@ class Effort:
     truth: int
     step_rate: float  # Cycles' steps through the volume
     sets: int  # of walks and renders
-    walks: int  # per texel
+    walks: int  # samples per texel
     samples: int  # of renders with Subsurface Scattering
 
 
