@@ -22,8 +22,8 @@ from ..subsurface.node_parameters import LEAST_IOR
 from ..subsurface.response_table import CURVE, Curves, response_curves
 
 ROUNDS = 6  # the media are chosen again from the last corrected targets
-ROUGH_POINTS, ROUGH_SAMPLES = 256, 128
-POINTS, LEAST_SAMPLES, MOST_SAMPLES = 2048, 64, 1024
+ROUGH_POINTS, ROUGH_SAMPLES = 256, 48
+POINTS, LEAST_SAMPLES, MOST_SAMPLES = 2048, 24, 384
 EFFORT = 0.25  # share of the walks of the map
 NEIGHBOURS = 8  # points whose mean is used at a point of the map
 SHARES = (0.15, 0.85)  # quantiles of u at which the media lie

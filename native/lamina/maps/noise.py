@@ -14,7 +14,7 @@ from ..interior.parts import job_of, merge_walks, part_of
 from ..interior.walk import Walker
 from ..walks.searchlight_moments import Measured
 
-TRIAL_POINTS, TRIAL_SAMPLES = 512, 64
+TRIAL_POINTS, TRIAL_SAMPLES = 512, 24
 LEAST_SAMPLES, MOST_SAMPLES = 16, 1 << 20
 OTHER_SEED = 0x9E3779B97F4A7C15  # the trial must not share random numbers with the run
 
