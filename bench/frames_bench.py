@@ -22,6 +22,7 @@ import output  # noqa: E402
 
 NOISE = 0.01
 SEEDS = 4
+STEP_RATE = 0.1  # of Cycles' steps through the volume
 WALKS = {"relightable": 96, "lit": 48}  # samples per texel
 # By method, (many samples, few samples): their difference is timed.
 SAMPLES = {"volume": (12, 4), "stock": (48, 16), "relightable": (48, 16), "lit": (32, 8)}
@@ -32,11 +33,10 @@ NAMES = {"volume": "Cycles' volume", "stock": "Random Walk, stock", "relightable
 def measure(size, say):
     """Rows by method, the volume first."""
     import bpy
-    from marble import bodies, interiors, methods, surfaces, veins
+    from marble import bodies, interiors, methods, surfaces, veins, view
 
     body, pattern = bodies.slab(), veins.Veins()
-    effort = methods.Effort(size, SEEDS, SAMPLES["volume"][0], 0.1, SEEDS, 1, SAMPLES["relightable"][0])
-    region = methods.view.region(body, body.tree(), size)
+    region = view.region(body, body.tree(), size)
     mesh = body.mesh()
     mesh.materials.append(veins.material(pattern))
     thing = bpy.data.objects.new(body.name, mesh)
@@ -51,9 +51,7 @@ def measure(size, say):
     mesh.materials[0] = surfaces.stock(mesh, stone.interior, body.vertices)
     rows.append(_row("stock", _frame(scene, size, region, "stock"), voxels))
     say(NAMES["stock"])
-    mesh.materials[0] = veins.volume(pattern)
-    mesh.materials[0].cycles.volume_sampling = "DISTANCE"
-    scene.cycles.volume_step_rate, scene.cycles.volume_max_steps = effort.step_rate, 65536
+    methods.show_volume(scene, mesh, pattern, STEP_RATE)
     rows.insert(0, _row("volume", _frame(scene, size, region, "volume"), 0.0))
     for row in rows[1:]:
         saved = rows[0]["frame, CPU-s"] - row["frame, CPU-s"]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A dielectric boundary over another shader, or over emitted light."""
 
+from . import mix_shader
+
 
 def over(graph, ior, alpha, shader):
     """The shader under a boundary of this index and facet width, which mirrors by Fresnel's equations."""
@@ -12,10 +14,8 @@ def over(graph, ior, alpha, shader):
 def beside(graph, ior, alpha, shader):
     """The shader plus the light that such a boundary mirrors, for a shader that is already weakened by the
     boundary."""
-    both = graph.node("ShaderNodeAddShader", 7, 0, "with mirrored light")
-    graph.link(shader, both.inputs[0])
-    graph.link(_mirrored(graph, ior, alpha, "mirrored light").outputs[0], both.inputs[1])
-    return both.outputs[0]
+    mirrored = _mirrored(graph, ior, alpha, "mirrored light").outputs[0]
+    return mix_shader.added(graph, 7, 0, "with mirrored light", shader, mirrored)
 
 
 def _mirrored(graph, ior, alpha, label):

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base.messages import RefusedError
 from ..kinds.table import PREFIX, TAU_BEND, THROWN_BACK
-from . import lut_image, side_graph
+from . import lut_image, mix_shader, side_graph
 from .graph import Graph
 
 SCALE_LABEL = "rows"
@@ -122,7 +122,7 @@ def _draw(graph, lut, image, recipe_of):
         if name.startswith(PREFIX):
             weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gain)
         shader = _closure(graph, line, name, recipe, weight, directions)
-        total = shader if total is None else _add(graph, line, total, shader)
+        total = shader if total is None else mix_shader.added(graph, 12, line, "", total, shader)
     graph.end_frame()
 
     output = graph.node("NodeGroupOutput", 13.6, len(used) - 1, folded=False)
@@ -287,11 +287,4 @@ def _closure(graph, line, name, recipe, weight, directions):
             socket.hide = not socket.is_linked  # a folded node grows with every visible socket
     except (KeyError, TypeError, RuntimeError) as error:
         raise UnknownClosureError(f"closure {name}: this Blender cannot build it ({error})") from error
-    return node.outputs[0]
-
-
-def _add(graph, line, first, second):
-    node = graph.node("ShaderNodeAddShader", 12, line)
-    graph.link(first, node.inputs[0])
-    graph.link(second, node.inputs[1])
     return node.outputs[0]

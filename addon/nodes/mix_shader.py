@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mixture of two shaders."""
+"""Mixtures and sums of two shaders."""
 
 
 def between(graph, column, row, label, factor, first, second):
@@ -9,3 +9,11 @@ def between(graph, column, row, label, factor, first, second):
     graph.link(first, mix.inputs[1])
     graph.link(second, mix.inputs[2])
     return mix.outputs[0]
+
+
+def added(graph, column, row, label, first, second):
+    """The sum of two shaders."""
+    both = graph.node("ShaderNodeAddShader", column, row, label)
+    graph.link(first, both.inputs[0])
+    graph.link(second, both.inputs[1])
+    return both.outputs[0]

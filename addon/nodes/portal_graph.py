@@ -143,10 +143,7 @@ def _by_side(graph, tables, length, geometry, light_path, shader, volume):
     graph.link(normal, leave.inputs["Direction"])
     lit = graph.node("ShaderNodeBsdfTranslucent", 6, 9, "light from outside")
     lit.inputs["Color"].default_value = (*portal_volume.rgb(tables.entry.diffuse), 1.0)
-    both = graph.node("ShaderNodeAddShader", 7, 9, "all that enters")
-    graph.link(lit.outputs[0], both.inputs[0])
-    graph.link(leave.outputs[0], both.inputs[1])
-    behind = both.outputs[0]
+    behind = mix_shader.added(graph, 7, 9, "all that enters", lit.outputs[0], leave.outputs[0])
     if volume is not None:
         behind = portal_volume.behind(graph, light_path, behind)
     toon = graph.node("ShaderNodeBsdfToon", 4, 15, "light from outside")

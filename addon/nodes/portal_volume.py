@@ -60,10 +60,7 @@ def _volume(graph, single, length, light_path, inside):
     lost.inputs[2].default_value = rgb(1.0 - single.sigma_a / largest)
     graph.link(lost.outputs["Vector"], absorb.inputs["Color"])
     graph.link(density, absorb.inputs["Density"])
-    both = graph.node("ShaderNodeAddShader", 6, -2, "the volume")
-    graph.link(scatter.outputs[0], both.inputs[0])
-    graph.link(absorb.outputs[0], both.inputs[1])
-    return both.outputs[0]
+    return mix_shader.added(graph, 6, -2, "the volume", scatter.outputs[0], absorb.outputs[0])
 
 
 def _is_inside(graph, light_path):

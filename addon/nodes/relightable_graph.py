@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import boundary_graph
+from . import boundary_graph, mix_shader
 
 
 def draw(graph, inputs, length, texels=None):
@@ -18,10 +18,7 @@ def draw(graph, inputs, length, texels=None):
         share = graph.node("ShaderNodeMixShader", 1, 4, "its share")
         share.inputs[0].default_value = inputs.extra_weight
         graph.link(lost, share.inputs[2])
-        both = graph.node("ShaderNodeAddShader", 2, 2, "all that leaves")
-        graph.link(shader, both.inputs[0])
-        graph.link(share.outputs[0], both.inputs[1])
-        shader = both.outputs[0]
+        shader = mix_shader.added(graph, 2, 2, "all that leaves", shader, share.outputs[0])
     if inputs.has_boundary:
         shader = boundary_graph.over(graph, inputs.ior, inputs.roughness, shader)
     return shader, None

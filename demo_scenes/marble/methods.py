@@ -74,9 +74,7 @@ def make(body, pattern, effort, say):
     mesh.materials[0] = surfaces.stock(mesh, stone.interior, body.vertices)
     pictures["stock"] = np.stack([_rendered(scene, effort, effort.samples, 400 + k) for k in range(effort.sets)])
     seconds["stock"] = clock.lap()
-    mesh.materials[0] = veins.volume(pattern)
-    mesh.materials[0].cycles.volume_sampling = "DISTANCE"
-    scene.cycles.volume_step_rate, scene.cycles.volume_max_steps = effort.step_rate, 65536
+    show_volume(scene, mesh, pattern, effort.step_rate)
     cycles_render.unbiased(scene, effort.size, effort.size, effort.truth, BOUNCES)
     truth, _ = cycles_render.render_seeds(scene, effort.seeds, lambda text: say(f"{body.name}: volume, {text}"))
     seconds["truth"] = clock.lap()
@@ -87,6 +85,13 @@ def make(body, pattern, effort, say):
 def _rendered(scene, effort, samples, seed):
     cycles_render.unbiased(scene, effort.size, effort.size, samples, BOUNCES)
     return cycles_render.render(scene, seed)[0]
+
+
+def show_volume(scene, mesh, pattern, step_rate):
+    """Fill the mesh with the volume of its veins, and let Cycles take fine steps through the volume."""
+    mesh.materials[0] = veins.volume(pattern)
+    mesh.materials[0].cycles.volume_sampling = "DISTANCE"
+    scene.cycles.volume_step_rate, scene.cycles.volume_max_steps = step_rate, 65536
 
 
 def scene_of(body, thing):

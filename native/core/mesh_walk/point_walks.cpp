@@ -7,7 +7,7 @@ namespace lamina {
 
 namespace {
 
-// Number of walks in a piece of work for one thread. The sums of pieces are added in order, for reproducible results.
+// Number of samples in a piece of work for one thread. The sums of pieces are added in order, for reproducible results.
 constexpr std::uint64_t kPiece = 256;
 
 /// For each point, the sum of the results that `run(start, rngs of a piece)` gives for all pieces.

@@ -9,17 +9,17 @@
 
 namespace lamina {
 
-/// Points on the surface of a solid. Random numbers depend on the seed, the number of the point and the number of the
-/// walk.
+/// Points on the surface of a solid, and the samples of each point; see MeshWalk for the walks of a sample. Random
+/// numbers depend on the seed, the number of the point and the number of the sample.
 struct WalkPoints {
   std::vector<MeshWalk::Start> starts;
   std::uint64_t first_number = 0;
   std::uint64_t first_walk = 0;
-  std::uint64_t walks = 1;  ///< walks per point; the number of the last walk is at most 2^32
+  std::uint64_t walks = 1;  ///< samples per point; the number of the last sample is at most 2^32
   std::uint64_t seed = 0;
 };
 
-/// Sums over the walks of one point.
+/// Sums over the samples of one point.
 struct ExitResult {
   ExitSums exits;
   WalkCounts counts;
@@ -33,7 +33,7 @@ struct LitResult {
   void add(const LitResult& other);
 };
 
-/// Tallies the first exit of each walk, by point. Results are identical bytes for any number of threads.
+/// Tallies the first exit of each path, by point. Results are identical bytes for any number of threads.
 std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& points, ThreadPool& pool);
 
 /// Estimates the radiance that leaves at each point under distant lamps and a uniform sky.

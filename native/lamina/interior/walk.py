@@ -22,7 +22,7 @@ from .lamps import LEAST_DISC, Lamp
 from .solid import Solid, closed
 
 MOST_SAMPLES = 1 << 32
-CHUNK_WALKS = 1 << 15  # walks between two calls of `cancel`
+CHUNK_WALKS = 1 << 15  # samples, of three walks each, between two calls of `cancel`
 OFF_SURFACE = 1e-4  # relative to the mesh's size: points farther off the surface are refused
 
 

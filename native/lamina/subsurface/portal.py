@@ -18,7 +18,7 @@ import numpy as np
 from ..common.progress import Progress, portion, stepper
 from ..lateral.searchlight import Searchlight, searchlight
 from ..material.stack import Stack
-from ..solver.solve import solve
+from ..solver.solve import ScatteringFunction, solve
 from . import entry_lobes, single_scattering
 from .entry_lobes import EntryLobes
 from .node_parameters import LEAST_IOR
@@ -39,10 +39,10 @@ class PortalTables:
     distance r on the plane, at r / (r + scale) = k / (WEIGHTS - 1). `views`, (VIEWS, channels): share of the light
     entering below the boundary that goes through the portal, at the view cosine k / (VIEWS - 1). `single`: the medium
     whose single scattering does not go through the portal, or None. `entry`: closures for the directions from which
-    light enters. `ior`, `roughness`: the boundary on top, ior
-    1.01 for none. `albedo`, `distance`, (channels,): exit albedo and mean exit distance of all light without the
-    boundary's reflection, for a view along the normal. `profile_error`: largest error, from the tables' resolution, of
-    the flux within any distance, relative to the total flux."""
+    light enters. `ior`, `roughness`: the boundary on top, ior 1.01 for none. `albedo`, `distance`, (channels,): exit
+    albedo and mean exit distance of all light without the boundary's reflection, for a view along the normal.
+    `profile_error`: largest error, from the tables' resolution, of the flux within any distance, relative to the total
+    flux."""
 
     depths: np.ndarray
     weights: np.ndarray
@@ -89,8 +89,9 @@ def portal_tables(stack: Stack, quality: str = "final", progress: Progress | Non
     depths = DEPTH_SHARE * np.interp(ranks, (within / within[-1]).mean(axis=1), r)
     weights, error = _weights(depths, scale, r, light, within)
     step(0.9, "Views")
-    views = _views(stack, single, quality)
-    entry = entry_lobes.fit(_inside(stack, entry_lobes.COSINES, single, quality)[0])
+    solved = solve(stack, quality)
+    views = _views(solved, single, quality)
+    entry = entry_lobes.fit(_inside(solved, entry_lobes.COSINES, single, quality)[0])
     step(1.0, "Done")
     return PortalTables(depths, weights, scale, views, single, entry, ior, roughness,
                         (beam.reflectance - on_top) / (1.0 - on_top), distance, error)
@@ -137,20 +138,20 @@ def _weights(depths: np.ndarray, scale: float, r: np.ndarray, light: np.ndarray,
     return table, float(np.max(np.abs(reached / reached[-1] - within / within[-1])))
 
 
-def _views(stack: Stack, single: SingleScattering | None, quality: str) -> np.ndarray:
+def _views(solved: ScatteringFunction, single: SingleScattering | None, quality: str) -> np.ndarray:
     """Share of the light entering below the boundary that goes through the portal, by view cosine."""
     cosines = np.linspace(0.0, 1.0, VIEWS)
     cosines[0] = 0.25 * cosines[1]
-    inside, on_top = _inside(stack, cosines, single, quality)
+    inside, on_top = _inside(solved, cosines, single, quality)
     return np.clip(inside / np.maximum(1.0 - on_top, 1e-6), 0.0, 1.0)
 
 
-def _inside(stack: Stack, cosines: np.ndarray, single: SingleScattering | None,
+def _inside(solved: ScatteringFunction, cosines: np.ndarray, single: SingleScattering | None,
             quality: str) -> tuple[np.ndarray, np.ndarray]:
     """(light through the portal, light that a boundary on top reflects), as shares of the incident light, by view
     cosine or, by reciprocity, by incidence cosine."""
-    on_top = boundary_on_top(stack, cosines, quality)[0]
-    inside = solve(stack, quality).reflectance(cosines) - on_top
+    on_top = boundary_on_top(solved.stack, cosines, quality)[0]
+    inside = solved.reflectance(cosines) - on_top
     if single is not None:
         inside = inside - single.reflectance(cosines)
     return np.maximum(inside, 0.0), on_top
