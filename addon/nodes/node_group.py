@@ -10,7 +10,7 @@ import json
 import bpy
 
 from ..base import native
-from . import closure_graph, lut_image, node_tree, side_graph
+from . import before, closure_graph, links, lut_image, own_nodes, side_graph
 
 GROUP_INPUTS = (
     ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
@@ -23,7 +23,7 @@ GROUP_INPUTS = (
     ("Base Color", "NodeSocketColor", "Reflectance of the base, linear; what the layers do to it is exact"),
 )
 
-VOLUME = "Volume"  # output of groups that need a volume, and input of the material's output
+VOLUME = before.VOLUME  # output of groups that need a volume, and input of the material's output
 
 LARGEST = 1.0e6  # the panel's largest optical thickness
 
@@ -35,7 +35,7 @@ def build(material, lut):
     NativeMissingError.
     """
     recipe_of = recipe_source()
-    node_tree.of(material)
+    before.switch_nodes_on(material)
     group, is_new = _own_group(material)
     old_nodes = list(group.nodes)
     old_images = images_of(old_nodes)
@@ -66,9 +66,7 @@ def build(material, lut):
         for node in group_nodes(material):  # nodes with the group that this copied material still shared
             node.node_tree = group
     material.lamina.node_group = group
-    if hasattr(material, "cycles"):
-        # Tilted closure normals are not bump maps: the correction would darken them.
-        material.cycles.use_bump_map_correction = False
+    before.switch_correction_off(material)
     _place(material)
     _follow_thickness(group, old_tau, tau)
     _follow_base_colour(group, colour)
@@ -137,32 +135,30 @@ def is_connected(material):
     output = material.node_tree.get_output_node("CYCLES") if material.node_tree else None
     if output is None:
         return False
-    waiting, seen = [output], set()
-    while waiting:
-        node = waiting.pop()
-        if node.type == "GROUP" and node.node_tree == material.lamina.node_group:
-            return True
-        seen.add(node.name)
-        sources = {link.from_node for socket in node.inputs for link in socket.links}
-        waiting += [source for source in sources if source.name not in seen]
-    return False
+    group = material.lamina.node_group
+    return any(node.type == "GROUP" and node.node_tree == group for node in links.upstream(output))
 
 
 def connect(material, group=None):
     """Link `group`, by default that of the last bake, to the Surface of the material's output, and the
     group's volume, if there is one, to the Volume. If `group` has none, the volume of the lateral group is
-    unlinked. Other nodes are unchanged. Returns the group node."""
+    unlinked. Other nodes are unchanged, and `before` keeps what fed the output. Returns the group node."""
     tree = material.node_tree
     node = (group_nodes(material, group) or [None])[0]
-    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
+    output = tree.get_output_node("CYCLES") or own_nodes.mark(tree.nodes.new("ShaderNodeOutputMaterial"))
     if node is None:
         node = _add_group_node(material, group or material.lamina.node_group, output)
+    before.keep(material, output.inputs["Surface"])
     tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
     volume = output.inputs[VOLUME]
     if VOLUME in node.outputs:
+        before.keep(material, volume)
         tree.links.new(node.outputs[VOLUME], volume)
     elif volume.is_linked and volume.links[0].from_node in _lateral_nodes(material):
         tree.links.remove(volume.links[0])
+        fed = before.kept(tree, VOLUME)
+        if fed is not None:
+            links.connect(fed, volume)
     return node
 
 
@@ -172,12 +168,14 @@ def _lateral_nodes(material):
 
 
 def remove(material):
-    """Remove the group's nodes from the material, and the group and its image if they have no other users."""
-    group = material.lamina.node_group
-    for node in group_nodes(material):
-        material.node_tree.nodes.remove(node)
-    material.lamina.node_group = None
-    if group is not None and group.library is None and group.users == 0:
+    """Restore the material's tree as it was before Lamina, and remove Lamina's groups and their images if
+    they have no other users."""
+    groups = (material.lamina.node_group, material.lamina.lateral_group)
+    before.restore(material)
+    material.lamina.node_group = material.lamina.lateral_group = None
+    for group in groups:
+        if group is None or group.library is not None or group.users:
+            continue
         images = images_of(group.nodes)
         bpy.data.node_groups.remove(group)
         for image in images:
@@ -226,9 +224,10 @@ def _place(material):
 
 
 def _add_group_node(material, group, output):
-    node = material.node_tree.nodes.new("ShaderNodeGroup")
+    node = own_nodes.mark(material.node_tree.nodes.new("ShaderNodeGroup"))
     node.node_tree = group
     node.label = "Lamina"
+    node.select = False
     node.width = 180.0
     node.location = (output.location.x - 240.0, output.location.y + 160.0)
     return node

@@ -93,7 +93,7 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     for socket in (*sockets, *backs):
         for link in list(socket.links):
             tree.links.remove(link)
-    _remove_marked(tree)
+    remove_nodes(tree)
     if source == "attribute":
         name = name or ATTRIBUTE
         _feed(sockets, _attribute(tree, sockets[0].node, name).outputs["Fac"])
@@ -137,6 +137,17 @@ def reconnect(material):
                 _feed(backs, node.outputs["Alpha"])
 
 
+def remove_nodes(tree):
+    """Remove the nodes made here, except those that the artist uses for something else."""
+    while True:  # remove a node after the nodes that it feeds
+        idle = [node for node in tree.nodes
+                if node.get(_MARK) and not any(output.is_linked for output in node.outputs)]
+        for node in idle:
+            tree.nodes.remove(node)
+        if not idle:
+            return
+
+
 def _sockets(material, name=FRONT):
     """The thickness inputs of the material's baked group, one for each use of the group."""
     nodes = node_group.group_nodes(material)
@@ -146,17 +157,6 @@ def _sockets(material, name=FRONT):
 def _feed(sockets, output):
     for socket in sockets:
         socket.id_data.links.new(output, socket)
-
-
-def _remove_marked(tree):
-    """Removes the nodes made here, except those that the artist also uses for something else."""
-    while True:  # remove a node after the nodes that it feeds
-        idle = [node for node in tree.nodes
-                if node.get(_MARK) and not any(output.is_linked for output in node.outputs)]
-        for node in idle:
-            tree.nodes.remove(node)
-        if not idle:
-            return
 
 
 def _node(tree, kind, mark, beside, columns):
