@@ -55,6 +55,12 @@ def kept(tree, name=SURFACE):
     return None if reroute is None else links.feed(reroute.inputs[0])
 
 
+def source(tree):
+    """The output socket that fed the Surface before Lamina, behind reroutes, or None."""
+    reroute = _reroute(tree, SURFACE)
+    return None if reroute is None else links.source(reroute.inputs[0])
+
+
 def put_aside(tree, node):
     """Move `node`, which the layers replace, down and into the frame.
 
@@ -74,11 +80,10 @@ def put_aside(tree, node):
 def put_back(tree):
     """Move the node that `put_aside` has moved to its place, unless the artist has taken it out of the
     frame."""
-    frame, reroute = _frame(tree), _reroute(tree, SURFACE)
+    frame, found = _frame(tree), source(tree)
     place = frame.get(_PLACE) if frame is not None else None
     if place is None:
         return
-    found = links.source(reroute.inputs[0]) if reroute is not None else None
     if found is not None and found.node.parent == frame:
         node = found.node
         node.parent = frame.parent
@@ -114,8 +119,8 @@ def restore(material):
 
 
 def _restore_links(tree, own):
-    """Link the targets of Lamina's shaders to what was there before. Returns the names of the kept inputs that
-    were used."""
+    """Link the targets of Lamina's shaders to what was there before. Returns the names of the kept inputs
+    that were used."""
     used = set()
     for node in [tree.nodes[name] for name in own]:
         if node.type in ("REROUTE", "FRAME"):

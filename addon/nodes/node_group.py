@@ -10,7 +10,8 @@ import json
 import bpy
 
 from ..base import native
-from . import before, closure_graph, links, lut_image, own_nodes, side_graph
+from ..kinds.bases import PrincipledBase
+from . import before, closure_graph, in_place, links, lut_image, own_nodes, principled, side_graph
 
 GROUP_INPUTS = (
     ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
@@ -67,9 +68,11 @@ def build(material, lut):
             node.node_tree = group
     material.lamina.node_group = group
     before.switch_correction_off(material)
-    _place(material)
+    is_placed = _place(material)
     _follow_thickness(group, old_tau, tau)
     _follow_base_colour(group, colour)
+    if not is_placed:
+        _carry_to(material, [socket.name for socket in added])
     return group
 
 
@@ -149,7 +152,7 @@ def connect(material, group=None):
     if node is None:
         node = _add_group_node(material, group or material.lamina.node_group, output)
     before.keep(material, output.inputs["Surface"])
-    tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
+    tree.links.new(in_place.end_of(node), output.inputs["Surface"])
     volume = output.inputs[VOLUME]
     if VOLUME in node.outputs:
         before.keep(material, volume)
@@ -218,9 +221,24 @@ def _parse(layout):
 
 
 def _place(material):
-    """Make and link a first node of `group` in the material's tree; an existing node is unchanged."""
-    if not group_nodes(material) or material.node_tree.get_output_node("CYCLES") is None:
-        connect(material)
+    """Make and link a first node of `group` in the material's tree, over the shader of the material if the
+    stack's base is that shader; an existing node is unchanged. Returns True if a node was linked."""
+    if group_nodes(material) and material.node_tree.get_output_node("CYCLES") is not None:
+        return False
+    is_over = material.lamina.base.kind == PrincipledBase.kind
+    replaced = principled.find(material) if is_over else None
+    node = connect(material)
+    if replaced is not None:
+        in_place.put(material, node, replaced)
+    return True
+
+
+def _carry_to(material, names):
+    """Link new sockets of the group, `names`, to what feeds the Principled BSDF that the layers lie over."""
+    replaced = principled.of(before.source(material.node_tree))
+    if replaced is not None and material.lamina.base.kind == PrincipledBase.kind:
+        for node in group_nodes(material):
+            in_place.carry(node, replaced, [name for name in names if name in in_place.CARRIED])
 
 
 def _add_group_node(material, group, output):
