@@ -59,7 +59,7 @@ def remove_detail(material):
             else:
                 target.default_value = given.default_value
     tree.nodes.remove(node)
-    thickness.remove_idle(tree)
+    thickness.remove_nodes(tree)
 
 
 def wipe_by(material, node, output, uv_map=None):
@@ -75,4 +75,4 @@ def wipe_by(material, node, output, uv_map=None):
     tree.links.new(node.outputs[output], to.inputs["Wiped"])
     if uv_map is not None:
         thickness.read_by(tree, node, to, uv_map)
-    thickness.remove_idle(tree)
+    thickness.remove_nodes(tree)

@@ -96,7 +96,7 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     for socket in (*sockets, *backs):
         for link in list(socket.links):
             tree.links.remove(link)
-    remove_idle(tree)
+    remove_nodes(tree)
     if source == "attribute":
         name = name or ATTRIBUTE
         _feed(sockets, _attribute(tree, sockets[0].node, name).outputs["Fac"])
@@ -144,6 +144,17 @@ def reconnect(material):
                 _feed(backs, node.outputs["Alpha"])
 
 
+def remove_nodes(tree):
+    """Remove the nodes made here, except those that the artist uses for something else."""
+    while True:  # remove a node after the nodes that it feeds
+        idle = [node for node in tree.nodes
+                if node.get(MARK) and not any(output.is_linked for output in node.outputs)]
+        for node in idle:
+            tree.nodes.remove(node)
+        if not idle:
+            return
+
+
 def group_sockets(material, name):
     """The thickness inputs of the material's baked group, one for each use of the group."""
     nodes = node_group.group_nodes(material)
@@ -165,17 +176,6 @@ def sockets_to_feed(material, name=FRONT):
 def _feed(sockets, output):
     for socket in sockets:
         socket.id_data.links.new(output, socket)
-
-
-def remove_idle(tree):
-    """Removes the nodes made here, except those that the artist also uses for something else."""
-    while True:  # remove a node after the nodes that it feeds
-        idle = [node for node in tree.nodes
-                if node.get(MARK) and not any(output.is_linked for output in node.outputs)]
-        for node in idle:
-            tree.nodes.remove(node)
-        if not idle:
-            return
 
 
 def marked_node(tree, kind, mark, beside, columns):

@@ -4,6 +4,7 @@
 import bpy
 
 from . import following
+from .add_over import LAMINA_OT_add_over
 from .add_stack import LAMINA_OT_add_stack
 from .bake import LAMINA_OT_bake
 from .bake_cancel import LAMINA_OT_bake_cancel
@@ -35,6 +36,7 @@ from .stack_import import LAMINA_OT_stack_import
 from .thickness_wire import LAMINA_OT_thickness_wire
 
 CLASSES = (
+    LAMINA_OT_add_over,
     LAMINA_OT_add_stack,
     LAMINA_OT_remove_stack,
     LAMINA_OT_layer_add,

@@ -68,7 +68,16 @@ def switch(name, description, default=False, update=changes.edited):
 
 
 def option(described):
-    """The property of an Option: a list of choices, or a switch."""
+    """The property of an Option: a list of choices, of which several may be chosen, or a switch."""
+    if described.several:
+        return EnumProperty(
+            name=described.label,
+            description=described.tip,
+            items=entries(described.items),
+            default=set(described.usual),
+            update=changes.edited,
+            options={"ENUM_FLAG"},
+        )
     usual = described.values[0]
     if described.items:
         return choice(described.label, entries(described.items), described.tip, usual)

@@ -70,9 +70,12 @@ def _number(field, entry, where):
 
 def _options(cls, entry, where):
     """Values of the options of a kind; the usual value if the entry lacks an option."""
-    values = {option.name: entry.get(option.name, option.values[0]) for option in cls.options}
+    values = {option.name: entry.get(option.name, option.usual) for option in cls.options}
     for option in cls.options:
-        if values[option.name] not in option.values:
+        known = [item.id for item in option.items] if option.several else option.values
+        if option.several:
+            values[option.name] = set(values[option.name])
+        if not (values[option.name] <= set(known) if option.several else values[option.name] in known):
             raise RefusedError(f"{where}.{option.name} = {values[option.name]}: {NEWER}")
     return values
 

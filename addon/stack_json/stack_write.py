@@ -89,8 +89,15 @@ def _number(field, owner):
 
 def _options(cls, owner):
     """The options without their usual value."""
-    chosen = {option.name: getattr(owner, option.name) for option in cls.options}
-    return {one.name: chosen[one.name] for one in cls.options if chosen[one.name] != one.values[0]}
+    chosen = {one.name: _chosen(one, owner) for one in cls.options}
+    usual = {one.name: list(one.usual) if one.several else one.usual for one in cls.options}
+    return {name: value for name, value in chosen.items() if value != usual[name]}
+
+
+def _chosen(option, owner):
+    """The value of an option; several values as a list in the order of the option's items."""
+    value = getattr(owner, option.name)
+    return [item.id for item in option.items if item.id in value] if option.several else value
 
 
 def _channels(values):

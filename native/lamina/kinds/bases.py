@@ -9,12 +9,19 @@ from dataclasses import dataclass
 from dataclasses import field as member
 
 from .boundaries import ALPHA, FACETS
+from .errors import StackError
 from .fields import Channels, Field, Form, Option, channel
 from .media import ALBEDO, SIGMA_A, SIGMA_S, single_scattering_albedo
 from .panel import Item, Panel
 from .phases import Isotropic, PhaseFunction
 
-__all__ = ["Black", "Conductor", "HalfSpace", "Lambert"]
+__all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "PrincipledBase"]
+
+
+def _one_number(name: str, high: float, default: float, label: str, tip: str, low: float = 0.0) -> Field:
+    """A quantity of a Principled material that is the same in all channels."""
+    return Field(name, low, high, single=True, panel=Panel(
+        label, tip, default, step=1, precision=3, prop=f"principled_{name}", words=label.lower()))
 
 
 class Base:
@@ -142,7 +149,51 @@ class HalfSpace(Base):
         return Lambert.kind, 0.0
 
 
+@dataclass(frozen=True)
+class PrincipledBase(Base):
+    """The surface that Cycles' Principled BSDF renders with these values, by the names and ranges of its sockets:
+    `color` (Base Color, linear), `metallic`, `roughness` (the square root of the microfacet width), `ior`, `specular`
+    (IOR Level; .5 leaves the index unchanged), `coat` (weight), `coat_roughness` and `coat_ior`. All other sockets have
+    their defaults, and the facets are multiscatter GGX. `color` is a number or one per channel, the others are numbers.
+    `inputs`: names among INPUTS that are sockets of the baked node group, and whose numbers are the sockets' defaults.
+
+    Below an Interface, the indices are relative to the medium above the base. Source of the law: Cycles 4.5."""
+
+    color: Channels = 0.8
+    metallic: float = 0.0
+    roughness: float = 0.5
+    ior: float = 1.5
+    specular: float = 0.5
+    coat: float = 0.0
+    coat_roughness: float = 0.03
+    coat_ior: float = 1.5
+    inputs: tuple[str, ...] = ()
+
+    kind = "principled"
+    fields = (
+        Field("color", 0.0, 1.0, panel=Panel(
+            "Base Color", "Color of the diffuse light, or of the metal facing the viewer", 0.8, rgb=True,
+            subtype="COLOR", prop="principled_color", words="base color")),
+        _one_number("metallic", 1.0, 0.0, "Metallic", "0 is a dielectric, 1 is a metal"),
+        _one_number("roughness", 1.0, 0.5, "Roughness", "Microfacet roughness: 0 is a mirror"),
+        _one_number("ior", 4.0, 1.5, "IOR", "Index of refraction, which sets the specular reflection", low=1.0),
+        _one_number("specular", 1.0, 0.5, "IOR Level",
+                    "Changes the specular reflection: 0 is none, 0.5 is that of the IOR, 1 is twice as much"),
+        _one_number("coat", 1.0, 0.0, "Coat Weight", "Strength of a clear coat on top of the material"),
+        _one_number("coat_roughness", 1.0, 0.03, "Coat Roughness", "Microfacet roughness of the coat"),
+        _one_number("coat_ior", 4.0, 1.5, "Coat IOR", "Index of refraction of the coat", low=1.0),
+    )
+    options = (Option("inputs", (), "Inputs", "Values that the node group gets as sockets, for textures", (
+        Item("color", "Base Color", "Give the node group a Base Color socket", 1),
+        Item("metallic", "Metallic", "Give the node group a Metallic socket", 2),
+        Item("roughness", "Roughness", "Give the node group a Roughness socket", 4)), several=True),)
+    item = Item(kind, "Principled", "The surface that Blender's Principled BSDF shows with these values", 5)
+
+    def in_channel(self, index: int) -> tuple:
+        raise StackError("base.kind = 'principled': cannot be solved or baked yet")
+
+
 NONE = Item("none", "None (Thin Sheet)", "Nothing below: light also leaves through the back", 0)
-KINDS = (Lambert, Black, HalfSpace, Conductor)
-IN_PANEL = (Lambert, Conductor, Black, HalfSpace)  # in this order, after NONE
+KINDS = (Lambert, Black, HalfSpace, Conductor, PrincipledBase)
+IN_PANEL = (Lambert, Conductor, PrincipledBase, Black, HalfSpace)  # in this order, after NONE
 BASES = {cls.kind: cls for cls in KINDS}

@@ -5,6 +5,7 @@ A Field is a quantity. A Form is a set of quantities that together describe a th
 
 from __future__ import annotations
 
+import json
 import math
 import numbers
 from collections.abc import Mapping, Sequence, Set
@@ -21,8 +22,8 @@ Channels = float | Sequence[float]
 class Field:
     """A quantity: its name, its range [low, high] and its unit. `open_ended`: the ends are not part of the range.
     `above`: the lower end is not part of the range. `whole`: a whole number. `infinite`: infinity is allowed too.
-    `optional`: may be missing from a form. `rule`: the range in words, if not made from the numbers. `panel`: how the
-    panel shows it, or None if the panel does not."""
+    `optional`: may be missing from a form. `single`: one number for all channels. `rule`: the range in words, if not
+    made from the numbers. `panel`: how the panel shows it, or None if the panel does not."""
 
     name: str
     low: float
@@ -33,6 +34,7 @@ class Field:
     whole: bool = False
     infinite: bool = False
     optional: bool = False
+    single: bool = False
     rule: str = ""
     panel: Panel | None = None
 
@@ -71,7 +73,7 @@ class Field:
             value = value.tolist()
             if not isinstance(value, list):
                 return self.check(value, path)
-        if isinstance(value, list | tuple):
+        if isinstance(value, list | tuple) and not self.single:
             if not value:
                 raise StackError(f"{path} = []: must hold one number per channel")
             items = [math.inf if isinstance(item, str) and item == "inf" else item for item in value]
@@ -79,7 +81,8 @@ class Field:
                 if isinstance(item, bool) or not isinstance(item, numbers.Real):
                     raise StackError(f"{path}[{index}] = {quoted(item)}: must be a number")
             return tuple(self._check_number(_to_float(x, path), f"{path}[{i}]") for i, x in enumerate(items))
-        raise StackError(f"{path} = {quoted(value)}: must be a number or one number per channel")
+        words = "one number for all channels" if self.single else "a number or one number per channel"
+        raise StackError(f"{path} = {quoted(value)}: must be {words}")
 
     def _check_number(self, number: float, path: str) -> float:
         if not self.contains(number):
@@ -103,7 +106,8 @@ class Form:
 @dataclass(frozen=True)
 class Option:
     """A choice. `values`: the allowed values, the usual one first. `items`: entries of the panel's list, for texts.
-    `advanced`: in the folded part of the panel."""
+    `advanced`: in the folded part of the panel. `several`: the value is a tuple of ids of `items`, in any order, and
+    `values` is the usual tuple."""
 
     name: str
     values: tuple
@@ -111,6 +115,27 @@ class Option:
     tip: str
     items: tuple[Item, ...] = ()
     advanced: bool = False
+    several: bool = False
+
+    @property
+    def usual(self):
+        """The value of a thing that does not choose."""
+        return self.values if self.several else self.values[0]
+
+    def check(self, value, path: str):
+        """The value, several ids as a tuple in the order of `items`. Raises StackError, naming `path`, unless it is
+        allowed."""
+        if self.several:
+            known = [item.id for item in self.items]
+            given = value if isinstance(value, list | tuple | set | frozenset) else [value]
+            for name in given:
+                if name not in known:
+                    raise StackError(f"{path} = {quoted(value)}: must be a list of names among {', '.join(known)}")
+            return tuple(name for name in known if name in given)
+        if type(value) is not type(self.values[0]) or value not in self.values:
+            words = " or ".join(json.dumps(choice) for choice in self.values)
+            raise StackError(f"{path} = {quoted(value)}: must be {words}")
+        return value
 
 
 def _end(number: float) -> str:

@@ -301,11 +301,7 @@ def _fields_of(thing, path):
 
 def _checked(thing, path):
     values = {q.name: q.check(getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
-    for option in thing.options:
-        value = getattr(thing, option.name)
-        if type(value) is not type(option.values[0]) or value not in option.values:
-            words = " or ".join(json.dumps(choice) for choice in option.values)
-            raise StackError(f"{path}.{option.name} = {quoted(value)}: must be {words}")
+    values |= {one.name: one.check(getattr(thing, one.name), f"{path}.{one.name}") for one in thing.options}
     if getattr(thing, "forms", ()):
         values.update(check_forms(thing, path))
     return replace(thing, **values)
@@ -350,7 +346,9 @@ def _plain(thing) -> dict:
 
 def _unusual(thing) -> dict:
     """Options with an unusual value. Usual values are omitted, so a new option does not change earlier hashes."""
-    return {one.name: getattr(thing, one.name) for one in thing.options if getattr(thing, one.name) != one.values[0]}
+    chosen = {one.name: getattr(thing, one.name) for one in thing.options}
+    return {one.name: list(chosen[one.name]) if one.several else chosen[one.name]
+            for one in thing.options if chosen[one.name] != one.usual}
 
 
 def _canonical(thing, channels: int) -> dict:

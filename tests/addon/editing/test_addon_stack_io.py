@@ -88,6 +88,11 @@ STACKS = {
     "textured": stack(
         [medium("dust", HG, albedo=0.9, tau=0.3)], {"kind": "lambert", "reflectance": 0.5, "textured": True}
     ),
+    "principled": stack(
+        [medium("dust", HG, albedo=0.9, tau=0.3)],
+        {"kind": "principled", "color": [0.8, 0.3, 0.1], "metallic": 1.0, "roughness": 0.3, "ior": 1.4,
+         "specular": 0.4, "coat": 0.5, "coat_roughness": 0.1, "coat_ior": 1.6, "inputs": ["color", "roughness"]},
+    ),
 }
 
 

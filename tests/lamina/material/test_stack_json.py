@@ -150,9 +150,15 @@ BAD = [
     ((*PHASE, "g"), ..., "layers[0].phase.g is missing: must be given"),
     ((*PHASE, "f"), 0.1, "layers[0].phase.f: unknown key; known are g, kind"),
     (("base",), "black", "base = 'black': must be a JSON object"),
-    (("base", "kind"), "mirror", "base.kind = 'mirror': must be one of lambert, black, half-space, conductor"),
+    (("base", "kind"), "mirror",
+     "base.kind = 'mirror': must be one of lambert, black, half-space, conductor, principled"),
     (("base", "reflectance"), 2, "base.reflectance = 2: must lie in [0, 1]"),
     (("base", "reflectance"), ..., "base.reflectance is missing: must be given"),
+    (("base",), {"kind": "principled", "metallic": 2.0}, "base.metallic = 2: must lie in [0, 1]"),
+    (("base",), {"kind": "principled", "roughness": [0.1, 0.2, 0.3]},
+     "base.roughness = [0.1, 0.2, 0.3]: must be one number for all channels"),
+    (("base",), {"kind": "principled", "inputs": ["ior"]},
+     "base.inputs = ['ior']: must be a list of names among color, metallic, roughness"),
     (("base", "phase"), {"kind": "isotropic"}, "base.phase: unknown key; known are kind, reflectance, textured"),
 ]
 
