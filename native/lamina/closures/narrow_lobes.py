@@ -8,14 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..kinds.bases import Conductor
+from ..kinds.bases import LEAST_ALPHA, Conductor
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..material.stack import Stack
 
-# Facets narrower than this are solved as smooth, and only their closure has their width. The neglected light is of the
-# order of alpha^2.
-LEAST_ALPHA = 0.03
+# Facets narrower than LEAST_ALPHA are solved as smooth, and only their closure has their width.
 # From this width on, the light grid for smooth slices also resolves a lobe.
 BROAD_ALPHA = 0.45
 # Width of the lobe of light scattered forward through a sheet.
