@@ -3,7 +3,7 @@
 #   make demo        pictures of the scenes; SCENE=, QUALITY= and OPTIONS= choose
 #   make check       before a commit: lint, the core's tests and a sample of the others
 #   make test        lint, documentation and all tests
-#   make lint docs bench study figures stubs sanitize fuzz wheel extension clean
+#   make lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -35,7 +35,7 @@ WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo check test lint docs bench study study-hard figures stubs sanitize fuzz wheel extension clean
+.PHONY: demo check test lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel extension clean
 .DEFAULT_GOAL := demo
 
 # In a fresh clone the slab is rendered as soon as the solver is compiled: the slab needs neither walks nor dust.
@@ -88,6 +88,14 @@ study-hard: build/stamps/wheel build/stamps/develop
 # The tables of docs/figures.md, from the measurements of `make bench`.
 figures: build/stamps/wheel
 	$(RUN) tools/figure_tables.py
+
+# The pictures of the presets in the panel's picker and in the asset library, addon/pictures/*.jpg.
+previews: build/stamps/scenes build/stamps/extension
+	$(RUN) demo_scenes/make_demo.py presets --quality final --thumbnails addon/pictures --out build/previews
+
+# All presets as Blender assets: dist/lamina-assets.zip.
+assets: build/stamps/extension
+	$(RUN) tools/build_assets.py --output dist
 
 # Type stubs of the compiled modules, native/lamina/*.pyi.
 stubs: build/stamps/wheel build/stamps/develop

@@ -11,7 +11,7 @@ from .interior import interior_job
 from .properties import dust_properties, material_properties, migration
 from .settling import dust_job
 from .stack_json import solved_colours
-from .ui import dust_panel, interior_panel, lateral_panel, menus, panel, thickness_panel
+from .ui import dust_panel, interior_panel, lateral_panel, menus, panel, preset_picker, thickness_panel
 
 PARTS = (
     material_properties,
@@ -25,6 +25,7 @@ PARTS = (
     live,
     operators,
     menus,
+    preset_picker,
     panel,
     lateral_panel,
     interior_panel,

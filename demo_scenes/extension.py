@@ -59,7 +59,7 @@ def installed(zip_path):
 
 def newest_zip(folder):
     """The newest extension zip in `folder`. Raises ExtensionMissingError."""
-    found = sorted(Path(folder).glob("lamina-*.zip"), key=lambda path: path.stat().st_mtime)
+    found = sorted(Path(folder).glob("lamina-[0-9]*.zip"), key=lambda path: path.stat().st_mtime)
     if not found:
         raise ExtensionMissingError(f"{folder} holds no lamina-*.zip: run `make extension` first")
     return found[-1]

@@ -50,6 +50,7 @@ def main(argv=None):
     parser.add_argument("--mesh", type=Path, help="dragon: a PLY, OBJ or STL file in place of the dragon")
     parser.add_argument("--up", choices=("y", "z"), default="y", help="dragon: which axis is up in that file")
     parser.add_argument("--turntable", type=int, default=0, metavar="N", help="dragon: also N frames of a turn")
+    parser.add_argument("--thumbnails", type=Path, metavar="DIR", help="presets: also a small picture of each into DIR")
     parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
     parser.add_argument("--out", type=Path, default=HERE / "out")
     arguments = parser.parse_args(argv)
@@ -64,7 +65,8 @@ def main(argv=None):
     try:
         for files, verdict, well in make(
             names, arguments.quality, arguments.extension, arguments.out, arguments.stack, say,
-            {"mesh": arguments.mesh, "up": arguments.up, "turntable": arguments.turntable},
+            {"mesh": arguments.mesh, "up": arguments.up, "turntable": arguments.turntable,
+             "thumbnails": arguments.thumbnails},
         ):
             print(f"{' and '.join(_short(path) for path in files) or 'nothing'}: {verdict}", flush=True)
             all_well = all_well and well

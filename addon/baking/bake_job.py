@@ -147,7 +147,7 @@ def difference(material):
     settings, result = material.lamina, material.lamina.result
     # Older files do not name a basis; theirs is the standard one.
     basis = result.basis or "standard"
-    pairs = (("quality", result.quality, settings.quality), ("basis", basis, settings.basis))
+    pairs = (("quality", result.quality, settings.quality), ("fit", basis, settings.basis))
     return ", ".join(
         f"{name} {baked.capitalize()} instead of {chosen.capitalize()}"
         for name, baked, chosen in pairs

@@ -12,8 +12,8 @@ QUALITIES = (
 )
 
 CLOSURE_BASES = (
-    ("standard", "Standard", "Few closures: about as quick to render as a Principled BSDF"),
-    ("accurate", "Accurate", "Some twenty closures: nearer to the exact function, slower to render"),
+    ("standard", "Standard", "Few lobes: about as quick to render as a Principled BSDF"),
+    ("accurate", "Accurate", "Some twenty lobes: nearer to the exact function, slower to render"),
 )
 
 
@@ -34,8 +34,8 @@ class LaminaPreferences(bpy.types.AddonPreferences):
         default="final",
     )
     default_basis: bpy.props.EnumProperty(
-        name="Basis of New Materials",
-        description="Number of closures that a material starts with",
+        name="Fit of New Materials",
+        description="How closely a new material's lobes follow the exact function",
         items=CLOSURE_BASES,
         default="standard",
     )

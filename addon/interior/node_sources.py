@@ -44,7 +44,7 @@ def default_source(material):
                 if socket is not None and socket.links and _is_shader(shader):
                     link = socket.links[0]
                     return link.from_node.name, link.from_socket.identifier
-    text = "has no texture linked to a colour or density: link one, or name a node and its output"
+    text = "has no texture linked to a color or density: link one, or name a node and its output"
     raise RefusedError(f"{material.name} {text}")
 
 

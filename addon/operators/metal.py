@@ -11,7 +11,7 @@ from . import common
 class LAMINA_OT_metal(bpy.types.Operator):
     bl_idname = "lamina.metal"
     bl_label = "Choose Metal"
-    bl_description = "Give the base the colours of this metal; its roughness stays"
+    bl_description = "Give the base the colors of this metal; its roughness stays"
     bl_options = {"REGISTER", "UNDO"}
 
     metal: bpy.props.StringProperty(name="Metal")

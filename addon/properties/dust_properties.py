@@ -36,7 +36,10 @@ _DEFAULTS = {member.name: member.default for member in dataclasses.fields(dust.S
 
 @having({one.name: dust_number(one, _DEFAULTS[one.name]) for one in dust.OPTIONS if one.panel})
 class LaminaDust(bpy.types.PropertyGroup):
-    form: EnumProperty(name="Given By", description="How the amount is given", items=FORMS, options=set())
+    form: EnumProperty(
+        name="Amount By", description="Whether the amount is a thickness or a mass", items=FORMS,
+        options=set(),
+    )  # fmt: skip
     substance: EnumProperty(
         name="Dust", description="The kind of dust: its mass extinction", items=SUBSTANCES, options=set()
     )
@@ -61,7 +64,7 @@ class LaminaDust(bpy.types.PropertyGroup):
         description="Turn off for domes, backdrops and other objects that dust should fall through",
         default=True, options=set(),
     )  # fmt: skip
-    target: EnumProperty(name="To", description="Where the dust is kept", items=TARGETS, options=set())
+    target: EnumProperty(name="Stored In", description="Where the dust is kept", items=TARGETS, options=set())
     size: IntProperty(
         name="Size", description="Width and height of the image", default=1024, min=16, max=8192,
         options=set(),

@@ -16,7 +16,7 @@ SOURCES = (
     (
         "NODES",
         "Node Texture",
-        "The texture of the material's own colour or density, between two materials",
+        "The texture of the material's own color or density, between two materials",
         1,
     ),
     ("LAYERS", "Homogeneous", "The one medium of the material's layers, everywhere", 2),

@@ -92,7 +92,7 @@ class MediumProperties(PhaseProperties):
 
     shown_colour: FloatVectorProperty(
         name="Shown",
-        description="The colour of this medium, infinitely thick, under diffuse light",
+        description="The color of this medium, infinitely thick, under diffuse light",
         size=3,
         subtype="COLOR",
         get=lambda medium: solved_colours.thick_colour(medium) or (0.0, 0.0, 0.0),
@@ -114,8 +114,8 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     ior_per_channel: switch("IOR per Channel", "Give red, green and blue a refractive index of their own")
     ior_rgb: per_channel(boundaries.IOR, "Refractive index in red, green and blue")
     # A medium
-    mode: choice("Given By", MODES, "Which numbers describe the medium", media.USUAL_FORM.item.id)
-    over_given: switch("Over", "The colour is what this layer, as thick as it is, shows over a base")
+    mode: choice("Described By", MODES, "Which numbers describe the medium", media.USUAL_FORM.item.id)
+    over_given: switch("Over", "The color is what this layer, as thick as it is, shows over a base")
     over: number(media.OVER)
     graded: switch(
         "Changes with Depth",
@@ -167,7 +167,7 @@ def _base_properties(cls):
     if cls.form_prop:
         items = entries(form.item for form in cls.forms)
         tip = f"Which numbers describe the {cls.item.label.lower()}"
-        found[cls.form_prop] = choice("Given By", items, tip)
+        found[cls.form_prop] = choice("Described By", items, tip)
     return found
 
 

@@ -82,8 +82,8 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         name="Quality", description="Accuracy of the bake", items=QUALITIES, default="final", options=set()
     )
     basis: EnumProperty(
-        name="Basis",
-        description="Number of closures that the material is made of. Live editing shows Standard",
+        name="Fit",
+        description="How many lobes of Cycles the material is made of. Live editing shows Standard",
         items=CLOSURE_BASES,
         default="standard",
         options=set(),

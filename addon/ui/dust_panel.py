@@ -59,7 +59,8 @@ def mismatch(material, settings):
         return f"The material does not read it: its thickness comes from {found.source} {found.name}".rstrip()
     most = material.lamina.node_group.get("lamina_largest_tau", -1.0)
     if 0.0 <= most < settings.largest:
-        return f"Thicker than baked: above τ {most:.3g} nothing changes. Raise the layer's thickness and bake"
+        return (f"Thicker than baked: above thickness {most:.3g} nothing changes. "
+                "Raise the layer's thickness and bake")
     if settings.largest_back > BACK_MATTERS * settings.largest and not material.lamina.node_group.get(
             "lamina_shows_back", True):
         return ("Dust on back faces is not shown: this sheet has two different sides, and its dust layer is "

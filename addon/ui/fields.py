@@ -54,7 +54,7 @@ def facts(layer):
     if layer.mode == "coefficients":
         return f"{shortest(layer.thickness):g} mm"
     tau = max(layer.tau_rgb) if layer.tau_per_channel else layer.tau
-    return f"τ {shortest(tau):g}"
+    return f"thickness {shortest(tau):g}"
 
 
 def split(layout):
@@ -113,10 +113,10 @@ def _draw_medium(layout, layer):
         _draw_medium_at(column, layer, layer)
     amount = "Largest" if layer.varying else "Thickness"
     if layer.mode == "coefficients":
-        _with_infinity(column, layer, "thickness", f"{amount} mm")
+        _with_infinity(column, layer, "thickness", f"{amount} (mm)")
     else:
         _draw_over(column, layer)
-        _draw_tau(column, layer, f"{amount} τ")
+        _draw_tau(column, layer, amount)
     column.prop(layer, "varying", text="Varying")
     if imported:
         return
@@ -135,7 +135,7 @@ def _draw_medium_at(column, layer, end):
     if layer.mode == "colour":
         column.prop(end, "colour")
         albedo = solved_colours.albedo(end)
-        waiting = "…" if albedo is None else "No albedo gives this colour"
+        waiting = "…" if albedo is None else "No albedo gives this color"
         _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else waiting)
         return
     form = next(form for form in media.FORMS if form.item.id == layer.mode)

@@ -79,7 +79,7 @@ class LAMINA_MT_user_presets_delete(bpy.types.Menu):
 
 class LAMINA_MT_metals(bpy.types.Menu):
     bl_label = "Metals"
-    bl_description = "Metals by name, with the colours of their published spectra"
+    bl_description = "Metals by name, with the colors of their published spectra"
 
     def draw(self, _context):
         try:

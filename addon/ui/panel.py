@@ -13,7 +13,7 @@ from ..nodes import node_group
 from ..properties import migration
 from ..properties.layer_properties import LAYER_KINDS
 from ..stack_json import solved_colours, stack_check
-from . import fields
+from . import fields, preset_picker
 
 CHANNELS = ("red", "green", "blue")
 SWATCHES = {"optical": "albedo", "colour": "colour"}
@@ -75,6 +75,11 @@ class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
             _draw_start(context, layout, material)
         else:
             layout.menu("LAMINA_MT_presets", icon="PRESET")
+            added = material.lamina.enabled
+            header, body = layout.panel(f"lamina_pictures_{added:d}", default_closed=added)
+            header.label(text="Presets by Picture")
+            if body is not None:
+                preset_picker.draw(body, context)
 
 
 class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
@@ -125,7 +130,7 @@ class LAMINA_PT_bake(MaterialPanel, bpy.types.Panel):
         row = layout.row()
         row.prop(material.lamina, "quality", expand=True)
         row.prop(material.lamina, "live", toggle=True, icon="PLAY" if not material.lamina.live else "PAUSE")
-        row = layout.row(heading="Basis")
+        row = layout.row(heading="Fit")
         row.prop(material.lamina, "basis", expand=True)
         job = bake_job.running_for(material)
         if job is not None:
@@ -176,7 +181,7 @@ def result_lines(result):
         lines.append(("Worst At", _place(result, "through_worst")))
     lines.append(("Albedo Error", percent(result.albedo_error, 2)))
     lines.append(("Energy Error", percent(result.energy_error, 2)))
-    lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} basis"))
+    lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} fit"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
     return lines
 
@@ -190,7 +195,7 @@ def _place(result, prefix):
     if side == "bottom":
         place.append("back side")
     if tau >= 0.0:
-        place.append(f"τ {tau:.2g}")
+        place.append(f"thickness {tau:.2g}")
     return ", ".join(place)
 
 

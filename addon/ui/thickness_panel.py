@@ -47,7 +47,7 @@ def _draw_source(context, layout, now):
     column = layout.column()
     column.use_property_split, column.use_property_decorate = True, False
     if now.source == "value":
-        column.prop(now.socket, "default_value", text="Thickness τ")
+        column.prop(now.socket, "default_value", text="Optical Thickness")
     elif now.source == "attribute":
         column.prop(now.node, "attribute_name", text="Attribute")
         if not _has_attribute(context, now.name):
@@ -102,7 +102,7 @@ def error_lines(result, now):
         rows = [rows[round(last * k / (SHOWN_ROWS - 1))] for k in range(SHOWN_ROWS)]
     lines = []
     for tau, mean, worst in rows:
-        lines.append((f"Error at τ {tau:.2g}", f"{percent(mean)} mean, {percent(worst)} worst"))
+        lines.append((f"Error at {tau:.2g}", f"{percent(mean)} mean, {percent(worst)} worst"))
     if result.between_rows >= 0.0:
         text = f"{percent(result.between_rows, 2)} mean, {percent(result.between_rows_worst)} worst"
         lines.append(("Between Rows", text))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strokes of two fingers through the dust on the plinth, as the attribute that the material's detail reads. In metres."""
+"""Strokes of two fingers through the dust on the plinth, as an attribute of wiped places. In metres."""
 
 import math
 

@@ -1,98 +1,133 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A grid of spheres, one per material, seen straight on; spheres do not shade, light or reflect each other.
+"""The stage of a preset: a body on a dark ground with squares, a low warm sun, and a sky with soft boxes.
 
-Sheets are the front half of a sphere, with light behind it. The light is a sky, a sun, and two soft boxes for
-reflections in metals: a large one to the upper left, a narrow one behind to the right. The sky is nearly grey, so
-colours in the picture are those of materials.
+The sky is nearly grey, so that colours in the picture are those of the material.
 """
 
 import math
 
 import bpy
+import extension
 import node_tree
+import numpy as np
 from mathutils import Vector
 
-RADIUS = 0.42  # radius of a sphere in a cell of width 1
-SUN = Vector((-0.45, -0.75, 0.65)).normalized()
-SUN_IRRADIANCE, SUN_ANGLE = 1.4, math.radians(4.0)
+from . import ball
+
+SUN = Vector((-0.80, -0.42, 0.48)).normalized()
+SUN_IRRADIANCE, SUN_ANGLE, SUN_COLOUR = 3.0, math.radians(4.0), (1.0, 0.90, 0.78)
+BEHIND_IRRADIANCE = 2.2  # of a second sun behind sheets
+EYE, AIM, WIDTH = Vector((0.0, -4.2, 1.75)), Vector((0.0, 0.0, 0.355)), 1.05
 # (towards its middle, cosine of its half angle, radiance): discs in the sky, with soft edges.
 BOXES = (
-    (Vector((-0.75, -0.75, 0.75)), 0.90, (5.0, 4.9, 4.6)),
-    (Vector((0.95, 0.25, 0.30)), 0.95, (3.6, 3.8, 4.2)),
-    (Vector((0.05, 1.0, 0.12)), 0.95, (2.6, 2.5, 2.4)),
+    (Vector((-0.75, -0.75, 0.75)), 0.93, (4.5, 4.4, 4.1)),
+    (Vector((0.95, 0.25, 0.30)), 0.95, (3.2, 3.4, 3.8)),
+    (Vector((0.05, 1.0, 0.35)), 0.94, (2.4, 2.3, 2.2)),
 )
-SKY, HORIZON, GROUND = (0.42, 0.42, 0.43), (0.50, 0.50, 0.49), (0.14, 0.135, 0.13)
+SKY, HORIZON, GROUND = (0.20, 0.21, 0.23), (0.26, 0.26, 0.26), (0.06, 0.06, 0.06)
+SQUARES, SQUARE = (0.035, 0.055), 0.30  # reflectances and size of the squares of the ground
+DUST_ATTRIBUTE = "lamina_dust"
 
 
-def build(materials, sheets, columns):
-    """A scene of spheres in rows of `columns`, first row on top; `sheets`: True for domes.
-
-    One cell is one unit wide; the camera sees columns x rows of them exactly."""
+def build():
+    """(scene, solid body, sheet): the bodies are hidden until `show`."""
     scene = bpy.data.scenes.new("presets")
-    rows = -(-len(materials) // columns)
-    sphere, dome = _sphere(whole=True), _sphere(whole=False)
-    for k, material in enumerate(materials):
-        body = bpy.data.objects.new(material.name, dome if sheets[k] else sphere)
+    bodies = []
+    for mesh in (ball.solid(), ball.sheet()):
+        body = bpy.data.objects.new(mesh.name, mesh)
         scene.collection.objects.link(body)
-        body.location = (k % columns + 0.5 - columns / 2, 0.0, rows / 2 - k // columns - 0.5)
-        # The mesh is shared, so the material is linked to the object.
         body.material_slots[0].link = "OBJECT"
-        body.material_slots[0].material = material
-        body.visible_shadow = body.visible_diffuse = body.visible_glossy = body.visible_transmission = False
-    _camera(scene, columns, rows)
-    lamp = bpy.data.lights.new("sun", "SUN")
-    lamp.energy, lamp.angle = SUN_IRRADIANCE, SUN_ANGLE
-    sun = bpy.data.objects.new("sun", lamp)
-    sun.rotation_euler = SUN.to_track_quat("Z", "Y").to_euler()
-    scene.collection.objects.link(sun)
+        bodies.append(body)
+    _camera(scene)
+    _sun(scene, "sun", SUN, SUN_IRRADIANCE, SUN_COLOUR)
+    _sun(scene, "behind", Vector((0.25, 0.9, 0.55)).normalized(), BEHIND_IRRADIANCE, (1.0, 1.0, 1.0))
+    scene.collection.objects.link(_floor())
     scene.world = _world()
-    return scene
+    scene.view_layers[0].update()
+    return scene, *bodies
 
 
-def settle(material, group_node):
-    """Put the varying layer on upward surfaces, as dust settles."""
+def show(scene, material, is_sheet):
+    """Show `material` on the body for its kind of stack."""
+    for body in scene.collection.objects:
+        if body.name.startswith(("ball", "sheet")):
+            body.hide_render = body.name.startswith("sheet") != is_sheet
+            if not body.hide_render:
+                body.material_slots[0].material = material
+        if body.name.startswith("behind"):
+            body.hide_render = not is_sheet
+
+
+def settle(body, rays):
+    """Let dust of amount 1 settle on the body, as the attribute that `wire_dust` reads."""
+    from lamina import dust  # the extension's wheel: not there before the extension is installed
+
+    mesh = body.data
+    mesh.calc_loop_triangles()
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.vertices.foreach_get("co", points)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    found = dust.settle(dust.Mesh(points.reshape(-1, 3), triangles.reshape(-1, 3), sharp_angle=math.pi),
+                        settings=dust.Settling(amount=1.0, rays=rays, repose=1.15, repose_width=0.7), seed=1)
+    mesh.attributes.new(DUST_ATTRIBUTE, "FLOAT", "POINT").data.foreach_set("value", found.tau.astype(np.float32))
+
+
+def wire_dust(material):
+    """Let the material's varying layer lie on the body as dust that settled, up to the baked thickness, with grain."""
+    thickness = extension.part("nodes.thickness")
+    largest = thickness.wiring(material).socket.default_value
+    source = thickness.wire_thickness(material, "attribute", DUST_ATTRIBUTE)
     tree = material.node_tree
-    largest = group_node.inputs["Thickness"].default_value
-    geometry, split, ramp = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "SeparateXYZ", "MapRange"))
-    ramp.interpolation_type = "SMOOTHSTEP"
-    for name, value in (("From Min", -0.35), ("From Max", 0.9), ("To Min", 0.0), ("To Max", largest)):
-        ramp.inputs[name].default_value = value
-    tree.links.new(geometry.outputs["Normal"], split.inputs[0])
-    tree.links.new(split.outputs["Z"], ramp.inputs["Value"])
-    tree.links.new(ramp.outputs["Result"], group_node.inputs["Thickness"])
+    times = tree.nodes.new("ShaderNodeMath")
+    times.operation = "MULTIPLY"
+    times.inputs[1].default_value = largest
+    tree.links.new(source.node.outputs["Fac"], times.inputs[0])
+    tree.links.new(times.outputs[0], source.socket)
+    extension.part("nodes.detail_wiring").add_detail(material, 2.0 * ball.PLATE)
 
 
-def _sphere(whole):
-    """A sphere as a surface of 64 x 32 smooth faces; only the half towards the camera for a sheet."""
-    around, along = 64, 32 if whole else 16
-    points, faces = [], []
-    for j in range(along + 1):
-        theta = math.pi * j / 32
-        for i in range(around):
-            phi = 2.0 * math.pi * i / around
-            points.append((RADIUS * math.sin(theta) * math.cos(phi), -RADIUS * math.cos(theta),
-                           RADIUS * math.sin(theta) * math.sin(phi)))
-    for j in range(along):
-        for i in range(around):
-            following = (i + 1) % around
-            a, b = j * around, (j + 1) * around
-            faces.append((a + i, b + i, b + following, a + following))
-    mesh = bpy.data.meshes.new("sphere" if whole else "dome")
-    mesh.from_pydata(points, [], faces)
-    if Vector(mesh.polygons[len(mesh.polygons) // 2].normal).dot(mesh.polygons[len(mesh.polygons) // 2].center) < 0.0:
-        mesh.flip_normals()
-    mesh.shade_smooth()
-    mesh.materials.append(None)
-    return mesh
-
-
-def _camera(scene, columns, rows):
+def _camera(scene):
     camera = bpy.data.cameras.new("camera")
-    camera.type, camera.ortho_scale = "ORTHO", max(columns, rows)
+    camera.lens = 85.0
+    back = (EYE - AIM).normalized()
     eye = bpy.data.objects.new("camera", camera)
-    eye.location, eye.rotation_euler = (0.0, -10.0, 0.0), (math.pi / 2, 0.0, 0.0)
+    eye.location = AIM + back * WIDTH * camera.lens / camera.sensor_width
+    eye.rotation_euler = back.to_track_quat("Z", "Y").to_euler()
     scene.collection.objects.link(eye)
     scene.camera = eye
+
+
+def _sun(scene, name, towards, irradiance, colour):
+    lamp = bpy.data.lights.new(name, "SUN")
+    lamp.energy, lamp.angle, lamp.color = irradiance, SUN_ANGLE, colour
+    sun = bpy.data.objects.new(name, lamp)
+    sun.rotation_euler = towards.to_track_quat("Z", "Y").to_euler()
+    scene.collection.objects.link(sun)
+
+
+def _floor():
+    """The ground: a matt plane with squares, which show what is seen through a sheet."""
+    mesh = bpy.data.meshes.new("floor")
+    mesh.from_pydata([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], [], [(0, 1, 2, 3)])
+    material = bpy.data.materials.new("floor")
+    tree = node_tree.of(material)
+    tree.nodes.clear()
+    place = tree.nodes.new("ShaderNodeTexCoord").outputs["Object"]
+    checks = tree.nodes.new("ShaderNodeTexChecker")
+    checks.inputs["Scale"].default_value = 1.0 / SQUARE
+    for name, value in zip(("Color1", "Color2"), SQUARES, strict=True):
+        checks.inputs[name].default_value = (value, value, value, 1.0)
+    # Half a square up: the plane must not lie on the border between cells.
+    shift = tree.nodes.new("ShaderNodeVectorMath")
+    shift.inputs[1].default_value = (0.0, 0.0, 0.5 * SQUARE)
+    tree.links.new(place, shift.inputs[0])
+    tree.links.new(shift.outputs[0], checks.inputs["Vector"])
+    diffuse, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(checks.outputs["Color"], diffuse.inputs["Color"])
+    tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    mesh.materials.append(material)
+    return bpy.data.objects.new("floor", mesh)
 
 
 def _world():

@@ -53,6 +53,9 @@ class Layout:
         assert name in owner.bl_rna.properties, name
         self.lines.append(owner.bl_rna.properties[name].name if text is None else text)
 
+    def template_icon_view(self, owner, name, **_options):
+        self.prop(owner, name)
+
     def prop_search(self, owner, name, container, items, text=None, **_options):
         assert items in container.bl_rna.properties, items
         self.prop(owner, name, text)

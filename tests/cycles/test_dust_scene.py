@@ -53,7 +53,7 @@ def test_a_stack_that_cannot_be_shown_is_refused_in_a_sentence(tmp_path, change)
 
 
 def test_the_demo_makes_its_files_and_the_shell_agrees(tmp_path):
-    if not list((ROOT / "dist").glob("lamina-*.zip")):
+    if not list((ROOT / "dist").glob("lamina-[0-9]*.zip")):
         pytest.skip("dist/ holds no extension: run `make extension`")
     command = [sys.executable, ROOT / "demo_scenes/make_demo.py", "dust", "--quality", "tiny", "--out", tmp_path]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)

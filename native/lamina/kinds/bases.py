@@ -66,9 +66,9 @@ class Lambert(Base):
     kind = "lambert"
     fields = (Field("reflectance", 0.0, 1.0, panel=Panel(
         "Reflectance", "Share of the light that the surface reflects, per channel", 0.5, rgb=True, subtype="COLOR")),)
-    options = (Option("textured", (False, True), "Base Colour from Input",
-                      "Give the node group a base colour input, for a texture; bakes take longer"),)
-    item = Item(kind, "Diffuse Surface", "A matte opaque surface of the given colour", 1)
+    options = (Option("textured", (False, True), "Base Color from Input",
+                      "Give the node group a base color input, for a texture; bakes take longer"),)
+    item = Item(kind, "Diffuse Surface", "A matte opaque surface of the given color", 1)
 
 
 @dataclass(frozen=True)
@@ -100,16 +100,16 @@ class Conductor(Base):
         Form((
             Field("facing", 0.0, 1.0, panel=Panel(
                 "Facing", "What the metal reflects straight back", (0.929, 0.77, 0.403), rgb=True, subtype="COLOR",
-                words="facing colour")),
+                words="facing color")),
             Field("grazing", 0.0, 1.0, panel=Panel(
                 "Grazing", "What the metal reflects at a grazing view, 82 degrees", (0.946, 0.875, 0.677), rgb=True,
-                subtype="COLOR", words="grazing colour")),
-        ), Item("colours", "Colours", "By the colours that it shows facing and grazing", 1)),
+                subtype="COLOR", words="grazing color")),
+        ), Item("colours", "Colors", "By the colors that it shows facing and grazing", 1)),
     )
     form_prop = "metal_form"
     fields = (ALPHA,)
     options = FACETS
-    item = Item(kind, "Metal", "A metal, by its refractive index or by its colours", 4)
+    item = Item(kind, "Metal", "A metal, by its refractive index or by its colors", 4)
 
 
 @dataclass(frozen=True)

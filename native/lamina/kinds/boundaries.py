@@ -19,7 +19,7 @@ DISTRIBUTION = Option("distribution", ("ggx", "beckmann"), "Distribution", "How 
     Item("beckmann", "Beckmann", "Facets without tails: ground glass, some varnishes", 1)))
 COMPENSATE = Option("compensate", (True, False), "Keep Energy",
                     "Give back the light that facets which scatter it only once would lose", advanced=True)
-CORRELATED = Option("correlated", (True, False), "Correlated Masking",
+CORRELATED = Option("correlated", (True, False), "Shared Shadows",
                     "Facets hidden from one side are more often hidden from the other too", advanced=True)
 FACETS = (DISTRIBUTION, COMPENSATE, CORRELATED)
 

@@ -58,10 +58,10 @@ GROUPS = (("amount", "How Much", False), ("from", "Where From", True), ("stay", 
 OPTIONS = (
     DustOption("amount", 0.0, 1e3, Panel(
         "Amount", "Optical thickness on an open horizontal plate: 0.1 is a veil, 1 is dusty, 10 hides all", 1.0,
-        soft_high=10.0, step=10, text="Amount τ"), optional=True, group="amount"),
+        soft_high=10.0, step=10), optional=True, group="amount"),
     DustOption("grams", 0.0, 1e6, Panel(
         "Mass", "Grams on a square metre of an open horizontal plate", 2.0, soft_high=50.0, step=10,
-        text="Grams per m²"), optional=True, group="amount"),
+        text="Mass (g/m²)"), optional=True, group="amount"),
     DustOption("time", 0.0, 1e6, Panel(
         "Time", "For how long it falls: so many times the amount", soft_high=10.0, step=10), group="amount"),
     DustOption("spread", 0.0, MOST_SPREAD, Panel(

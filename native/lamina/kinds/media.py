@@ -11,8 +11,8 @@ from .panel import Item, Panel
 ALBEDO = Field("albedo", 0.0, 1.0, panel=Panel(
     "Albedo", "Share of the light that a scattering event keeps, per channel", 0.8, rgb=True, subtype="COLOR"))
 COLOR = Field("color", 0.0, 1.0, panel=Panel(
-    "Colour", "What the layer shows under diffuse light: infinitely thick, or over the given base", 0.8, rgb=True,
-    subtype="COLOR", prop="colour", words="colour"))
+    "Color", "What the layer shows under diffuse light: infinitely thick, or over the given base", 0.8, rgb=True,
+    subtype="COLOR", prop="colour", words="color"))
 SIGMA_S = Field("sigma_s", 0.0, 1e12, unit="1/mm", panel=Panel(
     "Scattering", "Scattering coefficient in 1/mm, per channel", 1.0, high=1e6, soft_high=20.0, precision=4, step=10,
     rgb=True, words="scattering"))
@@ -25,12 +25,12 @@ TAU = Field("tau", 0.0, math.inf, infinite=True, panel=Panel(
 THICKNESS = Field("thickness", 0.0, math.inf, unit="mm", infinite=True, panel=Panel(
     "Thickness", "Thickness of the layer in millimetres", 1.0, high=1e6, soft_high=10.0, step=10, precision=4))
 OVER = Field("over", 0.0, 1.0, optional=True, panel=Panel(
-    "Over", "Reflectance of the base over which the colour is meant", 0.5, rgb=True, subtype="COLOR",
-    words="colour of the base that it is over"))
+    "Over", "Reflectance of the base over which the color is meant", 0.5, rgb=True, subtype="COLOR",
+    words="color of the base below"))
 DEPTH = Field("depth", 0.0, 1.0)
 
 # In the order of the panel's list. `local`: quantities that may differ between the knots of a profile.
-BY_COLOUR = Form((COLOR, OVER, TAU), Item("colour", "Colour", "By the colour that it shows, and optical thickness", 2),
+BY_COLOUR = Form((COLOR, OVER, TAU), Item("colour", "Color", "By the color that it shows, and optical thickness", 2),
                  local=(COLOR,))
 BY_ALBEDO = Form((ALBEDO, TAU), Item("optical", "Albedo", "By albedo and optical thickness", 0), local=(ALBEDO,))
 BY_COEFFICIENTS = Form((SIGMA_S, SIGMA_A, THICKNESS), Item(

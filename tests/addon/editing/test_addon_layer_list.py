@@ -86,7 +86,9 @@ def changed_values(group):
         if prop.is_readonly or prop.identifier in ("name", "roughness"):
             continue
         value = getattr(group, prop.identifier)
-        if prop.type == "ENUM":
+        if prop.type == "ENUM" and prop.is_enum_flag:
+            yield prop.identifier, value ^ {prop.enum_items[0].identifier}
+        elif prop.type == "ENUM":
             yield prop.identifier, next(item.identifier for item in prop.enum_items if item.identifier != value)
         elif prop.type == "BOOLEAN":
             yield prop.identifier, not value

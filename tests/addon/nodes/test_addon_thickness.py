@@ -181,7 +181,7 @@ def test_the_panel_tells_the_error_of_the_thickness_shown(addon, dusty):
     rows = json.loads(result.row_errors)
     assert len(rows) == 33 and rows[-1][0] == pytest.approx(LARGEST)
     lines = addon.ui.thickness_panel.error_lines(result, addon.nodes.thickness.wiring(dusty))
-    assert lines[0][0] == "Error at τ 2" and "mean" in lines[0][1]
+    assert lines[0][0] == "Error at 2" and "mean" in lines[0][1]
     addon.nodes.thickness.wire_thickness(dusty, "attribute")
     assert len(addon.ui.thickness_panel.error_lines(result, addon.nodes.thickness.wiring(dusty))) == 5
 

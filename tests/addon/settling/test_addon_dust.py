@@ -347,7 +347,7 @@ def test_the_material_reads_the_dust(dust, addon, material):
     assert addon.ui.dust_panel.mismatch(material, plate.lamina_dust) == ""
     plate.lamina_dust.amount = 3.0
     dust.settle(bpy.context, plate)
-    assert "above τ 2 nothing changes" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
+    assert "above thickness 2 nothing changes" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
     plate.lamina_dust.target = "image"
     assert "does not read it" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
     dust.settle(bpy.context, plate)

@@ -156,7 +156,7 @@ def test_interfaces_can_be_drawn_and_told_in_short(addon, material, per_channel)
 
 BASES = {
     "none": set(),
-    "lambert": {"Reflectance", "Base Colour from Input"},
+    "lambert": {"Reflectance", "Base Color from Input"},
     "black": set(),
     "half-space": {"Albedo", "Phase"},
     "conductor": {"Metal", "Roughness", "Facing", "Grazing"},
