@@ -191,6 +191,7 @@ class PrincipledBase(Base):
         Item("color", "Base Color", "Give the node group a Base Color socket", 1),
         Item("metallic", "Metallic", "Give the node group a Metallic socket", 2),
         Item("roughness", "Roughness", "Give the node group a Roughness socket", 4)), several=True),)
+    distribution = "ggx"
     item = Item(kind, "Principled", "The surface that Blender's Principled BSDF shows with these values", 5)
 
     @property
