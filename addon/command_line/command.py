@@ -19,7 +19,7 @@ import bpy
 from ..baking import bake_job
 from ..base import messages, native, preferences
 from ..base.messages import percent
-from ..editing import stack_io
+from ..editing import over_material, stack_io
 from ..kinds.limits import MOST_THREADS
 from ..properties import migration
 from . import blend_saving
@@ -71,6 +71,8 @@ def _parser():
         help="names or patterns such as 'wall_*'; default: all materials with layers",
     )
     bake.add_argument("--stack", type=Path, metavar="JSON", help="give the materials this layer stack first")
+    bake.add_argument("--over", action="store_true",
+                      help="put layers over the materials as they are: those of --stack, or dust")
     bake.add_argument(
         "--quality", choices=[key for key, *_ in preferences.QUALITIES], help="default: each material's own"
     )
@@ -124,7 +126,7 @@ def _bake(arguments):
     lamina = native.require()
     target = _target(arguments)
     stack = _stack(arguments)
-    materials = _selected(arguments.materials, with_stack=stack is None)
+    materials = _selected(arguments.materials, with_stack=stack is None and not arguments.over)
     failed = 0
     with _Interruptible(), blend_saving.Saving(target) if target else nullcontext() as saving:
         for material in materials:
@@ -149,9 +151,13 @@ def _bake_one(material, stack, arguments):
     before = stack_io.to_dict(material) if material.lamina.enabled else None
     enabled = material.lamina.enabled
     started = time.perf_counter()
+    lost = over_material.not_carried(material) if arguments.over and not enabled else []
     try:
+        if arguments.over and not over_material.is_over(material):
+            over_material.add(material)
         if stack is not None:
-            stack_io.assign_stack(material, stack)
+            assign = over_material.assign_layers if arguments.over else stack_io.assign_stack
+            assign(material, stack)
         if not material.lamina.enabled:
             raise messages.RefusedError("has no Lamina layers (give --stack JSON)")
         threads = preferences.threads() if arguments.threads is None else arguments.threads
@@ -160,7 +166,7 @@ def _bake_one(material, stack, arguments):
         _wait(job)
         job.finish()
     except BaseException:
-        if stack is not None:  # after a failed bake the material keeps the layers of its earlier bake
+        if stack is not None or arguments.over:  # the material keeps the layers of its earlier bake
             if before is not None:
                 stack_io.assign(material, before)
             elif not enabled:
@@ -172,7 +178,8 @@ def _bake_one(material, stack, arguments):
         errors += f", transmission {percent(result.fit_error_transmission, 2)}"
         errors += f", worst slice {percent(result.through_worst_error)}"
     how = f"{result.closures} closures, {result.basis}, {result.quality}"
-    return f"{errors}, {how}, {time.perf_counter() - started:.2f} s"
+    told = f"; not carried over: {', '.join(lost)}" if lost else ""
+    return f"{errors}, {how}, {time.perf_counter() - started:.2f} s{told}"
 
 
 def _wait(job):
@@ -210,7 +217,7 @@ def _selected(names, with_stack):
     everything = list(bpy.data.materials)
     if not names:
         if not with_stack:
-            raise UsageError("--stack needs the name or pattern of the materials that it is for")
+            raise UsageError("--stack and --over need names or patterns of the materials that they are for")
         chosen = [one for one in everything if one.lamina.enabled and one.is_editable]
         if not chosen:
             raise UsageError("no material of this file has Lamina layers")

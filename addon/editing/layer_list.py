@@ -2,7 +2,7 @@
 """Functions that edit the layer list of a material. The top layer is first."""
 
 from ..base import changes, preferences
-from ..nodes import node_group
+from ..nodes import node_group, thickness
 from ..properties import migration
 from ..stack_json.stack_read import FIRST_NAMES
 
@@ -24,8 +24,11 @@ def add_stack(material):
 
 
 def remove_stack(material):
-    """Take layers, node group and image away from `material`; its other nodes stay."""
+    """Take layers, node groups and their images away from `material`, and restore its nodes and links as they
+    were before Lamina. Nodes that the artist has added stay."""
     node_group.remove(material)
+    if material.node_tree is not None:
+        thickness.remove_nodes(material.node_tree)
     changes.removed(material)
     material.property_unset("lamina")
 

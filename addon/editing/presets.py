@@ -9,7 +9,7 @@ lists the files without reading them, so a broken file does not hide the others.
 
 from ..base import native, package
 from ..base.messages import RefusedError
-from . import stack_io
+from . import over_material, stack_io
 
 SUFFIX = ".json"
 LONGEST = 60
@@ -31,10 +31,11 @@ def entry(preset):
 
 
 def apply(material, preset):
-    """Replace the layers and base by those of the library. Raises ValueError, NativeMissingError."""
+    """Replace the layers and base by those of the library; the base of layers that lie over the material's
+    own nodes stays. Raises ValueError, NativeMissingError."""
     if entry(preset) is None:
         raise RefusedError(f"preset = {preset}: there is no such preset")
-    stack_io.assign_stack(material, _read(lambda library: library.load(preset)))
+    _assign(material, _read(lambda library: library.load(preset)))
 
 
 def user_folder(create=False):
@@ -52,8 +53,8 @@ def user_names():
 
 
 def apply_user(material, name):
-    """Replace the layers and base by a preset of the user. Raises StackError, OSError, RefusedError."""
-    stack_io.import_file(material, str(_existing(name)))
+    """Like `apply`, with a preset of the user. Raises StackError, OSError, RefusedError."""
+    _assign(material, native.require().Stack.load(str(_existing(name))))
 
 
 def save_user(material, name, replace=False):
@@ -86,6 +87,11 @@ def checked_name(name):
     if name[0] == "." or name[-1] == "." or name.split(".")[0].casefold() in RESERVED:
         raise RefusedError(f"name = {name}: must not start or end with a stop, nor be a device's name")
     return name
+
+
+def _assign(material, stack):
+    assign = over_material.assign_layers if over_material.is_over(material) else stack_io.assign_stack
+    assign(material, stack)
 
 
 def _read(what):

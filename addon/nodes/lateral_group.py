@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import graph, node_group, node_tree
+from . import before, graph, node_group
 
 MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
 
@@ -16,7 +16,7 @@ def build(material, name, draw, millimetre, inputs=()):
     value is `millimetre`. `inputs`: further inputs of the group, (name, socket type, initial value,
     description) each; `sockets` has their sockets by name. If `draw` fails, nothing is changed but further
     inputs, which the next build removes."""
-    node_tree.of(material)
+    before.switch_nodes_on(material)
     group = material.lamina.lateral_group
     is_new = group is None or not group.is_editable or _is_shared(material, group)
     if is_new:

@@ -10,7 +10,8 @@ import json
 import bpy
 
 from ..base import native
-from . import closure_graph, lut_image, node_tree, side_graph
+from ..kinds.bases import PrincipledBase
+from . import before, closure_graph, in_place, links, lut_image, own_nodes, principled, side_graph
 
 GROUP_INPUTS = (
     ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
@@ -23,7 +24,7 @@ GROUP_INPUTS = (
     ("Base Color", "NodeSocketColor", "Reflectance of the base, linear; what the layers do to it is exact"),
 )
 
-VOLUME = "Volume"  # output of groups that need a volume, and input of the material's output
+VOLUME = before.VOLUME  # output of groups that need a volume, and input of the material's output
 
 LARGEST = 1.0e6  # the panel's largest optical thickness
 
@@ -35,7 +36,7 @@ def build(material, lut):
     NativeMissingError.
     """
     recipe_of = recipe_source()
-    node_tree.of(material)
+    before.switch_nodes_on(material)
     group, is_new = _own_group(material)
     old_nodes = list(group.nodes)
     old_images = images_of(old_nodes)
@@ -66,12 +67,12 @@ def build(material, lut):
         for node in group_nodes(material):  # nodes with the group that this copied material still shared
             node.node_tree = group
     material.lamina.node_group = group
-    if hasattr(material, "cycles"):
-        # Tilted closure normals are not bump maps: the correction would darken them.
-        material.cycles.use_bump_map_correction = False
-    _place(material)
+    before.switch_correction_off(material)
+    is_placed = _place(material)
     _follow_thickness(group, old_tau, tau)
     _follow_base_colour(group, colour)
+    if not is_placed:
+        _carry_to(material, [socket.name for socket in added])
     return group
 
 
@@ -137,32 +138,30 @@ def is_connected(material):
     output = material.node_tree.get_output_node("CYCLES") if material.node_tree else None
     if output is None:
         return False
-    waiting, seen = [output], set()
-    while waiting:
-        node = waiting.pop()
-        if node.type == "GROUP" and node.node_tree == material.lamina.node_group:
-            return True
-        seen.add(node.name)
-        sources = {link.from_node for socket in node.inputs for link in socket.links}
-        waiting += [source for source in sources if source.name not in seen]
-    return False
+    group = material.lamina.node_group
+    return any(node.type == "GROUP" and node.node_tree == group for node in links.upstream(output))
 
 
 def connect(material, group=None):
     """Link `group`, by default that of the last bake, to the Surface of the material's output, and the
     group's volume, if there is one, to the Volume. If `group` has none, the volume of the lateral group is
-    unlinked. Other nodes are unchanged. Returns the group node."""
+    unlinked. Other nodes are unchanged, and `before` keeps what fed the output. Returns the group node."""
     tree = material.node_tree
     node = (group_nodes(material, group) or [None])[0]
-    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
+    output = tree.get_output_node("CYCLES") or own_nodes.mark(tree.nodes.new("ShaderNodeOutputMaterial"))
     if node is None:
         node = _add_group_node(material, group or material.lamina.node_group, output)
-    tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
+    before.keep(material, output.inputs["Surface"])
+    tree.links.new(in_place.end_of(node), output.inputs["Surface"])
     volume = output.inputs[VOLUME]
     if VOLUME in node.outputs:
+        before.keep(material, volume)
         tree.links.new(node.outputs[VOLUME], volume)
     elif volume.is_linked and volume.links[0].from_node in _lateral_nodes(material):
         tree.links.remove(volume.links[0])
+        fed = before.kept(tree, VOLUME)
+        if fed is not None:
+            links.connect(fed, volume)
     return node
 
 
@@ -172,12 +171,14 @@ def _lateral_nodes(material):
 
 
 def remove(material):
-    """Remove the group's nodes from the material, and the group and its image if they have no other users."""
-    group = material.lamina.node_group
-    for node in group_nodes(material):
-        material.node_tree.nodes.remove(node)
-    material.lamina.node_group = None
-    if group is not None and group.library is None and group.users == 0:
+    """Restore the material's tree as it was before Lamina, and remove Lamina's groups and their images if
+    they have no other users."""
+    groups = (material.lamina.node_group, material.lamina.lateral_group)
+    before.restore(material)
+    material.lamina.node_group = material.lamina.lateral_group = None
+    for group in groups:
+        if group is None or group.library is not None or group.users:
+            continue
         images = images_of(group.nodes)
         bpy.data.node_groups.remove(group)
         for image in images:
@@ -220,15 +221,31 @@ def _parse(layout):
 
 
 def _place(material):
-    """Make and link a first node of `group` in the material's tree; an existing node is unchanged."""
-    if not group_nodes(material) or material.node_tree.get_output_node("CYCLES") is None:
-        connect(material)
+    """Make and link a first node of `group` in the material's tree, over the shader of the material if the
+    stack's base is that shader; an existing node is unchanged. Returns True if a node was linked."""
+    if group_nodes(material) and material.node_tree.get_output_node("CYCLES") is not None:
+        return False
+    is_over = material.lamina.base.kind == PrincipledBase.kind
+    replaced = principled.find(material) if is_over else None
+    node = connect(material)
+    if replaced is not None:
+        in_place.put(material, node, replaced)
+    return True
+
+
+def _carry_to(material, names):
+    """Link new sockets of the group, `names`, to what feeds the Principled BSDF that the layers lie over."""
+    replaced = principled.of(before.source(material.node_tree))
+    if replaced is not None and material.lamina.base.kind == PrincipledBase.kind:
+        for node in group_nodes(material):
+            in_place.carry(node, replaced, [name for name in names if name in in_place.CARRIED])
 
 
 def _add_group_node(material, group, output):
-    node = material.node_tree.nodes.new("ShaderNodeGroup")
+    node = own_nodes.mark(material.node_tree.nodes.new("ShaderNodeGroup"))
     node.node_tree = group
     node.label = "Lamina"
+    node.select = False
     node.width = 180.0
     node.location = (output.location.x - 240.0, output.location.y + 160.0)
     return node

@@ -17,3 +17,14 @@ def of(owner):
     if bpy.app.version < (5, 0, 0):
         owner.use_nodes = True
     return owner.node_tree
+
+
+def is_on(owner):
+    """True if a material or world has nodes. From Blender 5.0 on every one has."""
+    return bpy.app.version >= (5, 0, 0) or owner.use_nodes
+
+
+def switch_off(owner):
+    """Switch the nodes of a material or world off, before Blender 5.0."""
+    if bpy.app.version < (5, 0, 0):
+        owner.use_nodes = False

@@ -11,7 +11,10 @@ from . import common
 class LAMINA_OT_preset_apply(bpy.types.Operator):
     bl_idname = "lamina.preset_apply"
     bl_label = "Apply Preset"
-    bl_description = "Replace the layers and base of this material by those of the preset"
+    bl_description = (
+        "Replace the layers and base of this material by those of the preset. Layers that lie over the "
+        "material's own nodes keep their base"
+    )
     bl_options = {"REGISTER", "UNDO"}
 
     preset: bpy.props.StringProperty(name="Preset", description="Its id, or its name if it is your own")

@@ -10,7 +10,7 @@ from . import common
 class LAMINA_OT_remove_stack(bpy.types.Operator):
     bl_idname = "lamina.remove_stack"
     bl_label = "Remove Lamina from Material"
-    bl_description = "Remove the layers and the baked node group; other nodes stay"
+    bl_description = "Remove the layers and restore the material as before; nodes that you have added stay"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

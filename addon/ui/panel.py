@@ -8,7 +8,7 @@ import bpy
 from ..baking import bake_job
 from ..base import messages, native
 from ..base.messages import percent
-from ..editing import layer_list, stack_io
+from ..editing import layer_list, over_material, stack_io
 from ..nodes import node_group
 from ..properties import migration
 from ..properties.layer_properties import LAYER_KINDS
@@ -71,9 +71,9 @@ class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
             draw_sentence(context, layout, "Made by a newer version of Lamina: update Lamina to edit it")
         elif not material.is_editable:
             draw_sentence(context, layout, "Linked from another file: edit the layers there", "LINKED")
+        elif not material.lamina.enabled:
+            _draw_start(context, layout, material)
         else:
-            if not material.lamina.enabled:
-                layout.operator("lamina.add_stack", icon="ADD")
             layout.menu("LAMINA_MT_presets", icon="PRESET")
 
 
@@ -194,6 +194,22 @@ def _place(result, prefix):
     return ", ".join(place)
 
 
+def _draw_start(context, layout, material):
+    """The choice between layers over the material as it is, and a new material."""
+    if not over_material.problem(material):
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("lamina.add_over", icon="ADD")
+        column = layout.column(align=True)
+        for text, icon in over_material.told(material, _characters(context)):
+            column.label(text=text, icon=icon)
+        layout = layout.row()
+        layout.operator("lamina.add_stack", text="New Layers Instead")
+    else:
+        layout.operator("lamina.add_stack", icon="ADD")
+    layout.menu("LAMINA_MT_presets", icon="PRESET")
+
+
 def draw_progress(layout, job, cancel):
     """A worker's progress bar, and the operator that cancels it."""
     row = layout.row(align=True)
@@ -253,12 +269,16 @@ def _error_layer(material):
 
 def draw_sentence(context, layout, text, icon="INFO", alert=False):
     """A sentence, wrapped to the panel's width."""
-    scale = context.preferences.system.ui_scale
-    width = max(int((context.region.width / scale - 70.0) / 6.4), 20)
     column = layout.column(align=True)
     column.alert = alert
-    for number, line in enumerate(messages.wrapped(text, width)):
+    for number, line in enumerate(messages.wrapped(text, _characters(context))):
         column.label(text=line, icon=icon if number == 0 else "BLANK1")
+
+
+def _characters(context):
+    """The number of characters that fit into a line of the panel, beside an icon."""
+    scale = context.preferences.system.ui_scale
+    return max(int((context.region.width / scale - 70.0) / 6.4), 20)
 
 
 CLASSES = (

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers over the material as it is: the stack's base is what the material shows now."""
+
+from ..base import changes, messages
+from ..base.messages import RefusedError
+from ..kinds.bases import PrincipledBase
+from ..nodes import principled
+from ..stack_json import stack_write
+from . import layer_list, stack_io
+
+QUALITY = "preview"  # of the first bake, which should take seconds
+
+
+def problem(material):
+    """Why layers cannot be put over `material`, in a sentence, or ''."""
+    if material.lamina.enabled:
+        return "The material has Lamina layers already"
+    if principled.find(material) is None:
+        return "The material's output is not fed by a Principled BSDF"
+    return ""
+
+
+def not_carried(material):
+    """What layers over `material` cannot carry: a list of short texts."""
+    node = principled.find(material)
+    return [] if node is None else principled.not_carried(node)
+
+
+def told(material, width):
+    """`not_carried` as lines of a panel or dialog: (text, icon) each. `width`: of a line, in characters."""
+    texts = not_carried(material)
+    lines = [("Not carried over:", "INFO")] if texts else []
+    for text in texts:
+        first, *others = messages.wrapped(text, width)
+        lines += [(first, "DOT"), *((line, "BLANK1") for line in others)]
+    return lines
+
+
+def add(material):
+    """Give `material` a first stack, a thin layer of dust, over what the material shows now. The nodes are
+    changed by the first bake. Raises RefusedError."""
+    sentence = problem(material)
+    if sentence:
+        raise RefusedError(sentence)
+    node = principled.find(material)
+    layer_list.add_stack(material)
+    settings = material.lamina
+    settings.quality = QUALITY
+    base = settings.base
+    base.kind = PrincipledBase.kind
+    for field in PrincipledBase.fields:
+        setattr(base, field.prop, principled.values(node)[field.name])
+    base.inputs = principled.inputs(node)
+    changes.tell(material)
+
+
+def is_over(material):
+    """True if the layers of `material` lie over what its nodes show."""
+    return material.lamina.enabled and material.lamina.base.kind == PrincipledBase.kind
+
+
+def assign_layers(material, stack):
+    """Replace the layers of `material` by those of a `lamina.Stack`; the base stays. Raises RefusedError."""
+    data = stack.to_json()
+    if not data["layers"]:
+        name = data.get("name") or "The stack"
+        raise RefusedError(f"{name} has no layers that could lie over this material")
+    stack_io.assign(material, {**data, "base": stack_write.base(material.lamina.base)})

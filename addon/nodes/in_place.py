@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node of the layers in the place of the shader that they lie over.
+
+A Principled BSDF gives its links, values and animations to the sockets of the same names. Its emission and
+alpha are made again by plain nodes behind the layers.
+"""
+
+from . import before, links, mix_shader, own_nodes, principled, socket_animation
+from .graph import COLUMN, ROW, Graph
+
+CARRIED = ("Base Color", "Metallic", "Roughness", "Normal")  # sockets that the layers' node may have too
+
+_AFTER = ("ADD_SHADER", "MIX_SHADER")  # nodes that follow the layers' node
+
+
+def end_of(node):
+    """The shader behind the layers' node `node` with the emission and alpha: an output socket."""
+    shader = node.outputs["Shader"]
+    while True:
+        after = [link.to_node for link in shader.links
+                 if link.to_node.type in _AFTER and own_nodes.is_marked(link.to_node)]
+        if not after:
+            return shader
+        shader = after[0].outputs[0]
+
+
+def put(material, node, replaced):
+    """Put the layers' node `node`, which is linked to the output, in the place of the Principled BSDF
+    `replaced`, which fed the output before."""
+    tree = material.node_tree
+    targets = [link.to_socket for link in node.outputs["Shader"].links]
+    parent, place = before.put_aside(tree, replaced)
+    node.parent = parent
+    node.location = place
+    carry(node, replaced, CARRIED)
+    shader = _with_emission_and_alpha(tree, node, replaced)
+    for target in targets:
+        tree.links.new(shader, target)
+
+
+def carry(node, replaced, names):
+    """Give those of the sockets `names` that the layers' node has the links, values and animations of the
+    Principled BSDF `replaced`."""
+    for name in names:
+        if name in node.inputs:
+            _carry(replaced.inputs[name], node.inputs[name])
+
+
+def _with_emission_and_alpha(tree, node, replaced):
+    """The shader of the layers with the emission and alpha of the Principled BSDF."""
+    graph, shader = Graph(tree), node.outputs["Shader"]
+    column, row = node.location.x / COLUMN, -node.location.y / ROW
+    if principled.emits(replaced):
+        emission = graph.node("ShaderNodeEmission", column, row - 3, "Emission")
+        _carry(replaced.inputs[principled.EMISSION], emission.inputs["Color"])
+        _carry(replaced.inputs[principled.STRENGTH], emission.inputs["Strength"])
+        shader = mix_shader.added(graph, column + 1, row - 2, "With emission", shader, emission.outputs[0])
+    if principled.is_cut_out(replaced):
+        clear = graph.node("ShaderNodeBsdfTransparent", column, row - 2, "Nothing")
+        alpha = replaced.inputs[principled.ALPHA]
+        shader = mix_shader.between(graph, column + 1, row - 1, "Alpha", alpha.default_value,
+                                    clear.outputs[0], shader)
+        _carry(alpha, shader.node.inputs[0])
+    for made in graph.created:
+        own_nodes.mark(made)
+        place = tuple(made.location)
+        made.parent = node.parent
+        made.location = place
+    return shader
+
+
+def _carry(given, target):
+    """Give the input socket `target` the value, link and animation of the input socket `given`."""
+    if not target.hide_value:
+        target.default_value = given.default_value
+    fed = links.feed(given)
+    if fed is not None and (fed.muted or links.source(given) is not None):
+        links.connect(fed, target)
+    socket_animation.copy(given, target)
