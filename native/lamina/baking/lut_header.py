@@ -9,7 +9,7 @@ import numpy as np
 
 from ..closures import lobes
 from ..common.errors import quoted
-from ..kinds.table import COLUMNS, PREFIX, THROWN_BACK
+from ..kinds.table import BASE_WEIGHT, COLUMNS, PREFIX, THROWN_BACK
 
 SCHEMA = 1
 
@@ -33,6 +33,7 @@ _IF_ANY = {
         **{f"report.tau_error.{name}": _NUMBER for name in ("mean", "worst", "mirror", "worst_at.tau")},
         "report.tau_error.worst_at.mu_o": "a cosine",
     },
+    "report.base_error": {f"report.base_error.{name}": _NUMBER for name in ("lambert", "metal", "unknown", "color")},
 }
 
 
@@ -68,14 +69,14 @@ def _problem_of_fields(header: dict) -> str:
 def _problem_of_closures(header: dict) -> str:
     for name in header["closures"]:
         try:
-            if name != THROWN_BACK:
+            if name not in (THROWN_BACK, BASE_WEIGHT):
                 lobes.recipe(name.removeprefix(PREFIX))
         except (AttributeError, KeyError):
             return f"closure {quoted(name)}: this version of Lamina does not know it"
     if THROWN_BACK in header["closures"]:
         colour = _at(header, "stack.base.reflectance")
         if not _is_numbers(colour) or len(colour) not in (1, 3):
-            return "stack.base.reflectance: must be 1 or 3 numbers, for the base has a texture"
+            return "stack.base.reflectance: must be 1 or 3 numbers, for the base has an input"
     return ""
 
 

@@ -11,3 +11,5 @@ TAU_BEND = 0.5
 # diffuse light from the base that the layers reflect back to it.
 PREFIX = "base/"
 THROWN_BACK = "base/thrown back"
+# Strip of a base that another shader renders: the weight of that shader, see baking.shader_base.
+BASE_WEIGHT = "base/weight"
