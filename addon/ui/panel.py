@@ -176,6 +176,12 @@ def result_lines(result):
         lines.append(("Worst At", _place(result, "through_worst")))
     lines.append(("Albedo Error", percent(result.albedo_error, 2)))
     lines.append(("Energy Error", percent(result.energy_error, 2)))
+    if result.base_matte >= 0.0:
+        lines.append(("Shader Below", "Approximate. Error of the energy:"))
+        lines.append(("If Matte", percent(result.base_matte)))
+        lines.append(("If Rough Metal", percent(result.base_metal)))
+        lines.append(("In One Channel", percent(result.base_color)))
+        lines.append(("Without Reflectance", percent(result.base_unknown)))
     lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} basis"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
     return lines

@@ -16,7 +16,7 @@ from ..closures.closure_table import LightGrid, grid_for
 from ..common.arguments import check_choice, check_whole
 from ..common.errors import ArgumentError, StackError, quoted
 from ..common.progress import Progress, portion, portions, stepper
-from ..kinds.bases import Lambert
+from ..kinds.bases import Lambert, ShaderBase
 from ..kinds.fields import channel
 from ..kinds.table import COLUMNS, METAL, PREFIX, TAU_BEND, TAU_ROWS, lobe_of
 from ..material.stack import Stack
@@ -29,6 +29,7 @@ from .fit_report import all_rows, fit_report
 from .lut import Lut
 from .lut_header import SCHEMA
 from .mixture import Effort, FittedMixture, Mixture, mix
+from .shader_base import on_lambert, shader_parts
 from .slices import Slices, SolvedRows, slices, solve_rows
 from .strayed_light import compensated
 from .tau_error import tau_error
@@ -83,7 +84,8 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     error of a fitted directional albedo; `strayed_light` of a sheet, see strayed_light.strayed_report, None
     for a stack on a base; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
     thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, the error of interpolation between
-    rows, measured at quality "final" when every row is solved, see tau_error.tau_error.
+    rows, measured at quality "final" when every row is solved, see tau_error.tau_error; `base_error` of a stack on a
+    ShaderBase, see shader_base.shader_parts.
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
     [8, 160], `threads` in [0, 1024]."""
     # Check the arguments
@@ -111,12 +113,12 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     principled_base.refuse_inputs(stack)
 
     # Solve the stack for each thickness of its varying layer
-    solved = solve_rows(narrow_lobes.resolved(stack), quality, threads, steps["solve"], row_stride, nodes)
+    solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), quality, threads, steps["solve"], row_stride, nodes)
     pool = thread_pool(threads)
     grid = grid_for(quality, narrow_lobes.narrowest(stack))
 
     # Evaluate the slices to be fitted by closures
-    if _is_textured(stack):
+    if _is_textured(stack) or isinstance(stack.base, ShaderBase):
         seen, base = over_texture(solved, grid, pool, steps["evaluate"])
     else:
         seen, base = slices(solved, grid, pool, steps["evaluate"]), None
@@ -140,8 +142,13 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
             name = narrow_lobes.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])
 
-    # Fit the light that a textured base adds
-    if base is not None:
+    # Weigh the light of a shader below, or fit the light that a textured base adds
+    below_error = None
+    if base is not None and isinstance(stack.base, ShaderBase):
+        made, below_error = shader_parts(narrow_lobes.resolved(stack), solved, seen["reflection"],
+                                         fitted["reflection"], base, grid, quality, threads, steps["base"])
+        parts |= made
+    elif base is not None:
         assert isinstance(stack.base, Lambert)
         below = fit("reflection", base.slices, limits.textured_base, given["base"], steps["base"], False)
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
@@ -157,6 +164,7 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
 
     # Assemble the table
     report = fit_report(parts, seen, solved) | ({"tau_error": between} if between else {})
+    report |= {"base_error": below_error} if below_error else {}
     header = _header(stack, quality, basis, solved, parts, report)
     return Lut(header, _weights(parts, solved), time.perf_counter() - started)
 

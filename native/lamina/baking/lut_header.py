@@ -34,6 +34,7 @@ _IF_ANY = {
         **{f"report.tau_error.{name}": _NUMBER for name in ("mean", "worst", "mirror", "worst_at.tau")},
         "report.tau_error.worst_at.mu_o": "a cosine",
     },
+    "report.base_error": {f"report.base_error.{name}": _NUMBER for name in ("lambert", "metal", "unknown", "color")},
 }
 
 
@@ -77,7 +78,7 @@ def _problem_of_closures(header: dict) -> str:
         place = "stack.base.color" if PRINCIPLED in header["closures"] else "stack.base.reflectance"
         colour = _at(header, place)
         if not _is_numbers(colour) or len(colour) not in (1, 3):
-            return f"{place}: must be 1 or 3 numbers, for the base has a texture"
+            return f"{place}: must be 1 or 3 numbers, for the base has an input"
     if PRINCIPLED in header["closures"]:
         for field in PrincipledBase.fields:
             if not _is_numbers(_at(header, f"stack.base.{field.name}")):
