@@ -177,6 +177,9 @@ def _note_report(result, lut):
     result.between_rows = between.get("mean", -1.0)
     result.between_rows_worst = between.get("worst", -1.0)
     result.albedo_error = report["albedo_error"]
+    below = report.get("base_error") or {}
+    result.base_matte, result.base_metal = below.get("lambert", -1.0), below.get("metal", -1.0)
+    result.base_unknown, result.base_color = below.get("unknown", -1.0), below.get("color", -1.0)
     result.energy_error = report["energy_error"]
     result.closures = int(report["closures"])
     result.seconds = report["seconds"]

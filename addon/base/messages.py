@@ -8,8 +8,8 @@ from . import native
 
 _FIELDS = (
     *(field for form in media.FORMS for field in form),
-    *boundaries.Interface.fields,
     *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
+    *boundaries.Interface.fields,
 )
 # Names of fields in the messages of `lamina`, and the panel's names for them.
 WORDS = {

@@ -1,22 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers over the material as it is: the stack's base is what the material shows now."""
+"""Layers over the material as it is: the stack's base is what the material shows now.
+
+A Principled BSDF becomes a base with the same values. Any other shader stays in use and is seen through the
+layers, which is approximate.
+"""
 
 from ..base import changes, messages
 from ..base.messages import RefusedError
-from ..kinds.bases import PrincipledBase
-from ..nodes import principled
+from ..kinds.bases import PrincipledBase, ShaderBase
+from ..nodes import mean_reflectance, principled
 from ..stack_json import stack_write
 from . import layer_list, stack_io
 
 QUALITY = "preview"  # of the first bake, which should take seconds
+
+_APPROXIMATE = (
+    "Approximate, because the material is not one Principled BSDF: the layers do not blur or tint the light "
+    "of the shader below. The panel shows the error after the bake"
+)
 
 
 def problem(material):
     """Why layers cannot be put over `material`, in a sentence, or ''."""
     if material.lamina.enabled:
         return "The material has Lamina layers already"
-    if principled.find(material) is None:
-        return "The material's output is not fed by a Principled BSDF"
+    if principled.shown(material) is None:
+        return "No shader is linked to the Surface of the material output"
     return ""
 
 
@@ -27,7 +36,11 @@ def not_carried(material):
 
 
 def told(material, width):
-    """`not_carried` as lines of a panel or dialog: (text, icon) each. `width`: of a line, in characters."""
+    """What the artist should know before layers are put over `material`, as lines of a panel or dialog:
+    (text, icon) each. `width`: of a line, in characters."""
+    if principled.find(material) is None:
+        first, *others = messages.wrapped(_APPROXIMATE, width)
+        return [(first, "INFO"), *((line, "BLANK1") for line in others)]
     texts = not_carried(material)
     lines = [("Not carried over:", "INFO")] if texts else []
     for text in texts:
@@ -42,21 +55,25 @@ def add(material):
     sentence = problem(material)
     if sentence:
         raise RefusedError(sentence)
-    node = principled.find(material)
+    node, shader = principled.find(material), principled.shown(material)
     layer_list.add_stack(material)
     settings = material.lamina
     settings.quality = QUALITY
     base = settings.base
-    base.kind = PrincipledBase.kind
-    for field in PrincipledBase.fields:
-        setattr(base, field.prop, principled.values(node)[field.name])
-    base.inputs = principled.inputs(node)
+    if node is None:
+        base.kind = ShaderBase.kind
+        base.shader_reflectance = mean_reflectance.of(shader)
+    else:
+        base.kind = PrincipledBase.kind
+        for field in PrincipledBase.fields:
+            setattr(base, field.prop, principled.values(node)[field.name])
+        base.inputs = principled.inputs(node)
     changes.tell(material)
 
 
 def is_over(material):
     """True if the layers of `material` lie over what its nodes show."""
-    return material.lamina.enabled and material.lamina.base.kind == PrincipledBase.kind
+    return material.lamina.enabled and material.lamina.base.kind in (PrincipledBase.kind, ShaderBase.kind)
 
 
 def assign_layers(material, stack):

@@ -12,8 +12,8 @@ import math
 import numpy as np
 
 from ..base.messages import RefusedError
-from ..kinds.table import PREFIX, TAU_BEND, THROWN_BACK
-from . import lut_image, mix_shader, side_graph
+from ..kinds.table import BASE_WEIGHT, PREFIX, TAU_BEND, THROWN_BACK
+from . import lut_image, mix_shader, shader_base_graph, side_graph
 from .graph import Graph
 
 SCALE_LABEL = "rows"
@@ -38,15 +38,8 @@ def used_closures(lut):
     """Indices of the closures with a weight above 0 anywhere; at least one, so that the group has a
     shader."""
     used = np.flatnonzero(np.any(np.asarray(lut.weights) != 0.0, axis=(0, 2, 3, 4)))
-    return [int(index) for index in used if lut.header["closures"][index] != THROWN_BACK] or [0]
-
-
-def base_colour(lut):
-    """The default reflectance of a textured base, RGB, or None."""
-    if THROWN_BACK not in lut.header["closures"]:
-        return None
-    reflectance = lut.header["stack"]["base"]["reflectance"]
-    return tuple(reflectance * 3 if len(reflectance) == 1 else reflectance)
+    others = (THROWN_BACK, BASE_WEIGHT)
+    return [int(index) for index in used if lut.header["closures"][index] not in others] or [0]
 
 
 def largest_tau(lut):
@@ -111,7 +104,7 @@ def _draw(graph, lut, image, recipe_of):
         return texture.outputs["Color"]
 
     gain = None
-    if THROWN_BACK in closures:
+    if THROWN_BACK in closures and BASE_WEIGHT not in closures:
         graph.begin_frame("Base colour c, its light thrown back again and again: c / (1 - c r)", BASE_COLOUR)
         gain = _gain(graph, inputs.outputs["Base Color"], strip(closures.index(THROWN_BACK), 7, -3, "r"))
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
@@ -123,9 +116,14 @@ def _draw(graph, lut, image, recipe_of):
             weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gain)
         shader = _closure(graph, line, name, recipe, weight, directions)
         total = shader if total is None else mix_shader.added(graph, 12, line, "", total, shader)
+    if BASE_WEIGHT in closures:
+        graph.begin_frame("Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
+        thrown_back = strip(closures.index(THROWN_BACK), 7, -3, "r")
+        weight = strip(closures.index(BASE_WEIGHT), 7, -2, "w")
+        total = shader_base_graph.over(graph, inputs, weight, thrown_back, total)
     graph.end_frame()
 
-    output = graph.node("NodeGroupOutput", 13.6, len(used) - 1, folded=False)
+    output = graph.node("NodeGroupOutput", 14.6, len(used) - 1, folded=False)
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
 

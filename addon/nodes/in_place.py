@@ -5,10 +5,12 @@ A Principled BSDF gives its links, values and animations to the sockets of the s
 alpha are made again by plain nodes behind the layers.
 """
 
-from . import before, links, mix_shader, own_nodes, principled, socket_animation
+from ..kinds.bases import PrincipledBase, ShaderBase
+from . import before, links, mix_shader, own_nodes, principled, shader_base_graph, socket_animation
 from .graph import COLUMN, ROW, Graph
 
-CARRIED = ("Base Color", "Metallic", "Roughness", "Normal")  # sockets that the layers' node may have too
+# Inputs of the layers' node that a Principled BSDF has too.
+_SHARED = ("Base Color", "Metallic", "Roughness", "Normal")
 
 _AFTER = ("ADD_SHADER", "MIX_SHADER")  # nodes that follow the layers' node
 
@@ -32,18 +34,23 @@ def put(material, node, replaced):
     parent, place = before.put_aside(tree, replaced)
     node.parent = parent
     node.location = place
-    carry(node, replaced, CARRIED)
     shader = _with_emission_and_alpha(tree, node, replaced)
     for target in targets:
         tree.links.new(shader, target)
 
 
-def carry(node, replaced, names):
-    """Give those of the sockets `names` that the layers' node has the links, values and animations of the
-    Principled BSDF `replaced`."""
+def feed(material, node, names=(*_SHARED, shader_base_graph.SHADER)):
+    """Give those inputs `names` that the layers' node `node` has what the shader below the layers has: the
+    links, values and animations of a Principled BSDF, or the shader itself."""
+    kind, kept = material.lamina.base.kind, before.kept(material.node_tree)
+    replaced = principled.of(before.source(material.node_tree))
     for name in names:
-        if name in node.inputs:
+        if name not in node.inputs or kept is None:
+            continue
+        if kind == PrincipledBase.kind and replaced is not None and name in _SHARED:
             _carry(replaced.inputs[name], node.inputs[name])
+        elif kind == ShaderBase.kind and name == shader_base_graph.SHADER:
+            links.connect(kept, node.inputs[name])
 
 
 def _with_emission_and_alpha(tree, node, replaced):

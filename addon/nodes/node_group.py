@@ -11,22 +11,21 @@ import bpy
 
 from ..base import native
 from ..kinds.bases import PrincipledBase
-from . import before, closure_graph, in_place, links, lut_image, own_nodes, principled, side_graph
-
-GROUP_INPUTS = (
-    ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
-    ("Thickness", "NodeSocketFloat", "Optical thickness of the varying layer, from 0 to what was baked"),
-    (
-        side_graph.BACK,
-        "NodeSocketFloat",
-        "Optical thickness of the varying layer on back faces; below 0: as on front faces",
-    ),
-    ("Base Color", "NodeSocketColor", "Reflectance of the base, linear; what the layers do to it is exact"),
+from . import (
+    before,
+    closure_graph,
+    group_sockets,
+    in_place,
+    links,
+    lut_image,
+    own_nodes,
+    principled,
+    side_graph,
 )
 
 VOLUME = before.VOLUME  # output of groups that need a volume, and input of the material's output
 
-LARGEST = 1.0e6  # the panel's largest optical thickness
+LARGEST = group_sockets.LARGEST
 
 
 def build(material, lut):
@@ -43,21 +42,19 @@ def build(material, lut):
     image = lut_image.create(f"Lamina {material.name}", lut)
     tau = closure_graph.largest_tau(lut)
     old_tau = group.get("lamina_largest_tau")
-    colour = closure_graph.base_colour(lut)
-    added = _add_missing_sockets(group, tau, colour)
+    base = group_sockets.of_base(lut)
+    added = group_sockets.add_missing(group, tau, base)
     try:
         closure_graph.draw(group, lut, image, recipe_of)
     except BaseException:
         bpy.data.images.remove(image)
-        for socket in added:
-            group.interface.remove(socket)
+        group_sockets.remove(group, added)
         if is_new:
             bpy.data.node_groups.remove(group)
         raise
     for node in old_nodes:
         group.nodes.remove(node)
-    _settle_thickness(group, tau)
-    _settle_base_colour(group, colour)
+    group_sockets.settle(group, tau, base)
     _replace_images(old_images, image)
     group["lamina_stack_hash"] = lut.header["stack_hash"]
     group["lamina_layout"] = _layout(lut)
@@ -69,10 +66,11 @@ def build(material, lut):
     material.lamina.node_group = group
     before.switch_correction_off(material)
     is_placed = _place(material)
-    _follow_thickness(group, old_tau, tau)
-    _follow_base_colour(group, colour)
-    if not is_placed:
-        _carry_to(material, [socket.name for socket in added])
+    group_sockets.follow_thickness(group, old_tau, tau)
+    group_sockets.follow_base(group, base, added)
+    if is_placed or not is_new:  # the group of a copied material is new, and its node has its links already
+        for node in group_nodes(material):
+            in_place.feed(material, node, *(() if is_placed else (added,)))
     return group
 
 
@@ -93,10 +91,10 @@ def update(material, lut):
     tau, old_tau = closure_graph.largest_tau(lut), group.get("lamina_largest_tau")
     if tau is not None and old_tau != min(tau, LARGEST):
         closure_graph.rescale(group, lut)
-        _settle_thickness(group, tau)
+        group_sockets.settle(group, tau, group_sockets.of_base(lut))
         group["lamina_largest_tau"] = min(tau, LARGEST)
-        _follow_thickness(group, old_tau, tau)
-    _follow_base_colour(group, closure_graph.base_colour(lut))
+        group_sockets.follow_thickness(group, old_tau, tau)
+    group_sockets.follow_base(group, group_sockets.of_base(lut))
     _replace_images(images, lut_image.create(f"Lamina {material.name}", lut))
     group["lamina_stack_hash"] = lut.header["stack_hash"]
     return True
@@ -221,24 +219,15 @@ def _parse(layout):
 
 
 def _place(material):
-    """Make and link a first node of `group` in the material's tree, over the shader of the material if the
-    stack's base is that shader; an existing node is unchanged. Returns True if a node was linked."""
+    """Make and link a first node of `group` in the material's tree, in the place of the Principled BSDF that
+    the layers lie over; an existing node is unchanged. Returns True if there was none."""
     if group_nodes(material) and material.node_tree.get_output_node("CYCLES") is not None:
         return False
-    is_over = material.lamina.base.kind == PrincipledBase.kind
-    replaced = principled.find(material) if is_over else None
+    replaced = principled.find(material) if material.lamina.base.kind == PrincipledBase.kind else None
     node = connect(material)
     if replaced is not None:
         in_place.put(material, node, replaced)
     return True
-
-
-def _carry_to(material, names):
-    """Link new sockets of the group, `names`, to what feeds the Principled BSDF that the layers lie over."""
-    replaced = principled.of(before.source(material.node_tree))
-    if replaced is not None and material.lamina.base.kind == PrincipledBase.kind:
-        for node in group_nodes(material):
-            in_place.carry(node, replaced, [name for name in names if name in in_place.CARRIED])
 
 
 def _add_group_node(material, group, output):
@@ -249,87 +238,6 @@ def _add_group_node(material, group, output):
     node.width = 180.0
     node.location = (output.location.x - 240.0, output.location.y + 160.0)
     return node
-
-
-def _sockets(group, in_out):
-    return {
-        item.name: item
-        for item in group.interface.items_tree
-        if item.item_type == "SOCKET" and item.in_out == in_out
-    }
-
-
-def _add_missing_sockets(group, tau, colour):
-    """Adds missing sockets and returns them."""
-    wanted_by = {side_graph.FRONT: tau, side_graph.BACK: tau, "Base Color": colour}
-    unwanted = {name for name, value in wanted_by.items() if value is None}
-    if "Shader" not in _sockets(group, "OUTPUT"):
-        group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
-    added = []
-    for name, kind, description in GROUP_INPUTS:
-        if name in _sockets(group, "INPUT") or name in unwanted:
-            continue
-        socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
-        socket.hide_value = name == "Normal"
-        if name == "Thickness":
-            socket.default_value = min(tau, LARGEST)
-        if name == side_graph.BACK:
-            socket.default_value = side_graph.AS_FRONT
-        if name == "Base Color":
-            socket.default_value = (*colour, 1.0)
-        added.append(socket)
-    return added
-
-
-def _settle_thickness(group, tau):
-    """Ranges and defaults of the sockets for thickness, or no such sockets when nothing varies."""
-    sockets = _sockets(group, "INPUT")
-    for name, lowest in ((side_graph.FRONT, 0.0), (side_graph.BACK, side_graph.AS_FRONT)):
-        socket = sockets.get(name)
-        if socket is None:
-            continue
-        if tau is None:
-            group.interface.remove(socket)
-            continue
-        socket.min_value, socket.max_value = lowest, min(tau, LARGEST)
-        socket.default_value = lowest if lowest < 0.0 else socket.max_value
-
-
-def _follow_thickness(group, old, new):
-    """A new Thickness input starts at the baked maximum. An input at the old maximum follows a new maximum;
-    other values are kept."""
-    if new is None:
-        return
-    for material in bpy.data.materials:
-        for node in material.node_tree.nodes if material.node_tree else ():
-            if node.type != "GROUP" or node.node_tree != group or node.inputs["Thickness"].is_linked:
-                continue
-            socket = node.inputs["Thickness"]
-            untouched = old is None or old < 0.0 or abs(socket.default_value - old) <= 1.0e-6 * old
-            if untouched:
-                socket.default_value = min(new, LARGEST)
-
-
-def _settle_base_colour(group, colour):
-    """Default of the Base Color socket; removes the socket if the base has no texture."""
-    socket = _sockets(group, "INPUT").get("Base Color")
-    if socket is not None and colour is None:
-        group.interface.remove(socket)
-
-
-def _follow_base_colour(group, colour):
-    """A new Base Color input starts at the stack's reflectance; an unchanged input follows a new
-    reflectance."""
-    socket = _sockets(group, "INPUT").get("Base Color")
-    if socket is None or colour is None:
-        return
-    old, socket.default_value = tuple(socket.default_value), (*colour, 1.0)
-    for material in bpy.data.materials:
-        for node in material.node_tree.nodes if material.node_tree else ():
-            if node.type == "GROUP" and node.node_tree == group and not node.inputs["Base Color"].is_linked:
-                given = node.inputs["Base Color"]
-                if tuple(given.default_value) in (old, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)):
-                    given.default_value = (*colour, 1.0)
 
 
 def images_of(nodes):

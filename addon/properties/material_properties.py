@@ -66,6 +66,12 @@ class LaminaResult(bpy.types.PropertyGroup):
     )
     between_rows_worst: FloatProperty(default=-1.0)
     albedo_error: FloatProperty(description="Worst relative error of the directional albedo")
+    base_matte: FloatProperty(
+        default=-1.0, description="Energy error of a matte shader below; negative for other bases"
+    )
+    base_metal: FloatProperty(default=-1.0, description="The same for rough metal")
+    base_unknown: FloatProperty(default=-1.0, description="The same where the reflectance is not known")
+    base_color: FloatProperty(default=-1.0, description="The worst of matte and metal in one channel")
     energy_error: FloatProperty()
     closures: IntProperty()
     seconds: FloatProperty()

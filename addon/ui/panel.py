@@ -74,12 +74,7 @@ class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
         elif not material.lamina.enabled:
             _draw_start(context, layout, material)
         else:
-            layout.menu("LAMINA_MT_presets", icon="PRESET")
-            added = material.lamina.enabled
-            header, body = layout.panel(f"lamina_pictures_{added:d}", default_closed=added)
-            header.label(text="Presets by Picture")
-            if body is not None:
-                preset_picker.draw(body, context)
+            _draw_presets(context, layout, folded=True)
 
 
 class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
@@ -181,6 +176,12 @@ def result_lines(result):
         lines.append(("Worst At", _place(result, "through_worst")))
     lines.append(("Albedo Error", percent(result.albedo_error, 2)))
     lines.append(("Energy Error", percent(result.energy_error, 2)))
+    if result.base_matte >= 0.0:
+        lines.append(("Shader Below", "Approximate. Error of the energy:"))
+        lines.append(("If Matte", percent(result.base_matte)))
+        lines.append(("If Rough Metal", percent(result.base_metal)))
+        lines.append(("In One Channel", percent(result.base_color)))
+        lines.append(("Without Reflectance", percent(result.base_unknown)))
     lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} fit"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
     return lines
@@ -208,11 +209,19 @@ def _draw_start(context, layout, material):
         column = layout.column(align=True)
         for text, icon in over_material.told(material, _characters(context)):
             column.label(text=text, icon=icon)
-        layout = layout.row()
-        layout.operator("lamina.add_stack", text="New Layers Instead")
+        layout.row().operator("lamina.add_stack", text="New Layers Instead")
     else:
         layout.operator("lamina.add_stack", icon="ADD")
+    _draw_presets(context, layout, folded=False)
+
+
+def _draw_presets(context, layout, folded):
+    """The menu of presets, and all presets by picture."""
     layout.menu("LAMINA_MT_presets", icon="PRESET")
+    header, body = layout.panel(f"lamina_pictures_{folded:d}", default_closed=folded)
+    header.label(text="Presets by Picture")
+    if body is not None:
+        preset_picker.draw(body, context)
 
 
 def draw_progress(layout, job, cancel):

@@ -16,11 +16,12 @@ from ..closures.closure_table import LightGrid, grid_for
 from ..common.arguments import check_choice, check_whole
 from ..common.errors import ArgumentError, StackError, quoted
 from ..common.progress import Progress, portion, portions, stepper
-from ..kinds.bases import Lambert
+from ..kinds.bases import Lambert, ShaderBase
 from ..kinds.fields import channel
-from ..kinds.table import COLUMNS, PREFIX, TAU_BEND, TAU_ROWS, THROWN_BACK
+from ..kinds.table import COLUMNS, METAL, PREFIX, TAU_BEND, TAU_ROWS, lobe_of
 from ..material.stack import Stack
 from ..solver.solve import check_nodes, check_stack, thread_pool, tolerance_of
+from . import principled_base
 from .base_texture import over_texture
 from .clean_row import mix_rows, without_varying
 from .dropped_weights import folded
@@ -28,6 +29,7 @@ from .fit_report import all_rows, fit_report
 from .lut import Lut
 from .lut_header import SCHEMA
 from .mixture import Effort, FittedMixture, Mixture, mix
+from .shader_base import on_lambert, shader_parts
 from .slices import Slices, SolvedRows, slices, solve_rows
 from .strayed_light import compensated
 from .tau_error import tau_error
@@ -35,16 +37,18 @@ from .tau_error import tau_error
 
 @dataclass(frozen=True)
 class Basis:
-    """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together)."""
+    """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together); of
+    a Principled base, beside the BSDF: (for light of the layers, for light that the base's color changes)."""
 
     reflected: tuple[int, int, int]
     transmitted: tuple[int, int, int]
     textured_base: tuple[int, int, int]
+    principled: tuple[int, int]
 
 
 CLOSURE_BASES = {
-    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2)),
-    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4)),
+    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (4, 3)),
+    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (9, 6)),
 }
 # Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},
@@ -80,7 +84,8 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     error of a fitted directional albedo; `strayed_light` of a sheet, see strayed_light.strayed_report, None
     for a stack on a base; `energy_error`, the solver's; `slice_errors`, of each slice; `row_errors`, by
     thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, the error of interpolation between
-    rows, measured at quality "final" when every row is solved, see tau_error.tau_error.
+    rows, measured at quality "final" when every row is solved, see tau_error.tau_error; `base_error` of a stack on a
+    ShaderBase, see shader_base.shader_parts.
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
     [8, 160], `threads` in [0, 1024]."""
     # Check the arguments
@@ -99,13 +104,21 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     step = stepper("the bake", progress, cancel)
     steps = portions(step, shares)
 
+    if principled_base.is_shown(stack):
+        parts, seen, solved = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
+                                                    limits.principled, SEARCH[quality])
+        header = _header(stack, quality, basis, solved, parts, fit_report(parts, seen, solved))
+        step(1.0, "Done")
+        return Lut(header, _weights(parts, solved), time.perf_counter() - started)
+    principled_base.refuse_inputs(stack)
+
     # Solve the stack for each thickness of its varying layer
-    solved = solve_rows(narrow_lobes.resolved(stack), quality, threads, steps["solve"], row_stride, nodes)
+    solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), quality, threads, steps["solve"], row_stride, nodes)
     pool = thread_pool(threads)
     grid = grid_for(quality, narrow_lobes.narrowest(stack))
 
     # Evaluate the slices to be fitted by closures
-    if _is_textured(stack):
+    if _is_textured(stack) or isinstance(stack.base, ShaderBase):
         seen, base = over_texture(solved, grid, pool, steps["evaluate"])
     else:
         seen, base = slices(solved, grid, pool, steps["evaluate"]), None
@@ -129,8 +142,13 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
             name = narrow_lobes.mirror(stack) if kind == "reflection" else "transparent"
             parts[name] = Mixture([name], wanted.direct[:, None])
 
-    # Fit the light that a textured base adds
-    if base is not None:
+    # Weigh the light of a shader below, or fit the light that a textured base adds
+    below_error = None
+    if base is not None and isinstance(stack.base, ShaderBase):
+        made, below_error = shader_parts(narrow_lobes.resolved(stack), solved, seen["reflection"],
+                                         fitted["reflection"], base, grid, quality, threads, steps["base"])
+        parts |= made
+    elif base is not None:
         assert isinstance(stack.base, Lambert)
         below = fit("reflection", base.slices, limits.textured_base, given["base"], steps["base"], False)
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
@@ -146,6 +164,7 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
 
     # Assemble the table
     report = fit_report(parts, seen, solved) | ({"tau_error": between} if between else {})
+    report |= {"base_error": below_error} if below_error else {}
     header = _header(stack, quality, basis, solved, parts, report)
     return Lut(header, _weights(parts, solved), time.perf_counter() - started)
 
@@ -205,16 +224,18 @@ def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: d
 
 
 def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
-    """Given closures by kind. Raises ArgumentError for a closure that is unknown or given twice, and for too many."""
+    """Given closures by kind, or by the prefix of the strips of a Principled base for metallic 1. Raises
+    ArgumentError for a closure that is unknown or given twice, and for too many."""
     if isinstance(ids, str) or not isinstance(ids, Sequence) or not all(isinstance(name, str) for name in ids):
         raise ArgumentError(f"closures = {quoted(ids)}: must be a list of lobe ids")
-    given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": []}
+    given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": [], METAL: [], METAL + PREFIX: []}
     for name in ids:
-        if name in ("transparent", THROWN_BACK) or name.startswith("mirror:"):
+        if name == "transparent" or not lobe_of(name) or name.startswith("mirror:"):
             continue  # always in the table
         try:
-            lobe = lobes.by_id(name.removeprefix(PREFIX))
-            given["base" if name.startswith(PREFIX) else lobe.side].append(lobe.id)
+            lobe = lobes.by_id(lobe_of(name))
+            kind = "base" if name.startswith(PREFIX) else lobe.side
+            given[name.removesuffix(lobe.id) if name.startswith(METAL) else kind].append(lobe.id)
         except KeyError:
             raise ArgumentError(f"closures: {quoted(name)} is not in the dictionary") from None
     for kind, names in given.items():

@@ -14,7 +14,7 @@ from .media import ALBEDO, SIGMA_A, SIGMA_S, single_scattering_albedo
 from .panel import Item, Panel
 from .phases import Isotropic, PhaseFunction
 
-__all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "PrincipledBase"]
+__all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "PrincipledBase", "ShaderBase"]
 
 
 # Facets of a Principled material narrower than this are solved as a mirror, and only their closure has their width. The
@@ -191,6 +191,7 @@ class PrincipledBase(Base):
         Item("color", "Base Color", "Give the node group a Base Color socket", 1),
         Item("metallic", "Metallic", "Give the node group a Metallic socket", 2),
         Item("roughness", "Roughness", "Give the node group a Roughness socket", 4)), several=True),)
+    distribution = "ggx"
     item = Item(kind, "Principled", "The surface that Blender's Principled BSDF shows with these values", 5)
 
     @property
@@ -205,7 +206,28 @@ class PrincipledBase(Base):
                 self.specular, self.coat, self.coat_roughness, self.coat_ior / ior_above, self.alpha)
 
 
+@dataclass(frozen=True)
+class ShaderBase(Base):
+    """A surface that another shader renders: the baked node group has an input for the shader. Only the mean
+    `reflectance` of the surface, [0, 1], is known, which is the default of another input. The group shows the
+    layers' own light exactly, and the shader's light with a weight that gives the right energy on average: see
+    lamina.bake. The solver takes the surface as a Lambert surface."""
+
+    reflectance: Channels = 0.5
+
+    kind = "shader"
+    fields = (Field("reflectance", 0.0, 1.0, panel=Panel(
+        "Base Reflectance", "Mean share of the light that the shader below reflects: light that the layers throw back "
+        "to the shader depends on the share", 0.5, rgb=True, subtype="COLOR", prop="shader_reflectance",
+        words="base reflectance")),)
+    item = Item(kind, "Other Shader (Approximate)", "The shader of your own nodes, seen through the layers: right in "
+                "energy on average, not in each direction", 6)
+
+    def in_channel(self, index: int) -> tuple:
+        return Lambert.kind, channel(self.reflectance, index)
+
+
 NONE = Item("none", "None (Thin Sheet)", "Nothing below: light also leaves through the back", 0)
-KINDS = (Lambert, Black, HalfSpace, Conductor, PrincipledBase)
-IN_PANEL = (Lambert, Conductor, PrincipledBase, Black, HalfSpace)  # in this order, after NONE
+KINDS = (Lambert, Black, HalfSpace, Conductor, PrincipledBase, ShaderBase)
+IN_PANEL = (Lambert, Conductor, PrincipledBase, ShaderBase, Black, HalfSpace)  # in this order, after NONE
 BASES = {cls.kind: cls for cls in KINDS}

@@ -222,7 +222,7 @@ def test_the_basis_reaches_the_bake(addon, lamina, material):
     addon.baking.bake_job.start(material)
     finish(addon)
     assert material.lamina.result.basis == "accurate"
-    assert ("Closures", f"{accurate.report['closures']}, accurate basis") in addon.ui.panel.result_lines(
+    assert ("Closures", f"{accurate.report['closures']}, accurate fit") in addon.ui.panel.result_lines(
         material.lamina.result
     )
 

@@ -30,11 +30,11 @@ def listed(addon, lamina, capsys):
 BAKED = {"quality": "preview", "basis": "standard"}
 OTHERS = {
     "better quality": ({}, {"quality": "final"}, "quality Preview instead of Final"),
-    "better basis": ({}, {"basis": "accurate"}, "basis Standard instead of Accurate"),
+    "better basis": ({}, {"basis": "accurate"}, "fit Standard instead of Accurate"),
     "both": ({}, {"quality": "final", "basis": "accurate"},
-             "quality Preview instead of Final, basis Standard instead of Accurate"),
+             "quality Preview instead of Final, fit Standard instead of Accurate"),
     "lower quality": ({"quality": "final"}, {}, "quality Final instead of Preview"),
-    "lower basis": ({"basis": "accurate"}, {}, "basis Accurate instead of Standard"),
+    "lower basis": ({"basis": "accurate"}, {}, "fit Accurate instead of Standard"),
 }  # fmt: skip
 
 
@@ -77,7 +77,7 @@ def test_live_editing_shows_a_preview_and_says_so(addon, lamina, material, told,
     live_bake(addon, material)
     assert addon.baking.bake_job.state(material) == "live"
     assert told(material) == "Live preview of these layers; Bake makes Final, Accurate"
-    difference = "quality Preview instead of Final, basis Standard instead of Accurate"
+    difference = "quality Preview instead of Final, fit Standard instead of Accurate"
     assert listed() == f"Bronze: 1 layer, live preview, {difference}"
     settings.live = False
     assert addon.baking.bake_job.state(material) == "other", "without Live it is a bake like any other"

@@ -300,7 +300,7 @@ def missing_map(obj):
     (overlapping, "Ball: .* texels lie on two parts of the surface"),
     (lamp, "Bulb is a lamp of type Point: Lit takes suns and the world"),
     (narrow_sun, r"lamps\[0\].angle = 0: must be at least"),
-    (no_texture, "Marble has no texture linked to a colour or density"),
+    (no_texture, "Marble has no texture linked to a color or density"),
     (layers_without_lengths, "has no lengths"),
     (missing_map, "Ball has no UV map named .Other.: unwrap it, or let Lamina unwrap it"),
 ])  # fmt: skip

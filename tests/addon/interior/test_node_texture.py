@@ -139,5 +139,5 @@ def test_bad_requests(addon, sampling, textured):
             sampling.sample_nodes(**whole | change)
     plain = bpy.data.materials.new("Plain")
     addon.nodes.node_tree.of(plain)
-    with pytest.raises(sampling.RefusedError, match="Plain has no texture linked to a colour or density"):
+    with pytest.raises(sampling.RefusedError, match="Plain has no texture linked to a color or density"):
         sampling.sample_nodes(obj, plain, LOW, HIGH, SHAPE)

@@ -22,19 +22,25 @@ def add_over(addon, lamina, tables):
 
     def add_over(material):
         addon.editing.over_material.add(material)
-        base = material.lamina.base
-        if base.kind not in tables:
-            stack = lamina.Stack([lamina.Medium(albedo=0.9, tau=0.5)], base=lamina.Lambert(0.5, textured=True))
-            tables[base.kind] = lamina.bake(stack, quality="preview")
-        addon.baking.bake_job.apply(material, tables[base.kind])
+        kind = material.lamina.base.kind
+        if kind not in tables:
+            bases = {"principled": lamina.Lambert(0.5, textured=True), "shader": lamina.ShaderBase(0.5)}
+            stack = lamina.Stack([lamina.Medium(albedo=0.9, tau=0.5)], bases[kind])
+            tables[kind] = lamina.bake(stack, quality="preview")
+        addon.baking.bake_job.apply(material, tables[kind])
 
     return add_over
 
 
-def with_principled(addon):
-    """The materials, by name, whose output a Principled BSDF feeds."""
+def with_shader(addon):
+    """The materials, by name, whose output a shader feeds."""
     made = {name: make(addon, name) for name in TREES}
-    return {name: material for name, material in made.items() if addon.nodes.principled.find(material)}
+    return {name: material for name, material in made.items() if not addon.editing.over_material.problem(material)}
+
+
+def with_principled(addon):
+    """Those whose output a Principled BSDF feeds."""
+    return {name: one for name, one in with_shader(addon).items() if addon.nodes.principled.find(one)}
 
 
 def group_node(material):
@@ -48,7 +54,7 @@ def fed_by(socket):
 
 
 def test_remove_restores_each_tree(addon, add_over):
-    for name, material in with_principled(addon).items():
+    for name, material in with_shader(addon).items():
         before = serialised_tree.of_material(material), serialised_tree.of_file()
         add_over(material)
         assert addon.nodes.node_group.is_connected(material)
@@ -58,7 +64,7 @@ def test_remove_restores_each_tree(addon, add_over):
 
 def test_remove_after_saving_and_loading(addon, add_over, tmp_path):
     before = {}
-    for name, material in with_principled(addon).items():
+    for name, material in with_shader(addon).items():
         before[name] = serialised_tree.of_material(material)
         add_over(material)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "over.blend"))
@@ -70,7 +76,7 @@ def test_remove_after_saving_and_loading(addon, add_over, tmp_path):
 
 def test_undo_restores_each_tree(addon, add_over):
     bpy.context.preferences.edit.use_global_undo = True
-    before = {name: serialised_tree.of_material(material) for name, material in with_principled(addon).items()}
+    before = {name: serialised_tree.of_material(material) for name, material in with_shader(addon).items()}
     bpy.ops.ed.undo_push(message="before")
     for name in before:
         add_over(bpy.data.materials[name])
@@ -102,6 +108,33 @@ def test_links_and_values_are_carried_and_kept(addon, add_over):
                 assert fed_by(node.inputs[socket]) == (None if loose else before[socket]), (name, socket)
         colours = [tuple(one.inputs["Base Color"].default_value) for one in (principled, node)]
         assert colours[0] == colours[1]
+
+
+def test_another_shader_stays_in_use(addon, add_over):
+    for name, material in with_shader(addon).items():
+        shader = addon.nodes.principled.shown(material)
+        if shader.node.type == "BSDF_PRINCIPLED" and not shader.node.mute:
+            continue
+        ends = fed_by(material.node_tree.get_output_node("CYCLES").inputs["Surface"])
+        add_over(material)
+        node = group_node(material)
+        assert surface_source(material) == node, name
+        assert fed_by(node.inputs["Base"]) == ends, name
+
+
+REFLECTANCES = {
+    "glass": (0.1, 0.1, 0.1), "cut out": (0.4, 0.4, 0.4), "glow added": (0.8, 0.8, 0.8), "hair": (0.5, 0.5, 0.5),
+    "classic": (0.45, 0.6, 0.5), "own group": (0.5, 0.5, 0.5), "two principled": (0.8, 0.8, 0.8),
+}
+
+
+@pytest.mark.parametrize("name", REFLECTANCES)
+def test_the_mean_reflectance_of_another_shader(addon, name):
+    material = make(addon, name)
+    addon.editing.over_material.add(material)
+    base = addon.editing.stack_io.to_dict(material)["base"]
+    assert base["kind"] == "shader"
+    assert tuple(material.lamina.base.shader_reflectance) == pytest.approx(REFLECTANCES[name], abs=1e-6)
 
 
 def test_emission_and_alpha(addon, add_over):

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sockets of a material's group: the surface's normal, the thickness of the varying layer, and the values
+of the base that the table leaves open.
+
+A rebuild adds and removes sockets and changes their defaults. A value that the artist has set stays; a value
+that is still the default follows the new default.
+"""
+
+import bpy
+
+from ..kinds.bases import PrincipledBase
+from ..kinds.table import BASE_WEIGHT, THROWN_BACK
+from . import principled, shader_base_graph, side_graph
+
+LARGEST = 1.0e6  # the panel's largest optical thickness
+
+_COLOR, _NUMBER, _SHADER = "NodeSocketColor", "NodeSocketFloat", "NodeSocketShader"
+
+# (name, type, description) of each input that a group may have, from the top.
+INPUTS = (
+    ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
+    (side_graph.FRONT, _NUMBER, "Optical thickness of the varying layer, from 0 to what was baked"),
+    (side_graph.BACK, _NUMBER,
+     "Optical thickness of the varying layer on back faces; below 0: as on front faces"),
+    ("Base Color", _COLOR, "Color of the base, linear; what the layers do to it is exact"),
+    ("Metallic", _NUMBER, "0 is a dielectric base, 1 is a metal"),
+    ("Roughness", _NUMBER, "Microfacet roughness of the base"),
+    (shader_base_graph.SHADER, _SHADER, "The shader below the layers"),
+    (shader_base_graph.REFLECTANCE, _COLOR,
+     "Mean reflectance of the shader below: its color, or the mean of its colors"),
+)
+
+
+def of_base(lut):
+    """{name: default} of the inputs that describe the base of `lut`; the default is None for a shader."""
+    closures, base = lut.header["closures"], lut.header["stack"]["base"]
+    if BASE_WEIGHT in closures:
+        return {shader_base_graph.SHADER: None, shader_base_graph.REFLECTANCE: _rgba(base["reflectance"])}
+    if base is not None and base["kind"] == PrincipledBase.kind:
+        return {principled.SOCKETS[name]: _rgba(base[name]) if name == "color" else float(base[name][0])
+                for name in base.get("inputs", ())}
+    return {"Base Color": _rgba(base["reflectance"])} if THROWN_BACK in closures else {}
+
+
+def add_missing(group, tau, base):
+    """Add the missing sockets for a table of largest thickness `tau`, or None, and inputs of the base `base`.
+    Returns the names of the added inputs."""
+    if "Shader" not in _sockets(group, "OUTPUT"):
+        group.interface.new_socket("Shader", in_out="OUTPUT", socket_type=_SHADER)
+    wanted = {"Normal": None, **base}
+    if tau is not None:
+        wanted |= {side_graph.FRONT: min(tau, LARGEST), side_graph.BACK: side_graph.AS_FRONT}
+    added = []
+    for name, kind, description in INPUTS:
+        if name not in wanted or name in _sockets(group, "INPUT"):
+            continue
+        socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
+        if name == "Normal":
+            socket.hide_value = True
+        if wanted[name] is not None:
+            socket.default_value = wanted[name]
+        if name in ("Metallic", "Roughness"):
+            socket.subtype, socket.min_value, socket.max_value = "FACTOR", 0.0, 1.0
+        added.append(name)
+    return added
+
+
+def remove(group, names):
+    """Remove these inputs."""
+    for name in names:
+        group.interface.remove(_sockets(group, "INPUT")[name])
+
+
+def settle(group, tau, base):
+    """Ranges and defaults of the sockets for thickness. Removes the inputs that the table does not have."""
+    sockets = _sockets(group, "INPUT")
+    unwanted = {name for name, *_ in INPUTS} - {"Normal", *base}
+    for name, lowest in ((side_graph.FRONT, 0.0), (side_graph.BACK, side_graph.AS_FRONT)):
+        if tau is not None and name in sockets:
+            socket = sockets[name]
+            socket.min_value, socket.max_value = lowest, min(tau, LARGEST)
+            socket.default_value = lowest if lowest < 0.0 else socket.max_value
+            unwanted.discard(name)
+    remove(group, unwanted & set(sockets))
+
+
+def follow_thickness(group, old, new):
+    """A new Thickness input starts at the baked maximum. An input at the old maximum follows a new maximum;
+    other values are kept."""
+    if new is None:
+        return
+    for socket in _used(group, side_graph.FRONT):
+        untouched = old is None or old < 0.0 or abs(socket.default_value - old) <= 1.0e-6 * old
+        if untouched and not socket.is_linked:
+            socket.default_value = min(new, LARGEST)
+
+
+def follow_base(group, base, added=()):
+    """Inputs of the base that were `added`, or that still have the old default, get the new default."""
+    for name, value in base.items():
+        if value is None:
+            continue
+        socket = _sockets(group, "INPUT")[name]
+        old, socket.default_value = _plain(socket.default_value), value
+        for given in _used(group, name):
+            if not given.is_linked and (name in added or _plain(given.default_value) == old):
+                given.default_value = value
+
+
+def _used(group, name):
+    """The sockets of this input, one for each node with the group."""
+    return [node.inputs[name]
+            for material in bpy.data.materials if material.node_tree
+            for node in material.node_tree.nodes
+            if node.type == "GROUP" and node.node_tree == group and name in node.inputs]
+
+
+def _sockets(group, in_out):
+    return {item.name: item for item in group.interface.items_tree
+            if item.item_type == "SOCKET" and item.in_out == in_out}
+
+
+def _rgba(channels):
+    return (*(channels * 3 if len(channels) == 1 else channels), 1.0)
+
+
+def _plain(value):
+    return tuple(value) if hasattr(value, "__len__") else value
