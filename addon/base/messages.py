@@ -8,14 +8,14 @@ from . import native
 
 _FIELDS = (
     *(field for form in media.FORMS for field in form),
-    *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
     *boundaries.Interface.fields,
+    *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
 )
-# Names of fields in the messages of `lamina`, and the panel's names for them.
+# Names of fields in the messages of `lamina`, and the panel's names for them: of fields with one name, the first's.
 WORDS = {
     "phase": "phase function",
     "phase.kind": "phase function",
-    **{field.name: field.panel.words for field in _FIELDS},
+    **{field.name: field.panel.words for field in reversed(_FIELDS)},
     **{f"phase.{field.name}": field.panel.words for cls in phases.IN_PANEL for field in cls.fields},
 }
 
