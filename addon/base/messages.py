@@ -11,7 +11,7 @@ _FIELDS = (
     *boundaries.Interface.fields,
     *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
 )
-# Names of fields in the messages of `lamina`, and the panel's names for them. The first field of a name counts.
+# Names of fields in messages of `lamina`, and the panel's names for them. The first field of a name counts.
 WORDS = {
     "phase": "phase function",
     "phase.kind": "phase function",
