@@ -53,6 +53,21 @@ class LaminaDust(bpy.types.PropertyGroup):
         description="Speed of the wind over that of the fall: 1 tilts the fall by 45 degrees",
         default=0.0, min=0.0, max=dust.MOST_WIND, soft_max=3.0, step=10, options=set(),
     )  # fmt: skip
+    over_frames: BoolProperty(
+        name="Over Frames",
+        description="Let the amount fall in equal parts at several frames, while objects move. Dust stays "
+        "where it settled",
+        options=set(),
+    )
+    frame_first: IntProperty(
+        name="First Frame", description="Frame of the first part", default=1, options=set()
+    )
+    frame_last: IntProperty(
+        name="Last Frame", description="Frame of the last part", default=100, options=set()
+    )
+    frame_step: IntProperty(
+        name="Step", description="Frames between two parts", default=10, min=1, options=set()
+    )
     seed: IntProperty(name="Seed", description="Seed of the noise and the patches", min=0, options=set())
     others: BoolProperty(
         name="Other Objects",

@@ -20,21 +20,33 @@ from ..nodes import detail_wiring, thickness
 from . import dust_attribute, geometry
 
 FINER = 3  # a note is added if modifiers make the mesh finer by this factor
+MOST_FRAMES = 1000
 MARGIN = 4  # texels by which an image's islands are extended, so that filtering finds dust at their borders
 
 
 @dataclass(frozen=True)
+class Moment:
+    """The surface, and what keeps dust off it, at one frame."""
+
+    surface: geometry.Arrays
+    occluders: list
+
+
+@dataclass(frozen=True)
 class Task:
-    """The dust of one object, as arrays."""
+    """The dust of one object, as arrays. `own`: its mesh at the first moment. `settling`: of one moment."""
 
     uid: int
     name: str
-    surface: geometry.Arrays
     own: geometry.OwnMesh
-    occluders: list
+    moments: list[Moment]
     settling: dict
     seed: int
     size: int  # of the image; 0: an attribute
+
+    @property
+    def surface(self):
+        return self.moments[0].surface
 
 
 @dataclass(frozen=True)
@@ -86,35 +98,38 @@ def gather(context, obj):
     size = settings.size if settings.target == "image" else 0
     if not size:
         dust_attribute.check_names(obj.data)
-    surface, own = geometry.of_object(context, obj, settings.uv_map if size else None)
-    return Task(
-        uid=obj.session_uid,
-        name=obj.name,
-        surface=surface,
-        own=own,
-        occluders=geometry.others(context, obj) if settings.others else [],
-        settling=_settling(settings, context.scene),
-        seed=settings.seed,
-        size=size,
-    )
+    moments, own = [], None
+    for _frame in _frames(context.scene, settings):
+        surface, now = geometry.of_object(context, obj, settings.uv_map if size else None)
+        own = own or now
+        moments.append(Moment(surface, geometry.others(context, obj) if settings.others else []))
+    settling = _settling(settings, context.scene)
+    settling["time"] /= len(moments)
+    return Task(obj.session_uid, obj.name, own, moments, settling, settings.seed, size)
 
 
 def settle_gathered(task, progress=None, cancel=None, threads=0):
     """The Answer to a Task. Raises as lamina.dust.settle does."""
     dust = native.part("dust")
+    settled = []
+    for number, moment in enumerate(task.moments):
+        def told(fraction, text="", number=number):
+            if progress is not None:
+                before = f"frame {number + 1} of {len(task.moments)}, " if len(task.moments) > 1 else ""
+                progress((number + fraction) / len(task.moments), before + text)
+
+        settled.append(_at(moment, task, dust, progress=told, cancel=cancel, threads=threads))
+    return Answer(dust.accumulate(settled) if len(settled) > 1 else settled[0])
+
+
+def _at(moment, task, dust, **how):
+    """The Dust of one moment."""
     surface, *occluders = (dust.Mesh(one.vertices, one.triangles, one.normals, name=one.name)
-                           for one in (task.surface, *task.occluders))
-    how = {
-        "settings": dust.Settling(**task.settling),
-        "seed": task.seed,
-        "progress": progress,
-        "cancel": cancel,
-        "threads": threads,
-    }
+                           for one in (moment.surface, *moment.occluders))
+    how |= {"settings": dust.Settling(**task.settling), "seed": task.seed}
     if task.size:
-        uvs = task.surface.uvs
-        return Answer(dust.settle_image(surface, uvs, task.size, occluders, margin=MARGIN, **how))
-    return Answer(dust.settle(surface, None, occluders, **how))
+        return dust.settle_image(surface, moment.surface.uvs, task.size, occluders, margin=MARGIN, **how)
+    return dust.settle(surface, None, occluders, **how)
 
 
 def apply(obj, task, answer):
@@ -159,6 +174,26 @@ def clear(obj):
     if image is not None:
         bpy.data.images.remove(image)
     settings.told, settings.largest, settings.largest_back = "", 0.0, 0.0
+
+
+def _frames(scene, settings):
+    """Goes through the frames over which dust falls, and back to the present frame. Raises RefusedError."""
+    now = scene.frame_current, scene.frame_subframe
+    if not settings.over_frames:
+        yield now[0]
+        return
+    first, last = settings.frame_first, settings.frame_last
+    if last < first:
+        raise RefusedError(f"Last Frame = {last}: must be at least First Frame, {first}")
+    frames = range(first, last + 1, settings.frame_step)
+    if len(frames) > MOST_FRAMES:
+        raise RefusedError(f"{len(frames)} frames: at most {MOST_FRAMES} can be settled; raise the step")
+    try:
+        for frame in frames:
+            scene.frame_set(frame)
+            yield frame
+    finally:
+        scene.frame_set(now[0], subframe=now[1])
 
 
 def _settling(settings, scene):

@@ -78,6 +78,10 @@ def _draw_amount(_context, layout, obj):
             _draw_option(column, settings, option)
         if option.name == "grams" != unused:
             column.prop(settings, "substance")
+    column.prop(settings, "over_frames")
+    if settings.over_frames:
+        for name in ("frame_first", "frame_last", "frame_step"):
+            column.prop(settings, name)
 
 
 def _draw_from(_context, layout, obj):

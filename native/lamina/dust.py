@@ -3,10 +3,11 @@
 
 from .common.errors import DustError
 from .kinds.dust import ATTRIBUTE, Settling
+from .settling.accumulate import accumulate
 from .settling.mesh import Mesh, Points
 from .settling.settle import Dust, available, settle, settle_image
 from .settling.statistics import Statistics
 from .settling.texels import dilate, texel_points
 
-__all__ = ["ATTRIBUTE", "Dust", "DustError", "Mesh", "Points", "Settling", "Statistics", "available", "dilate",
-           "settle", "settle_image", "texel_points"]
+__all__ = ["ATTRIBUTE", "Dust", "DustError", "Mesh", "Points", "Settling", "Statistics", "accumulate",
+           "available", "dilate", "settle", "settle_image", "texel_points"]

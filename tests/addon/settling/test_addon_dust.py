@@ -448,3 +448,27 @@ def test_the_panels_of_dust_and_of_its_detail(dust, addon, material):
     assert "Settle Again" in lines(settling)
     after = lines(thickness)
     assert "Cloud Size" in after and "Remove Grain and Clouds" in after and "Wipe by Hand" in after
+
+
+def test_dust_falls_over_the_frames_of_an_animation(dust, addon):
+    """A roof moves from the left half to the right half: at two frames, each half gets half of the amount."""
+    plate = grid(cells=8)
+    roof = grid("Roof", size=1.2, z=0.4)
+    for frame, shift in ((1, -1.24), (11, 1.24)):
+        roof.location.x = shift
+        roof.keyframe_insert("location", index=0, frame=frame)
+    settings, scene = plate.lamina_dust, bpy.context.scene
+    scene.frame_set(4)
+    settings.spread, settings.repose = 0.0, 3.1
+    settings.over_frames, settings.frame_first, settings.frame_last, settings.frame_step = True, 1, 11, 10
+    found = dust.settle(bpy.context, plate)
+    assert scene.frame_current == 4
+    aside = np.abs([vertex.co.x for vertex in plate.data.vertices]) > 0.2
+    assert found.tau[: len(aside)][aside] == pytest.approx(0.5, abs=1e-5)
+    settings.frame_last = 0
+    with pytest.raises(addon.base.messages.RefusedError, match="Last Frame = 0: must be at least First Frame, 1"):
+        dust.settle(bpy.context, plate)
+    settings.frame_last, settings.frame_step = 100000, 1
+    with pytest.raises(addon.base.messages.RefusedError, match="100000 frames: at most 1000"):
+        dust.settle(bpy.context, plate)
+    assert scene.frame_current == 4
