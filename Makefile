@@ -30,6 +30,8 @@ DOCS_SOURCES := $(shell find docs -type f) CHANGELOG.md tools/docs_math.py tools
 # Of tests/lamina, what `make check` runs: files without Blender that take seconds.
 SAMPLE := material solver/test_published_values.py solver/test_symmetries.py baking/test_lut.py cli walks/test_shards.py \
 	test_one_version.py test_stubs.py
+# Tests of the core that `make check` leaves out: long walks and narrow peaks.
+QUICK := not (sharp_peak or promise_with_a_peak or guided_transfer_walk or no_tail_hides or unbiased_where_it_is_hard)
 WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
@@ -64,7 +66,7 @@ check: build/stamps/wheel build/stamps/develop
 	PYTHONPATH=native $(VENV)/bin/lint-imports --no-cache
 	$(RUN) -m mypy
 	tools/lint_cpp.sh $(VENV)/bin changed
-	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --durations=10 tests/core $(addprefix tests/lamina/,$(SAMPLE))
+	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --durations=10 -k "$(QUICK)" tests/core $(addprefix tests/lamina/,$(SAMPLE))
 
 lint: build/stamps/wheel build/stamps/develop
 	$(RUN) -m ruff check .
