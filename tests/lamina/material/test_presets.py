@@ -79,6 +79,18 @@ def test_the_pond_is_measured_water_in_which_silt_settles():
     np.testing.assert_allclose(1000.0 * water, [0.34, 0.0565, 0.00922], rtol=1e-9)
 
 
+def test_layers_are_told_apart_by_name():
+    for entry in presets.entries():
+        found = [layer.name for layer in entry.stack.layers]
+        assert all(found) and len(set(found)) == len(found), entry.id
+
+
+def test_dust_has_a_thickness_input():
+    grains = {"dust", "soot", "ash"}
+    dusty = [entry for entry in presets.entries() if grains & {layer.name for layer in entry.stack.layers}]
+    assert len(dusty) >= 7 and all(entry.stack.varying is not None for entry in dusty)
+
+
 def test_an_unknown_preset():
     for kind in (KeyError, StackError):
         with pytest.raises(kind) as caught:
@@ -93,7 +105,7 @@ class TestCommand:
         out, err = capfd.readouterr()
         lines = out.splitlines()
         assert err == "" and [line.split()[0] for line in lines] == IDS
-        assert lines[IDS.index("varnished-walnut")].endswith("  varnish / varnish / lambert")
+        assert lines[IDS.index("varnished-walnut")].endswith("  varnish surface / varnish / lambert")
         assert "Coated and painted" in lines[IDS.index("varnished-walnut")]
 
     def test_list_as_json(self, capfd):
