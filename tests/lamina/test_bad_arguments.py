@@ -49,12 +49,12 @@ def test_nodes_that_cannot_be(nodes):
             run(SLAB, "preview", nodes=nodes)
 
 
-@pytest.mark.parametrize("value", [None, {}, {"schema": 1, "layers": []}, [Medium(albedo=0.5, tau=1.0)], "slab.json"],
+@pytest.mark.parametrize("value", [None, {}, {"schema": 1, "layers": []}, [Medium(albedo=0.5, tau=1.0)], "slab"],
                          ids=lambda value: type(value).__name__)
 def test_what_is_no_stack_is_refused_by_all_that_take_one(value):
     for call in (lamina.solve, lamina.bake, lambda stack: lamina.estimate(stack, 0.5, 0.5),
                  lambda stack: run_shard(stack, Query(0.5, 0.5), "transfer", 4096, 0, (1, 1))):
-        with pytest.raises(ArgumentError, match=r"^stack = .*: must be a lamina.Stack, which Stack.from_json makes"):
+        with pytest.raises(ArgumentError, match=r"^stack = .*: must be a lamina.Stack, the id of a preset"):
             call(value)
 
 
@@ -323,7 +323,9 @@ def test_arguments_of_the_command_line_are_bad_input(arguments, tmp_path, monkey
 
 
 def test_long_words_of_a_command_line_are_cut_short(capsys):
-    assert main(["bake", "x" * 10000, "-o", "x.npz"]) == 1
+    assert main(["bake", "x" * 10000, "-o", "x.npz"]) == 2
+    assert len(capsys.readouterr().err) < 400
+    assert main(["bake", "x" * 10000 + ".json", "-o", "x.npz"]) == 1
     error = capsys.readouterr().err
     assert len(error) < 400 and "File name too long" in error
     with pytest.raises(SystemExit) as caught:

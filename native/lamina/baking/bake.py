@@ -19,8 +19,9 @@ from ..common.progress import Progress, portion, portions, stepper
 from ..kinds.bases import Lambert, ShaderBase
 from ..kinds.fields import channel
 from ..kinds.table import COLUMNS, METAL, PREFIX, TAU_BEND, TAU_ROWS, lobe_of
+from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
-from ..solver.solve import check_nodes, check_stack, thread_pool, tolerance_of
+from ..solver.solve import check_nodes, thread_pool, tolerance_of
 from . import principled_base
 from .base_texture import over_texture
 from .clean_row import mix_rows, without_varying
@@ -58,7 +59,7 @@ SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_s
 TIME = {"solve": 0.1, "evaluate": 0.6, "fit": 0.1, "base": 0.02, "between": 0.2}
 
 
-def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
+def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = None,
          cancel: Callable[[], bool] | None = None, threads: int = 0, closures: Sequence[str] | None = None,
          row_stride: int = 1, nodes: int | None = None, basis: str = "standard") -> Lut:
     """Bakes a stack into a lookup table for Cycles. The same arguments give the same bytes for any number of `threads`
@@ -89,7 +90,7 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
     [8, 160], `threads` in [0, 1024]."""
     # Check the arguments
-    check_stack(stack)
+    stack = as_stack(stack)
     tolerance_of(quality)
     nodes = check_nodes(nodes)
     row_stride = check_whole(row_stride, "row_stride", 1, TAU_ROWS)

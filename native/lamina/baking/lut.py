@@ -25,6 +25,11 @@ class Lut:
     weights: np.ndarray
     seconds: float = 0.0
 
+    def __repr__(self) -> str:
+        shape = " x ".join(map(str, self.weights.shape))
+        return (f"<Lut: {len(self.closures)} closures, weights {shape}, {self.header['quality']} quality, fit error "
+                f"{self.header['report']['fit_error']:.2%}>")
+
     @property
     def report(self) -> dict:
         """The accuracy of the table: fit_error (mean relative L2 error of the slices), worst_slice, albedo_error,

@@ -11,6 +11,10 @@ from ..kinds.limits import SEED, THREADS
 from ..walks.estimate import SAMPLES
 
 
+def add_stack(command: argparse.ArgumentParser) -> None:
+    command.add_argument("stack", metavar="STACK", help="the id of a preset, or the path of a stack's JSON file")
+
+
 def add_threads(command: argparse.ArgumentParser) -> None:
     command.add_argument("--threads", type=_threads, default=0, metavar="N", help="0: all (default)")
 

@@ -9,16 +9,16 @@ from pathlib import Path
 from ..baking.bake import CLOSURE_BASES, bake
 from ..baking.lut import Lut
 from ..baking.report import describe
-from ..material.stack import Stack
+from ..material.any_stack import as_stack
 from ..solver.solve import TOLERANCE
-from .arguments import add_threads
-from .output import check_writable, progress_of
+from .arguments import add_stack, add_threads
+from .output import check_suffix, check_writable, progress_of
 
 
 def add(commands) -> None:
     """Adds the commands to a parser."""
-    command = commands.add_parser("bake", help="bake a stack's JSON file into a lookup table")
-    command.add_argument("stack", metavar="STACK.json")
+    command = commands.add_parser("bake", help="bake a stack into a lookup table")
+    add_stack(command)
     command.add_argument("-o", "--output", required=True, metavar="OUT", help="the table to write (.npz)")
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
     command.add_argument("--basis", choices=tuple(CLOSURE_BASES), default="standard",
@@ -33,8 +33,9 @@ def add(commands) -> None:
 
 
 def _bake(arguments: argparse.Namespace) -> int:
-    stack = Stack.load(arguments.stack)
+    stack = as_stack(arguments.stack)
     output = Path(arguments.output)
+    check_suffix(output, ".npz")
     check_writable(output)
     progress = progress_of(arguments)
     lut = bake(stack, arguments.quality, progress, threads=arguments.threads, basis=arguments.basis)

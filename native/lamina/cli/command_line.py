@@ -39,7 +39,11 @@ COMMANDS = (bake_command, presets_command, export_command, estimate_command, sea
 def main(argv: list[str] | None = None) -> int:
     """Runs one command. Returns the exit code: 0, 1 if the work failed, 2 for bad input, 130 after Ctrl-C. Errors are
     one sentence on standard error."""
-    arguments = _parser().parse_args(argv)
+    parser = _parser()
+    if not (sys.argv[1:] if argv is None else argv):
+        parser.print_help()
+        return 0
+    arguments = parser.parse_args(argv)
     try:
         check(arguments)
         return arguments.run(arguments)

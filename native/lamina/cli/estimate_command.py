@@ -7,17 +7,17 @@ import argparse
 import json
 
 from ..common.errors import ArgumentError
-from ..material.stack import Stack
+from ..material.any_stack import as_stack
 from ..walks.estimate import METHODS, SAMPLES, Estimate, Query, estimate
 from ..walks.shards import run_shard
-from .arguments import add_drawing
+from .arguments import add_drawing, add_stack
 from .drawing import draw
 
 
 def add(commands) -> None:
     """Adds the command to a parser."""
     command = commands.add_parser("estimate", help="estimate one value of a stack by Monte Carlo")
-    command.add_argument("stack", metavar="STACK.json")
+    add_stack(command)
     command.add_argument("--mu-o", type=float, metavar="MU",
                          help="cosine of the viewer; without it, the hemispherical reflectance or transmittance")
     command.add_argument("--mu-i", type=float, required=True, metavar="MU", help="cosine of the light")
@@ -53,7 +53,7 @@ def _estimate(arguments: argparse.Namespace) -> int:
 
 def _estimated(arguments: argparse.Namespace, progress) -> Estimate | dict:
     """Runs the estimate, or with --shard one part. Raises ValueError, SolveError, OSError."""
-    stack = Stack.load(arguments.stack)
+    stack = as_stack(arguments.stack)
     where = (arguments.mu_o, arguments.mu_i, arguments.dphi)
     if arguments.shard is None:
         return estimate(stack, *where, arguments.method, arguments.samples, arguments.target_error, arguments.seed,

@@ -10,16 +10,16 @@ from pathlib import Path
 from ..common.errors import ArgumentError
 from ..exchange.export import save_npz
 from ..exchange.rgl import check_wavelengths, save_bsdf
-from ..material.stack import Stack
+from ..material.any_stack import as_stack
 from ..solver.solve import TOLERANCE, solve
-from .arguments import add_threads, numbers
-from .output import check_writable, progress_of
+from .arguments import add_stack, add_threads, numbers
+from .output import check_suffix, check_writable, progress_of
 
 
 def add(commands) -> None:
     """Adds the command to a parser."""
     command = commands.add_parser("export", help="write a stack's full scattering function")
-    command.add_argument("stack", metavar="STACK.json")
+    add_stack(command)
     command.add_argument("-o", "--output", required=True, metavar="OUT",
                          help=".npz: arrays with axes; .bsdf: reflection for Mitsuba 3's plugin `measured`")
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
@@ -31,11 +31,10 @@ def add(commands) -> None:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    stack = Stack.load(arguments.stack)
+    stack = as_stack(arguments.stack)
     output = Path(arguments.output)
+    check_suffix(output, ".npz", ".bsdf")
     check_writable(output)
-    if output.suffix not in (".npz", ".bsdf"):
-        raise ArgumentError(f"{output}: must end with .npz or .bsdf")
     if arguments.wavelengths and output.suffix != ".bsdf":
         raise ArgumentError("--wavelengths: only a .bsdf file has them")
     if output.suffix == ".bsdf":

@@ -20,6 +20,12 @@ def check_writable(output: Path) -> None:
         raise ArgumentError(f"{output.parent}: not a folder that can be written to")
 
 
+def check_suffix(output: Path, *suffixes: str) -> None:
+    """Raises ArgumentError unless the file's name ends in one of the suffixes."""
+    if output.suffix.lower() not in suffixes:
+        raise ArgumentError(f"{output}: must end in {' or '.join(suffixes)}")
+
+
 def progress_of(arguments: argparse.Namespace) -> Progress | None:
     """Where the command shows its progress; None with --quiet."""
     return None if arguments.quiet else Progress()

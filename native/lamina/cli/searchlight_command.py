@@ -9,12 +9,12 @@ import math
 
 import numpy as np
 
-from ..material.stack import Stack
+from ..material.any_stack import as_stack
 from ..walks.estimate import SAMPLES
 from ..walks.estimate_searchlight import WALKS, SearchlightEstimate, SearchlightQuery, estimate_searchlight
 from ..walks.searchlight_moments import Measured
 from ..walks.searchlight_shards import run_searchlight_shard
-from .arguments import add_drawing, numbers
+from .arguments import add_drawing, add_stack, numbers
 from .drawing import draw
 
 # Values for all light, then values at each radius and at each frequency.
@@ -27,7 +27,7 @@ def add(commands) -> None:
     """Adds the command to a parser."""
     command = commands.add_parser("estimate-searchlight", help="estimate by Monte Carlo where a pencil beam's light "
                                                                "leaves a stack with lengths in millimetres")
-    command.add_argument("stack", metavar="STACK.json")
+    add_stack(command)
     command.add_argument("--mu-i", type=float, default=1.0, metavar="MU", help="cosine of the beam (1)")
     command.add_argument("--walk", choices=tuple(WALKS), default="transfer")
     command.add_argument("--r", type=numbers, default=[], metavar="MM,...", help="radii, for the flux within each")
@@ -43,7 +43,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _estimated(arguments: argparse.Namespace, progress) -> SearchlightEstimate | dict:
     """The estimate, or with --shard the part. Raises ValueError, OSError."""
-    stack = Stack.load(arguments.stack)
+    stack = as_stack(arguments.stack)
     samples = SAMPLES if arguments.samples is None else arguments.samples
     query = SearchlightQuery(arguments.mu_i, arguments.walk, arguments.r, arguments.q)
     if arguments.shard is not None:

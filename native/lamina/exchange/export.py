@@ -13,7 +13,7 @@ import numpy as np
 from ..common.archive import Damaged, load_archive, save_archive
 from ..common.arguments import check_callable, check_kind, finite_list
 from ..common.errors import ArgumentError, ExportError
-from ..material.stack import Stack
+from ..material.any_stack import AnyStack
 from ..solver.solve import ScatteringFunction, solve
 
 FORMAT = "lamina scattering function"
@@ -101,11 +101,11 @@ def tabulate(solved: ScatteringFunction, theta_o=None, theta_i=None, dphi=None,
     return Export(header, arrays)
 
 
-def save_npz(solved: ScatteringFunction | Stack, path: str | os.PathLike, theta_o=None, theta_i=None, dphi=None,
+def save_npz(solved: ScatteringFunction | AnyStack, path: str | os.PathLike, theta_o=None, theta_i=None, dphi=None,
              progress: Callable[[float, str], object] | None = None) -> None:
     """Writes the result of tabulate as .npz, completely or not at all: no pickle, the header as bytes of JSON. A stack
     is solved first, at quality "final". Raises ValueError, SolveError and OSError."""
-    if isinstance(solved, Stack):
+    if not isinstance(solved, ScatteringFunction):
         solved = solve(solved)
     export = tabulate(solved, theta_o, theta_i, dphi, progress)
     save_archive(path, export.header, **export.arrays)

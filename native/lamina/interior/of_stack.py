@@ -8,6 +8,7 @@ from ..kinds.bases import HalfSpace
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..kinds.phases import HenyeyGreenstein, Isotropic
+from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.millimetres import require_millimetres
 from ..material.stack import Stack
@@ -16,12 +17,13 @@ from .grid import Interior
 from .walk import Surface
 
 
-def interior_of_stack(stack: Stack) -> tuple[Interior, Surface]:
+def interior_of_stack(stack: AnyStack) -> tuple[Interior, Surface]:
     """(interior, surface) of a body that a stack fills: an optional interface on top, and one medium in 1/mm below,
     as a layer or as a half-space; the thickness of a layer is not used. The phase function is isotropic or
     Henyey-Greenstein. If g differs between channels, all get the mean g, and sigma_s is scaled so that
     sigma_s (1 - g) stays the same (similarity). Raises StackError for other stacks, InteriorError for coefficients
     out of range."""
+    stack = as_stack(stack)
     require_millimetres(stack)
     top = stack.layers[0] if stack.layers and isinstance(stack.layers[0], Interface) else None
     media = [part for part in (*stack.layers[0 if top is None else 1:], stack.base) if part is not None]

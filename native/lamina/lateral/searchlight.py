@@ -11,12 +11,13 @@ from .. import _core
 from ..common.arguments import check_number, finite_array
 from ..common.errors import ArgumentError
 from ..common.progress import Progress, portion, stepper
+from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
-from ..solver.solve import check_stack, or_solve_error, thread_pool, tolerance_of
+from ..solver.solve import or_solve_error, thread_pool, tolerance_of
 from .measured import measured_layers, measured_stack
 
 
-def searchlight(stack: Stack, mu_i: float = 1.0, quality: str = "final", threads: int = 0,
+def searchlight(stack: AnyStack, mu_i: float = 1.0, quality: str = "final", threads: int = 0,
                 progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> Searchlight:
     """The response of a stack to a pencil beam on its top at the cosine `mu_i`, in (0, 1]. Deterministic.
 
@@ -30,7 +31,7 @@ def searchlight(stack: Stack, mu_i: float = 1.0, quality: str = "final", threads
     tolerance, and ArgumentError, a ValueError, for arguments out of range.
     Method: discrete ordinates at lateral frequencies, which couple azimuths; layers by doubling, joined by the adding
     equations; a Hankel transform after subtraction of single scattering. See docs/theory.md."""
-    check_stack(stack)
+    stack = as_stack(stack)
     tolerance_of(quality)
     mu_i = check_number(mu_i, "mu_i", "must lie in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
     step = stepper("the searchlight", progress, cancel)
@@ -46,7 +47,7 @@ def searchlight(stack: Stack, mu_i: float = 1.0, quality: str = "final", threads
             or_solve_error(lambda core=core: core.advance(pool))
         solved[layers, base] = core
     step(1.0, "Done")
-    return Searchlight(stack, mu_i, [solved[key] for key in channels], pool)
+    return Searchlight(stack, mu_i, [solved[key] for key in channels], pool, (stack, mu_i, quality, threads))
 
 
 class Searchlight:
@@ -54,13 +55,21 @@ class Searchlight:
 
     Fluxes and mean distances have the shape (channels,). Functions of distance or frequency return the shape of their
     argument, with a last axis of channels if there are several. For an oblique beam all values are means over azimuths
-    about the point of entry."""
+    about the point of entry. A pickled response is solved again when it is loaded, with the same result."""
 
-    def __init__(self, stack: Stack, mu_i: float, channels: list, pool):
+    def __init__(self, stack: Stack, mu_i: float, channels: list, pool, made: tuple):
         self.stack = stack
         self.mu_i = mu_i
         self._channels = channels
         self._pool = pool
+        self._made = made  # the arguments of searchlight
+
+    def __reduce__(self):
+        return searchlight, self._made
+
+    def __repr__(self) -> str:
+        return (f"<Searchlight of {self.stack.label}: mu_i {self.mu_i:g}, {len(self._channels)} channels, reflectance "
+                f"{' '.join(f'{value:.4f}' for value in self.reflectance)}>")
 
     @property
     def reflectance(self) -> np.ndarray:

@@ -85,6 +85,11 @@ class Stack:
         return next((i for i, layer in enumerate(self.layers) if layer.varying), None)
 
     @property
+    def label(self) -> str:
+        """The stack in a few words: its name, or what it is made of."""
+        return self.name or f"{len(self.layers)} layers on {self.base.kind if self.base else 'nothing'}"
+
+    @property
     def hash(self) -> str:
         """Identifies the stack's content: SHA-256 of the canonical form, hexadecimal."""
         return hashlib.sha256(self.canonical().encode()).hexdigest()

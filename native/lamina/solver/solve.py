@@ -11,7 +11,6 @@ from .. import _core
 from ..common.arguments import (
     broadcast,
     check_choice,
-    check_kind,
     check_number,
     check_threads,
     check_whole,
@@ -24,6 +23,7 @@ from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..kinds.media import TAU
+from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.profile import THICKNESS
 from ..material.stack import Stack
@@ -33,19 +33,20 @@ _SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
 _PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
 
 
-def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | None = None) -> ScatteringFunction:
-    """The scattering function of a stack, with a relative pointwise tolerance (cosines >= .05) of .1 % ("final") or 1 %
-    ("preview"). `threads` 0 uses every hardware thread; results do not depend on it. In stacks with boundaries, the
-    tolerance is relative to at least 1e-3 per steradian and to at least 1e-3 of the mean over azimuths. At most 200
-    azimuth orders are tried. `nodes` sets the number of nodes per hemisphere, without a check of the tolerance, for
-    previews.
+def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int | None = None) -> ScatteringFunction:
+    """The scattering function of a stack, which is a lamina.Stack, the id of a preset, or the path of a JSON file.
+
+    The relative pointwise tolerance (cosines >= .05) is .1 % ("final") or 1 % ("preview"). `threads` 0 uses every
+    hardware thread; results do not depend on it. In stacks with boundaries, the tolerance is relative to at least 1e-3
+    per steradian and to at least 1e-3 of the mean over azimuths. At most 200 azimuth orders are tried. `nodes` sets the
+    number of nodes per hemisphere, without a check of the tolerance, for previews.
 
     Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
     ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
     Method: discrete ordinates per azimuth order, solved by modes (Nakajima and Tanaka 1986), layers joined
     by the adding equations (van de Hulst 1963), truncation of the forward peak with exact single
     scattering (Nakajima and Tanaka 1988)."""
-    check_stack(stack)
+    stack = as_stack(stack)
     tolerance = tolerance_of(quality)
     nodes = check_nodes(nodes)
     pool = thread_pool(threads)
@@ -56,12 +57,7 @@ def solve(stack: Stack, quality: str = "final", threads: int = 0, nodes: int | N
         if key not in solved:
             solved[key] = _solve_channel(_core.Stack(layers, base), tolerance, pool, nodes)
         channels.append(solved[key])
-    return ScatteringFunction(stack, channels, pool)
-
-
-def check_stack(stack: Stack) -> Stack:
-    """Raises ArgumentError unless it is a Stack."""
-    return check_kind(stack, "stack", Stack, "a lamina.Stack, which Stack.from_json makes of a JSON object")
+    return ScatteringFunction(stack, channels, pool, (solve, (stack, quality, threads, nodes)))
 
 
 def check_nodes(nodes: int | None) -> int | None:
@@ -144,12 +140,21 @@ class ScatteringFunction:
     ior 1.
 
     `nodes` and `orders` are the solver's choices; `checks` is a dict of the errors that its checks found, the maxima
-    over channels."""
+    over channels. A pickled function holds the arguments of its making, and is solved again when it is loaded, with
+    the same result."""
 
-    def __init__(self, stack: Stack, channels: list, pool):
+    def __init__(self, stack: Stack, channels: list, pool, made: tuple):
         self.stack = stack
         self._channels = channels
         self._pool = pool
+        self._made = made  # (callable, arguments) that make this function
+
+    def __reduce__(self):
+        return self._made
+
+    def __repr__(self) -> str:
+        return (f"<ScatteringFunction of {self.stack.label}: {len(self._channels)} channels, {self.nodes} nodes, "
+                f"{self.orders} orders>")
 
     @property
     def nodes(self) -> int:
@@ -189,7 +194,8 @@ class ScatteringFunction:
             if key not in made:
                 made[key] = or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
             channels.append(made[key])
-        return ScatteringFunction(self.stack, channels, self._pool)
+        return ScatteringFunction(self.stack, channels, self._pool,
+                                  (ScatteringFunction.with_thickness, (self, layer, taus)))
 
     def with_base_reflectance(self, reflectance: float) -> ScatteringFunction:
         """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; takes almost
@@ -198,7 +204,8 @@ class ScatteringFunction:
             raise ArgumentError("reflectance: the base of the stack must be a Lambert surface")
         reflectance = check_number(reflectance, "reflectance", "must lie in [0, 1]", lambda r: 0.0 <= r <= 1.0)
         made = {id(solution): solution.with_reflectance(reflectance) for solution in self._channels}
-        return ScatteringFunction(self.stack, [made[id(solution)] for solution in self._channels], self._pool)
+        return ScatteringFunction(self.stack, [made[id(solution)] for solution in self._channels], self._pool,
+                                  (ScatteringFunction.with_base_reflectance, (self, reflectance)))
 
     def brdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
         """BRDF in 1/sr, without specular parts. `mu_o`, `mu_i` in (0, 1], `dphi` in radians with 0 forward (light keeps

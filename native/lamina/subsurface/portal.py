@@ -17,7 +17,7 @@ import numpy as np
 
 from ..common.progress import Progress, portion, stepper
 from ..lateral.searchlight import Searchlight, searchlight
-from ..material.stack import Stack
+from ..material.any_stack import AnyStack, as_stack
 from ..solver.solve import ScatteringFunction, solve
 from . import entry_lobes, single_scattering
 from .entry_lobes import EntryLobes
@@ -69,13 +69,14 @@ class PortalTables:
                 f"{max(100.0 * self.profile_error, 0.01):.2g} %, mean exit distance {ways} mm.")
 
 
-def portal_tables(stack: Stack, quality: str = "final", progress: Progress | None = None,
+def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | None = None,
                   cancel: Callable[[], bool] | None = None) -> PortalTables:
     """Tables with which Cycles' Ray Portal BSDF renders the lateral light transport of a stack.
 
     If the topmost layer is a deep medium without a boundary, with isotropic scattering or Henyey and Greenstein's phase
     function, the portal leaves out single scattering, which Cycles' volume rendering adds. Arguments and errors are
     those of lamina.subsurface_nodes."""
+    stack = as_stack(stack)
     step = stepper("the portal", progress, cancel)
     beam = searchlight(stack, 1.0, quality, progress=portion(step, 0.0, 0.8), cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, 1.0, quality)

@@ -15,6 +15,7 @@ from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..kinds.limits import MOST_NODE_IOR
 from ..lateral.searchlight import Searchlight, searchlight
+from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.solve import solve
@@ -23,7 +24,7 @@ from .node_parameters import LEAST_IOR
 from .node_response import LARGEST_G
 
 
-def subsurface_nodes(stack: Stack, version: tuple[int, int] = (4, 5), mu: float = 1.0, quality: str = "final",
+def subsurface_nodes(stack: AnyStack, version: tuple[int, int] = (4, 5), mu: float = 1.0, quality: str = "final",
                      progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> SubsurfaceInputs:
     """Inputs with which Cycles' Subsurface Scattering node represents a stack, lengths in millimetres.
 
@@ -35,6 +36,7 @@ def subsurface_nodes(stack: Stack, version: tuple[int, int] = (4, 5), mu: float 
 
     Arguments and errors are those of searchlight and subsurface_inputs. Raises StackError for a half-space or layer
     without absorption, whose mean exit distance is infinite."""
+    stack = as_stack(stack)
     beam = searchlight(stack, mu, quality, progress=progress, cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, mu, quality)
     distance = require_finite_distance(beam, on_top)

@@ -14,8 +14,9 @@ from .. import _core
 from ..common.arguments import LEAST_COSINE, check_choice, check_number, check_seed, check_whole
 from ..common.errors import SolveError, StackError
 from ..common.progress import Progress, portion, stepper
+from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
-from ..solver.solve import check_stack, core_stack, path_of, side_of, thread_pool
+from ..solver.solve import core_stack, path_of, side_of, thread_pool
 
 SAMPLES = 1 << 20
 MOST_SAMPLES = 1 << 40
@@ -92,7 +93,7 @@ def _scattering(core, query: Query, pool):
 METHODS = {"scattering": _scattering, "transfer": _transfer, "adding": _adding}
 
 
-def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, method: str = "transfer",
+def estimate(stack: AnyStack, mu_o: float | None, mu_i: float, dphi: float = 0.0, method: str = "transfer",
              samples: int | None = None, target_error: float | None = None, seed: int = 0,
              progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0,
              side: str = "top", path: str = "reflect") -> Estimate:
@@ -112,7 +113,7 @@ def estimate(stack: Stack, mu_o: float | None, mu_i: float, dphi: float = 0.0, m
     text)` is called with the completed share. `cancel()` is called often; Cancelled is raised if it returns true.
     Raises ValueError, StackError, SolveError."""
     started = time.perf_counter()
-    check_stack(stack)
+    stack = as_stack(stack)
     query = Query(mu_o, mu_i, dphi, side, path)
     blocks = blocks_of(samples, target_error)
     check_seed(seed)

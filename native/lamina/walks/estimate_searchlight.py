@@ -17,10 +17,11 @@ from ..common.errors import ArgumentError, StackError
 from ..common.progress import Progress, stepper
 from ..kinds.bases import HalfSpace
 from ..kinds.fields import channel
+from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.millimetres import depth_knots, require_millimetres
 from ..material.stack import Stack
-from ..solver.solve import check_stack, core_stack, thread_pool
+from ..solver.solve import core_stack, thread_pool
 from .estimate import blocks_of, chunks_in, each_chunk, each_problem
 from .searchlight_moments import DISTANCE, FIRST_FREQUENCY, SQUARE, WEIGHT, Measured, SideMoments
 
@@ -90,8 +91,8 @@ class SearchlightEstimate:
     events: np.ndarray
 
 
-def estimate_searchlight(stack: Stack, mu_i: float = 1.0, samples: int | None = None, seed: int = 0, threads: int = 0,
-                         walk: str = "transfer", r=(), q=(), progress: Progress | None = None,
+def estimate_searchlight(stack: AnyStack, mu_i: float = 1.0, samples: int | None = None, seed: int = 0,
+                         threads: int = 0, walk: str = "transfer", r=(), q=(), progress: Progress | None = None,
                          cancel: Callable[[], bool] | None = None) -> SearchlightEstimate:
     """The response of a stack to a pencil beam that enters from above at one point, at the cosine `mu_i` in air: how
     much light leaves above and below, and at which distance from that point, in millimetres.
@@ -108,7 +109,7 @@ def estimate_searchlight(stack: Stack, mu_i: float = 1.0, samples: int | None = 
     returns true. Raises ValueError, StackError, Cancelled.
     Source: Pharr and Hanrahan (2000) for the scattering equation."""
     started = time.perf_counter()
-    check_stack(stack)
+    stack = as_stack(stack)
     query = SearchlightQuery(mu_i, walk, r, q)
     blocks = blocks_of(samples)
     check_seed(seed)

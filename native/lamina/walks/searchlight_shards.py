@@ -10,20 +10,21 @@ from dataclasses import asdict
 from ..common.arguments import check_kind
 from ..common.errors import ArgumentError, ShardError, quoted
 from ..common.progress import Progress, stepper
+from ..material.any_stack import AnyStack, as_stack
 from ..material.millimetres import lengths_hash
-from ..material.stack import Stack
 from .estimate_searchlight import SearchlightEstimate, SearchlightQuery, run_beams, summary
 from .shard_parts import SCHEMA, PartKind, check_counts, check_list, is_finite, prepared
 
 
-def run_searchlight_shard(stack: Stack, query: SearchlightQuery, samples: int, seed: int, shard: tuple[int, int],
+def run_searchlight_shard(stack: AnyStack, query: SearchlightQuery, samples: int, seed: int, shard: tuple[int, int],
                           progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
                           threads: int = 0) -> dict:
     """Part i of n, `shard` = (i, n) with i from 1, of a searchlight's estimate with `samples` samples, as a plain
     object for json.dump. It holds no times: the same part has the same bytes on any machine. Raises as
     estimate_searchlight does."""
     check_kind(query, "query", SearchlightQuery, "a lamina.SearchlightQuery")
-    work = prepared(stack, samples, seed, shard, threads)
+    stack = as_stack(stack)
+    work = prepared(samples, seed, shard, threads)
     step = stepper("the estimate", progress, cancel)
     channels = run_beams(stack, query, seed, *work.chunks, work.blocks, work.pool, step)
     for channel in channels:

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from .. import _core
 from ..common.arguments import check_seed, check_whole
 from ..common.errors import ArgumentError, ShardError, quoted
-from ..material.stack import Stack
-from ..solver.solve import check_stack, thread_pool
+from ..solver.solve import thread_pool
 from .estimate import BLOCK, CHUNK, MOST_SAMPLES, blocks_of, chunks_in
 
 SCHEMA = 1
@@ -49,9 +48,8 @@ class Work:
         return chunks_of(self.shard, self.blocks)
 
 
-def prepared(stack: Stack, samples: int, seed: int, shard: tuple[int, int], threads: int) -> Work:
+def prepared(samples: int, seed: int, shard: tuple[int, int], threads: int) -> Work:
     """The checked work of a part. Raises ArgumentError."""
-    check_stack(stack)
     shard = checked_shard(shard)
     blocks = blocks_of(samples)
     check_seed(seed)

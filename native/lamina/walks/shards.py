@@ -15,7 +15,7 @@ from ..common.arguments import check_kind
 from ..common.atomic import write_atomically
 from ..common.errors import ShardError, clipped, quoted
 from ..common.progress import Progress, stepper
-from ..material.stack import Stack
+from ..material.any_stack import AnyStack, as_stack
 from .estimate import Estimate, Query, run_channels, run_chunks, summary
 from .estimate_searchlight import SearchlightEstimate
 from .searchlight_shards import SEARCHLIGHT
@@ -31,12 +31,13 @@ from .shard_parts import (
 )
 
 
-def run_shard(stack: Stack, query: Query, method: str, samples: int, seed: int, shard: tuple[int, int],
+def run_shard(stack: AnyStack, query: Query, method: str, samples: int, seed: int, shard: tuple[int, int],
               progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0) -> dict:
     """Part i of n, `shard` = (i, n) with i from 1, of an estimate with `samples` samples, as a plain object for
     json.dump. It holds no times: the same part has the same bytes on any machine. Raises as estimate does."""
     check_kind(query, "query", Query, "a lamina.Query")
-    work = prepared(stack, samples, seed, shard, threads)
+    stack = as_stack(stack)
+    work = prepared(samples, seed, shard, threads)
     step = stepper("the estimate", progress, cancel)
     channels, error = run_channels(stack, query, method, work.pool, step, lambda walk, within: [
         list(tally) for tally in run_chunks(walk, seed, *work.chunks, work.blocks, work.pool, within)])

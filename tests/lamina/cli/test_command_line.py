@@ -123,7 +123,7 @@ def test_paths_that_do_not_work(arguments, folder, capfd):
 
 
 @pytest.mark.parametrize("arguments", [
-    (), ("bake",), ("bake", "good.json"), ("bake", "good.json", "-o", "x.npz", "--quality", "best"),
+    ("bake",), ("bake", "good.json"), ("bake", "good.json", "-o", "x.npz", "--quality", "best"),
     ("bake", "good.json", "-o", "x.npz", "--threads", "-1"), ("boil", "good.json")])
 def test_bad_arguments(arguments, folder, capfd):
     with pytest.raises(SystemExit) as caught:

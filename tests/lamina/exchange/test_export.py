@@ -151,7 +151,7 @@ def test_command_line(folder, capfd):
 
 
 @pytest.mark.parametrize("arguments, sentence", [
-    (["sheet.json", "-o", "out.exr"], "out.exr: must end with .npz or .bsdf"),
+    (["sheet.json", "-o", "out.exr"], "out.exr: must end in .npz or .bsdf"),
     (["sheet.json", "-o", "absent/out.npz"], "absent: not a folder that can be written to"),
     (["sheet.json", "-o", "out.npz", "--wavelengths", "500"], "only a .bsdf file has them"),
     (["sheet.json", "-o", "out.bsdf", "--wavelengths", "500,600"], "must be one for each of 3 channel"),
