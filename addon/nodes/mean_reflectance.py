@@ -5,9 +5,11 @@ Layers throw light back to the shader below, and the shader reflects it again: h
 estimate is for. The artist may correct it. Textured and unknown shaders count as half reflecting.
 """
 
+from ..kinds import metals
 from . import links
 
 UNKNOWN = 0.5
+SKY = 32  # number of directions
 GLASS = 0.1  # mean reflectance of a dielectric surface of index 1.5
 
 # Types of nodes by their share of reflected light. The color of the node multiplies the share.
@@ -62,10 +64,21 @@ def _mixed(factor, first, second):
 
 
 def _color(node):
+    if getattr(node, "fresnel_type", "") == "PHYSICAL_CONDUCTOR":
+        return _of_metal(node.inputs["IOR"], node.inputs["Extinction"])
     socket = next((node.inputs[name] for name in _COLORS if name in node.inputs), None)
     if socket is None or links.source(socket) is not None:
         return (UNKNOWN,) * 3
     return tuple(socket.default_value)[:3]
+
+
+def _of_metal(ior, extinction):
+    """The mean over a uniform sky of what a smooth metal of this complex index reflects."""
+    if links.source(ior) is not None or links.source(extinction) is not None:
+        return (UNKNOWN,) * 3
+    cosines = [((number + 0.5) / SKY) ** 0.5 for number in range(SKY)]  # of equal weight
+    return tuple(sum(metals.reflectance(mu, n, k) for mu in cosines) / SKY
+                 for n, k in zip(ior.default_value, extinction.default_value, strict=True))
 
 
 def _same(sockets, wanted):

@@ -25,7 +25,7 @@ from .base_texture import TexturedBase
 from .mixture import FittedMixture, Mixture, norms
 from .slices import Slices, SolvedRows
 
-METAL = Conductor(facing=0.9, grazing=0.95, alpha=0.3)
+METAL = Conductor(facing=0.9, grazing=0.9, alpha=0.3)  # like aluminium
 REFLECTANCES = (0.2, 0.5, 0.8)  # of Lambert surfaces for which the error is measured
 UNKNOWN = 0.5  # reflectance of a base that nobody knows
 MEASURED_ROWS = 5  # of thickness, for the metal
