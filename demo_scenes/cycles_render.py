@@ -42,6 +42,14 @@ def unbiased(scene, width, height, samples, bounces):
     cycles.pixel_filter_type = "BOX"
 
 
+def denoised(scene):
+    """Remove noise by Open Image Denoise, with passes of albedo and normals: for pictures from which nothing is
+    measured."""
+    scene.cycles.use_denoising = True
+    scene.cycles.denoiser = "OPENIMAGEDENOISE"
+    scene.cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
+
+
 def render(scene, seed=0):
     """(linear RGB pixels, float64 (height, width, 3), first row on top; seconds that the render took)."""
     scene.cycles.seed = seed

@@ -8,8 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import native
+from ..base.decimals import shortest
 from ..base.messages import RefusedError
 from ..editing import stack_io
+from ..kinds import interiors
+from ..properties.described import quantity
 from . import node_texture
 from .node_sources import default_source
 
@@ -31,29 +34,29 @@ def of_material(obj, material, body):
     if settings.source == "LAYERS":
         interior, surface = lamina.interior_of_stack(stack_io.to_stack(material))
         return _known(interior, surface)
-    surface = lamina.Surface(settings.ior, settings.roughness**2)
-    palette = [
-        lamina.EndMaterial(tuple(one.sigma_s), tuple(one.sigma_a), one.g)
-        for one in (settings.first, settings.second)
-    ]
-    low, high, counts = _box(body.arrays.vertices, settings.resolution)
+    surface = lamina.Surface(quantity(settings, interiors.IOR), quantity(settings, interiors.ROUGHNESS) ** 2)
+    ends = ((settings.first, interiors.GROUND), (settings.second, interiors.VEINS))
+    palette = [lamina.EndMaterial(**_numbers(end, fields)) for end, fields in ends]
+    resolution = quantity(settings, interiors.VOXELS)
+    low, high, counts = _box(body.arrays.vertices, resolution)
     if settings.source == "NODES":
         corners = (low / body.millimetres, high / body.millimetres)
         values = node_texture.sample_nodes(obj, material, *corners, counts, texture(material))
         coordinate = np.clip(values.mean(axis=3), 0.0, 1.0)
         return _known(lamina.Interior.mixed(coordinate, palette, low, high), surface)
-    names = ("spacing", "width", "distortion", "feature", "octaves", "seed")
-    numbers = {name: getattr(settings, name) for name in names}
-    veins, resolution = (
-        lamina.Marble(palette, direction=tuple(settings.direction), **numbers),
-        settings.resolution,
-    )
+    direction = tuple(map(shortest, settings.direction))
+    veins = lamina.Marble(palette, direction=direction, **_numbers(settings, interiors.MARBLE))
 
     def fill(progress, cancel):
         return lamina.marble(low, high, resolution, veins, progress, cancel)
 
     identity = json.dumps([veins.to_json(), low.tolist(), high.tolist(), resolution])
     return Contents(fill, surface, identity)
+
+
+def _numbers(owner, fields):
+    """{name: value} of the fields that the panel shows."""
+    return {field.name: quantity(owner, field) for field in fields if field.panel is not None}
 
 
 def _known(interior, surface):

@@ -20,7 +20,9 @@ import numpy as np
 from ..base import native, package, preferences
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Place, Worker
+from ..kinds import interiors
 from ..nodes import interior_graph, lateral_group
+from ..properties.described import quantity
 from . import body, contents, lights, unwrap
 
 log = logging.getLogger(__name__)
@@ -126,8 +128,8 @@ def gather(context, obj, material, folder=None):
         uvs=shape.arrays.uvs,
         uv_map=uv_map,
         normals=shape.arrays.normals,
-        size=settings.size,
-        noise=0.01 * settings.noise,
+        size=quantity(settings, interiors.SIZE),
+        noise=quantity(settings, interiors.NOISE),
         sources=[*lights.suns(context.scene, shape), lights.world(context.scene)] if is_lit else [],
         view=_view(context.scene, shape, obj) if is_lit and settings.view == "CAMERA" else {},
         node=contents.texture(material) if settings.source == "NODES" else ("", ""),

@@ -2,7 +2,8 @@
 """The source of the varying layer's thickness: the input's own value, an attribute of the mesh, or an image.
 
 Sources are plain nodes beside the baked group, so that the file renders without the add-on. Nodes made here
-are marked and may be replaced. The artist's own nodes are replaced only on request.
+are marked and may be replaced. The artist's own nodes are replaced only on request. A node of detail (see
+dust_detail) may lie between a source and the baked group; sources are then linked to its inputs.
 """
 
 from dataclasses import dataclass
@@ -12,27 +13,29 @@ import numpy as np
 
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
-from . import node_group
+from . import dust_detail, node_group
 from .side_graph import BACK, FRONT
 
 SOURCES = ("value", "attribute", "image")
 TWO_SIDES = "lamina_two_sides"  # marks images whose alpha is the thickness on back faces
 IMAGE_SIZE = 1024
 
-_MARK = "lamina_thickness"
+MARK = "lamina_thickness"
 _LABELS = {
     "attribute": "Thickness attribute",
     "back": "Thickness attribute, back faces",
     "image": "Thickness image",
     "uv": "Thickness UV map",
+    "detail": "Dust detail",
 }
 
 
 @dataclass(frozen=True)
 class Wiring:
     """`source`: one of SOURCES, "custom" for nodes of the artist's own, or "none" without a thickness input.
-    `name`: of the attribute, the image, or the artist's node. `socket`: the input; `node`: the node linked to
-    it; `uv`: the UV Map node of an image."""
+    `name`: of the attribute, the image, or the artist's node. `socket`: the input that the source feeds, of
+    the baked group or of the node of detail before it; `node`: the node linked to it; `uv`: the UV Map node
+    of an image."""
 
     source: str
     name: str = ""
@@ -43,18 +46,18 @@ class Wiring:
 
 def wiring(material):
     """The present source of the thickness of `material`: a Wiring."""
-    sockets = _sockets(material)
+    sockets = sockets_to_feed(material)
     if not sockets:
         return Wiring("none")
     socket = sockets[0]
     if not socket.is_linked:
         return Wiring("value", socket=socket)
     node = socket.links[0].from_node
-    if node.get(_MARK) == "attribute":
+    if node.get(MARK) == "attribute":
         return Wiring("attribute", node.attribute_name, socket, node)
-    if node.get(_MARK) == "image":
+    if node.get(MARK) == "image":
         links = node.inputs["Vector"].links
-        uv = links[0].from_node if links and links[0].from_node.get(_MARK) == "uv" else None
+        uv = links[0].from_node if links and links[0].from_node.get(MARK) == "uv" else None
         return Wiring("image", node.image.name if node.image else "", socket, node, uv)
     return Wiring("custom", node.label or node.name, socket, node)
 
@@ -79,17 +82,17 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
     if not material.is_editable:
         raise RefusedError("The material is linked from another file: edit it there, or make it local")
-    sockets = _sockets(material)
+    sockets = sockets_to_feed(material)
     if not sockets:
         raise RefusedError("The material has no thickness input: mark a layer as varying and bake")
-    foreign = [link.from_node for socket in sockets for link in socket.links if not link.from_node.get(_MARK)]
+    foreign = [link.from_node for socket in sockets for link in socket.links if not link.from_node.get(MARK)]
     if foreign and not replace:
         raise RefusedError(f"Thickness is linked to the node “{foreign[0].label or foreign[0].name}”: "
                            "unlink it, or replace the link")
     image = _image(material, name) if source == "image" else None
     tree = material.node_tree
-    backs = [socket for socket in _sockets(material, BACK)
-             if not socket.is_linked or socket.links[0].from_node.get(_MARK)]
+    backs = [socket for socket in sockets_to_feed(material, BACK)
+             if not socket.is_linked or socket.links[0].from_node.get(MARK)]
     for socket in (*sockets, *backs):
         for link in list(socket.links):
             tree.links.remove(link)
@@ -109,7 +112,7 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
 
 def has_input(material):
     """True if the material's baked group has a thickness input."""
-    return bool(_sockets(material))
+    return bool(sockets_to_feed(material))
 
 
 def image_problem(image):
@@ -123,10 +126,14 @@ def image_problem(image):
 
 def reconnect(material):
     """Links the nodes made here again, to an input that was removed and added by bakes."""
-    fronts, backs = ([socket for socket in _sockets(material, name) if not socket.is_linked]
+    for node in material.node_tree.nodes:
+        if dust_detail.is_detail(node) and node.get(MARK):
+            for name in (FRONT, BACK):
+                _feed([one for one in group_sockets(material, name) if not one.is_linked], node.outputs[name])
+    fronts, backs = ([socket for socket in sockets_to_feed(material, name) if not socket.is_linked]
                      for name in (FRONT, BACK))
     for node in material.node_tree.nodes:
-        mark = node.get(_MARK)
+        mark = node.get(MARK)
         if mark == "attribute":
             _feed(fronts, node.outputs["Fac"])
         elif mark == "back":
@@ -141,17 +148,29 @@ def remove_nodes(tree):
     """Remove the nodes made here, except those that the artist uses for something else."""
     while True:  # remove a node after the nodes that it feeds
         idle = [node for node in tree.nodes
-                if node.get(_MARK) and not any(output.is_linked for output in node.outputs)]
+                if node.get(MARK) and not any(output.is_linked for output in node.outputs)]
         for node in idle:
             tree.nodes.remove(node)
         if not idle:
             return
 
 
-def _sockets(material, name=FRONT):
+def group_sockets(material, name):
     """The thickness inputs of the material's baked group, one for each use of the group."""
     nodes = node_group.group_nodes(material)
     return [node.inputs[name] for node in nodes if name in node.inputs]
+
+
+def sockets_to_feed(material, name=FRONT):
+    """The inputs that a source of the thickness feeds: of the baked group, or of the node of detail."""
+    found = []
+    for socket in group_sockets(material, name):
+        before = socket.links[0].from_node if socket.is_linked else None
+        if before is not None and dust_detail.is_detail(before):
+            socket = before.inputs[name]
+        if socket not in found:
+            found.append(socket)
+    return found
 
 
 def _feed(sockets, output):
@@ -159,28 +178,34 @@ def _feed(sockets, output):
         socket.id_data.links.new(output, socket)
 
 
-def _node(tree, kind, mark, beside, columns):
+def marked_node(tree, kind, mark, beside, columns):
     node = tree.nodes.new(kind)
-    node[_MARK], node.label = mark, _LABELS[mark]
+    node[MARK], node.label = mark, _LABELS[mark]
     node.location = (beside.location.x - columns * 280.0, beside.location.y - 160.0)
     node.select = False
     return node
 
 
 def _attribute(tree, beside, name, mark="attribute"):
-    node = _node(tree, "ShaderNodeAttribute", mark, beside, 1)
+    node = marked_node(tree, "ShaderNodeAttribute", mark, beside, 1)
     node.attribute_type, node.attribute_name = "GEOMETRY", name
     return node
 
 
 def _texture(tree, beside, image, uv_map):
-    node = _node(tree, "ShaderNodeTexImage", "image", beside, 1)
+    node = marked_node(tree, "ShaderNodeTexImage", "image", beside, 1)
     # Interpolate linearly between texels, without a seam at the border of the map.
     node.image, node.interpolation, node.extension = image, "Linear", "EXTEND"
-    uv = _node(tree, "ShaderNodeUVMap", "uv", beside, 2)
-    uv.uv_map = uv_map
-    tree.links.new(uv.outputs[0], node.inputs["Vector"])
+    read_by(tree, node, beside, uv_map)
     return node
+
+
+def read_by(tree, texture, beside, uv_map):
+    """Add the node of the UV map by which an image texture is read."""
+    uv = marked_node(tree, "ShaderNodeUVMap", "uv", beside, 2)
+    uv.location.y = texture.location.y
+    uv.uv_map = uv_map
+    tree.links.new(uv.outputs[0], texture.inputs["Vector"])
 
 
 def _image(material, wanted):
@@ -198,7 +223,7 @@ def _image(material, wanted):
         raise RefusedError(f"image = {wanted!r}: this file has no image of that name")
     texels = _odd_texels(image)
     if image_problem(image) or texels is not None:
-        mine = {node.image for node in material.node_tree.nodes if node.get(_MARK) == "image"}
+        mine = {node.image for node in material.node_tree.nodes if node.get(MARK) == "image"}
         if not image.is_editable or image.users - image.use_fake_user > (image in mine):
             problem = image_problem(image) or f"The image “{image.name}” holds texels that are not finite"
             raise RefusedError(f"{problem}, and it is used elsewhere as it is")

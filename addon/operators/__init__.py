@@ -11,7 +11,9 @@ from .bake_cancel import LAMINA_OT_bake_cancel
 from .connect import LAMINA_OT_connect
 from .dust_cancel import LAMINA_OT_dust_cancel
 from .dust_clear import LAMINA_OT_dust_clear
+from .dust_detail import LAMINA_OT_dust_detail
 from .dust_settle import LAMINA_OT_dust_settle
+from .dust_wipe import LAMINA_OT_dust_wipe
 from .end_preset import LAMINA_OT_end_preset
 from .interior import LAMINA_OT_interior
 from .interior_cancel import LAMINA_OT_interior_cancel
@@ -61,6 +63,8 @@ CLASSES = (
     LAMINA_OT_dust_settle,
     LAMINA_OT_dust_cancel,
     LAMINA_OT_dust_clear,
+    LAMINA_OT_dust_detail,
+    LAMINA_OT_dust_wipe,
     LAMINA_OT_thickness_wire,
 )
 

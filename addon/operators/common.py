@@ -3,6 +3,7 @@
 
 from ..baking import bake_job
 from ..base import native
+from ..nodes import thickness
 from ..properties import migration
 from ..settling import dust_job, object_dust
 
@@ -35,6 +36,16 @@ def has_stack(cls, context):
         return False
     if not material_of(context).lamina.enabled:
         cls.poll_message_set("The material has no Lamina layers")
+        return False
+    return True
+
+
+def has_thickness(cls, context):
+    """True if the baked material has an input for the thickness of its varying layer."""
+    if not has_stack(cls, context):
+        return False
+    if not thickness.has_input(material_of(context)):
+        cls.poll_message_set("There is no thickness input: mark a layer as varying and bake")
         return False
     return True
 

@@ -34,12 +34,7 @@ class LAMINA_OT_thickness_wire(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not common.has_stack(cls, context):
-            return False
-        if thickness.wiring(common.material_of(context)).source == "none":
-            cls.poll_message_set("There is no thickness input: mark a layer as varying and bake")
-            return False
-        return True
+        return common.has_thickness(cls, context)
 
     def execute(self, context):
         material = common.material_of(context)

@@ -4,6 +4,7 @@
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from ..base import changes
+from ..base.decimals import shortest
 
 # Attributes of a Panel, and Blender's names for them.
 _MORE = {
@@ -30,8 +31,10 @@ def having(properties):
 def number(field, update=changes.edited):
     """The property of a Field: a number, or three if its panel says rgb."""
     default = field.panel.default
+    if field.whole:
+        return IntProperty(default=default, **_settings(field, update))
     if not field.panel.rgb:
-        return FloatProperty(default=default, **_settings(field, update))
+        return FloatProperty(default=_shown(field, default), **_settings(field, update))
     default = default if isinstance(default, tuple) else (default,) * 3
     return FloatVectorProperty(size=3, default=default, **_settings(field, update))
 
@@ -89,12 +92,28 @@ def entries(items):
 def _settings(field, update):
     panel = field.panel
     more = {ours: getattr(panel, theirs) for ours, theirs in _MORE.items()}
+    more |= {end: _shown(field, more[end]) for end in ("soft_min", "soft_max") if more[end] is not None}
     return {
         "name": panel.label,
         "description": panel.tip,
-        "min": field.low if panel.low is None else panel.low,
-        "max": field.high if panel.high is None else panel.high,
+        "min": _shown(field, field.low if panel.low is None else panel.low),
+        "max": _shown(field, field.high if panel.high is None else panel.high),
         "options": set(),
         **{name: value for name, value in more.items() if value is not None},
         **({} if update is None else {"update": update}),
     }
+
+
+def _shown(field, value):
+    """A value of a quantity as the panel shows it: a number, or percent."""
+    return 100.0 * value if field.panel.percent else value
+
+
+def quantity(owner, field):
+    """The value of a Field's property: a number, or three, as the shortest decimals."""
+    value = getattr(owner, field.prop)
+    if field.whole:
+        return value
+    if field.panel.rgb:
+        return tuple(shortest(one) for one in value)
+    return shortest(value) / 100.0 if field.panel.percent else shortest(value)

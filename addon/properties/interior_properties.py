@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Properties of an interior: its end materials, how they mix inside an object, and what is computed from
-them.
+them. The numbers come from `kinds.interiors`.
 
-Numbers and defaults never change, because a .blend file does not store unchanged values.
+Numbers of choices and defaults never change, because a .blend file does not store unchanged values.
 """
 
 import bpy
-from bpy.props import (
-    EnumProperty,
-    FloatProperty,
-    FloatVectorProperty,
-    IntProperty,
-    PointerProperty,
-    StringProperty,
-)
+from bpy.props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
+
+from ..kinds import interiors
+from .described import having, number
 
 SOURCES = (
     ("MARBLE", "Marble", "Veins in planes that turbulence distorts, between two materials", 0),
@@ -50,119 +46,37 @@ VIEWS = (
 )
 
 
-def _coefficients(label, tip, default):
-    return FloatVectorProperty(
-        name=label,
-        description=tip,
-        size=3,
-        default=default,
-        min=0.0,
-        max=65504.0,
-        soft_max=10.0,
-        precision=4,
-        step=1,
-        options=set(),
-    )
-
-
-def _length(label, tip, default):
-    return FloatProperty(
-        name=label,
-        description=tip,
-        default=default,
-        min=1e-3,
-        max=1e6,
-        soft_max=100.0,
-        precision=3,
-        options=set(),
-    )
-
-
-class LaminaEndMaterial(bpy.types.PropertyGroup):
-    sigma_s: _coefficients(
-        "Scattering", "Scattering coefficient of red, green and blue, per mm", (2.19, 2.62, 3.0)
-    )
-    sigma_a: _coefficients(
-        "Absorption", "Absorption coefficient of red, green and blue, per mm", (0.0021, 0.0041, 0.0071)
-    )
-    g: FloatProperty(
-        name="Anisotropy",
-        description="Mean cosine of the scattering angle; above 0 scatters forwards",
-        default=0.0,
-        min=-0.999,
-        max=0.999,
-        options=set(),
-    )
+class EndProperties:
     preset: StringProperty(description="Name of the preset that filled the numbers; empty after none")
 
 
+@having({field.prop: number(field, None) for field in interiors.GROUND})
+class LaminaGround(EndProperties, bpy.types.PropertyGroup):
+    """An end material, by default white marble."""
+
+
+@having({field.prop: number(field, None) for field in interiors.VEINS})
+class LaminaVeins(EndProperties, bpy.types.PropertyGroup):
+    """An end material, by default a darker one."""
+
+
+NUMBERS = tuple(field for field in (*interiors.MARBLE, *interiors.BODY, *interiors.MAPS) if field.panel)
+
+
+@having({field.prop: number(field, None) for field in NUMBERS})
 class LaminaInterior(bpy.types.PropertyGroup):
     source: EnumProperty(name="Interior", description="What fills the object", items=SOURCES, options=set())
-    first: PointerProperty(type=LaminaEndMaterial, name="Ground")
-    second: PointerProperty(type=LaminaEndMaterial, name="Veins")
-    ior: FloatProperty(
-        name="IOR",
-        description="Index of refraction of the object's surface; 1 is no boundary",
-        default=1.5,
-        min=1.0,
-        max=3.8,
-        options=set(),
-    )
-    roughness: FloatProperty(
-        name="Roughness",
-        description="Roughness of the object's surface; 0 is polished",
-        default=0.3,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        options=set(),
-    )
-    resolution: IntProperty(
-        name="Voxels",
-        description="Number of voxels along the longest side of the object",
-        default=128,
-        min=1,
-        max=512,
-        options=set(),
-    )
-    # Marble
-    spacing: _length("Spacing", "Distance between veins before they are distorted, in mm", 12.0)
-    width: FloatProperty(
-        name="Width",
-        description="Width of veins, relative to their spacing",
-        default=0.25,
-        min=0.001,
-        max=1.0,
-        options=set(),
-    )
+    first: PointerProperty(type=LaminaGround, name="Ground")
+    second: PointerProperty(type=LaminaVeins, name="Veins")
     direction: FloatVectorProperty(
         name="Direction",
         description="Normal of the planes of veins, in the object's axes",
         size=3,
-        default=(0.5, 0.3, 0.8),
+        default=interiors.DIRECTION,
         min=-1.0,
         max=1.0,
         options=set(),
     )
-    distortion: FloatProperty(
-        name="Distortion",
-        description="Displacement of the veins by turbulence, relative to their spacing",
-        default=3.0,
-        min=0.0,
-        max=100.0,
-        soft_max=10.0,
-        options=set(),
-    )
-    feature: _length("Feature Size", "Size of the largest distortions, in mm", 20.0)
-    octaves: IntProperty(
-        name="Detail",
-        description="Number of octaves of the turbulence",
-        default=6,
-        min=1,
-        max=12,
-        options=set(),
-    )
-    seed: IntProperty(name="Seed", description="Seed of the veins", min=0, options=set())
     # Node texture
     node: StringProperty(
         name="Node",
@@ -177,27 +91,6 @@ class LaminaInterior(bpy.types.PropertyGroup):
     )
     map: EnumProperty(name="Map", description="The UV map of the images", items=MAPS, options=set())
     uv_map: StringProperty(name="UV Map", description="Empty: the active one for rendering", options=set())
-    size: IntProperty(
-        name="Size",
-        description="Width and height of the images in texels",
-        default=256,
-        min=4,
-        max=8192,
-        options=set(),
-    )
-    noise: FloatProperty(
-        name="Noise",
-        description="Standard error of a texel, in percent of the mean; half the noise takes four times "
-        "as long",
-        default=3.0,
-        min=0.01,
-        max=100.0,
-        soft_min=0.5,
-        soft_max=20.0,
-        precision=1,
-        subtype="PERCENTAGE",
-        options=set(),
-    )
     # The last result
     report: StringProperty(description="The last result in words; empty before the first")
     suns: StringProperty(
@@ -206,4 +99,4 @@ class LaminaInterior(bpy.types.PropertyGroup):
     shown_on: StringProperty(description="Name of the object of the last result")
 
 
-CLASSES = (LaminaEndMaterial, LaminaInterior)
+CLASSES = (LaminaGround, LaminaVeins, LaminaInterior)

@@ -16,7 +16,7 @@ from ..base import float_image, native
 from ..base.messages import RefusedError
 from ..kinds import dust as kinds
 from ..kinds.dust import ATTRIBUTE
-from ..nodes import thickness
+from ..nodes import detail_wiring, thickness
 from . import dust_attribute, geometry
 
 FINER = 3  # a note is added if modifiers make the mesh finer by this factor
@@ -119,6 +119,7 @@ def settle_gathered(task, progress=None, cancel=None, threads=0):
 
 def apply(obj, task, answer):
     """Store an Answer on its object, and link the thickness of its materials to it if nothing else is linked.
+    The first dust of a material also gets grain and clouds, see dust_detail.
     Raises RefusedError if the mesh has changed meanwhile.
     """
     if (len(obj.data.vertices), len(obj.data.loops)) != (len(task.own.vertices), len(task.own.corners)):
@@ -138,7 +139,16 @@ def apply(obj, task, answer):
     settings.largest_back = 0.0 if answer.dust.back is None else float(answer.dust.back.max(initial=0.0))
     for slot in obj.material_slots:
         if slot.material is not None and slot.material.is_editable and _is_free(slot.material):
+            first = thickness.wiring(slot.material).source == "value"
             thickness.wire_thickness(slot.material, source, name, settings.uv_map)
+            if first and thickness.has_input(slot.material):
+                detail_wiring.add_detail(slot.material, largest_side(obj))
+
+
+def largest_side(obj):
+    """The largest side of the box around an object, in object coordinates."""
+    corners = np.array(obj.bound_box)
+    return float((corners.max(axis=0) - corners.min(axis=0)).max())
 
 
 def clear(obj):

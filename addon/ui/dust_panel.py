@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..kinds.dust import OPTIONS
+from ..kinds.dust import GROUPS, OPTIONS
 from ..nodes import thickness
 from ..settling import dust_job, object_dust
 from .fields import split
@@ -29,9 +29,11 @@ class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
             draw_sentence(context, layout, sentence, "ERROR" if object_dust.unavailable() else "INFO")
             return
         settings = obj.lamina_dust
-        _draw_fall(layout, settings)
-        _draw_stay(layout, settings)
-        _draw_target(context, layout, obj)
+        for name, heading, folded in GROUPS:
+            header, body = layout.panel(f"lamina_dust_{name}", default_closed=folded)
+            header.label(text=heading)
+            if body is not None:
+                _DRAWN[name](context, body, obj)
         job = dust_job.running()
         if job is not None:
             draw_progress(layout, job, "lamina.dust_cancel")
@@ -65,41 +67,53 @@ def mismatch(material, settings):
     return ""
 
 
-def _draw_fall(layout, settings):
+def _draw_amount(_context, layout, obj):
+    settings = obj.lamina_dust
     layout.row().prop(settings, "form", expand=True)
     column = split(layout.column())
     unused = "amount" if settings.form == "mass" else "grams"
-    for option in _options("fall"):
+    for option in _options("amount"):
         if option.name != unused:
             _draw_option(column, settings, option)
         if option.name == "grams" != unused:
             column.prop(settings, "substance")
+
+
+def _draw_from(_context, layout, obj):
+    settings = obj.lamina_dust
+    column = split(layout.column())
+    for option in _options("from"):
+        _draw_option(column, settings, option)
     column.prop(settings, "wind")
     row = column.row()
     row.active = settings.wind > 0.0
     row.prop(settings, "wind_from")
+    column.prop(settings, "others")
 
 
-def _draw_stay(layout, settings):
+def _draw_stay(_context, layout, obj):
+    settings = obj.lamina_dust
     column = split(layout.column())
     for option in _options("stay"):
         row = column.row()
         row.active = option.name != "patch" or settings.coverage < 1.0
         _draw_option(row, settings, option)
-    column.prop(settings, "others")
     column.prop(settings, "stops")
 
 
-def _draw_target(context, layout, obj):
+def _draw_to(context, layout, obj):
     settings = obj.lamina_dust
     column = split(layout.column())
     column.row().prop(settings, "target", expand=True)
     if settings.target == "image":
         column.prop(settings, "size")
         draw_uv_map(context, column, settings, obj)
-    for option in _options("target"):
+    for option in _options("to"):
         _draw_option(column, settings, option)
     column.prop(settings, "seed")
+
+
+_DRAWN = {"amount": _draw_amount, "from": _draw_from, "stay": _draw_stay, "to": _draw_to}
 
 
 def _options(group):

@@ -5,6 +5,7 @@ import bpy
 
 from ..base import messages, native
 from ..interior import contents, interior_job
+from ..kinds import interiors
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
@@ -65,8 +66,8 @@ class LAMINA_PT_interior(MaterialPanel, bpy.types.Panel):
 def _draw_ends(layout, material, settings):
     column = split(layout.column())
     if settings.source == "MARBLE":
-        for name in ("spacing", "width", "distortion", "feature", "octaves", "direction", "seed"):
-            column.prop(settings, name)
+        _draw_numbers(column, settings, interiors.MARBLE)
+        column.prop(settings, "direction")
     elif material.node_tree is not None:
         column.prop_search(settings, "node", material.node_tree, "nodes", text="Texture Node")
         if settings.node:
@@ -78,11 +79,8 @@ def _draw_ends(layout, material, settings):
         row.label(text=f"{title} (per mm)")
         row.menu(menu, text=end.preset or "Material")
         column = split(layout.column())
-        for name in ("sigma_s", "sigma_a", "g"):
-            column.prop(end, name)
-    column = split(layout.column())
-    for name in ("ior", "roughness", "resolution"):
-        column.prop(settings, name)
+        _draw_numbers(column, end, interiors.GROUND)
+    _draw_numbers(split(layout.column()), settings, interiors.BODY)
 
 
 def _draw_output(context, layout, settings):
@@ -97,8 +95,13 @@ def _draw_output(context, layout, settings):
             draw_uv_map(context, column, settings, obj)
         else:
             draw_sentence(context, column, f"{obj.name} has no UV map: Lamina unwraps it")
-    column.prop(settings, "size")
-    column.prop(settings, "noise")
+    _draw_numbers(column, settings, interiors.MAPS)
+
+
+def _draw_numbers(column, owner, fields):
+    for field in fields:
+        if field.panel is not None:
+            column.prop(owner, field.prop)
 
 
 register, unregister = bpy.utils.register_classes_factory(

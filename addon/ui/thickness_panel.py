@@ -6,7 +6,8 @@ import json
 import bpy
 
 from ..base.messages import percent
-from ..nodes import thickness
+from ..nodes import detail_wiring, dust_detail, thickness
+from .fields import split
 from .panel import MaterialPanel, draw_sentence
 from .uv_map_field import draw_uv_map
 
@@ -33,12 +34,13 @@ class LAMINA_PT_thickness(MaterialPanel, bpy.types.Panel):
             button.source = source.upper()
             button.replace = False
         _draw_source(context, layout, now)
+        _draw_detail(layout, material)
         for name, value in error_lines(material.lamina.result, now):
-            split = layout.split(factor=0.4)
-            label = split.row()
+            parts = layout.split(factor=0.4)
+            label = parts.row()
             label.alignment = "RIGHT"
             label.label(text=name)
-            split.label(text=value)
+            parts.label(text=value)
 
 
 def _draw_source(context, layout, now):
@@ -59,6 +61,21 @@ def _draw_source(context, layout, now):
             draw_sentence(context, layout, problem, "ERROR", alert=True)
     else:
         layout.label(text=f"Linked to “{now.name}”", icon="NODE")
+
+
+def _draw_detail(layout, material):
+    """The noise on the thickness and the painted mask: inputs of a node group, which the viewport follows."""
+    node = detail_wiring.detail(material)
+    row = layout.row(align=True)
+    if node is not None:
+        column = split(layout.column(align=True))
+        for name, *_rest in dust_detail.SETTINGS:
+            if not node.inputs[name].is_linked:
+                column.prop(node.inputs[name], "default_value", text=name)
+        row.operator("lamina.dust_detail", text="Remove Grain and Clouds", icon="X").remove = True
+    else:
+        row.operator("lamina.dust_detail", icon="MOD_NOISE")
+    row.operator("lamina.dust_wipe", icon="BRUSH_DATA")
 
 
 def _has_attribute(context, name):

@@ -17,10 +17,10 @@ from . import scene
 
 STACK = Path(__file__).resolve().parent / "stack.json"
 OPTIONS = ("mesh", "up", "turntable")  # arguments of run() beyond those of every scene
-HEAVY = 8.0  # optical thickness on an open plate, the largest in the table
+HEAVY = 4.0  # optical thickness on an open plate, the largest in the table
 SHARES = (0.0, 0.125, 1.0)
 NAMES = ("Clean", "Light dust", "Heavy dust")
-EXPOSURE = 1.25
+EXPOSURE = 1.2
 
 
 @dataclasses.dataclass(frozen=True)
@@ -114,6 +114,7 @@ def _render(stage, width, height, samples):
     # Clamp to reduce noise: nothing is measured from this picture.
     stage.cycles.sample_clamp_indirect = 4.0
     stage.cycles.caustics_reflective = False
+    cycles_render.denoised(stage)
     return cycles_render.render(stage)[0]
 
 

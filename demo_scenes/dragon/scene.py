@@ -11,7 +11,7 @@ import bpy
 import extension
 import numpy as np
 
-from . import mesh_file, plinth, sculpture, settling, stage
+from . import mesh_file, plinth, sculpture, settling, stage, strokes
 
 SHARE = "dust_share"
 SPACING, MARGIN = 0.298, 0.18  # m between figures; free margin at either side, half of the second, in figures
@@ -35,7 +35,9 @@ def stand(fine=True):
     """The plinth's mesh."""
     vertices, quads, triangles = plinth.build(PLINTH_RADIUS, 0.0008 if fine else 0.0014)
     sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
-    return as_mesh("plinth", vertices, sizes, np.concatenate([quads.ravel(), triangles.ravel()]))
+    mesh = as_mesh("plinth", vertices, sizes, np.concatenate([quads.ravel(), triangles.ravel()]))
+    strokes.wipe(mesh, vertices)
+    return mesh
 
 
 def as_mesh(name, vertices, sizes, corners):
@@ -74,6 +76,10 @@ def material(stack, quality, row_stride):
         attribute.attribute_type, attribute.attribute_name = kind, name
         tree.links.new(attribute.outputs["Fac"], product.inputs[k])
     tree.links.new(product.outputs[0], group.inputs["Thickness"])
+    detail = extension.part("nodes.detail_wiring").add_detail(made, HEIGHT)
+    wiped = tree.nodes.new("ShaderNodeAttribute")
+    wiped.attribute_type, wiped.attribute_name = "GEOMETRY", strokes.ATTRIBUTE
+    tree.links.new(wiped.outputs["Fac"], detail.inputs["Wiped"])
     return made, lut
 
 

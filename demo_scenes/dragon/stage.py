@@ -8,9 +8,9 @@ import node_tree
 import numpy as np
 from mathutils import Vector
 
-CAMERA_AZIMUTH, CAMERA_HEIGHT = math.radians(-38.0), math.radians(12.0)
-SUN_AZIMUTH, SUN_HEIGHT, SUN_ANGLE = math.radians(-98.0), math.radians(40.0), math.radians(2.0)
-SUN_IRRADIANCE, SKY_STRENGTH = 4.2, 0.14
+CAMERA_AZIMUTH, CAMERA_HEIGHT = math.radians(-38.0), math.radians(24.0)
+SUN_AZIMUTH, SUN_HEIGHT, SUN_ANGLE = math.radians(-112.0), math.radians(21.0), math.radians(3.0)
+SUN_COLOUR, SUN_IRRADIANCE, SKY_STRENGTH = (1.0, 0.82, 0.62), 5.0, 0.17
 PAPER = (0.055, 0.064, 0.076)
 AHEAD = Vector((math.cos(CAMERA_AZIMUTH), math.sin(CAMERA_AZIMUTH), 0.0))  # horizontal direction from the figures to
                                                                            # the viewer
@@ -22,7 +22,7 @@ def build(scene, middle, width, lens=90.0):
     scene.world = _sky()
     lamp = bpy.data.lights.new("sun", "SUN")
     lamp.energy, lamp.angle = SUN_IRRADIANCE, SUN_ANGLE
-    lamp.color = (1.0, 0.93, 0.82)
+    lamp.color = SUN_COLOUR
     sun = bpy.data.objects.new("sun", lamp)
     towards = Vector((math.cos(SUN_AZIMUTH) * math.cos(SUN_HEIGHT), math.sin(SUN_AZIMUTH) * math.cos(SUN_HEIGHT),
                       math.sin(SUN_HEIGHT)))

@@ -212,9 +212,7 @@ def _quality(stage, effort):
     stage.cycles.pixel_filter_type = "BLACKMAN_HARRIS"
     # Clamp to reduce noise: nothing is measured from this picture.
     stage.cycles.sample_clamp_indirect = 4.0
-    stage.cycles.use_denoising = True
-    stage.cycles.denoiser = "OPENIMAGEDENOISE"
-    stage.cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
+    cycles_render.denoised(stage)
 
 
 def _column(mesh, items, name):

@@ -56,8 +56,20 @@ void bind_bases(py::module_& module) {
           [](double eta, double k, const Facets& facets, bool compensate) {
             return Base{.kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets, .compensate = compensate};
           },
-          py::arg("eta"), py::arg("k"), py::arg("facets") = make_facets(0.0, "ggx", true),
-          py::arg("compensate") = true);
+          py::arg("eta"), py::arg("k"), py::arg("facets") = make_facets(0.0, "ggx", true), py::arg("compensate") = true)
+      .def_static(
+          "principled",
+          [](double color, double metallic, double roughness, double ior, double specular, double coat,
+             double coat_roughness, double coat_ior, double alpha) {
+            const PrincipledSockets sockets{color, metallic, roughness, ior, specular, coat, coat_roughness, coat_ior};
+            return Base{.kind = Base::Kind::kPrincipled,
+                        .facets = {.alpha = alpha},
+                        .law = std::make_shared<const PrincipledLaw>(sockets)};
+          },
+          py::arg("color"), py::arg("metallic"), py::arg("roughness"), py::arg("ior"), py::arg("specular"),
+          py::arg("coat"), py::arg("coat_roughness"), py::arg("coat_ior"), py::arg("alpha"),
+          "A Principled material by its sockets, indices relative to the medium above. Facets of `alpha` 0 are a "
+          "mirror.");
 }
 
 void bind_sublayers(py::module_& module) {

@@ -66,6 +66,11 @@ class Base:
     @staticmethod
     def none() -> Base:
         ...
+    @staticmethod
+    def principled(color: typing.SupportsFloat | typing.SupportsIndex, metallic: typing.SupportsFloat | typing.SupportsIndex, roughness: typing.SupportsFloat | typing.SupportsIndex, ior: typing.SupportsFloat | typing.SupportsIndex, specular: typing.SupportsFloat | typing.SupportsIndex, coat: typing.SupportsFloat | typing.SupportsIndex, coat_roughness: typing.SupportsFloat | typing.SupportsIndex, coat_ior: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex) -> Base:
+        """
+        A Principled material by its sockets, indices relative to the medium above. Facets of `alpha` 0 are a mirror.
+        """
 class Stack:
     def __init__(self, layers: collections.abc.Sequence[Medium | Interface | typing.Any], base: Base = ...) -> None:
         ...

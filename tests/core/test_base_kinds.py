@@ -20,6 +20,7 @@ def files_with(pattern):
 
 @pytest.mark.parametrize("pattern, files", [
     (r"\bKind::kConductor\b", {"core/matter/base.hpp", "bindings/bind_stack.cpp"}),
+    (r"\bKind::kPrincipled\b", {"bindings/bind_stack.cpp"}),
     (r"\bBase::Kind::kLambert\b", {"bindings/bind_stack.cpp"} | FOR_LAMBERT),
 ])
 def test_kinds_of_bases_are_named_only_where_they_are_described(pattern, files):

@@ -2,34 +2,57 @@
 // The surface below the last layer of a stack.
 #pragma once
 #include <complex>
+#include <memory>
 
 #include "matter/microfacet.hpp"
+#include "matter/principled.hpp"
 
 namespace lamina {
 
 /// The surface below the last layer. Solver and walks do not ask for the kind, but for the properties below: a new kind
 /// is described here.
 struct Base {
-  enum class Kind { kNone, kLambert, kConductor };
-  Kind kind = Kind::kNone;        ///< kNone: the stack is a thin sheet, and light leaves at the bottom
-  double reflectance = 0.0;       ///< of a Lambert surface, [0, 1]
-  std::complex<double> ior = {};  ///< of a conductor, n + ik, absolute
-  Facets facets{.alpha = 0.0};    ///< of a conductor
-  bool compensate = true;
+  enum class Kind { kNone, kLambert, kConductor, kPrincipled };
+  Kind kind = Kind::kNone;                        ///< kNone: the stack is a thin sheet, and light leaves at the bottom
+  double reflectance = 0.0;                       ///< of a Lambert surface, [0, 1]
+  std::complex<double> ior = {};                  ///< of a conductor, n + ik, absolute
+  Facets facets{.alpha = 0.0};                    ///< of a conductor or a Principled material
+  bool compensate = true;                         ///< of a conductor
+  std::shared_ptr<const PrincipledLaw> law = {};  ///< of a Principled material
 
   /// True if the base scatters light equally into all azimuths, without facets.
-  bool is_diffuse() const { return kind == Kind::kLambert && reflectance > 0.0; }
+  bool is_diffuse() const { return law ? law->has_diffuse() : kind == Kind::kLambert && reflectance > 0.0; }
   /// True if the base reflects light by facets, into lobes.
-  bool is_rough() const { return kind == Kind::kConductor && facets.alpha > 0.0; }
-  /// True if the base reflects light as a mirror, see mirror_reflectance().
-  bool is_mirror() const { return kind == Kind::kConductor && !is_rough(); }
+  bool is_rough() const { return has_facets() && facets.alpha > 0.0; }
+  /// True if the base reflects light as a mirror, see mirror_reflectance(), and not by facets.
+  bool is_mirror() const { return has_mirror() && !is_rough(); }
+  /// True if the base reflects some light as a mirror.
+  bool has_mirror() const { return (has_facets() && facets.alpha == 0.0) || (law && law->has_coat()); }
   bool is_glossy() const { return is_rough() || is_mirror(); }
   /// True for nothing and for a Lambert surface, which the methods for media alone include.
   bool is_none_or_lambert() const { return kind == Kind::kNone || kind == Kind::kLambert; }
+  /// True if light that lobes lose to shadowing is returned by an operator of its own.
+  bool compensates() const { return compensate && !law; }
+  /// True if an exchange of view and light changes nothing.
+  bool is_reciprocal() const { return !law; }
   bool scatters() const { return is_diffuse() || is_rough(); }
 
   /// The reflectance of a mirror, in a medium of index `ior_above`, for unpolarised light at cosine `mu` there.
-  double mirror_reflectance(double mu, double ior_above) const { return conductor_fresnel(mu, ior / ior_above); }
+  double mirror_reflectance(double mu, double ior_above) const {
+    const double facing = is_rough() || !has_facets() ? 0.0 : view_weight(mu) * facet_reflectance(mu, ior_above);
+    return law ? law->coat(mu) + facing : facing;
+  }
+  /// The reflectance of a facet at the cosine between ray and facet.
+  double facet_reflectance(double cosine, double ior_above) const {
+    return law ? law->reflectance(cosine) : conductor_fresnel(cosine, ior / ior_above);
+  }
+  /// The factor of the light that facets reflect towards a viewer at cosine `mu`; 1 for a reciprocal base.
+  double view_weight(double mu) const { return law ? law->lobe_weight(mu) : 1.0; }
+  /// The reflectance of the diffuse part towards a viewer at cosine `mu`.
+  double diffuse_reflectance(double mu) const { return law ? law->diffuse(mu) : reflectance; }
+
+ private:
+  bool has_facets() const { return kind == Kind::kConductor || (law && law->has_lobe()); }
 };
 
 }  // namespace lamina

@@ -154,6 +154,20 @@ ArrayXXd conductor_reflection(const Facets& facets, std::complex<double> ratio, 
   });
 }
 
+ArrayXd opaque_reflection(const Facets& facets, const std::function<double(double)>& reflectance, double mu_o,
+                          double mu_i, const ArrayXd& cosines) {
+  return reflection(facets, mu_o, mu_i, facets.masking(mu_o, mu_i), cosines,
+                    [&](const ArrayXd& c) { return c.unaryExpr(reflectance).eval(); });
+}
+
+ArrayXXd opaque_reflection(const Facets& facets, const std::function<double(double)>& reflectance, double mu,
+                           const FacetPairs& pairs) {
+  return of_pairs(facets, mu, pairs, [&](const ArrayXd& mask, const ArrayXd& cosines) {
+    return reflection(facets, mu, pairs.mu, mask, cosines,
+                      [&](const ArrayXd& c) { return c.unaryExpr(reflectance).eval(); });
+  });
+}
+
 double conductor_fresnel(double mu, std::complex<double> ratio) {
   return conductor_fresnel_array<Eigen::Array<double, 1, 1>>(Eigen::Array<double, 1, 1>(mu), ratio)[0];
 }

@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <complex>
+#include <functional>
 
 namespace lamina {
 
@@ -36,6 +37,10 @@ Eigen::ArrayXd dielectric_reflection(const Facets& facets, double ior, double be
 Eigen::ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu_o, double mu_i,
                                     const Eigen::ArrayXd& cosines);
 
+/// The BRDF of single reflection by opaque facets with a reflectance by the cosine between ray and facet.
+Eigen::ArrayXd opaque_reflection(const Facets& facets, const std::function<double(double)>& reflectance, double mu_o,
+                                 double mu_i, const Eigen::ArrayXd& cosines);
+
 /// Fresnel reflectance of a smooth conductor, and its mean for uniform diffuse light.
 double conductor_fresnel(double mu, std::complex<double> ratio);
 double mean_conductor_fresnel(std::complex<double> ratio);
@@ -57,6 +62,8 @@ Eigen::ArrayXXd dielectric_reflection(const Facets& facets, double ior, double b
                                       const FacetPairs& pairs);
 Eigen::ArrayXXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu,
                                      const FacetPairs& pairs);
+Eigen::ArrayXXd opaque_reflection(const Facets& facets, const std::function<double(double)>& reflectance, double mu,
+                                  const FacetPairs& pairs);
 Eigen::ArrayXXd dielectric_transmission(const Facets& facets, double ior, double beyond, double mu,
                                         const FacetPairs& pairs);
 

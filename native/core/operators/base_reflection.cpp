@@ -5,7 +5,7 @@ namespace lamina {
 
 ScatteringFunction base_deltas(const Base& base, const Directions& above) {
   ScatteringFunction s = ScatteringFunction::bare(above.size(), above.nodes);
-  if (base.is_mirror()) {
+  if (base.has_mirror()) {
     const Eigen::VectorXd reflected =
         above.mu.unaryExpr([&](double mu) { return base.mirror_reflectance(mu, above.ior); });
     s.reflect_above.delta = above.spread(reflected);
@@ -14,10 +14,13 @@ ScatteringFunction base_deltas(const Base& base, const Directions& above) {
 }
 
 ScatteringFunction base_reflection(const Base& base, int order, const Directions& above) {
-  if (base.is_mirror()) {
-    return base_deltas(base, above).with_zero_kernels();
+  ScatteringFunction s = base_deltas(base, above).with_zero_kernels();
+  if (base.is_diffuse() && order == 0) {
+    const Eigen::VectorXd leaving =
+        above.mu.unaryExpr([&](double mu) { return base.diffuse_reflectance(mu); }).cwiseProduct(above.scale);
+    s.reflect_above.kernel = above.spread((leaving * above.scale.transpose()).eval());
   }
-  return ScatteringFunction::lambert(base.reflectance, order, above);
+  return s;
 }
 
 }  // namespace lamina

@@ -7,10 +7,10 @@
 
 namespace lamina {
 
-/// The specular reflection of an opaque base; no kernels. Zero for a base that is not a mirror.
+/// The specular reflection of an opaque base; no kernels. Zero for a base that has no mirror.
 ScatteringFunction base_deltas(const Base& base, const Directions& above);
 
-/// One azimuth order of the reflection of an opaque base without facets.
+/// One azimuth order of the reflection of an opaque base, without the lobes of its facets. Rows are views.
 ScatteringFunction base_reflection(const Base& base, int order, const Directions& above);
 
 }  // namespace lamina

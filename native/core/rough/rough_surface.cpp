@@ -180,18 +180,16 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
           flux.reflect_below * c_under + flux.transmit * c_over, c_under);
 }
 
-RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders,
-                           ThreadPool& pool, double fineness)
-    : facets_(conductor.facets),
-      metal_(conductor.ior / ior_above),
+RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
+                           double fineness)
+    : facets_(base.facets),
+      base_(base),
+      reflectance_([base, ior_above](double cosine) { return base.facet_reflectance(cosine, ior_above); }),
       ior_above_(ior_above),
       ior_below_(ior_above),
-      compensate_(conductor.compensate) {
-  const std::complex<double> ratio = *metal_;
+      compensate_(base.compensates()) {
   const FacetRays::Pieces own = pieces(set, ior_above, 0.0, orders, fineness);
-  from_above_.emplace(FacetRays(
-                          facets_, [ratio](double mu) { return conductor_fresnel(mu, ratio); }, own),
-                      set, ior_above, 0.0, orders);
+  from_above_.emplace(FacetRays(facets_, reflectance_, own), set, ior_above, 0.0, orders);
   const Directions over = set.in_medium(ior_above, VectorXd());
   const Modes modes(set, over);
   for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
@@ -199,7 +197,7 @@ RoughSurface::RoughSurface(const Base& conductor, const DirectionSet& set, doubl
         {nodes_.empty() ? merged_keeping_flux(matrix, modes, over) : merged(matrix, modes), MatrixXd(), MatrixXd()});
   }
   if (compensate_) {
-    mean_fresnel_ = mean_conductor_fresnel(ratio);
+    mean_fresnel_ = mean_conductor_fresnel(base.ior / ior_above);
     perfect_.emplace(FacetRays(facets_, [](double) { return 1.0; }, own), set, ior_above, 0.0, 1);
     perfect_nodes_ = merged_keeping_flux(perfect_->on_nodes(pool).reflected.front(), modes, over);
   }
@@ -237,6 +235,10 @@ ScatteringFunction RoughSurface::Operators::lobes(int m) const {
 
 ScatteringFunction RoughSurface::Operators::order(int m) const {
   ScatteringFunction order = lobes(m);
+  if (!surface_->is_reciprocal()) {
+    const VectorXd weights = above_->mu.unaryExpr([&](double mu) { return surface_->view_weight(mu); });
+    order.reflect_above.kernel = above_->spread(weights).asDiagonal() * order.reflect_above.kernel;
+  }
   if (m == 0 && share_ > 0.0) {
     order.reflect_above.kernel += share_ * lost_above_ * lost_above_.transpose();
     if (upward_) {
@@ -286,14 +288,22 @@ auto RoughSurface::lobe(Face from, Face to, double mu_from, const Towards&... to
   if (from != to) {
     return dielectric_transmission(facets_, here, beyond, mu_from, towards...);
   }
-  auto reflected = metal_ ? conductor_reflection(facets_, *metal_, mu_from, towards...)
-                          : dielectric_reflection(facets_, here, beyond, mu_from, towards...);
+  auto reflected = [&] {
+    if (!base_) {
+      return dielectric_reflection(facets_, here, beyond, mu_from, towards...);
+    }
+    return is_reciprocal() ? conductor_reflection(facets_, base_->ior / here, mu_from, towards...)
+                           : opaque_reflection(facets_, reflectance_, mu_from, towards...);
+  }();
   reflected /= here * here;
   return reflected;
 }
 
 ArrayXd RoughSurface::value(Face from, Face to, double mu_from, double mu_to, const ArrayXd& cosines) const {
-  return exists(from, to) ? lobe(from, to, mu_from, mu_to, cosines) : ArrayXd::Zero(cosines.size());
+  if (!exists(from, to)) {
+    return ArrayXd::Zero(cosines.size());
+  }
+  return view_weight(mu_to) * lobe(from, to, mu_from, mu_to, cosines);
 }
 
 ArrayXXd RoughSurface::values(Face from, Face to, double mu_from, const FacetPairs& pairs) const {

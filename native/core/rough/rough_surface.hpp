@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scattering function of a rough boundary or of a rough metal.
 #pragma once
-#include <complex>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -15,7 +15,7 @@ namespace lamina {
 /// The two faces of a boundary, where light arrives or leaves.
 enum class Face { kTop, kBottom };
 
-/// A rough boundary between two dielectrics, or of a conductor, as operators in all azimuth orders.
+/// A rough boundary between two dielectrics, or the facets of a base, as operators in all azimuth orders.
 ///
 /// Single scattering by facets loses energy to shadowing. Compensation returns the energy in proportion to the losses
 /// of the directions on both sides (Kulla and Conty, SIGGRAPH 2017 course), so a dielectric boundary absorbs nothing.
@@ -26,7 +26,7 @@ class RoughSurface {
   /// other lobes or mirrors need more.
   RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
                double fineness = 1.0);
-  RoughSurface(const Base& conductor, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
+  RoughSurface(const Base& base, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
                double fineness = 1.0);
 
   /// The boundary on directions with targets, one azimuth order at a time. Refers to the boundary and the directions.
@@ -35,7 +35,7 @@ class RoughSurface {
     /// Lobes between two targets are left out, see LobeOperator; the compensation, which is smooth, is included.
     ScatteringFunction order(int m) const;
     /// One order of the lobes alone, from targets on one face to the live nodes of the medium at another:
-    /// [live node, target].
+    /// [live node, target]. Without view_weight().
     const Eigen::MatrixXd& from_targets(Face from, Face to, int m) const;
     int orders() const { return static_cast<int>(surface_->nodes_.size()); }
 
@@ -61,13 +61,16 @@ class RoughSurface {
 
   /// The lobes in closed form, for light that arrives at the face `from` and leaves at the face `to`. `mu_from` and
   /// `mu_to` are cosines in the media there, `cosines` those of the azimuths dphi. Radiance in 1/sr for unit
-  /// irradiance, divided by the square of the index on the side `to`; symmetric in the two directions.
+  /// irradiance, divided by the square of the index on the side `to`.
   Eigen::ArrayXd value(Face from, Face to, double mu_from, double mu_to, const Eigen::ArrayXd& cosines) const;
-  /// The same towards many directions, each at its own azimuths: [direction, azimuth].
+  /// The factor of light that leaves at cosine `mu`: 1, except for a base that is not reciprocal.
+  double view_weight(double mu) const { return base_ ? base_->view_weight(mu) : 1.0; }
+  /// The lobes without view_weight(), which are symmetric, towards many directions, each at its own azimuths:
+  /// [direction, azimuth].
   Eigen::ArrayXXd values(Face from, Face to, double mu_from, const FacetPairs& pairs) const;
 
  private:
-  /// One azimuth order on live nodes; a conductor has only reflect_above.
+  /// One azimuth order on live nodes; a base has only reflect_above.
   struct Nodes {
     Eigen::MatrixXd reflect_above;
     Eigen::MatrixXd transmit;
@@ -75,15 +78,17 @@ class RoughSurface {
   };
 
   /// True if light that arrives at one face can leave at the other.
-  bool exists(Face from, Face to) const { return !metal_ || (from == Face::kTop && to == Face::kTop); }
+  bool exists(Face from, Face to) const { return !base_ || (from == Face::kTop && to == Face::kTop); }
   /// A lobe that exists, towards one or many directions, with the arguments of the functions in microfacet.hpp.
+  bool is_reciprocal() const { return !base_ || base_->is_reciprocal(); }
   template <typename... Towards>
   auto lobe(Face from, Face to, double mu_from, const Towards&... towards) const;
 
   Facets facets_;
-  std::optional<std::complex<double>> metal_;  // index of a conductor, relative to the medium above
+  std::optional<Base> base_;
+  std::function<double(double)> reflectance_;  // of a facet of the base, by the cosine between ray and facet
   std::optional<LobeOperator> from_above_;
-  std::optional<LobeOperator> from_below_;  // empty for a conductor
+  std::optional<LobeOperator> from_below_;  // empty for a base
   std::vector<Nodes> nodes_;                // by order
   std::optional<LobeOperator> perfect_;     // of a conductor with compensation: its facets, reflecting everything
   Eigen::MatrixXd perfect_nodes_;

@@ -56,12 +56,16 @@ std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, c
       key, [&] { return std::make_shared<RoughSurface>(interface, set, ior_above, orders, pool, fineness); });
 }
 
-std::shared_ptr<const RoughSurface> shared_surface(const Base& conductor, const DirectionSet& set, double ior_above,
+std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const DirectionSet& set, double ior_above,
                                                    int orders, ThreadPool& pool, double fineness) {
-  Key key = key_of(conductor.facets, conductor.compensate, set, ior_above, orders, fineness);
-  key.insert(key.end(), {conductor.ior.real(), conductor.ior.imag()});
-  return known_or_made(
-      key, [&] { return std::make_shared<RoughSurface>(conductor, set, ior_above, orders, pool, fineness); });
+  Key key = key_of(base.facets, base.compensates(), set, ior_above, orders, fineness);
+  key.insert(key.end(), {base.ior.real(), base.ior.imag()});
+  if (base.law) {
+    const std::vector<double> sockets = base.law->key();
+    key.insert(key.end(), sockets.begin(), sockets.end());
+  }
+  return known_or_made(key,
+                       [&] { return std::make_shared<RoughSurface>(base, set, ior_above, orders, pool, fineness); });
 }
 
 }  // namespace lamina

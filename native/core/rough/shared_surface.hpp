@@ -12,7 +12,7 @@ namespace lamina {
 /// media only. Thread-safe.
 std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, const DirectionSet& set,
                                                    double ior_above, int orders, ThreadPool& pool, double fineness);
-std::shared_ptr<const RoughSurface> shared_surface(const Base& conductor, const DirectionSet& set, double ior_above,
+std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const DirectionSet& set, double ior_above,
                                                    int orders, ThreadPool& pool, double fineness);
 
 }  // namespace lamina

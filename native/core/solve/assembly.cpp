@@ -73,10 +73,12 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
   }
   const Base& base = stack.base;
   const Directions& bottom = directions_.back();
-  if (base.is_rough()) {
-    rough(bottom);
-  } else if (base.kind != Base::Kind::kNone) {
+  if (base.kind != Base::Kind::kNone) {
     functions.push_back(kernels ? base_reflection(base, order, bottom) : base_deltas(base, bottom));
+    if (base.is_rough() && kernels) {
+      ScatteringFunction& whole = functions.back();
+      whole.reflect_above = std::move(whole.reflect_above) + surfaces_[surface].order(order).reflect_above;
+    }
   }
   for (ScatteringFunction& function : functions) {
     for (DirectionOperator* part : {&function.reflect_above, &function.transmit, &function.reflect_below}) {

@@ -76,9 +76,8 @@ FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), se
     Boundary made{boundary.layer, at_base ? boundary.layer : boundary.layer + 1, boundary.surface.get(), {}};
     const std::vector<double> own = critical_cosines(indices, above);
     if (at_base) {
-      const std::complex<double> ratio = stack.base.ior / above;
       made.rays.emplace_back(
-          facets(boundary), [ratio](double mu) { return conductor_fresnel(mu, ratio); },
+          facets(boundary), [base = stack.base, above](double c) { return base.facet_reflectance(c, above); },
           FacetRays::Pieces{kDegree, own, {}, density});
     } else {
       const double below = indices[boundary.layer + 1];
@@ -119,6 +118,18 @@ double FacetMeetings::cosine(std::size_t boundary, Face face, Index target) cons
   return here.mu[here.live + target];
 }
 
+/// The factors of light that leaves a face of a boundary: at the nodes of the medium there, or at the targets.
+VectorXd FacetMeetings::view_weights(std::size_t boundary, Face face, bool at_targets) const {
+  const Directions& here = assembly_.directions()[gap(boundary, face)];
+  const RoughSurface& surface = *boundaries_[boundary].surface;
+  VectorXd weights = VectorXd::Ones(at_targets ? here.targets : here.nodes);
+  const Index first = at_targets ? here.live : 0;
+  for (Index k = 0; k < (at_targets ? here.targets : here.live); ++k) {
+    weights[k] = surface.view_weight(here.mu[first + k]);
+  }
+  return weights;
+}
+
 /// Light that one order of a boundary's lobes sends from targets on one face to nodes on another: [node, target].
 MatrixXd FacetMeetings::to_nodes(std::size_t boundary, Face from, Face to, int order) const {
   const Directions& any = assembly_.directions().front();
@@ -138,13 +149,15 @@ void FacetMeetings::take_from(ScatteringFunction& rest, int order) const {
       for (const Face exiting : kFaces) {
         const auto take = [&](DirectionOperator& part, const DeltaField::Arrival& in, const DeltaField::Arrival& out) {
           const VectorXd arrives = at_face(in, entering).tail(targets);
-          const VectorXd leaves = at_face(out, exiting).tail(targets);
+          const VectorXd leaves =
+              at_face(out, exiting).tail(targets).cwiseProduct(view_weights(meeting.second, exiting, true));
           if (arrives.isZero(0.0) || leaves.isZero(0.0)) {
             return;
           }
           part.kernel.bottomRightCorner(targets, targets) -=
               leaves.asDiagonal() * to_nodes(meeting.second, exiting, meeting.arriving, order).transpose() *
-              between.asDiagonal() * to_nodes(meeting.first, entering, meeting.leaving, order) * arrives.asDiagonal();
+              between.cwiseProduct(view_weights(meeting.first, meeting.leaving, false)).asDiagonal() *
+              to_nodes(meeting.first, entering, meeting.leaving, order) * arrives.asDiagonal();
         };
         if (!exists(meeting.first, entering) || !exists(meeting.second, exiting)) {
           continue;
@@ -212,8 +225,11 @@ void FacetMeetings::add_rays(ArrayXd& sum, const Meeting& meeting, bool backward
   const auto in_gap = [&](std::size_t gap) -> ArrayXd {
     return own.mu.unaryExpr([&](double m) { return refracted_cosine(m, directions[begin].ior, directions[gap].ior); });
   };
-  const ArrayXd strength = own.share * (sections_.section(meeting.section, in_gap).*meeting.between);
   const ArrayXd arriving = in_gap(end);
+  const RoughSurface& first_surface = *boundaries_[meeting.first].surface;
+  const ArrayXd& leaving = backwards ? arriving : own.mu;
+  const ArrayXd strength = own.share * (sections_.section(meeting.section, in_gap).*meeting.between) *
+                           leaving.unaryExpr([&](double m) { return first_surface.view_weight(m); });
   std::vector<Index> live;
   for (Index k = 0; k < strength.size(); ++k) {
     if (strength[k] > 0.0 && arriving[k] > 0.0 && own.density[k] > 0.0) {
@@ -270,7 +286,7 @@ ArrayXd FacetMeetings::value(Side side, Path path, Index o, Index i, const Array
         ArrayXd found = ArrayXd::Zero(dphi.size());
         add_rays(found, meeting, false, *forth, *back, exiting, mu_o, dphi);
         add_rays(found, meeting, true, *back, *forth, entering, mu_i, dphi);
-        sum += share * found;
+        sum += share * boundaries_[meeting.second].surface->view_weight(mu_o) * found;
       }
     }
   }

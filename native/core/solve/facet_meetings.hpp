@@ -76,6 +76,7 @@ class FacetMeetings {
   /// A lobe from the cache, computed on first use. The cache is cleared when it exceeds kMostRays.
   std::shared_ptr<const Lobe> lobe(std::size_t boundary, Face from, Face to, double mu) const;
   Lobe made_lobe(std::size_t boundary, Face from, Face to, double mu) const;
+  Eigen::VectorXd view_weights(std::size_t boundary, Face face, bool at_targets) const;
   Eigen::MatrixXd to_nodes(std::size_t boundary, Face from, Face to, int order) const;
   void add_rays(Eigen::ArrayXd& sum, const Meeting& meeting, bool backwards, const Lobe& own, const Lobe& other,
                 Face face, double mu, const Eigen::ArrayXd& dphi) const;

@@ -18,9 +18,10 @@ from ..common.errors import ArgumentError, StackError, quoted
 from ..common.progress import Progress, portion, portions, stepper
 from ..kinds.bases import Lambert, ShaderBase
 from ..kinds.fields import channel
-from ..kinds.table import BASE_WEIGHT, COLUMNS, PREFIX, TAU_BEND, TAU_ROWS, THROWN_BACK
+from ..kinds.table import COLUMNS, METAL, PREFIX, TAU_BEND, TAU_ROWS, lobe_of
 from ..material.stack import Stack
 from ..solver.solve import check_nodes, check_stack, thread_pool, tolerance_of
+from . import principled_base
 from .base_texture import over_texture
 from .clean_row import mix_rows, without_varying
 from .dropped_weights import folded
@@ -36,16 +37,18 @@ from .tau_error import tau_error
 
 @dataclass(frozen=True)
 class Basis:
-    """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together)."""
+    """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together); of
+    a Principled base, beside the BSDF: (for light of the layers, for light that the base's color changes)."""
 
     reflected: tuple[int, int, int]
     transmitted: tuple[int, int, int]
     textured_base: tuple[int, int, int]
+    principled: tuple[int, int]
 
 
 CLOSURE_BASES = {
-    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2)),
-    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4)),
+    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (4, 3)),
+    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (9, 6)),
 }
 # Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},
@@ -100,6 +103,14 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     shares = {**TIME, "base": TIME["base"] * _is_textured(stack), "between": TIME["between"] * measured}
     step = stepper("the bake", progress, cancel)
     steps = portions(step, shares)
+
+    if principled_base.is_shown(stack):
+        parts, seen, solved = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
+                                                    limits.principled, SEARCH[quality])
+        header = _header(stack, quality, basis, solved, parts, fit_report(parts, seen, solved))
+        step(1.0, "Done")
+        return Lut(header, _weights(parts, solved), time.perf_counter() - started)
+    principled_base.refuse_inputs(stack)
 
     # Solve the stack for each thickness of its varying layer
     solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), quality, threads, steps["solve"], row_stride, nodes)
@@ -213,16 +224,18 @@ def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: d
 
 
 def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
-    """Given closures by kind. Raises ArgumentError for a closure that is unknown or given twice, and for too many."""
+    """Given closures by kind, or by the prefix of the strips of a Principled base for metallic 1. Raises
+    ArgumentError for a closure that is unknown or given twice, and for too many."""
     if isinstance(ids, str) or not isinstance(ids, Sequence) or not all(isinstance(name, str) for name in ids):
         raise ArgumentError(f"closures = {quoted(ids)}: must be a list of lobe ids")
-    given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": []}
+    given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": [], METAL: [], METAL + PREFIX: []}
     for name in ids:
-        if name in ("transparent", THROWN_BACK, BASE_WEIGHT) or name.startswith("mirror:"):
+        if name == "transparent" or not lobe_of(name) or name.startswith("mirror:"):
             continue  # always in the table
         try:
-            lobe = lobes.by_id(name.removeprefix(PREFIX))
-            given["base" if name.startswith(PREFIX) else lobe.side].append(lobe.id)
+            lobe = lobes.by_id(lobe_of(name))
+            kind = "base" if name.startswith(PREFIX) else lobe.side
+            given[name.removesuffix(lobe.id) if name.startswith(METAL) else kind].append(lobe.id)
         except KeyError:
             raise ArgumentError(f"closures: {quoted(name)} is not in the dictionary") from None
     for kind, names in given.items():

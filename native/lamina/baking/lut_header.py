@@ -9,7 +9,8 @@ import numpy as np
 
 from ..closures import lobes
 from ..common.errors import quoted
-from ..kinds.table import BASE_WEIGHT, COLUMNS, PREFIX, THROWN_BACK
+from ..kinds.bases import PrincipledBase
+from ..kinds.table import COLUMNS, PRINCIPLED, THROWN_BACK, lobe_of
 
 SCHEMA = 1
 
@@ -69,14 +70,19 @@ def _problem_of_fields(header: dict) -> str:
 def _problem_of_closures(header: dict) -> str:
     for name in header["closures"]:
         try:
-            if name not in (THROWN_BACK, BASE_WEIGHT):
-                lobes.recipe(name.removeprefix(PREFIX))
+            if lobe_of(name):
+                lobes.recipe(lobe_of(name))
         except (AttributeError, KeyError):
             return f"closure {quoted(name)}: this version of Lamina does not know it"
     if THROWN_BACK in header["closures"]:
-        colour = _at(header, "stack.base.reflectance")
+        place = "stack.base.color" if PRINCIPLED in header["closures"] else "stack.base.reflectance"
+        colour = _at(header, place)
         if not _is_numbers(colour) or len(colour) not in (1, 3):
-            return "stack.base.reflectance: must be 1 or 3 numbers, for the base has an input"
+            return f"{place}: must be 1 or 3 numbers, for the base has an input"
+    if PRINCIPLED in header["closures"]:
+        for field in PrincipledBase.fields:
+            if not _is_numbers(_at(header, f"stack.base.{field.name}")):
+                return f"stack.base.{field.name}: must be a list of numbers from 0"
     return ""
 
 

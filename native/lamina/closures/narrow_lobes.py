@@ -8,14 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..kinds.bases import Conductor
+from ..kinds.bases import LEAST_ALPHA, Conductor, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..material.stack import Stack
 
-# Facets narrower than this are solved as smooth, and only their closure has their width. The neglected light is of the
-# order of alpha^2.
-LEAST_ALPHA = 0.03
+# Facets narrower than LEAST_ALPHA are solved as smooth, and only their closure has their width.
 # From this width on, the light grid for smooth slices also resolves a lobe.
 BROAD_ALPHA = 0.45
 # Width of the lobe of light scattered forward through a sheet.
@@ -55,6 +53,7 @@ def closures(stack) -> list[str]:
         # F as a function of the half angle. For GGX facets of a dielectric, F0 ggx + (1 - F0) fresnel_ggx is exact; for
         # metals and Beckmann facets its shape is a good approximation.
         index = below / above if isinstance(surface, Interface) else 1.5
+        index = surface.ior / above if isinstance(surface, PrincipledBase) else index
         widths = (1.0,) if surface.distribution == "ggx" else (0.9, 1.6)
         ids += [f"fresnel_ggx:{max(index, 1.0 / index):.4g}:{_rounded(min(1.0, surface.alpha * w)):g}" for w in widths]
         if surface.distribution == "beckmann":
@@ -75,10 +74,18 @@ def closures(stack) -> list[str]:
     return list(dict.fromkeys(ids))
 
 
+def _widths(surface) -> tuple[float, ...]:
+    """The widths of the facets of a surface that are solved as smooth."""
+    if isinstance(surface, PrincipledBase):
+        own = surface.roughness**2 if surface.alpha == 0.0 else 0.0
+        return (own, surface.coat_roughness**2 if surface.coat > 0.0 else 0.0)
+    return (surface.alpha,) if _is_sharp(surface) else ()
+
+
 def mirror(stack: Stack) -> str:
     """Id of the closure for light that smooth boundaries of `resolved(stack)` reflect. Its width is that of the widest
     facets that are solved as smooth, seen through the media above."""
-    widths = [0.0, *(surface.alpha * above for surface, above, _ in _in_order(stack) if _is_sharp(surface))]
+    widths = [0.0, *(width * above for surface, above, _ in _in_order(stack) for width in _widths(surface))]
     return f"mirror:{_rounded(max(widths)):g}"
 
 
@@ -102,10 +109,10 @@ def _in_order(stack: Stack) -> list[tuple]:
 
 
 def _is_rough(surface) -> bool:
-    return isinstance(surface, Interface | Conductor) and surface.alpha >= LEAST_ALPHA
+    return isinstance(surface, Interface | Conductor | PrincipledBase) and surface.alpha >= LEAST_ALPHA
 
 
-def _rough(stack: Stack) -> list[tuple[Interface | Conductor, float, float]]:
+def _rough(stack: Stack) -> list[tuple[Interface | Conductor | PrincipledBase, float, float]]:
     """(surface, index above, index below) of the boundaries that are solved as rough."""
     return [entry for entry in _in_order(stack) if _is_rough(entry[0])]
 
@@ -117,7 +124,8 @@ def _covered(stack: Stack) -> bool:
 
 def _sees_through(stack: Stack) -> bool:
     """True if a smooth or rough reflector lies below a rough dielectric boundary."""
-    surfaces = [surface for surface, _, _ in _in_order(stack) if isinstance(surface, Interface | Conductor)]
+    reflectors = Interface | Conductor | PrincipledBase
+    surfaces = [surface for surface, _, _ in _in_order(stack) if isinstance(surface, reflectors)]
     return any(isinstance(surface, Interface) and _is_rough(surface) for surface in surfaces[:-1])
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from ..kinds.fields import Field
 from ..kinds.limits import MOST_SEED, MOST_THREADS, SEED, THREADS
 from .errors import ArgumentError, quoted
 
@@ -43,6 +44,14 @@ def check_number(value, name: str, rule: str, fits) -> float:
         if math.isfinite(number) and fits(number):
             return number
     raise ArgumentError(f"{name} = {quoted(value)}: {rule}")
+
+
+def check_field(value, field: Field) -> float:
+    """`value` as the one number of a Field, which gives its name and range: an int where the field is whole. Raises
+    ArgumentError."""
+    if field.whole:
+        return check_whole(value, field.name, int(field.low), int(field.high), field.rule)
+    return check_number(value, field.name, field.rule, field.contains)
 
 
 def check_kind(value, name: str, kind: type, words: str):

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import check_number
+from ..common.arguments import check_field
 from ..common.errors import ArgumentError, InteriorError, quoted
+from ..kinds.fields import Field
+from ..kinds.interiors import SIGMA_A, SIGMA_S, G
 
 CHANNELS = 3
-MOST_COEFFICIENT = 65504.0  # 1/mm, the largest half
-MOST_G = 0.999
 
 
 @dataclass(frozen=True)
@@ -27,8 +27,8 @@ class EndMaterial:
     g: float = 0.0
 
     def __post_init__(self):
-        for name in ("sigma_s", "sigma_a"):
-            object.__setattr__(self, name, _three(getattr(self, name), name))
+        for field in (SIGMA_S, SIGMA_A):
+            object.__setattr__(self, field.name, _three(getattr(self, field.name), field))
         object.__setattr__(self, "g", check_g(self.g))
 
     def to_json(self) -> dict:
@@ -49,19 +49,19 @@ class EndMaterial:
 def check_g(g) -> float:
     """Check a mean cosine and return it as float. Raises InteriorError."""
     try:
-        return check_number(g, "g", f"must lie in [-{MOST_G}, {MOST_G}]", lambda value: abs(value) <= MOST_G)
+        return check_field(g, G)
     except ArgumentError as error:
         raise InteriorError(str(error)) from None
 
 
-def _three(values, name: str) -> tuple[float, ...]:
+def _three(values, field: Field) -> tuple[float, ...]:
     try:
         array = np.asarray(values, float)
     except (TypeError, ValueError):
         array = np.array([])
     if array.shape not in ((), (CHANNELS,)):
-        raise InteriorError(f"{name} = {quoted(values)}: must be one number, or three")
-    wrong = ~((array >= 0.0) & (array <= MOST_COEFFICIENT))
-    if wrong.any():
-        raise InteriorError(f"{name} = {np.atleast_1d(array[wrong])[0]:g}: must lie in [0, {MOST_COEFFICIENT:g}] 1/mm")
+        raise InteriorError(f"{field.name} = {quoted(values)}: must be one number, or three")
+    for value in np.atleast_1d(array):
+        if not field.contains(float(value)):
+            raise InteriorError(f"{field.name} = {value:g}: {field.rule}")
     return tuple(map(float, np.broadcast_to(array, CHANNELS)))

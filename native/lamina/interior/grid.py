@@ -14,7 +14,8 @@ import numpy as np
 from ..common.archive import Damaged, load_archive, save_archive
 from ..common.arguments import finite_array
 from ..common.errors import ArgumentError, InteriorError, quoted
-from .end_material import CHANNELS, MOST_COEFFICIENT, EndMaterial, check_g
+from ..kinds.interiors import MOST_COEFFICIENT
+from .end_material import CHANNELS, EndMaterial, check_g
 
 FORMAT, SCHEMA = "lamina-interior", 1
 MOST_COORDINATE = 65535  # coordinate of the palette's last material

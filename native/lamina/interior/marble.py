@@ -13,22 +13,18 @@ from pathlib import Path
 import numpy as np
 
 from ..common import json_file
-from ..common.arguments import check_number, check_seed, check_whole, finite_array
+from ..common.arguments import check_field, finite_array
 from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, InteriorError, quoted
 from ..common.progress import Progress, stepper
+from ..kinds.interiors import DIRECTION, GROUND, MARBLE, VEINS, VOXELS, defaults
 from .end_material import EndMaterial
 from .grid import MOST_COORDINATE, Interior, checked_box, checked_palette
 from .noise import turbulence
 
 FORMAT, SCHEMA = "lamina-marble", 1
-MOST_SIDE = 1024
-# White marble: Jensen, Marschner, Levoy and Hanrahan 2001, measured; reduced scattering, so that g is 0. The veins'
-# coefficients are chosen, not measured.
-WHITE = EndMaterial((2.19, 2.62, 3.00), (0.0021, 0.0041, 0.0071))
-VEIN = EndMaterial((1.7, 1.9, 2.1), (0.06, 0.06, 0.055))
-_LIMITS = {"spacing": (1e-6, 1e6), "width": (1e-3, 1.0), "feature": (1e-6, 1e6), "distortion": (0.0, 100.0),
-           "lacunarity": (1.0, 8.0), "gain": (0.0, 1.0)}
+WHITE, VEIN = EndMaterial(**defaults(GROUND)), EndMaterial(**defaults(VEINS))
+_DEFAULTS = defaults(MARBLE)
 
 
 @dataclass(frozen=True)
@@ -45,24 +41,20 @@ class Marble:
     `seed`: seed of the noise."""
 
     palette: Sequence[EndMaterial] = (WHITE, VEIN)
-    spacing: float = 12.0
-    direction: Sequence[float] = (0.5, 0.3, 0.8)
-    width: float = 0.25
-    distortion: float = 3.0
-    feature: float = 20.0
-    octaves: int = 6
+    spacing: float = _DEFAULTS["spacing"]
+    direction: Sequence[float] = DIRECTION
+    width: float = _DEFAULTS["width"]
+    distortion: float = _DEFAULTS["distortion"]
+    feature: float = _DEFAULTS["feature"]
+    octaves: int = _DEFAULTS["octaves"]
     lacunarity: float = 2.0
     gain: float = 0.5
-    seed: int = 0
+    seed: int = _DEFAULTS["seed"]
 
     def __post_init__(self):
         try:
-            for name, (low, high) in _LIMITS.items():
-                value = check_number(getattr(self, name), name, f"must lie in [{low:g}, {high:g}]",
-                                     lambda number, low=low, high=high: low <= number <= high)
-                object.__setattr__(self, name, value)
-            check_whole(self.octaves, "octaves", 1, 12)
-            check_seed(self.seed)
+            for field in MARBLE:
+                object.__setattr__(self, field.name, check_field(getattr(self, field.name), field))
             direction = finite_array(self.direction, "direction")
         except ArgumentError as error:
             raise InteriorError(str(error)) from None
@@ -128,7 +120,7 @@ def marble(low, high, voxels: int = 128, veins: Marble | None = None, progress: 
     veins = Marble() if veins is None else veins
     if not isinstance(veins, Marble):
         raise ArgumentError(f"veins = {quoted(veins)}: must be a lamina.Marble")
-    check_whole(voxels, "voxels", 1, MOST_SIDE)
+    check_field(voxels, VOXELS)
     step = stepper("the marble", progress, cancel)
     sides = np.array(high) - low
     counts = [max(1, math.ceil(voxels * side / sides.max() - 1e-9)) for side in sides]

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import check_choice, check_number, check_seed, check_threads, check_whole, finite_array
+from ..common.arguments import check_choice, check_field, check_seed, check_threads, check_whole, finite_array
 from ..common.errors import ArgumentError, InteriorError, quoted
 from ..common.progress import Progress, portion, stepper
+from ..kinds.boundaries import ALPHA, DISTRIBUTION, IOR
 from ..settling import embree
 from ..settling.mesh import Mesh, checked_mesh, vertex_points
 from .grid import Interior
@@ -36,11 +37,9 @@ class Surface:
     distribution: str = "ggx"
 
     def __post_init__(self):
-        for name, low, high in (("ior", 1.0, 4.0), ("alpha", 0.0, 1.0)):
-            value = check_number(getattr(self, name), name, f"must lie in [{low:g}, {high:g}]",
-                                 lambda number, low=low, high=high: low <= number <= high)
-            object.__setattr__(self, name, value)
-        check_choice(self.distribution, "distribution", ("ggx", "beckmann"))
+        for field in (IOR, ALPHA):
+            object.__setattr__(self, field.name, check_field(getattr(self, field.name), field))
+        check_choice(self.distribution, DISTRIBUTION.name, DISTRIBUTION.values)
 
     @property
     def is_smooth(self) -> bool:

@@ -9,13 +9,17 @@ from dataclasses import dataclass
 from dataclasses import field as member
 
 from .boundaries import ALPHA, FACETS
-from .errors import StackError
 from .fields import Channels, Field, Form, Option, channel
 from .media import ALBEDO, SIGMA_A, SIGMA_S, single_scattering_albedo
 from .panel import Item, Panel
 from .phases import Isotropic, PhaseFunction
 
 __all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "PrincipledBase", "ShaderBase"]
+
+
+# Facets of a Principled material narrower than this are solved as a mirror, and only their closure has their width. The
+# neglected light is of the order of alpha^2. The coat is always solved as a mirror.
+LEAST_ALPHA = 0.03
 
 
 def _one_number(name: str, high: float, default: float, label: str, tip: str, low: float = 0.0) -> Field:
@@ -187,10 +191,19 @@ class PrincipledBase(Base):
         Item("color", "Base Color", "Give the node group a Base Color socket", 1),
         Item("metallic", "Metallic", "Give the node group a Metallic socket", 2),
         Item("roughness", "Roughness", "Give the node group a Roughness socket", 4)), several=True),)
+    distribution = "ggx"
     item = Item(kind, "Principled", "The surface that Blender's Principled BSDF shows with these values", 5)
 
-    def in_channel(self, index: int) -> tuple:
-        raise StackError("base.kind = 'principled': cannot be solved or baked yet")
+    @property
+    def alpha(self) -> float:
+        """The width of the facets as the solver takes it: 0 for lobes that are too narrow to resolve."""
+        alpha = self.roughness**2
+        return alpha if alpha >= LEAST_ALPHA else 0.0
+
+    def below(self, ior_above: float, index: int) -> tuple:
+        """Like in_channel, below a medium of this index."""
+        return (self.kind, channel(self.color, index), self.metallic, self.roughness, self.ior / ior_above,
+                self.specular, self.coat, self.coat_roughness, self.coat_ior / ior_above, self.alpha)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ MOST_WIND = 20.0  # relative to the speed of the fall
 class DustOption:
     """A number or switch of Settling; a number lies in [low, high]. `unit`: "rad" or "m". `optional`: may be None,
     shown as 0 in the panel. `whole`: a whole number. `switch`: true or false. `help`: text of the command line, without
-    the default; "" for no flag. `group`: the part of the panel, "fall", "stay" or "target"."""
+    the default; "" for no flag. `group`: the part of the panel, see GROUPS."""
 
     name: str
     low: float
@@ -50,19 +50,23 @@ class DustOption:
             raise DustError(f"settling.{self.name} = {value!r}: must lie in [{self.low:g}, {self.high:g}]")
 
 
+# Parts of the panel: (name, heading, True if folded at first).
+GROUPS = (("amount", "How Much", False), ("from", "Where From", True), ("stay", "Where It Stays", True),
+          ("to", "Where To", True))
+
 # In the panel's order. The panel has the defaults of Settling, except where an entry has its own.
 OPTIONS = (
     DustOption("amount", 0.0, 1e3, Panel(
         "Amount", "Optical thickness on an open horizontal plate: 0.1 is a veil, 1 is dusty, 10 hides all", 1.0,
-        soft_high=10.0, step=10, text="Amount τ"), optional=True, group="fall"),
+        soft_high=10.0, step=10, text="Amount τ"), optional=True, group="amount"),
     DustOption("grams", 0.0, 1e6, Panel(
         "Mass", "Grams on a square metre of an open horizontal plate", 2.0, soft_high=50.0, step=10,
-        text="Grams per m²"), optional=True, group="fall"),
+        text="Grams per m²"), optional=True, group="amount"),
     DustOption("time", 0.0, 1e6, Panel(
-        "Time", "For how long it falls: so many times the amount", soft_high=10.0, step=10), group="fall"),
+        "Time", "For how long it falls: so many times the amount", soft_high=10.0, step=10), group="amount"),
     DustOption("spread", 0.0, MOST_SPREAD, Panel(
         "Spread", "Half-angle of the cone from which grains fall", high=math.radians(85.0),
-        subtype="ANGLE"), unit="rad", help="half-angle of the fall", group="fall"),
+        subtype="ANGLE"), unit="rad", help="half-angle of the fall", group="from"),
     DustOption("repose", 0.0, math.pi, Panel(
         "Slope", "Where a surface is steeper, more than half of the grains slide off", subtype="ANGLE"), unit="rad",
         help="angle of repose", group="stay"),
@@ -81,7 +85,7 @@ OPTIONS = (
         help="dust lies on either side of faces", group="stay"),
     DustOption("rays", 1, 65536, Panel(
         "Rays", "Rays a point: more are slower and smoother", soft_low=16, soft_high=4096), whole=True,
-        help="rays a vertex", group="target"),
+        help="rays a vertex", group="to"),
 )  # fmt: skip
 
 

@@ -21,15 +21,17 @@ Channels = float | Sequence[float]
 @dataclass(frozen=True)
 class Field:
     """A quantity: its name, its range [low, high] and its unit. `open_ended`: the ends are not part of the range.
-    `infinite`: infinity is allowed too. `optional`: may be missing from a form. `single`: one number for all channels.
-    `rule`: the range in words, if not made from the numbers. `panel`: how the panel shows it, or None if the panel does
-    not."""
+    `above`: the lower end is not part of the range. `whole`: a whole number. `infinite`: infinity is allowed too.
+    `optional`: may be missing from a form. `single`: one number for all channels. `rule`: the range in words, if not
+    made from the numbers. `panel`: how the panel shows it, or None if the panel does not."""
 
     name: str
     low: float
     high: float
     unit: str = ""
     open_ended: bool = False
+    above: bool = False
+    whole: bool = False
     infinite: bool = False
     optional: bool = False
     single: bool = False
@@ -38,14 +40,26 @@ class Field:
 
     def __post_init__(self):
         if not self.rule:
-            ends = "()" if self.open_ended else "[]"
-            span = f"{ends[0]}{_end(self.low)}, {_end(self.high)}{ends[1]}"
-            object.__setattr__(self, "rule", f"must lie in {span} {self.unit}".rstrip())
+            object.__setattr__(self, "rule", self._range_in_words())
+
+    def _range_in_words(self) -> str:
+        if self.whole:
+            return f"must be a whole number from {self.low:.0f} to {self.high:.0f} {self.unit}".rstrip()
+        first, last = "(" if self.open_ended or self.above else "[", ")" if self.open_ended else "]"
+        return f"must lie in {first}{_end(self.low)}, {_end(self.high)}{last} {self.unit}".rstrip()
 
     @property
     def prop(self) -> str:
         """The name of the add-on's property."""
         return self.panel.prop or self.name if self.panel else self.name
+
+    def contains(self, number: float) -> bool:
+        """True if a number is in the range."""
+        if number == math.inf:
+            return self.infinite
+        above = self.low < number if self.open_ended or self.above else self.low <= number
+        below = number < self.high if self.open_ended else number <= self.high
+        return above and below and (not self.whole or number == int(number))
 
     def check(self, value, path: str) -> float | tuple[float, ...]:
         """`value` as a float or a tuple of floats, one per channel.
@@ -71,10 +85,7 @@ class Field:
         raise StackError(f"{path} = {quoted(value)}: must be {words}")
 
     def _check_number(self, number: float, path: str) -> float:
-        if self.infinite and number == math.inf:
-            return number
-        inside = self.low < number < self.high if self.open_ended else self.low <= number <= self.high
-        if not math.isfinite(number) or not inside:
+        if not self.contains(number):
             raise StackError(f"{path} = {repr(number).removesuffix('.0')}: {self.rule}")
         return number + 0.0  # -0.0 and 0.0 are one value
 

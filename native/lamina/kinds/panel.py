@@ -14,7 +14,7 @@ class Panel:
     the property's range, if inside the field's; `soft_high`: end of its slider. `rgb`: one number per channel;
     `subtype`: Blender's, such as COLOR or ANGLE. `text`: the label in the panel, if it differs. `slider`: drawn as a
     slider. `prop`: the property's name in .blend files, if not the field's. `words`: the field's name in messages to
-    the user."""
+    the user. `percent`: the property is in percent, so its default and range are 100 times the field's."""
 
     label: str
     tip: str
@@ -31,6 +31,7 @@ class Panel:
     slider: bool = True
     prop: str = ""
     words: str = ""
+    percent: bool = False
 
 
 @dataclass(frozen=True)

@@ -13,3 +13,13 @@ PREFIX = "base/"
 THROWN_BACK = "base/thrown back"
 # Strip of a base that another shader renders: the weight of that shader, see baking.shader_base.
 BASE_WEIGHT = "base/weight"
+# Strips of a Principled base: the weight of the BSDF itself, which has the sockets' values; and after this prefix the
+# strips for metallic 1, if metallic is an input. The strips without the prefix are then for metallic 0.
+PRINCIPLED = "principled"
+METAL = "metal/"
+
+
+def lobe_of(name: str) -> str:
+    """The id of the closure behind a strip, or "" for a strip that holds no weight of a closure of the dictionary."""
+    name = name.removeprefix(METAL)
+    return "" if name in (THROWN_BACK, BASE_WEIGHT, PRINCIPLED) else name.removeprefix(PREFIX)

@@ -13,10 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.progress import Progress, portion
-from ..interior.end_material import CHANNELS, MOST_COEFFICIENT, EndMaterial
+from ..interior.end_material import CHANNELS, EndMaterial
 from ..interior.grid import Interior
 from ..interior.parts import job_of, merge_walks, part_of
 from ..interior.walk import Walker
+from ..kinds.interiors import MOST_COEFFICIENT
 from ..subsurface.entry_cosines import mean_entry_cosines
 from ..subsurface.node_parameters import LEAST_IOR
 from ..subsurface.response_table import CURVE, Curves, response_curves

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import check_number, check_whole, finite_array
+from ..common.arguments import check_field, check_whole, finite_array
 from ..common.errors import ArgumentError
 from ..common.progress import Progress, portion, stepper
 from ..interior.estimates import ExitEstimate, LightEstimate
@@ -19,6 +19,7 @@ from ..interior.lamps import Lamp
 from ..interior.parts import job_of, merge_walks, part_of
 from ..interior.solid import Solid
 from ..interior.walk import MOST_SAMPLES, Surface, Walker, checked_lamps
+from ..kinds.interiors import NOISE
 from .noise import samples_for
 from .part_folder import PartFolder
 from .places import Places, places_of
@@ -62,7 +63,7 @@ def walk_map(job: MapJob, kind: str, lamps: Sequence[Lamp] = (), view=None, eye=
     began = time.perf_counter()
     whole = stepper("the map", job.progress, job.cancel)
     step = portion(whole, 0.0, share)
-    check_number(job.noise, "noise", "must lie in (0, 1]", lambda value: 0.0 < value <= 1.0)
+    check_field(job.noise, NOISE)
     if job.samples is not None:
         check_whole(job.samples, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^32, or None")
     surface = Surface() if job.surface is None else job.surface

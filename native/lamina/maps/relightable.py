@@ -17,6 +17,7 @@ from ..interior.estimates import ExitEstimate
 from ..interior.grid import Interior
 from ..interior.solid import Solid
 from ..interior.walk import Surface
+from ..kinds.limits import MOST_NODE_IOR
 from ..subsurface.node_inputs import SubsurfaceInputs, checked_version, subsurface_inputs
 from ..subsurface.node_parameters import LEAST_IOR
 from ..subsurface.node_response import LARGEST_G
@@ -25,7 +26,6 @@ from .lit import MOST_MARGIN
 from .map_walk import MapJob, MapWalk, walk_map
 from .noise import noise_of
 
-MOST_IOR = 3.8  # of Cycles' node
 WALKING = 0.8  # share of the progress: the walks of the map
 _ARRAYS = ("color", "radius", "extra_color", "extra_radius", "albedo", "distance", "albedo_error", "distance_error")
 
@@ -97,7 +97,7 @@ def _inputs(found: ExitEstimate, walked: MapWalk, surface: Surface, version: tup
     entered = 1.0 - float(found.mirrored.mean())  # the same at each point, except for noise
     albedo = np.clip(found.albedo.value / entered, 0.0, 1.0)
     distance = np.nan_to_num(found.mean_distance.value)
-    ior = min(max(surface.ior, LEAST_IOR), MOST_IOR)
+    ior = min(max(surface.ior, LEAST_IOR), MOST_NODE_IOR)
     g, roughness = mean_anisotropy(walked.walker.interior), surface.alpha if surface.ior > 1.0 else 0.0
     albedo, distance = targets_in_body(albedo, distance, walked.walker, g, ior, roughness, walked.step)
     return subsurface_inputs(albedo, distance, g, version, "diffuse", ior, roughness)

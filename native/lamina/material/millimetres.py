@@ -26,7 +26,8 @@ class DepthKnot(NamedTuple):
 
 def require_millimetres(stack: Stack) -> None:
     """Raises StackError unless all media of the stack are given by sigma_s and sigma_a in 1/mm and a thickness in mm,
-    and media that neither scatter nor absorb have a finite thickness."""
+    and media that neither scatter nor absorb have a finite thickness; and for a base that such light does not take."""
+    stack.require_walked_base()
     for index, layer in enumerate(stack.layers):
         if not isinstance(layer, Medium):
             continue

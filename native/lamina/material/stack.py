@@ -15,7 +15,7 @@ from pathlib import Path
 from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
-from ..kinds.bases import BASES, Base, Conductor, HalfSpace
+from ..kinds.bases import BASES, Base, Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
@@ -141,6 +141,12 @@ class Stack:
         if self.base is None and indices and any(channel(indices[-1], c) != 1.0 for c in range(self.channels)):
             raise StackError(f"layers end at index {to_plain(indices[-1])}: a sheet that is baked, or whose directions "
                              "below are asked for, must end with an Interface of ior 1")
+
+    def require_walked_base(self) -> None:
+        """Raises StackError for a base that random walks and searchlights do not take."""
+        if isinstance(self.base, PrincipledBase):
+            raise StackError("base.kind = 'principled': must be 'lambert', 'black', 'half-space' or 'conductor' for "
+                             "random walks and searchlights")
 
     def canonical(self) -> str:
         """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, without

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..common.errors import DustError
+from ..kinds.limits import MOST_TEXELS
 from . import embree
 from .corners import corners_of
 from .mesh import Mesh, Points, checked_mesh, vertex_points
 
-LARGEST = 16384
 BAND = 1 << 19  # texels at a time
 LOST = 0.02  # share of the surface without texels from which a note is added
 
@@ -42,8 +42,8 @@ class TexelMap:
             raise DustError(f"uvs_per_corner[{np.argwhere(~np.isfinite(uvs))[0][0]}]: must be finite")
         width, height = (size, size) if not isinstance(size, tuple | list) else size
         for value in (width, height):
-            if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= LARGEST:
-                raise DustError(f"size = {size!r}: must be whole numbers from 1 to {LARGEST}")
+            if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_TEXELS:
+                raise DustError(f"size = {size!r}: must be whole numbers from 1 to {MOST_TEXELS}")
         self.width, self.height = width, height
         self._mesh, self._uvs = mesh, uvs
         self._corners = corners_of(mesh)

@@ -20,7 +20,7 @@ from ..common.arguments import (
     finite_list,
 )
 from ..common.errors import ArgumentError, SolveError, quoted
-from ..kinds.bases import Conductor, HalfSpace, Lambert
+from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..kinds.media import TAU
@@ -95,9 +95,17 @@ def core_stack(stack: Stack, index: int):
     base: tuple = ("none",)
     if isinstance(stack.base, Conductor):
         base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index), stack.base.compensate)
+    elif isinstance(stack.base, PrincipledBase):
+        base = stack.base.below(_index_above_base(stack, index), index)
     elif stack.base is not None:
         base = stack.base.in_channel(index)
     return (tuple(entries), base), [kind(*values) for kind, values in entries], core_base(base)
+
+
+def _index_above_base(stack: Stack, index: int) -> float:
+    """The refractive index of the medium above the base, in one channel."""
+    indices = [channel(layer.ior, index) for layer in stack.layers if isinstance(layer, Interface)]
+    return indices[-1] if indices else 1.0
 
 
 def core_base(base: tuple) -> _core.Base:

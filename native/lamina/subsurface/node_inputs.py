@@ -10,6 +10,7 @@ import numpy as np
 
 from ..common.arguments import check_number, finite_array
 from ..common.errors import ArgumentError, quoted
+from ..kinds.limits import MOST_NODE_IOR
 from .entry_cosines import entry_cosines, mean_entry_cosines
 from .node_parameters import LEAST_ALBEDO, LEAST_IOR, colour_of_albedo, radius_of_path
 from .node_response import LARGEST_G
@@ -87,7 +88,8 @@ def subsurface_inputs(albedo, distance, anisotropy: float = 0.0, version: tuple[
     g = check_number(anisotropy, "anisotropy", f"must lie in [0, {LARGEST_G:g}]", lambda x: 0.0 <= x <= LARGEST_G)
     if not (isinstance(mu, str) and mu == "diffuse"):
         mu = check_number(mu, "mu", 'must lie in (0, 1], or be "diffuse"', lambda x: 0.0 < x <= 1.0)
-    ior = check_number(ior, "ior", f"must lie in [{LEAST_IOR:g}, 3.8]", lambda x: LEAST_IOR <= x <= 3.8)
+    ior = check_number(ior, "ior", f"must lie in [{LEAST_IOR:g}, {MOST_NODE_IOR:g}]",
+                       lambda x: LEAST_IOR <= x <= MOST_NODE_IOR)
     roughness = check_number(roughness, "roughness", "must lie in [0, 1]", lambda x: 0.0 <= x <= 1.0)
     albedo, distance = _checked_targets(albedo, distance)
     entry = mean_entry_cosines(ior, roughness) if isinstance(mu, str) else entry_cosines(mu, ior, roughness)

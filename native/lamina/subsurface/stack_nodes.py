@@ -13,6 +13,7 @@ from ..common.progress import Progress
 from ..kinds.bases import HalfSpace
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
+from ..kinds.limits import MOST_NODE_IOR
 from ..lateral.searchlight import Searchlight, searchlight
 from ..material.layers import Medium
 from ..material.stack import Stack
@@ -50,7 +51,7 @@ def boundary_on_top(stack: Stack, mu, quality: str) -> tuple[np.ndarray, float, 
     top = stack.layers[0]
     ior, alpha = (float(np.mean([channel(value, c) for c in range(stack.channels)])) for value in (top.ior, top.alpha))
     on_top = np.broadcast_to(solve(Stack([top]), quality).reflectance(mu), shape)
-    return on_top, float(np.clip(ior, LEAST_IOR, 3.8)), min(alpha, 1.0)
+    return on_top, float(np.clip(ior, LEAST_IOR, MOST_NODE_IOR)), min(alpha, 1.0)
 
 
 def require_finite_distance(beam: Searchlight, on_top: np.ndarray) -> np.ndarray:

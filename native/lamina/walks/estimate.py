@@ -127,6 +127,7 @@ def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, 
     """(result of `run(walk, step)` for each channel, the largest error of the walks' tables); equal channels share one
     run. Raises as estimate does."""
     query.check(stack)
+    stack.require_walked_base()
 
     def walked(layers, base, within):
         walk, off = make_walk(_core.Stack(layers, base), query, method, pool)

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Properties, rows and JSON that the add-on makes from the descriptions in lamina.kinds."""
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
 from addon_helpers import drawn
 
-from lamina.kinds import bases, dust, media, phases
+from lamina.kinds import bases, dust, interiors, media, phases
 
 
 def ends(field):
     """The range of a field's property in single precision."""
     panel = field.panel
-    return np.float32([field.low if panel.low is None else panel.low, field.high if panel.high is None else panel.high])
+    low, high = (field.low if panel.low is None else panel.low, field.high if panel.high is None else panel.high)
+    return np.float32([low, high]) * (100 if getattr(panel, "percent", False) else 1)
 
 
 def described(addon):
@@ -25,6 +28,10 @@ def described(addon):
         yield from ((owner, field) for cls in phases.IN_PANEL for field in cls.fields)
     for cls in bases.IN_PANEL:
         yield from ((properties.LaminaBase, field) for form in (cls.fields, *cls.forms) for field in form)
+    inside = addon.properties.interior_properties
+    for owner, fields in ((inside.LaminaGround, interiors.GROUND), (inside.LaminaVeins, interiors.VEINS),
+                          (inside.LaminaInterior, interiors.MARBLE + interiors.BODY + interiors.MAPS)):
+        yield from ((owner, field) for field in fields if field.panel is not None)
 
 
 def test_every_field_has_its_property(addon):
@@ -33,8 +40,25 @@ def test_every_field_has_its_property(addon):
         assert [prop.hard_min, prop.hard_max] == pytest.approx(ends(field)), field.name
         assert (prop.name, prop.description) == (field.panel.label, field.panel.tip)
         default = list(prop.default_array) if prop.is_array else [prop.default]
-        wanted = np.broadcast_to(field.panel.default, len(default))
+        wanted = np.broadcast_to(field.panel.default, len(default)) * (100 if field.panel.percent else 1)
         assert default == pytest.approx(np.float32(wanted)) and prop.is_array == field.panel.rgb
+
+
+def test_an_untouched_interior_is_the_marble_of_lamina(addon, lamina, material):
+    """Its numbers are read as the decimals of lamina's own defaults, and the veins differ from the ground."""
+    from bl_ext.user_default.lamina.interior import contents
+    from bl_ext.user_default.lamina.properties import described
+
+    settings = material.lamina.interior
+    corners = np.array([[0.0, 0.0, 0.0], [8.0, 4.0, 2.0]])
+    body = SimpleNamespace(arrays=SimpleNamespace(vertices=corners))
+    settings.resolution = 4
+    filled = contents.of_material(None, material, body)
+    found = filled.fill(None, None)
+    assert found.palette == lamina.Marble().palette and found.palette[0] != found.palette[1]
+    assert found.hash == lamina.marble(found.low, found.high, 4).hash
+    assert filled.surface == lamina.Surface(1.5, 0.3**2)
+    assert described.quantity(settings, interiors.NOISE) == interiors.NOISE.panel.default
 
 
 def test_every_option_of_settling_has_its_property(addon):

@@ -10,7 +10,7 @@ import pytest
 
 import lamina
 from lamina import Medium, Stack, StackError, _core
-from lamina.kinds import bases, boundaries, media, phases
+from lamina.kinds import bases, boundaries, interiors, media, phases
 from lamina.kinds.dust import OPTIONS
 
 FIELDS = {
@@ -18,20 +18,25 @@ FIELDS = {
     **{f"medium.{field.name}": field for form in media.FORMS for field in form},
     **{f"interface.{field.name}": field for field in boundaries.Interface.fields},
     **{f"{cls.kind}.{field.name}": field for cls in bases.KINDS for form in (cls.fields, *cls.forms) for field in form},
+    **{f"interior.{field.name}": field for field in
+       (*interiors.GROUND, *interiors.MARBLE, *interiors.BODY, *interiors.MAPS) if field.name != "seed"},
 }
 
 
 @pytest.mark.parametrize("field", FIELDS.values(), ids=FIELDS)
 def test_the_range_and_its_sentence_agree(field):
     """The ends of a range are allowed or refused according to the message's brackets; the panel's range is allowed."""
-    inside = 0.5 * (field.low + min(field.high, field.low + 1.0))
+    inside = field.low + 1 if field.whole else 0.5 * (field.low + min(field.high, field.low + 1.0))
     assert field.check(inside, "x") == inside
-    for end in (field.low, field.high):
-        if f"{field.rule}".startswith("must lie in ("):
+    for end, bracket in ((field.low, "("), (field.high, ")")):
+        if bracket in field.rule.removesuffix(field.unit):
             with pytest.raises(StackError, match=r"must lie in \("):
                 field.check(end, "x")
         else:
             assert field.check(end, "x") == end
+    if field.whole:
+        with pytest.raises(StackError, match=f"^x = {inside + 0.5}: must be a whole number from"):
+            field.check(inside + 0.5, "x")
     for outside in (field.low - 1.0, np.nextafter(field.low, -np.inf), np.nextafter(field.high, np.inf)):
         if not (field.infinite and np.isinf(outside)):
             with pytest.raises(StackError, match="^x = "):
@@ -75,6 +80,26 @@ def test_numbers_of_choices_are_their_own():
     for items in lists:
         assert len({item.number for item in items}) == len({item.id for item in items}) == len(items)
     assert set(phases.IN_PANEL) == set(phases.KINDS) and set(bases.IN_PANEL) == set(bases.KINDS)
+
+
+@pytest.mark.parametrize("field", interiors.MARBLE, ids=lambda field: field.name)
+def test_marble_takes_what_its_fields_describe(field):
+    for end in (field.low, field.high):
+        value = int(end) if field.whole else end
+        assert getattr(lamina.Marble(**{field.name: value}), field.name) == value
+    for outside in (field.low - 1, field.high + 1, "1", None):
+        with pytest.raises(lamina.InteriorError) as raised:
+            lamina.Marble(**{field.name: outside})
+        assert str(raised.value).startswith(f"{field.name} = ") and str(raised.value).endswith(field.rule)
+
+
+@pytest.mark.parametrize("field", interiors.GROUND, ids=lambda field: field.name)
+def test_an_end_material_takes_what_its_fields_describe(field):
+    usual = interiors.defaults(interiors.GROUND)
+    lamina.EndMaterial(**usual | {field.name: field.high})
+    for outside in (np.nextafter(field.low, -np.inf), np.nextafter(field.high, np.inf), np.nan):
+        with pytest.raises(lamina.InteriorError, match=f"^{field.name} = .*must lie in"):
+            lamina.EndMaterial(**usual | {field.name: outside})
 
 
 def test_every_option_of_settling_is_checked():

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Puts the node of dust_detail between the source of a material's thickness and the baked group, and links a
+painted mask to it."""
+
+from ..base.messages import RefusedError
+from . import dust_detail, thickness
+from .side_graph import BACK, FRONT
+
+
+def detail(material):
+    """The node of detail before the thickness input, or None."""
+    for name in (FRONT, BACK):
+        for socket in thickness.group_sockets(material, name):
+            if socket.is_linked and dust_detail.is_detail(socket.links[0].from_node):
+                return socket.links[0].from_node
+    return None
+
+
+def add_detail(material, side=0.0):
+    """Put a node of detail between the source of the thickness and the baked group; returns the node, also
+    one that is there already. `side`: largest side of the mesh in object coordinates, for the sizes of the
+    detail; 0: unknown. Raises RefusedError without a thickness input."""
+    node = detail(material)
+    if node is not None:
+        return node
+    sockets = thickness.sockets_to_feed(material)
+    if not sockets:
+        raise RefusedError("The material has no thickness input: mark a layer as varying and bake")
+    tree = material.node_tree
+    for source in tree.nodes:
+        if thickness.MARK in source:
+            source.location.x -= 280.0  # room for the new node
+    node = thickness.marked_node(tree, "ShaderNodeGroup", "detail", sockets[0].node, 1)
+    node.node_tree = dust_detail.group()
+    dust_detail.set_sizes(node, side)
+    for name in (FRONT, BACK):
+        for socket in thickness.group_sockets(material, name):
+            if socket.is_linked:
+                tree.links.new(socket.links[0].from_socket, node.inputs[name])
+            elif not node.inputs[name].is_linked:
+                node.inputs[name].default_value = socket.default_value
+            tree.links.new(node.outputs[name], socket)
+    return node
+
+
+def remove_detail(material):
+    """Link the source of the thickness to the baked group again, without the node of detail and its mask."""
+    node = detail(material)
+    if node is None:
+        return
+    tree = material.node_tree
+    for name in (FRONT, BACK):
+        given = node.inputs[name]
+        for link in list(node.outputs[name].links):
+            target = link.to_socket
+            tree.links.remove(link)
+            if given.is_linked:
+                tree.links.new(given.links[0].from_socket, target)
+            else:
+                target.default_value = given.default_value
+    tree.nodes.remove(node)
+    thickness.remove_nodes(tree)
+
+
+def wipe_by(material, node, output, uv_map=None):
+    """Link `output` of a new `node` of the material, which reads a painted mask, to the detail's input Wiped.
+    An image is read by the UV map `uv_map`. A mask that was linked before is removed, unless the artist made
+    its node."""
+    to = detail(material)
+    tree = material.node_tree
+    for link in list(to.inputs["Wiped"].links):
+        tree.links.remove(link)
+    node[thickness.MARK], node.label, node.select = "wiped", "Wiped places", False
+    node.location = (to.location.x - 280.0, to.location.y - 260.0)
+    tree.links.new(node.outputs[output], to.inputs["Wiped"])
+    if uv_map is not None:
+        thickness.read_by(tree, node, to, uv_map)
+    thickness.remove_nodes(tree)

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Detail of a layer's thickness: clouds, grain, and places that were wiped clean.
+
+A node group between the source of the thickness and the baked group multiplies the thickness by
+(1 + Clouds c) (1 + Grain g) (1 - Wiped), where c and g are noises with values in [-1, 1] and mean 0: the mean
+thickness over a surface is kept. All settings are inputs of the group, so that the viewport follows them
+without a bake, and the file renders without the add-on.
+"""
+
+import bpy
+
+from .graph import Graph
+from .side_graph import BACK, FRONT
+
+NAME = "Lamina Dust Detail"
+MARK = "lamina_dust_detail"  # of the group, with its version, so that a newer add-on draws the group anew
+VERSION = 1
+CLOUDS, GRAIN = 0.6, 0.5
+CLOUD_SHARE, GRAIN_SHARE = 0.2, 0.006  # default sizes, as shares of the mesh's largest side
+
+# (name, subtype, default, least, most, description) of the settings.
+SETTINGS = (
+    ("Clouds", "FACTOR", CLOUDS, 0.0, 1.0, "Strength of broad variation; the mean thickness stays"),
+    ("Cloud Size", "DISTANCE", 0.2, 1e-5, 1e4, "Size of the broad variation, in the object's own units"),
+    ("Grain", "FACTOR", GRAIN, 0.0, 1.0, "Strength of fine variation; the mean thickness stays"),
+    ("Grain Size", "DISTANCE", 0.006, 1e-6, 1e4, "Size of the fine variation, in the object's own units"),
+    ("Wiped", "FACTOR", 0.0, 0.0, 1.0, "Share of the layer that was wiped off"),
+)
+
+# Blender's fractal noise has mean 1/2 and a symmetric distribution; beyond these distances from the mean the
+# noise is cut.
+_SPREAD = {"Clouds": 0.22, "Grain": 0.16}
+_OCTAVES = {"Clouds": 3.0, "Grain": 1.0}
+
+
+def group():
+    """The node group, made or drawn anew if the file has none of this version."""
+    found = next((one for one in bpy.data.node_groups if MARK in one and one.is_editable), None)
+    if found is not None and found[MARK] == VERSION:
+        return found
+    made = found or bpy.data.node_groups.new(NAME, "ShaderNodeTree")
+    made.nodes.clear()
+    _add_sockets(made)
+    _draw(made)
+    made[MARK] = VERSION
+    return made
+
+
+def is_detail(node):
+    """True if a node uses the group."""
+    return node.type == "GROUP" and node.node_tree is not None and MARK in node.node_tree
+
+
+def set_sizes(node, side):
+    """Set the sizes of a node of the group for a mesh whose largest side is `side`, in object coordinates."""
+    if side > 0.0:
+        node.inputs["Cloud Size"].default_value = CLOUD_SHARE * side
+        node.inputs["Grain Size"].default_value = GRAIN_SHARE * side
+
+
+def _add_sockets(tree):
+    have = {(item.name, item.in_out) for item in tree.interface.items_tree if item.item_type == "SOCKET"}
+    for name, default in ((FRONT, 0.0), (BACK, -1.0)):
+        for in_out in ("INPUT", "OUTPUT"):
+            if (name, in_out) not in have:
+                socket = tree.interface.new_socket(name, in_out=in_out, socket_type="NodeSocketFloat")
+                if in_out == "INPUT":
+                    socket.default_value = default
+    for name, subtype, default, least, most, description in SETTINGS:
+        if (name, "INPUT") not in have:
+            socket = tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketFloat",
+                                               description=description)
+            socket.subtype, socket.default_value = subtype, default
+            socket.min_value, socket.max_value = least, most
+
+
+def _draw(tree):
+    graph = Graph(tree)
+    inputs, outputs = graph.node("NodeGroupInput", 0, 0), graph.node("NodeGroupOutput", 8, 0)
+    place = graph.node("ShaderNodeTexCoord", 0, 6).outputs["Object"]
+    clouds = _varied(graph, inputs, place, "Clouds", "Cloud Size", 2)
+    grain = _varied(graph, inputs, place, "Grain", "Grain Size", 5)
+    left = graph.math("SUBTRACT", 4, 8, "not wiped", 1.0, inputs.outputs["Wiped"], clamp=True)
+    both = graph.math("MULTIPLY", 5, 3, "clouds and grain", clouds, grain)
+    factor = graph.math("MULTIPLY", 6, 3, "factor", both, left)
+    graph.link(graph.math("MULTIPLY", 7, 0, FRONT, inputs.outputs[FRONT], factor), outputs.inputs[FRONT])
+    # A negative thickness of the back stands for that of the front, and must stay negative.
+    own = graph.math("MAXIMUM", 6, 1, "own", inputs.outputs[BACK], 0.0)
+    none = graph.math("MINIMUM", 6, 2, "as the front", inputs.outputs[BACK], 0.0)
+    graph.link(graph.math("MULTIPLY_ADD", 7, 1, BACK, own, factor, none), outputs.inputs[BACK])
+
+
+def _varied(graph, inputs, place, strength, size, row):
+    """The socket of 1 + strength x noise."""
+    scale = graph.math("DIVIDE", 1, row, "per unit", 1.0, inputs.outputs[size])
+    noise = graph.node("ShaderNodeTexNoise", 2, row, strength)
+    noise.noise_dimensions = "3D"
+    graph.link(place, noise.inputs["Vector"])
+    graph.link(scale, noise.inputs["Scale"])
+    noise.inputs["Detail"].default_value = _OCTAVES[strength]
+    spread = graph.node("ShaderNodeMapRange", 3, row, "in [-1, 1]")
+    spread.clamp = True
+    low, high = 0.5 - _SPREAD[strength], 0.5 + _SPREAD[strength]
+    for name, value in (("From Min", low), ("From Max", high), ("To Min", -1.0), ("To Max", 1.0)):
+        spread.inputs[name].default_value = value
+    graph.link(noise.outputs[0], spread.inputs["Value"])
+    return graph.math("MULTIPLY_ADD", 4, row, "1 + strength noise", spread.outputs["Result"],
+                      inputs.outputs[strength], 1.0)

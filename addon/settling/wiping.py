@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Places where dust was wiped off, painted by hand: a color attribute of the mesh, or an image."""
+
+import bpy
+import numpy as np
+
+from ..base import uv_maps
+from ..base.messages import RefusedError
+from ..nodes import detail_wiring
+from . import object_dust
+
+ATTRIBUTE = "lamina_wiped"  # a mesh without this attribute has no wiped places
+IMAGE_SIZE = 1024
+FINE = 20_000  # vertices of a mesh that is fine enough for strokes in an attribute
+_MODES = {"attribute": "VERTEX_PAINT", "image": "TEXTURE_PAINT"}
+
+
+def store(obj):
+    """Where a mask of this object is best kept: "attribute" or "image"."""
+    if len(obj.data.vertices) >= FINE or uv_maps.find(obj.data, "") is None:
+        return "attribute"
+    return "image"
+
+
+def add_mask(obj, material, kept=""):
+    """Make an empty mask of `obj`, and let `material` remove its varying layer where the mask is white.
+    `kept`: "attribute", "image", or "" for the result of `store`. A mask that the material reads already is
+    kept. Returns (kept, image or None). Raises RefusedError."""
+    kept = kept or store(obj)
+    if obj.type != "MESH" or not obj.data.is_editable:
+        raise RefusedError("Dust is wiped off mesh objects of this file: select one")
+    uv_map = uv_maps.find(obj.data, "")
+    if kept == "image" and uv_map is None:
+        raise RefusedError(f"{uv_maps.missing(obj, '')}: unwrap it, or keep the mask in an attribute")
+    to = detail_wiring.add_detail(material, object_dust.largest_side(obj)).inputs["Wiped"]
+    before = to.links[0].from_node if to.is_linked else None
+    if kept == "attribute":
+        _color_attribute(obj.data)
+        if before is None or before.type != "ATTRIBUTE" or before.attribute_name != ATTRIBUTE:
+            node = material.node_tree.nodes.new("ShaderNodeAttribute")
+            node.attribute_type, node.attribute_name = "GEOMETRY", ATTRIBUTE
+            detail_wiring.wipe_by(material, node, "Fac")
+        return kept, None
+    if before is not None and before.type == "TEX_IMAGE" and before.image is not None:
+        return kept, before.image
+    node = material.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image, node.extension = _empty_image(f"{obj.name} wiped"), "EXTEND"
+    detail_wiring.wipe_by(material, node, "Color", uv_map.name)
+    return kept, node.image
+
+
+def start_painting(context, obj, kept, image):
+    """Go to paint mode on the active object, with a white brush: white wipes, black brings the dust back."""
+    tools = context.tool_settings
+    if kept == "image":
+        tools.image_paint.mode, tools.image_paint.canvas = "IMAGE", image
+    bpy.ops.object.mode_set(mode=_MODES[kept])
+    paint = tools.image_paint if kept == "image" else tools.vertex_paint
+    unified = getattr(paint, "unified_paint_settings", None) or tools.unified_paint_settings
+    for owner in (unified, paint.brush):
+        if owner is not None:
+            owner.color = (1.0, 1.0, 1.0)
+
+
+def _color_attribute(mesh):
+    """The mask as the mesh's active color attribute, black if it is new. Raises RefusedError."""
+    found = mesh.attributes.get(ATTRIBUTE)
+    if found is None:
+        found = mesh.color_attributes.new(ATTRIBUTE, "FLOAT_COLOR", "POINT")
+        black = np.tile(np.array([0.0, 0.0, 0.0, 1.0], np.float32), len(mesh.vertices))
+        found.data.foreach_set("color", black)
+    elif ATTRIBUTE not in mesh.color_attributes:
+        text = f"{mesh.name} has another kind of attribute named {ATTRIBUTE}: rename or remove it"
+        raise RefusedError(text)
+    mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]
+
+
+def _empty_image(name):
+    image = bpy.data.images.new(name, IMAGE_SIZE, IMAGE_SIZE, alpha=False, is_data=True)
+    black = np.zeros((IMAGE_SIZE * IMAGE_SIZE, 4), np.float32)
+    black[:, 3] = 1.0
+    image.pixels.foreach_set(black.ravel())  # a generated image without assigned pixels cannot be packed
+    image.update()
+    image.pack()
+    return image

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Principled base below layers without boundaries: the BSDF itself, attenuated by the layers, and closures for the
+rest of the light.
+
+Let V0 be the slice of the bare base and V that of the stack. The node group holds the Principled BSDF with the weight
+w(view), the share of the base's lobe that layers neither scatter nor absorb, and closures fitted to V - w V0. Without
+layers w is 1 and the rest is 0, so the group shows the BSDF itself.
+
+Inputs of the group. The BSDF has the sockets' values. The rest depends on the base's color c as
+
+    rest(c) = rest(0) + c / (1 - c r) * A
+
+which is exact for a diffuse base (the geometric series of base_texture). For a metal, r is chosen for each view so that
+the albedo is exact at c = 0, 1/2 and 1. Metallic mixes the rests of metallic 0 and 1 linearly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..closures.axes import tau_at
+from ..closures.closure_table import LightGrid, grid_for, light_grid, view_cosines
+from ..closures.lobes import ggx
+from ..common.errors import StackError
+from ..common.progress import Progress, portion
+from ..kinds.bases import PrincipledBase
+from ..kinds.boundaries import Interface
+from ..kinds.fields import channel
+from ..kinds.table import METAL, PREFIX, PRINCIPLED, THROWN_BACK
+from ..material.stack import Stack
+from ..solver.solve import thread_pool
+from .dropped_weights import folded
+from .mixture import Effort, FittedMixture, Mixture, mix, norms
+from .slices import Slices, SolvedRows, slices, solve_rows
+
+# Widths of closures for lobes that the layers broaden, beside those of the dictionary.
+BROADENED = tuple(f"ggx:{alpha:g}" for alpha in (0.15, 0.22, 0.32, 0.45))
+# From this width on, the difference between the attenuated lobe and w times the lobe is fitted too: the lights of a
+# narrower lobe have nearly one cosine.
+BROAD = 0.15
+# A rest below this share of the albedo is rounding, as in the row without layers.
+NEGLIGIBLE = 1e-5
+
+
+def is_shown(stack: Stack) -> bool:
+    """True for a Principled base below media of the index of air, where the group holds the BSDF itself."""
+    return isinstance(stack.base, PrincipledBase) and not any(isinstance(layer, Interface) for layer in stack.layers)
+
+
+def refuse_inputs(stack: Stack) -> None:
+    """Raises StackError for inputs that the table of this stack cannot have."""
+    inputs = getattr(stack.base, "inputs", ())
+    if inputs:
+        raise StackError(f"base.inputs = {list(inputs)}: must be empty below an interface")
+
+
+@dataclass(frozen=True)
+class _Rests:
+    """The rests of one metallic value: for the own color, or for black; and what a color adds. `thrown_back`: r,
+    [side, row, channel, column]."""
+
+    dark: Slices
+    added: Slices | None = None
+    thrown_back: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class _Work:
+    """What all variants of a stack share. `weight`: w, [row, column]."""
+
+    stack: Stack
+    base: PrincipledBase
+    quality: str
+    threads: int
+    stride: int
+    nodes: int | None
+    grid: LightGrid
+    pool: object
+
+    def solved(self, metallic: float, color, step: Progress) -> tuple[SolvedRows, SolvedRows]:
+        """(the stack, the bare base) with other values."""
+        base = replace(self.base, metallic=metallic, color=color, inputs=())
+        layered = self.stack.with_facets(self.stack.layers, base)
+        return (solve_rows(layered, self.quality, self.threads, step, self.stride, self.nodes),
+                solve_rows(Stack([], base), self.quality, self.threads, step, 1, self.nodes))
+
+    def rest(self, solved: SolvedRows, bare: SolvedRows, weight: np.ndarray, step: Progress) -> tuple[Slices, Slices]:
+        """(the rest V - w V0, V)."""
+        seen = slices(solved, self.grid, self.pool, step)["reflection"]
+        clean = slices(bare, self.grid, self.pool, lambda *_: None)["reflection"]
+        clean = _of_channels(clean, seen.albedo.shape[2])
+        w = weight[None, :, None, :]
+        values = seen.values - w[..., None] * clean.values
+        if seen.lobes is not None and self.base.alpha < BROAD:
+            values = values - seen.lobes + w[..., None] * clean.lobes
+        whole = seen.albedo + seen.direct
+        albedo = whole - w * (clean.albedo + clean.direct)
+        albedo = np.where(albedo > NEGLIGIBLE * whole, albedo, 0.0)
+        return Slices(np.where(albedo[..., None] > 0.0, values, 0.0), albedo, None, np.zeros_like(albedo)), seen
+
+
+def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int, nodes: int | None,
+          given: dict[str, list[str]], counts: tuple[int, int], search: dict):
+    """(parts of the table by kind, the slices that they fit, the solved rows). Raises StackError."""
+    base = stack.base
+    assert isinstance(base, PrincipledBase)
+    if "roughness" in base.inputs:
+        raise StackError("base.inputs: must be names among color, metallic; roughness is not an input of bakes yet")
+    work = _Work(stack, base, quality, threads, stride, nodes, grid_for(quality, None), thread_pool(threads))
+    ends = (0.0, 1.0) if "metallic" in base.inputs else (base.metallic,)
+    table: dict[str, Mixture] = {}
+    seen, solved, whole, error = {}, None, 0.0, 0.0
+    for number, metallic in enumerate(ends):
+        prefix = METAL if number else ""
+        share = portion(step, number / len(ends), (number + 1) / len(ends))
+        solved, weight, rests, values = _rests(work, metallic, portion(share, 0.0, 0.7))
+        if not number:
+            table[PRINCIPLED] = Mixture([PRINCIPLED], _as_strip(weight, rests.dark.albedo.shape))
+        fitted = _Fits(work, rests, given, prefix, counts, search, portion(share, 0.7, 1.0))
+        table |= fitted.parts()
+        part = 1.0 if len(ends) == 1 else (1.0 - base.metallic, base.metallic)[number]
+        seen["reflection"] = values
+        whole = whole + part * norms(values.values, work.grid)
+        error = error + part * fitted.error(base)
+    errors = np.where(whole > 0.0, error / np.where(whole > 0.0, whole, 1.0), np.nan)
+    first = table["reflection"]
+    assert isinstance(first, FittedMixture)
+    table["reflection"] = FittedMixture(first.closures, first.weights, errors, first.albedo_errors)
+    return table, seen, solved
+
+
+def _rests(work: _Work, metallic: float, step: Progress) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]:
+    """(solved rows, w, the rests, the slices of the stack with its own color or a white one) for one metallic value."""
+    if "color" not in work.base.inputs:
+        solved, bare = work.solved(metallic, work.base.color, portion(step, 0.0, 0.3))
+        weight = attenuations(work.stack, solved)
+        dark, values = work.rest(solved, bare, weight, portion(step, 0.3, 1.0))
+        return solved, weight, _Rests(dark), values
+    solved, bare = work.solved(metallic, 0.0, portion(step, 0.0, 0.1))
+    weight = attenuations(work.stack, solved)
+    dark, _ = work.rest(solved, bare, weight, portion(step, 0.1, 0.4))
+    solved, bare = work.solved(metallic, 1.0, portion(step, 0.4, 0.5))
+    light, values = work.rest(solved, bare, weight, portion(step, 0.5, 0.8))
+    half = _albedo_of_rest(*work.solved(metallic, 0.5, portion(step, 0.8, 0.9)), weight)
+    thrown_back = _thrown_back(dark.albedo, half, light.albedo)
+    share = 1.0 - thrown_back
+    albedo = (light.albedo - dark.albedo) * share
+    albedo = np.where(albedo > NEGLIGIBLE * (values.albedo + values.direct), albedo, 0.0)
+    change = np.where(albedo[..., None] > 0.0, (light.values - dark.values) * share[..., None], 0.0)
+    added = Slices(change, albedo, None, np.zeros_like(albedo))
+    return solved, weight, _Rests(dark, added, thrown_back), values
+
+
+def _albedo_of_rest(solved: SolvedRows, bare: SolvedRows, weight: np.ndarray) -> np.ndarray:
+    """The albedo of V - w V0, [side, row, channel, column], from fluxes alone."""
+    mu = view_cosines()
+    whole = np.stack([function.reflectance(mu) for function in solved.functions])
+    clean = bare.functions[0].reflectance(mu)
+    return np.moveaxis(whole - weight[..., None] * clean, 2, 1)[None]
+
+
+def _thrown_back(dark: np.ndarray, half: np.ndarray, light: np.ndarray) -> np.ndarray:
+    """r, from albedos at the colors 0, 1/2 and 1: the share q = (1 - r) / (2 - r) of the change from 0 to 1 is reached
+    at 1/2."""
+    change = light - dark
+    seen = change > 1e-9
+    q = np.clip(np.where(seen, half - dark, 0.5) / np.where(seen, change, 1.0), 0.0, 0.5)
+    return (1.0 - 2.0 * q) / (1.0 - q)
+
+
+def attenuations(stack: Stack, solved: SolvedRows) -> np.ndarray:
+    """w, [row, column]: the mean over the base's lobe of the share of light that no layer scatters or absorbs on its
+    way to the base and back. Of channels that differ, the least."""
+    base = stack.base
+    assert isinstance(base, PrincipledBase)
+    mu = view_cosines()
+    thickness = np.array([[_thickness(stack, c, row) for c in range(stack.channels)] for row in _shares(solved)])
+    tau = thickness.max(axis=1)[:, None]
+    if base.alpha == 0.0:
+        return np.exp(-2.0 * tau / mu)
+    dense = light_grid(48, 32, 4.0)
+    lobe = ggx(base.roughness).evaluate(mu[:, None, None], dense.mu[None, :, None], dense.dphi[None, None, :])
+    lobe = (lobe.reshape(len(mu), -1) * dense.solid_angle).reshape(len(mu), len(dense.mu), -1).sum(axis=2)
+    passed = np.exp(-tau[:, :, None] / dense.mu)[:, 0]  # [row, light]
+    return np.exp(-tau / mu) * (passed @ lobe.T) / lobe.sum(axis=1)
+
+
+def _shares(solved: SolvedRows) -> list[float]:
+    """The varying layer's thickness at the solved rows, as shares of its largest."""
+    if not solved.axis or solved.axis[-1] <= 0.0:
+        return [1.0] * len(solved.rows)
+    return [float(tau_at(solved.axis[-1], row)) / solved.axis[-1] for row in solved.rows]
+
+
+def _thickness(stack: Stack, index: int, share: float) -> float:
+    """The optical thickness of all layers in one channel, with this share of the varying layer."""
+    taus = [stack.optics(number, index)[1] for number in range(len(stack.layers))]
+    return float(sum(tau * (share if number == stack.varying else 1.0) for number, tau in enumerate(taus)))
+
+
+def _of_channels(clean: Slices, channels: int) -> Slices:
+    """Slices of the bare base, whose channels may be fewer than the stack's."""
+    def spread(part):
+        return None if part is None else np.broadcast_to(part, (*part.shape[:2], channels, *part.shape[3:]))
+
+    return Slices(spread(clean.values), spread(clean.albedo), spread(clean.lobes), spread(clean.direct))
+
+
+def _as_strip(weight: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """w as weights [side, closure, row, channel, column]."""
+    sides, rows, channels, columns = shape
+    return np.broadcast_to(weight[None, None, :, None, :], (sides, 1, rows, channels, columns))
+
+
+class _Fits:
+    """Closures fitted to the rests of one metallic value."""
+
+    def __init__(self, work: _Work, rests: _Rests, given: dict[str, list[str]], prefix: str, counts: tuple[int, int],
+                 search: dict, step: Progress):
+        self._work, self._rests, self._prefix = work, rests, prefix
+        self._search = search
+        names = (prefix or "reflection", prefix + PREFIX if prefix else "base")
+        self._dark = self._fit(rests.dark, counts[0], given[names[0]], portion(step, 0.0, 0.6))
+        self._added = None
+        if rests.added is not None:
+            self._added = self._fit(rests.added, counts[1], given[names[1]], portion(step, 0.6, 1.0))
+
+    def _fit(self, wanted: Slices, count: int, given: Sequence[str], step: Progress) -> FittedMixture:
+        effort = Effort(0, count, count, **self._search)
+        fitted = mix("reflection", wanted, self._work.grid, effort, self._work.pool, step, made=BROADENED,
+                     given=given)
+        return folded(fitted, wanted, self._work.grid, False)
+
+    def parts(self) -> dict[str, Mixture]:
+        """The parts of the table by kind; the first for metallic 0, or the only one, is "reflection"."""
+        prefix, dark = self._prefix, self._dark
+        found: dict[str, Mixture] = {
+            prefix or "reflection": replace(dark, closures=[prefix + name for name in dark.closures])}
+        if self._added is not None:
+            assert self._rests.thrown_back is not None
+            found[prefix + PREFIX] = Mixture([prefix + PREFIX + name for name in self._added.closures],
+                                             self._added.weights)
+            found[prefix + THROWN_BACK] = Mixture([prefix + THROWN_BACK], self._rests.thrown_back[:, None])
+        return found
+
+    def error(self, base: PrincipledBase) -> np.ndarray:
+        """An upper bound of the error of the slices at the base's own color, in their unit."""
+        grid = self._work.grid
+        error = np.nan_to_num(self._dark.errors) * norms(self._rests.dark.values, grid)
+        if self._added is not None and self._rests.added is not None and self._rests.thrown_back is not None:
+            channels = self._rests.thrown_back.shape[2]
+            color = np.array([channel(base.color, c) for c in range(channels)])[:, None]
+            gain = color / (1.0 - color * self._rests.thrown_back)
+            error = error + np.nan_to_num(self._added.errors) * gain * norms(self._rests.added.values, grid)
+        return error

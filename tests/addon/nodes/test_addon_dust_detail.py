@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grain, clouds and wiped places on the thickness: the mean is kept, and the source of the thickness stays linked."""
+
+import bpy
+import numpy as np
+import pytest
+from rendered_plane import add_plane, render
+
+LARGEST = 2.0
+SIDE = 48  # pixels of a picture of the detail
+
+
+@pytest.fixture
+def dusty(addon, lamina, material):
+    """A baked material whose layer varies up to LARGEST."""
+    layer = material.lamina.layers[0]
+    layer.varying, layer.tau = True, LARGEST
+    addon.baking.bake_job.bake_material(material)
+    return material
+
+
+@pytest.fixture
+def add(addon):
+    return addon.nodes.detail_wiring.add_detail
+
+
+def plane(width=2.0, cells=1):
+    """A square in the xy plane with a UV map, seen exactly by the camera from above; no light."""
+    mesh = bpy.data.meshes.new("Square")
+    ticks = np.linspace(-0.5 * width, 0.5 * width, cells + 1)
+    points = [(x, y, 0.0) for y in ticks for x in ticks]
+    row = cells + 1
+    mesh.from_pydata(points, [], [(row * j + i, row * j + i + 1, row * (j + 1) + i + 1, row * (j + 1) + i)
+                                  for j in range(cells) for i in range(cells)])
+    uv = mesh.uv_layers.new(name="UVMap")
+    for loop in mesh.loops:
+        uv.uv[loop.index].vector = [points[loop.vertex_index][axis] / width + 0.5 for axis in range(2)]
+    thing = bpy.data.objects.new("Square", mesh)
+    scene = bpy.context.scene
+    scene.collection.objects.link(thing)
+    camera = bpy.data.cameras.new("Camera")
+    camera.type, camera.ortho_scale = "ORTHO", width
+    scene.camera = bpy.data.objects.new("Camera", camera)
+    scene.camera.location.z = 2.0
+    scene.collection.objects.link(scene.camera)
+    return thing
+
+
+def shown(material, socket, path):
+    """float (SIDE, SIDE): the values of a socket of the material's tree over the square."""
+    tree = material.node_tree
+    emission = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(socket, emission.inputs["Color"])
+    output = tree.get_output_node("CYCLES")
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.pixel_filter_type = 1, False, "BOX"
+    scene.render.resolution_x = scene.render.resolution_y = SIDE
+    scene.render.resolution_percentage = 100
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name = "Non-Color"
+    values = np.empty(SIDE * SIDE * 4, np.float32)
+    image.pixels.foreach_get(values)
+    bpy.data.images.remove(image)
+    return values.reshape(SIDE, SIDE, 4)[..., 0]
+
+
+@pytest.mark.parametrize("strength", ["Clouds", "Grain"])
+def test_noise_varies_the_thickness_and_keeps_its_mean(dusty, add, tmp_path, strength):
+    plane().data.materials.append(dusty)
+    node = add(dusty)
+    for name in ("Clouds", "Grain"):
+        node.inputs[name].default_value = 1.0 if name == strength else 0.0
+        node.inputs[f"{name[:-1] if name == 'Clouds' else name} Size"].default_value = 2.0 / SIDE
+    node.inputs["Thickness"].default_value = 0.5
+    found = shown(dusty, node.outputs["Thickness"], tmp_path / "detail.exr") / 0.5
+    assert found.min() >= 0.0 and found.max() <= 2.0
+    assert found.std() > 0.3
+    # Neighbouring pixels are one noise cell apart and correlated; blocks of 6 x 6 pixels are nearly independent.
+    blocks = found.reshape(SIDE // 6, 6, SIDE // 6, 6).mean(axis=(1, 3))
+    error = blocks.std(ddof=1) / blocks.size**0.5
+    assert abs(found.mean() - 1.0) < 3.0 * error
+    assert error < 0.03
+
+
+def test_a_wiped_place_has_no_layer_and_a_back_without_thickness_stays_so(dusty, add, tmp_path):
+    plane().data.materials.append(dusty)
+    node = add(dusty)
+    assert node.inputs["Thickness Back"].default_value == -1.0
+    assert (shown(dusty, node.outputs["Thickness"], tmp_path / "front.exr") > 0.1).all()
+    # Emission cuts negative values: show the back's thickness with 3 added.
+    more = dusty.node_tree.nodes.new("ShaderNodeMath")
+    more.inputs[1].default_value = 3.0
+    dusty.node_tree.links.new(node.outputs["Thickness Back"], more.inputs[0])
+    assert shown(dusty, more.outputs[0], tmp_path / "back.exr") == pytest.approx(2.0, abs=1e-6)
+    node.inputs["Wiped"].default_value = 1.0
+    assert not shown(dusty, node.outputs["Thickness"], tmp_path / "wiped.exr").any()
+
+
+@pytest.mark.parametrize("source", ["value", "attribute", "image"])
+def test_detail_stays_between_any_source_and_the_group(addon, dusty, add, source):
+    thickness = addon.nodes.thickness
+    thickness.wire_thickness(dusty, source)
+    before = thickness.wiring(dusty)
+    links = sorted((link.from_node.name, link.to_node.name, link.to_socket.name) for link in dusty.node_tree.links)
+    node = add(dusty)
+    assert add(dusty) == node
+    now = thickness.wiring(dusty)
+    assert (now.source, now.name) == (before.source, before.name) and now.socket.node == node
+    group = addon.nodes.node_group.group_nodes(dusty)[0]
+    assert group.inputs["Thickness"].links[0].from_node == node
+    for other in ("attribute", "image", "value", source):
+        thickness.wire_thickness(dusty, other)
+        assert thickness.wiring(dusty).source == other and addon.nodes.detail_wiring.detail(dusty) == node
+    addon.nodes.detail_wiring.remove_detail(dusty)
+    assert thickness.wiring(dusty).source == source
+    after = sorted((link.from_node.name, link.to_node.name, link.to_socket.name) for link in dusty.node_tree.links)
+    assert len(after) == len(links) and [one[2] for one in after] == [one[2] for one in links]
+
+
+def test_detail_survives_bakes_without_a_varying_layer(addon, dusty, add):
+    addon.nodes.thickness.wire_thickness(dusty, "attribute")
+    node = add(dusty)
+    for varying in (False, True):
+        dusty.lamina.layers[0].varying = varying
+        addon.baking.bake_job.bake_material(dusty)
+        assert (addon.nodes.detail_wiring.detail(dusty) == node) == varying
+    assert addon.nodes.thickness.wiring(dusty).source == "attribute"
+
+
+@pytest.mark.parametrize("kept", ["attribute", "image"])
+def test_white_strokes_remove_the_layer_there_only(addon, dusty, tmp_path, kept):
+    square = plane(cells=8)
+    square.data.materials.append(dusty)
+    wiping, detail = addon.settling.wiping, addon.nodes.detail_wiring
+    stored, image = wiping.add_mask(square, dusty, kept)
+    assert stored == kept
+    node = detail.detail(dusty)
+    for name in ("Clouds", "Grain"):
+        node.inputs[name].default_value = 0.0
+    assert shown(dusty, node.outputs["Thickness"], tmp_path / "full.exr") == pytest.approx(LARGEST)
+    if kept == "attribute":
+        mask = square.data.attributes["lamina_wiped"]
+        left = np.array([vertex.co.x < -0.3 for vertex in square.data.vertices])
+        mask.data.foreach_set("color", np.repeat(left[:, None], 4, axis=1).astype(np.float32).ravel())
+    else:
+        texels = np.ones((*image.size, 4), np.float32)
+        texels[:, image.size[0] // 3 :, :3] = 0.0
+        image.pixels.foreach_set(texels.ravel())
+        image.update()
+    found = shown(dusty, node.outputs["Thickness"], tmp_path / "part.exr")
+    assert found[:, : SIDE // 8] == pytest.approx(0.0, abs=1e-6)
+    assert found[:, -SIDE // 2 :] == pytest.approx(LARGEST)
+    assert wiping.add_mask(square, dusty, kept)[1] == image
+    other = "image" if kept == "attribute" else "attribute"
+    assert wiping.add_mask(square, dusty, other)[0] == other
+    assert sum(node.label == "Wiped places" for node in dusty.node_tree.nodes) == 1
+
+
+def test_a_mesh_without_the_mask_has_no_wiped_places(addon, dusty, tmp_path):
+    square = plane()
+    square.data.materials.append(dusty)
+    addon.settling.wiping.add_mask(square, dusty, "attribute")
+    square.data.attributes.remove(square.data.attributes["lamina_wiped"])
+    node = addon.nodes.detail_wiring.detail(dusty)
+    assert (shown(dusty, node.outputs["Thickness"], tmp_path / "full.exr") > 0.1).all()
+
+
+def test_the_buttons_add_detail_and_start_painting(addon, dusty, call):
+    square = plane()
+    square.data.materials.append(dusty)
+    bpy.context.view_layer.objects.active = square
+    assert call(bpy.ops.lamina.dust_detail, dusty) == {"FINISHED"}
+    node = addon.nodes.detail_wiring.detail(dusty)
+    assert node.inputs["Cloud Size"].default_value == pytest.approx(0.4)
+    assert call(bpy.ops.lamina.dust_wipe, dusty, paint=False) == {"FINISHED"}
+    assert node.inputs["Wiped"].links[0].from_node.type == "TEX_IMAGE"  # the mesh is coarse and has a UV map
+    assert call(bpy.ops.lamina.dust_detail, dusty, remove=True) == {"FINISHED"}
+    assert addon.nodes.detail_wiring.detail(dusty) is None
+    assert addon.nodes.thickness.wiring(dusty).source == "value"
+    assert not any("lamina_thickness" in one for one in dusty.node_tree.nodes)
+
+
+def test_without_uv_map_an_image_is_refused(addon, dusty):
+    square = plane()
+    square.data.uv_layers.remove(square.data.uv_layers[0])
+    assert addon.settling.wiping.store(square) == "attribute"
+    with pytest.raises(addon.base.messages.RefusedError, match="no UV map"):
+        addon.settling.wiping.add_mask(square, dusty, "image")
+    assert addon.nodes.detail_wiring.detail(dusty) is None
+
+
+def test_render_does_not_change_with_strengths_of_zero(addon, dusty, add, tmp_path):
+    add_plane(dusty)
+    before = render(tmp_path / "before.exr")
+    node = add(dusty)
+    for name in ("Clouds", "Grain"):
+        node.inputs[name].default_value = 0.0
+    assert np.array_equal(render(tmp_path / "after.exr"), before)
