@@ -9,7 +9,6 @@ from ..kinds import metals
 from . import links
 
 UNKNOWN = 0.5
-SKY = 32  # number of directions
 GLASS = 0.1  # mean reflectance of a dielectric surface of index 1.5
 
 # Types of nodes by their share of reflected light. The color of the node multiplies the share.
@@ -73,11 +72,11 @@ def _color(node):
 
 
 def _of_metal(ior, extinction):
-    """The mean over a uniform sky of what a smooth metal of this complex index reflects."""
+    """What a metal of this complex index reflects at 45 degrees, near the mean angle between the light and the
+    facets of a rough metal under a uniform sky."""
     if links.source(ior) is not None or links.source(extinction) is not None:
         return (UNKNOWN,) * 3
-    cosines = [((number + 0.5) / SKY) ** 0.5 for number in range(SKY)]  # of equal weight
-    return tuple(sum(metals.reflectance(mu, n, k) for mu in cosines) / SKY
+    return tuple(metals.reflectance(0.5**0.5, n, k)
                  for n, k in zip(ior.default_value, extinction.default_value, strict=True))
 
 

@@ -47,7 +47,7 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
     and `dark` their fit.
 
     The report, worst relative errors over thicknesses of the energy that leaves under a uniform sky: `lambert` and
-    `metal`, where the node group knows the mean reflectance of the base; `unknown`, over both where it takes UNKNOWN
+    `metal`, where the node group has the color of the base as the reflectance; `unknown`, over both where it takes UNKNOWN
     instead. These are errors of the luminance. `color`: the worst of both in one channel, because the light of the
     shader has one weight for all channels."""
     rows = sorted({round(row) for row in np.linspace(0, len(solved.rows) - 1, MEASURED_ROWS)})
@@ -60,7 +60,7 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
     # Weights for a Lambert surface, for a metal, and their geometric mean
     diffuse, back = base.slices.albedo[0], base.thrown_back[0]
     mirrored = black.albedo[0] + black.direct[0]
-    known = _mean(bare)[:, None]
+    known = channel(METAL.facing, 0)  # its color, which the artist sees; the mean over a uniform sky is .878
     through = np.maximum(metal - mirrored[rows], 0.0) / bare * (1.0 - known * back[rows])
     lit = diffuse[rows] > 1e-6
     ratio = np.where(lit, through / np.where(lit, diffuse[rows], 1.0), 1.0)
