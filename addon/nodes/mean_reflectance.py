@@ -72,8 +72,8 @@ def _color(node):
 
 
 def _of_metal(ior, extinction):
-    """What a metal of this complex index reflects at 45 degrees, near the mean angle between the light and the
-    facets of a rough metal under a uniform sky."""
+    """What a metal of this complex index reflects at 45 degrees, near the mean angle between the light and
+    the facets of a rough metal under a uniform sky."""
     if links.source(ior) is not None or links.source(extinction) is not None:
         return (UNKNOWN,) * 3
     return tuple(metals.reflectance(0.5**0.5, n, k)

@@ -47,9 +47,9 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
     and `dark` their fit.
 
     The report, worst relative errors over thicknesses of the energy that leaves under a uniform sky: `lambert` and
-    `metal`, where the node group has the color of the base as the reflectance; `unknown`, over both where it takes UNKNOWN
-    instead. These are errors of the luminance. `color`: the worst of both in one channel, because the light of the
-    shader has one weight for all channels."""
+    `metal`, where the node group has the color of the base as the reflectance; `unknown`, over both where the group
+    takes UNKNOWN instead. These are errors of the luminance. `color`: the worst of both in one channel, because the
+    light of the shader has one weight for all channels."""
     rows = sorted({round(row) for row in np.linspace(0, len(solved.rows) - 1, MEASURED_ROWS)})
     step(0.0, "Solving the stack on metal")
     metal = _reflected(_thicknesses(Stack(stack.layers, METAL), solved, rows, quality, threads))
