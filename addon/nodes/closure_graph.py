@@ -12,8 +12,8 @@ import math
 import numpy as np
 
 from ..base.messages import RefusedError
-from ..kinds.table import BASE_WEIGHT, PREFIX, TAU_BEND, THROWN_BACK
-from . import lut_image, mix_shader, shader_base_graph, side_graph
+from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, lobe_of
+from . import lut_image, mix_shader, principled_graph, shader_base_graph, side_graph
 from .graph import Graph
 
 SCALE_LABEL = "rows"
@@ -38,8 +38,9 @@ def used_closures(lut):
     """Indices of the closures with a weight above 0 anywhere; at least one, so that the group has a
     shader."""
     used = np.flatnonzero(np.any(np.asarray(lut.weights) != 0.0, axis=(0, 2, 3, 4)))
-    others = (THROWN_BACK, BASE_WEIGHT)
-    return [int(index) for index in used if lut.header["closures"][index] not in others] or [0]
+    names = lut.header["closures"]
+    lobes = [index for index, name in enumerate(names) if lobe_of(name)]
+    return [int(index) for index in used if int(index) in lobes] or lobes[:1]
 
 
 def largest_tau(lut):
@@ -68,7 +69,7 @@ def _draw(graph, lut, image, recipe_of):
     columns = lut.header["axes"]["view"]["count"]
     height = lut_image.height_of(lut)
     used = used_closures(lut)
-    recipes = [recipe_of(closures[index].removeprefix(PREFIX)) for index in used]
+    recipes = [recipe_of(lobe_of(closures[index])) for index in used]
 
     inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
     geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
@@ -103,19 +104,31 @@ def _draw(graph, lut, image, recipe_of):
         graph.link(place, texture.inputs[0])
         return texture.outputs["Color"]
 
-    gain = None
-    if THROWN_BACK in closures and BASE_WEIGHT not in closures:
-        graph.begin_frame("Base colour c, its light thrown back again and again: c / (1 - c r)", BASE_COLOUR)
-        gain = _gain(graph, inputs.outputs["Base Color"], strip(closures.index(THROWN_BACK), 7, -3, "r"))
+    gains = {}
+    for prefix in ("", METAL):
+        if prefix + THROWN_BACK in closures and BASE_WEIGHT not in closures:
+            graph.begin_frame("Base color c, thrown back again and again: c / (1 - c r)", BASE_COLOUR)
+            thrown_back = strip(closures.index(prefix + THROWN_BACK), 7, -6 if prefix else -3, "r")
+            gains[prefix] = _gain(graph, inputs.outputs["Base Color"], thrown_back, -6 if prefix else -3)
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
-    total = None
+    totals = {}
     for line, (index, recipe) in enumerate(zip(used, recipes, strict=True)):
         name = closures[index]
+        prefix = METAL if name.startswith(METAL) else ""
         weight = strip(index, 7, line, f"weight {name}")
-        if name.startswith(PREFIX):
-            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gain)
+        if name.removeprefix(prefix).startswith(PREFIX):
+            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gains[prefix])
         shader = _closure(graph, line, name, recipe, weight, directions)
-        total = shader if total is None else mix_shader.added(graph, 12, line, "", total, shader)
+        before = totals.get(prefix)
+        totals[prefix] = shader if before is None else mix_shader.added(graph, 12, line, "", before, shader)
+    total = totals[""]
+    if PRINCIPLED in closures:
+        graph.begin_frame("Principled BSDF below, as the layers leave it", BASE_COLOUR)
+        if METAL in totals:
+            metallic = inputs.outputs["Metallic"]
+            total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", metallic, total, totals[METAL])
+        weight = strip(closures.index(PRINCIPLED), 7, -2, "w")
+        total = principled_graph.beside(graph, lut, inputs, normal, weight, total)
     if BASE_WEIGHT in closures:
         graph.begin_frame("Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
         thrown_back = strip(closures.index(THROWN_BACK), 7, -3, "r")
@@ -128,10 +141,10 @@ def _draw(graph, lut, image, recipe_of):
     graph.link(total, output.inputs["Shader"])
 
 
-def _gain(graph, colour, thrown_back):
-    again = graph.vector("MULTIPLY", 9.2, -3, "c r", colour, thrown_back)
-    rest = graph.vector("SUBTRACT", 10.2, -3, "1 - c r", (1.0, 1.0, 1.0), again)
-    return graph.vector("DIVIDE", 11.2, -3, "c / (1 - c r)", colour, rest)
+def _gain(graph, colour, thrown_back, line):
+    again = graph.vector("MULTIPLY", 9.2, line, "c r", colour, thrown_back)
+    rest = graph.vector("SUBTRACT", 10.2, line, "1 - c r", (1.0, 1.0, 1.0), again)
+    return graph.vector("DIVIDE", 11.2, line, "c / (1 - c r)", colour, rest)
 
 
 def _normal(graph, given, own):

@@ -5,6 +5,7 @@ Layers throw light back to the shader below, and the shader reflects it again: h
 estimate is for. The artist may correct it. Textured and unknown shaders count as half reflecting.
 """
 
+from ..kinds import metals
 from . import links
 
 UNKNOWN = 0.5
@@ -62,10 +63,21 @@ def _mixed(factor, first, second):
 
 
 def _color(node):
+    if getattr(node, "fresnel_type", "") == "PHYSICAL_CONDUCTOR":
+        return _of_metal(node.inputs["IOR"], node.inputs["Extinction"])
     socket = next((node.inputs[name] for name in _COLORS if name in node.inputs), None)
     if socket is None or links.source(socket) is not None:
         return (UNKNOWN,) * 3
     return tuple(socket.default_value)[:3]
+
+
+def _of_metal(ior, extinction):
+    """What a metal of this complex index reflects at 45 degrees, near the mean angle between the light and
+    the facets of a rough metal under a uniform sky."""
+    if links.source(ior) is not None or links.source(extinction) is not None:
+        return (UNKNOWN,) * 3
+    return tuple(metals.reflectance(0.5**0.5, n, k)
+                 for n, k in zip(ior.default_value, extinction.default_value, strict=True))
 
 
 def _same(sockets, wanted):

@@ -118,7 +118,8 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
         solved, weight, rests, values = _rests(work, metallic, portion(share, 0.0, 0.7))
         if not number:
             table[PRINCIPLED] = Mixture([PRINCIPLED], _as_strip(weight, rests.dark.albedo.shape))
-        fitted = _Fits(work, rests, given, prefix, counts, search, portion(share, 0.7, 1.0))
+        shares = counts if rests.added is not None else (sum(counts) - 1, 0)
+        fitted = _Fits(work, rests, given, prefix, shares, search, portion(share, 0.7, 1.0))
         table |= fitted.parts()
         part = 1.0 if len(ends) == 1 else (1.0 - base.metallic, base.metallic)[number]
         seen["reflection"] = values
@@ -171,8 +172,8 @@ def _thrown_back(dark: np.ndarray, half: np.ndarray, light: np.ndarray) -> np.nd
 
 
 def attenuations(stack: Stack, solved: SolvedRows) -> np.ndarray:
-    """w, [row, column]: the mean over the base's lobe of the share of light that no layer scatters or absorbs on its
-    way to the base and back. Of channels that differ, the least."""
+    """w, [row, column]: of the light that no layer scatters or absorbs on its way to the base's lobe and back, the best
+    multiple of the bare lobe (L2 over solid angle). Of channels that differ, the least."""
     base = stack.base
     assert isinstance(base, PrincipledBase)
     mu = view_cosines()
@@ -182,7 +183,7 @@ def attenuations(stack: Stack, solved: SolvedRows) -> np.ndarray:
         return np.exp(-2.0 * tau / mu)
     dense = light_grid(48, 32, 4.0)
     lobe = ggx(base.roughness).evaluate(mu[:, None, None], dense.mu[None, :, None], dense.dphi[None, None, :])
-    lobe = (lobe.reshape(len(mu), -1) * dense.solid_angle).reshape(len(mu), len(dense.mu), -1).sum(axis=2)
+    lobe = (lobe.reshape(len(mu), -1) ** 2 * dense.solid_angle).reshape(len(mu), len(dense.mu), -1).sum(axis=2)
     passed = np.exp(-tau[:, :, None] / dense.mu)[:, 0]  # [row, light]
     return np.exp(-tau / mu) * (passed @ lobe.T) / lobe.sum(axis=1)
 

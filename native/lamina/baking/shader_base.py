@@ -25,7 +25,7 @@ from .base_texture import TexturedBase
 from .mixture import FittedMixture, Mixture, norms
 from .slices import Slices, SolvedRows
 
-METAL = Conductor(facing=0.9, grazing=0.95, alpha=0.3)
+METAL = Conductor(facing=0.9, grazing=0.9, alpha=0.3)  # like aluminium
 REFLECTANCES = (0.2, 0.5, 0.8)  # of Lambert surfaces for which the error is measured
 UNKNOWN = 0.5  # reflectance of a base that nobody knows
 MEASURED_ROWS = 5  # of thickness, for the metal
@@ -47,9 +47,9 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
     and `dark` their fit.
 
     The report, worst relative errors over thicknesses of the energy that leaves under a uniform sky: `lambert` and
-    `metal`, where the node group knows the mean reflectance of the base; `unknown`, over both where it takes UNKNOWN
-    instead. These are errors of the luminance. `color`: the worst of both in one channel, because the light of the
-    shader has one weight for all channels."""
+    `metal`, where the node group has the color of the base as the reflectance; `unknown`, over both where the group
+    takes UNKNOWN instead. These are errors of the luminance. `color`: the worst of both in one channel, because the
+    light of the shader has one weight for all channels."""
     rows = sorted({round(row) for row in np.linspace(0, len(solved.rows) - 1, MEASURED_ROWS)})
     step(0.0, "Solving the stack on metal")
     metal = _reflected(_thicknesses(Stack(stack.layers, METAL), solved, rows, quality, threads))
@@ -60,7 +60,7 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
     # Weights for a Lambert surface, for a metal, and their geometric mean
     diffuse, back = base.slices.albedo[0], base.thrown_back[0]
     mirrored = black.albedo[0] + black.direct[0]
-    known = _mean(bare)[:, None]
+    known = channel(METAL.facing, 0)  # its color, which the artist sees; the mean over a uniform sky is .878
     through = np.maximum(metal - mirrored[rows], 0.0) / bare * (1.0 - known * back[rows])
     lit = diffuse[rows] > 1e-6
     ratio = np.where(lit, through / np.where(lit, diffuse[rows], 1.0), 1.0)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Principled materials under layers: the baked group in Cycles, at values of its sockets, against lamina.solve of the
+same stack."""
+
+from dataclasses import dataclass, replace
+
+import baked_samples
+import goniophotometer
+import numpy as np
+
+import lamina
+from lamina import Medium, PrincipledBase, Stack
+
+SOCKETS = {"color": "Base Color", "metallic": "Metallic", "roughness": "Roughness"}
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A copy of a baked material at values of its sockets. `base`, `tau`: the values."""
+
+    name: str
+    material: object
+    base: PrincipledBase
+    stack: Stack
+
+
+def baked(addon, name, dust: Medium, base: PrincipledBase, quality):
+    """(material, lut) of dust of varying thickness over the base, made as a user does."""
+    sample = baked_samples.make_sample(addon, name, Stack([dust], base), baked_samples.gauss_views(3), quality)
+    return sample.material, sample.lut
+
+
+def at(material, lut, dust: Medium, base: PrincipledBase, tau: float, **values) -> Shown:
+    """The material at a thickness and at `values` of the inputs, by their names in PrincipledBase."""
+    values = {**{name: getattr(base, name) for name in base.inputs}, **values}
+    copy = material.copy()
+    node = baked_samples.group_node(copy, lut)
+    node.inputs["Thickness"].default_value = tau
+    for name, value in values.items():
+        node.inputs[SOCKETS[name]].default_value = (*value, 1.0) if name == "color" else value
+    shown = replace(base, inputs=(), **values)
+    stack = Stack([replace(dust, tau=tau, varying=False)], shown)
+    words = ", ".join(f"{name} {value}" for name, value in values.items())
+    return Shown(f"{material.name}, tau {tau:g}{', ' + words if words else ''}", copy, shown, stack)
+
+
+def slice_errors(shown, views, lights):
+    """Relative L2 errors over these lights [sample, view, channel]."""
+    mu = views.mu[:, None]
+    seen = np.array([[goniophotometer.measure_many([one.material for one in shown], float(view), *light, samples=1)
+                      for light in zip(*np.broadcast_arrays(lights.mu[v], lights.dphi[v]), strict=True)]
+                     for v, view in enumerate(views.mu)])  # [view, light, sample, channel]
+    errors = []
+    for k, one in enumerate(shown):
+        exact = lamina.solve(one.stack).brdf(mu, lights.mu, lights.dphi) * lights.mu[..., None]
+        exact = np.broadcast_to(exact, seen[:, :, k].shape)
+        errors.append(np.sqrt(lights.norm2(seen[:, :, k] - exact) / lights.norm2(exact)))
+    return np.array(errors)
+
+
+def albedo_errors(shown, mu_o, samples=1024):
+    """Relative errors of the directional albedo under a white sky [sample, view]."""
+    found = []
+    for mu in mu_o:
+        seen = goniophotometer.furnace_many([one.material for one in shown], mu, samples=samples)
+        exact = np.array([np.broadcast_to(lamina.solve(one.stack).reflectance(mu), 3) for one in shown])
+        found.append(np.abs(seen / exact - 1.0).max(axis=1))
+    return np.array(found).T
