@@ -13,17 +13,31 @@ SAME = 1e-3  # relative difference of scales that count as equal
 
 
 @dataclass(frozen=True)
-class Body:
-    """`arrays`: in the object's own axes, in mm. `millimetres`: of a unit of the object's own space.
-    `axes`: (3, 3), the object's unit axes in world space, as columns."""
+class Frame:
+    """The object's own axes. `axes`: (3, 3), unit vectors in world space, as columns. `origin`: of the
+    object, in world space. `scale`: of the object. `unit`: mm of a Blender unit."""
 
-    arrays: mesh_arrays.Arrays
-    millimetres: float
     axes: np.ndarray
+    origin: np.ndarray
+    scale: float
+    unit: float
 
     def towards(self, direction):
         """A direction in world space, in the object's own axes."""
         return self.axes.T @ np.array(direction, float)
+
+    def place(self, position):
+        """A position in world space, in mm in the object's own axes."""
+        return self.unit * self.towards(np.array(position, float) - self.origin)
+
+
+@dataclass(frozen=True)
+class Body:
+    """`arrays`: in the object's own axes, in mm. `millimetres`: of a unit of the object's own space."""
+
+    arrays: mesh_arrays.Arrays
+    millimetres: float
+    frame: Frame
 
 
 def problem(obj):
@@ -41,8 +55,8 @@ def of_object(context, obj, material, uv_map):
     """The Body of an object as it is rendered, with modifiers, and its UV map `uv_map`; "": the one for
     rendering. Faces of other materials have no area in the UV map. Raises RefusedError."""
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    scale, axes = _uniform(obj, evaluated.matrix_world)
-    millimetres = scale * context.scene.unit_settings.scale_length * 1000.0
+    frame = _frame(obj, evaluated.matrix_world, context.scene)
+    millimetres = frame.scale * frame.unit
     mesh = evaluated.to_mesh()
     try:
         still = Matrix.Identity(4)
@@ -56,13 +70,12 @@ def of_object(context, obj, material, uv_map):
         uvs[_others(mesh, slots, material)] = 0.0
     finally:
         evaluated.to_mesh_clear()
-    return Body(mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name), millimetres, axes)
+    return Body(mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name), millimetres, frame)
 
 
-def axes_of(obj):
-    """(3, 3): an object's unit axes in world space, as columns. Raises RefusedError for a scale that is
-    not uniform."""
-    return _uniform(obj, obj.matrix_world)[1]
+def frame_of(obj, scene):
+    """The Frame of an object. Raises RefusedError for a scale that is not uniform."""
+    return _frame(obj, obj.matrix_world, scene)
 
 
 def _others(mesh, slots, material):
@@ -77,9 +90,8 @@ def _others(mesh, slots, material):
     return ~own[np.minimum(faces, len(own) - 1)]
 
 
-def _uniform(obj, matrix):
-    """(scale, axes) of a uniform scale. Raises RefusedError."""
-    columns = np.array(matrix, float)[:3, :3]
+def _frame(obj, matrix, scene):
+    columns, origin = np.array(matrix, float)[:3, :3], np.array(matrix, float)[:3, 3]
     scale = np.linalg.norm(columns, axis=0)
     mean = float(scale.mean())
     if not mean > 0.0:
@@ -90,4 +102,4 @@ def _uniform(obj, matrix):
         raise RefusedError(
             f"{obj.name} has a scale that is not uniform, {text}: apply the scale (Object > Apply > Scale)"
         )
-    return mean, axes
+    return Frame(axes, origin, mean, scene.unit_settings.scale_length * 1000.0)

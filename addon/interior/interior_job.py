@@ -38,7 +38,7 @@ MARGIN = 4  # texels
 @dataclass(frozen=True)
 class Task:
     """One computation, as arrays and numbers. `fill`: a function of (progress, cancel) that returns the
-    lamina.Interior. `sources`: the suns, then the world, for Lit. `folder`: of finished parts."""
+    lamina.Interior. `sources`: the lamps, then the world, for Lit. `folder`: of finished parts."""
 
     material: int
     object: str
@@ -130,8 +130,8 @@ def gather(context, obj, material, folder=None):
         normals=shape.arrays.normals,
         size=quantity(settings, interiors.SIZE),
         noise=quantity(settings, interiors.NOISE),
-        sources=[*lights.suns(context.scene, shape), lights.world(context.scene)] if is_lit else [],
-        view=_view(context.scene, shape, obj) if is_lit and settings.view == "CAMERA" else {},
+        sources=_sources(context.scene, shape.frame) if is_lit else [],
+        view=_view(context.scene, shape.frame) if is_lit and settings.view == "CAMERA" else {},
         node=contents.texture(material) if settings.source == "NODES" else ("", ""),
         millimetre=0.001 / context.scene.unit_settings.scale_length,
         folder=Path("."),
@@ -159,9 +159,16 @@ def compute(task, progress=None, cancel=None):
         "cancel": cancel,
     }
     if task.output == "LIT":
-        lamps = [lamina.Lamp(one.towards, one.angle) for one in task.sources if one.towards is not None]
-        return lamina.lit_images(task.solid, interior, lamps, **how, **task.view)
+        lamps, radiance = _lit_by(task, lamina)
+        around = None if radiance is None else lamina.Surroundings(radiance)
+        return lamina.lit_images(task.solid, interior, lamps, surroundings=around, **how, **task.view)
     return lamina.relightable_images(task.solid, interior, version=tuple(bpy.app.version[:2]), **how)
+
+
+def _lit_by(task, lamina):
+    """(lamps of unit strength, the radiance of the world's image or None)."""
+    lamps = [one.lamp(lamina) for one in task.sources if one.kind]
+    return lamps, next((one.radiance for one in task.sources if not one.kind), None)
 
 
 def apply(material, task, found):
@@ -196,7 +203,7 @@ def stale(context, obj, material):
     if not settings.suns or obj is None or obj.name != settings.shown_on:
         return ""
     try:
-        names = lights.moved(settings.suns, context.scene, body.axes_of(obj))
+        names = lights.moved(settings.suns, context.scene, body.frame_of(obj, context.scene))
     except RefusedError as error:
         return str(error)
     if names:
@@ -208,15 +215,18 @@ def _has(obj, material):
     return any(slot.material == material for slot in obj.material_slots)
 
 
-def _view(scene, shape, obj):
+def _sources(scene, frame):
+    return [*lights.lamps(scene, frame), lights.world(scene, frame)]
+
+
+def _view(scene, frame):
     """The view of the scene's camera, as arguments of lamina.lit_images. Raises RefusedError."""
     camera = scene.camera
     if camera is None:
         raise RefusedError("The scene has no camera: set one, or choose the view All")
     if camera.data.type == "ORTHO":
-        return {"view": tuple(shape.towards(np.array(camera.matrix_world, float)[:3, 2]))}
-    place = obj.matrix_world.inverted() @ camera.matrix_world.translation
-    return {"eye": tuple(shape.millimetres * value for value in place)}
+        return {"view": tuple(frame.towards(np.array(camera.matrix_world, float)[:3, 2]))}
+    return {"eye": tuple(frame.place(camera.matrix_world.translation))}
 
 
 def _key(task, identity):
@@ -224,7 +234,10 @@ def _key(task, identity):
     digest = hashlib.sha256()
     for array in (task.solid.vertices, task.solid.triangles, task.uvs, task.normals):
         digest.update(np.ascontiguousarray(array).data)
-    lamps = [[one.towards, one.angle] for one in task.sources if one.towards is not None]
+    lamps = [[one.kind, one.numbers] for one in task.sources if one.kind]
+    for one in task.sources:
+        if one.radiance is not None:
+            digest.update(one.radiance.tobytes())
     surface = [task.surface.ior, task.surface.alpha, task.surface.distribution]
     digest.update(
         json.dumps([identity, task.output, task.size, task.noise, lamps, task.view, surface]).encode()

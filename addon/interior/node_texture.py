@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Samples a node texture into voxels: Cycles renders slices of the object's box, many per image."""
 
-import os
-import tempfile
-
 import bpy
 import numpy as np
 from mathutils import Matrix
 
 from ..base.messages import RefusedError
+from . import float_render
 from .node_sources import default_source, find_source
 
 MOST_PIXELS = 1 << 22  # in one rendered image
@@ -73,7 +71,7 @@ class _Studio:
                 progress(first / nz, f"slice {first + 1} of {nz}")
             last = min(first + self._tiles, nz)
             self._place(first, last)
-            picture = self._render()
+            picture = float_render.picture(self._scene)
             for place in range(last - first):
                 row, column = divmod(place, self._columns)
                 tile = picture[row * ny : (row + 1) * ny, column * nx : (column + 1) * nx, :3]
@@ -112,7 +110,9 @@ class _Studio:
             one = self._keep(data.objects, data.objects.new("lamina slice", mesh))
             scene.collection.objects.link(one)
             self._slices.append(one)
-        _settings(scene, *self._size)
+        float_render.prepare(scene, *self._size)
+        scene.cycles.samples = 1
+        scene.cycles.filter_width = NEAR_FILTER
 
     def _emit(self, material):
         """Connect the chosen socket as the material's only emission."""
@@ -156,39 +156,3 @@ class _Studio:
             row, column = divmod(place, self._columns)
             corner = Matrix.Translation((column * nx, row * ny, 0.0))
             one.matrix_world = corner @ scale @ Matrix.Translation((-self._low[0], -self._low[1], -z))
-
-    def _render(self):
-        """Render one image: array [row from the bottom, column, channel]."""
-        with tempfile.TemporaryDirectory(prefix="lamina-slices-") as folder:
-            self._scene.render.filepath = os.path.join(folder, "slices.exr")
-            bpy.ops.render.render(write_still=True, scene=self._scene.name)
-            image = bpy.data.images.load(self._scene.render.filepath)
-            try:
-                image.colorspace_settings.name = "Non-Color"
-                width, height = image.size
-                pixels = np.empty(width * height * image.channels, np.float32)
-                image.pixels.foreach_get(pixels)
-                return pixels.reshape(height, width, -1)
-            finally:
-                bpy.data.images.remove(image)
-
-
-def _settings(scene, width, height):
-    scene.render.engine = "CYCLES"
-    scene.render.resolution_x, scene.render.resolution_y = width, height
-    scene.render.resolution_percentage = 100
-    scene.render.film_transparent = False
-    scene.render.use_compositing = scene.render.use_sequencer = False
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_mode = "RGB"
-    scene.render.image_settings.color_depth = "32"
-    scene.render.image_settings.exr_codec = "NONE"
-    cycles = scene.cycles
-    cycles.device = "CPU"
-    cycles.samples = 1
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.max_bounces = 0
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
-    cycles.film_exposure = 1.0
-    cycles.pixel_filter_type = "BLACKMAN_HARRIS"
-    cycles.filter_width = NEAR_FILTER

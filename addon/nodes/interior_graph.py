@@ -29,12 +29,12 @@ def lit_inputs(sources):
 def draw_lit(graph, images, sources, surface, uv_map, name, sockets):
     """Add the nodes and return (the shader's socket, None): there is no volume.
 
-    `images`: lamina.LitImages for the sources in sequence, suns first, the world last; `sockets`: inputs of
+    `images`: lamina.LitImages for the sources in sequence, lamps first, the world last; `sockets`: inputs of
     the group by name; `name`: of the material. The surface emits the sum, and no closure but the boundary's
     mirror receives light, so that nothing is lit twice."""
     textures, total = _Images(graph, uv_map, name), None
     for row, (one, image) in enumerate(zip(sources, [*images.lamps, images.sky], strict=True)):
-        texels = textures.socket(one.name, image, 2 * row)
+        texels = textures.socket(one.name, one.factor * image, 2 * row)
         coloured = graph.vector("MULTIPLY", 0, 2 * row, one.name, texels, sockets[_colour(one)])
         light = graph.scale(1, 2 * row, one.name, coloured, sockets[_strength(one)])
         total = light if total is None else graph.vector("ADD", 2, 2 * row, "all light", total, light)

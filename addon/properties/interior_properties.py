@@ -31,7 +31,7 @@ OUTPUTS = (
     (
         "LIT",
         "Lit",
-        "The light that leaves each texel, for each sun and for the world: lamps may change in strength "
+        "The light that leaves each texel, for each lamp and for the world: lamps may change in strength "
         "and color, but not move",
         1,
     ),
@@ -94,7 +94,7 @@ class LaminaInterior(bpy.types.PropertyGroup):
     # The last result
     report: StringProperty(description="The last result in words; empty before the first")
     suns: StringProperty(
-        description="JSON of the suns of the last Lit: name, direction, angle; empty after others"
+        description="JSON of the lamps of the last Lit: name, type, numbers; empty after others"
     )
     shown_on: StringProperty(description="Name of the object of the last result")
 

@@ -32,7 +32,7 @@ class Stone:
         how = {"uvs": task.uvs, "size": task.size, "surface": task.surface, "normals": task.normals,
                "samples": samples, "seed": seed}
         if output == "LIT":
-            lamps = [lamina.Lamp(one.towards, one.angle) for one in task.sources if one.towards is not None]
+            lamps = [one.lamp(lamina) for one in task.sources if one.kind]
             found = lamina.lit_images(task.solid, self.interior, lamps, **how, **task.view)
         else:
             found = lamina.relightable_images(task.solid, self.interior, version=bpy.app.version[:2], **how)

@@ -11,6 +11,9 @@ using namespace lamina;
 using Voxels = py::array_t<std::uint16_t, py::array::c_style>;
 using Triple = std::array<double, 3>;
 
+Ray ray_of(const Triple& triple) { return {triple[0], triple[1], triple[2]}; }
+Place place_of(const Triple& triple) { return {triple[0], triple[1], triple[2]}; }
+
 /// A solid and the thread pool for its walks.
 struct BoundSolid {
   ThreadPool pool;
@@ -139,19 +142,15 @@ py::tuple exits(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary&
 
 py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
                 const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number,
-                std::uint64_t first_walk, std::uint64_t walks, std::uint64_t seed,
-                const std::vector<std::pair<Triple, double>>& lamps) {
+                std::uint64_t first_walk, std::uint64_t walks, std::uint64_t seed, const std::vector<Lamp>& lamps,
+                const Surroundings& surroundings) {
   const WalkPoints points = points_of(positions, normals, views, first_number, first_walk, walks, seed);
-  std::vector<DistantLight> lights;
-  for (const auto& [towards, cosine] : lamps) {
-    lights.push_back({{towards[0], towards[1], towards[2]}, cosine});
-  }
   const auto results = [&] {
     const py::gil_scoped_release release;
-    return walk_to_lights(MeshWalk(*solid.solid, grid.grid, boundary), points, lights, solid.pool);
+    return walk_to_lights(MeshWalk(*solid.solid, grid.grid, boundary), points, lamps, surroundings, solid.pool);
   }();
   const auto count = static_cast<py::ssize_t>(results.size());
-  const auto columns = static_cast<py::ssize_t>(lights.size() + 1);
+  const auto columns = static_cast<py::ssize_t>(lamps.size() + 1);
   Rows sums({count, columns, py::ssize_t{3}});
   Rows squares({count, columns, py::ssize_t{3}});
   double* sum = sums.mutable_data();
@@ -206,6 +205,35 @@ void lamina::bind_mesh_walk(py::module_& module) {
              return SurfaceBoundary(ior, alpha > 0.0 ? &facets : nullptr);
            }),
            py::arg("ior"), py::arg("alpha"), py::arg("distribution"));
+  py::class_<Lamp>(module, "Lamp", "A lamp of unit strength, lengths in mm.")
+      .def_static(
+          "distant", [](const Triple& towards, double cosine) { return Lamp::distant(ray_of(towards), cosine); },
+          py::arg("towards"), py::arg("cosine"))
+      .def_static(
+          "sphere", [](const Triple& centre, double radius) { return Lamp::sphere(place_of(centre), radius); },
+          py::arg("centre"), py::arg("radius"))
+      .def_static(
+          "spot",
+          [](const Triple& centre, double radius, const Triple& axis, double cosine, double blend) {
+            return Lamp::spot(place_of(centre), radius, ray_of(axis), cosine, blend);
+          },
+          py::arg("centre"), py::arg("radius"), py::arg("axis"), py::arg("cosine"), py::arg("blend"))
+      .def_static(
+          "area",
+          [](const Triple& centre, const Triple& first, const Triple& second, bool ellipse) {
+            return Lamp::area(place_of(centre), ray_of(first), ray_of(second), ellipse);
+          },
+          py::arg("centre"), py::arg("first"), py::arg("second"), py::arg("ellipse"));
+  py::class_<Surroundings>(module, "Surroundings", "Radiance by direction; without a table, 1 everywhere.")
+      .def(py::init<>())
+      .def(py::init([](const Floats& table) {
+             if (table.ndim() != 3 || table.shape(2) != 3) {
+               throw std::invalid_argument("table must be (rows, columns, 3)");
+             }
+             return Surroundings(static_cast<std::size_t>(table.shape(0)), static_cast<std::size_t>(table.shape(1)),
+                                 {table.data(), table.data() + table.size()});
+           }),
+           py::arg("table").noconvert());
   module.def("walk_to_exits", &exits, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
              py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
              py::arg("seed"),
@@ -213,7 +241,6 @@ void lamina::bind_mesh_walk(py::module_& module) {
              "lost, scatterings, collisions, rays)]).");
   module.def("walk_to_lights", &light, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
              py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
-             py::arg("seed"), py::arg("lamps"),
-             "(sums [point, lamp or last the sky, channel], squares, counts); lamps are (direction, cosine of the "
-             "disc's angular radius).");
+             py::arg("seed"), py::arg("lamps"), py::arg("surroundings"),
+             "(sums [point, lamp or last the surroundings, channel], squares, counts).");
 }

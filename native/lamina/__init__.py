@@ -20,7 +20,7 @@ from .common.errors import (
 from .interior.end_material import EndMaterial
 from .interior.estimates import ExitEstimate, LightEstimate
 from .interior.grid import Interior
-from .interior.lamps import Lamp
+from .interior.lamps import AreaLamp, Lamp, PointLamp, SpotLamp, Surroundings
 from .interior.marble import Marble, marble
 from .interior.of_stack import interior_of_stack
 from .interior.parts import WalkPart, light_in_mesh, merge_walks, walk_in_mesh, walk_part
@@ -50,6 +50,7 @@ __version__ = _core.__version__  # of pyproject.toml
 __all__ = [
     *_bases.__all__,
     *_phases.__all__,
+    "AreaLamp",
     "ArgumentError",
     "Cancelled",
     "DustError",
@@ -70,6 +71,7 @@ __all__ = [
     "LutError",
     "Medium",
     "Mixture",
+    "PointLamp",
     "PortalTables",
     "Query",
     "RelightableImages",
@@ -80,10 +82,12 @@ __all__ = [
     "ShardError",
     "Solid",
     "SolveError",
+    "SpotLamp",
     "Stack",
     "StackError",
     "SubsurfaceInputs",
     "Surface",
+    "Surroundings",
     "Tabulated",
     "UnknownName",
     "WalkPart",

@@ -12,7 +12,9 @@ class BrickFlight {
  public:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-  BrickFlight(const CoefficientGrid& grid, const Place& from, const Ray& direction) : grid_(grid) {
+  /// `channel`: whose majorant is used; kChannels: the largest of all.
+  BrickFlight(const CoefficientGrid& grid, const Place& from, const Ray& direction, std::size_t channel)
+      : grid_(grid), channel_(channel) {
     const std::array<double, 3> origin = {from.x, from.y, from.z};
     const std::array<double, 3> along = {direction.x, direction.y, direction.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -25,7 +27,7 @@ class BrickFlight {
       const double face = brick_[axis] + (speed < 0.0 ? 0.0 : 1.0);
       next_[axis] = brick_[axis] == last_[axis] || speed == 0.0 ? kInfinity : (face - place) / speed;
     }
-    majorant_ = grid.majorant(brick_);
+    majorant_ = grid.majorant(brick_, channel_);
   }
 
   /// Advances until the integral of the majorant reaches the optical depth `depth`. Returns the distance from the start
@@ -66,10 +68,11 @@ class BrickFlight {
     at_ = next_[axis];
     brick_[axis] += step_[axis];
     next_[axis] = brick_[axis] == last_[axis] ? kInfinity : next_[axis] + per_brick_[axis];
-    majorant_ = grid_.majorant(brick_);
+    majorant_ = grid_.majorant(brick_, channel_);
   }
 
   const CoefficientGrid& grid_;
+  std::size_t channel_;
   std::array<int, 3> brick_;
   std::array<int, 3> step_;
   std::array<int, 3> last_;

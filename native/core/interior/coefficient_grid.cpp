@@ -50,7 +50,7 @@ void CoefficientGrid::find_majorants() {
   const auto count = [](const std::array<int, 3>& sizes) {
     return static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) * static_cast<std::size_t>(sizes[2]);
   };
-  majorants_.assign(count(bricks_), 0.0F);
+  majorants_.assign(count(bricks_), {});
   // Take the maximum over all voxels that a sample inside the brick can read. A smooth grid also reads neighbours.
   const int margin = smooth_ ? 1 : 0;
   std::array<std::size_t, 3> first;
@@ -70,13 +70,19 @@ void CoefficientGrid::find_majorants() {
         const float largest_extinction = largest_of(sample.extinction);
         is_grey_ = is_grey_ && sample.g_first == sample.g_second &&
                    *std::min_element(sample.extinction.begin(), sample.extinction.end()) >= kEqual * largest_extinction;
-        const float extinction = kAbove * largest_extinction;
+        Majorants own;
+        for (std::size_t c = 0; c < kChannels; ++c) {
+          own[c] = kAbove * sample.extinction[c];
+        }
+        own[kChannels] = kAbove * largest_extinction;
         for (std::size_t i = first[0]; i <= last[0]; ++i) {
           for (std::size_t j = first[1]; j <= last[1]; ++j) {
             for (std::size_t k = first[2]; k <= last[2]; ++k) {
-              float& largest =
+              Majorants& largest =
                   majorants_[(i * static_cast<std::size_t>(bricks_[1]) + j) * static_cast<std::size_t>(bricks_[2]) + k];
-              largest = std::max(largest, extinction);
+              for (std::size_t c = 0; c < own.size(); ++c) {
+                largest[c] = std::max(largest[c], own[c]);
+              }
             }
           }
         }

@@ -78,17 +78,21 @@ class CoefficientGrid {
   const std::array<double, 3>& bricks_per_mm() const { return bricks_per_mm_; }
   /// True if the channels have the same extinction everywhere, to half a per cent, and one phase function.
   bool is_grey() const { return is_grey_; }
-  /// The largest extinction of any channel in a brick, in 1/mm.
-  double majorant(const std::array<int, 3>& brick) const {
-    return majorants_[(static_cast<std::size_t>(brick[0]) * static_cast<std::size_t>(bricks_[1]) +
-                       static_cast<std::size_t>(brick[1])) *
-                          static_cast<std::size_t>(bricks_[2]) +
-                      static_cast<std::size_t>(brick[2])];
+  /// The largest extinction in a brick, in 1/mm, of one channel, or of all for `channel` = kChannels.
+  double majorant(const std::array<int, 3>& brick, std::size_t channel) const {
+    const Majorants& found = majorants_[(static_cast<std::size_t>(brick[0]) * static_cast<std::size_t>(bricks_[1]) +
+                                         static_cast<std::size_t>(brick[1])) *
+                                            static_cast<std::size_t>(bricks_[2]) +
+                                        static_cast<std::size_t>(brick[2])];
+    return static_cast<double>(found[channel]);
   }
 
  private:
   CoefficientGrid(const GridFrame& frame, const std::uint16_t* voxels, std::vector<EndMaterial> palette, float g);
   void find_majorants();
+
+  /// By channel, then of all channels.
+  using Majorants = std::array<float, kChannels + 1>;
 
   /// Converts a half to a float. The half must be finite and not negative.
   static float half(std::uint16_t bits) {
@@ -140,7 +144,7 @@ class CoefficientGrid {
   float g_;
   std::array<int, 3> bricks_;
   std::array<double, 3> bricks_per_mm_;
-  std::vector<float> majorants_;
+  std::vector<Majorants> majorants_;
   bool is_grey_ = true;
 };
 

@@ -1,28 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh_walk/lit_tally.hpp"
 
-#include <numbers>
-
-#include "phase/henyey_greenstein.hpp"
-
 namespace lamina {
-
-namespace {
-
-using std::numbers::pi;
-
-/// A direction drawn within the disc of a lamp, uniform in solid angle.
-Ray towards_disc(const DistantLight& light, Rng& rng) {
-  if (light.cosine == 1.0) {
-    return light.towards;
-  }
-  return scattered(light.towards, 1.0 - rng.uniform() * (1.0 - light.cosine), rng);
-}
-
-/// The radiance of a lamp times the solid angle of its disc.
-double strength(const DistantLight& light) { return 2.0 / (1.0 + light.cosine); }
-
-}  // namespace
 
 void LitSums::add(const LitSums& other) {
   for (std::size_t k = 0; k < sums.size(); ++k) {
@@ -34,51 +13,63 @@ void LitSums::add(const LitSums& other) {
 }
 
 void LitTally::escapes(const Ray& direction, const Weights& weights) {
+  const Weights radiance = surroundings_.along(direction);
   for (std::size_t c = 0; c < kChannels; ++c) {
-    found_.back()[c] += weights[c];
-  }
-  if (walk_.boundary().kind() != SurfaceBoundary::Kind::kSmooth) {
-    return;
-  }
-  for (std::size_t k = 0; k < lights_.size(); ++k) {
-    const double cosine = lights_[k].cosine;
-    if (direction.dot(lights_[k].towards) >= cosine) {
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        found_[k][c] += weights[c] / (pi * (1.0 - cosine * cosine));
-      }
-    }
+    found_.back()[c] += weights[c] * radiance[c];
   }
 }
 
-void LitTally::scatters(const Place& place, const Ray& direction, const CoefficientGrid::Sample& sample,
-                        const Weights& weights, Rng& rng) {
-  if (walk_.boundary().kind() != SurfaceBoundary::Kind::kMatched) {
+void LitTally::scatters(const Scattering& scattering, Rng& rng) {
+  if (lamps_.empty()) {
     return;
   }
-  for (std::size_t k = 0; k < lights_.size(); ++k) {
-    const Ray towards = towards_disc(lights_[k], rng);
-    const Weights passed = walk_.transmittance(place, towards, rng, counts_);
-    const double cosine = direction.dot(towards);
-    const double first = HenyeyGreenstein{sample.g_first}.evaluate(cosine);
-    const bool same = sample.g_first == sample.g_second;
-    const double second = same ? first : HenyeyGreenstein{sample.g_second}.evaluate(cosine);
+  if (walk_.boundary().kind() == SurfaceBoundary::Kind::kMatched) {
+    collect_through_matched(scattering, rng);
+    return;
+  }
+  last_ = scattering;
+  for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    Aim& aim = aims_[k];
+    aim.point.emplace(rng);
+    aim.light = AimedLight::at(scattering, lamps_[k], *aim.point, walk_, counts_);
+    if (!aim.light) {
+      continue;
+    }
+    const Ray direction = aim.light->sample(rng);
+    const auto emergence = walk_.emergence(scattering.place, direction, scattering.shells, rng, counts_);
+    if (!emergence) {
+      continue;
+    }
+    const double radiance = entering(lamps_[k], *aim.point, emergence->place, direction, emergence->normal);
+    if (radiance == 0.0) {
+      continue;
+    }
+    const double cosine = scattering.before.dot(direction);
+    // Balance heuristic: divided by the sum of the densities of both ways to draw this direction.
+    const double densities = aim.light->density(direction) + scattering.phase(cosine, scattering.leader);
+    Weights weights = scattering.weights;
     for (std::size_t c = 0; c < kChannels; ++c) {
-      const double phase = same ? first : first + static_cast<double>(sample.second[c]) * (second - first);
-      found_[k][c] += weights[c] * passed[c] * phase * strength(lights_[k]) / (4.0 * pi);
+      weights[c] *= scattering.phase(cosine, c) * emergence->passed[c];
     }
+    add(k, weights, radiance / densities);
   }
 }
 
-void LitTally::meets_facets(const Place& place, const Ray& direction, const Ray& normal, const Weights& weights) {
-  for (std::size_t k = 0; k < lights_.size(); ++k) {
-    const Ray& towards = lights_[k].towards;
-    const double share = walk_.boundary().leaving(direction, towards, normal);
-    if (share > 0.0 && walk_.is_visible(place, towards)) {
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        found_[k][c] += weights[c] * share;
-      }
+void LitTally::meets_boundary(const Place& place, const Ray& direction, const Ray& normal, const Weights& weights,
+                              Rng& rng) {
+  for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    double share = 1.0;
+    LampPoint point = last_ ? *aims_[k].point : LampPoint(rng);
+    if (last_ && aims_[k].light) {
+      const double phase = last_->phase(last_->before.dot(direction), last_->leader);
+      share = phase / (phase + aims_[k].light->density(direction));
+    }
+    const double radiance = entering(lamps_[k], point, place, direction, normal);
+    if (radiance > 0.0) {
+      add(k, weights, share * radiance);
     }
   }
+  last_.reset();
 }
 
 void LitTally::finish() {
@@ -89,6 +80,53 @@ void LitTally::finish() {
       sums_.squares[k][c] += light * light;
     }
     found_[k].fill(0.0);
+  }
+}
+
+void LitTally::add(std::size_t lamp, const Weights& weights, double factor) {
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    found_[lamp][c] += weights[c] * factor;
+  }
+}
+
+double LitTally::entering(const Lamp& lamp, const LampPoint& point, const Place& place, const Ray& direction,
+                          const Ray& normal) {
+  double radiance = 0.0;
+  Ray towards;
+  double distance = 0.0;
+  if (walk_.boundary().kind() == SurfaceBoundary::Kind::kRough) {
+    const LampLight light = lamp.light(place, point);
+    towards = light.towards;
+    distance = light.distance;
+    radiance = light.irradiance > 0.0 ? light.irradiance * walk_.boundary().leaving(direction, towards, normal) : 0.0;
+  } else {
+    const SurfaceBoundary::Outcome outcome = walk_.boundary().leaving(direction, normal);
+    const auto seen = outcome.weight > 0.0 ? lamp.seen(place, outcome.direction) : std::nullopt;
+    if (seen) {
+      towards = outcome.direction;
+      distance = seen->distance;
+      radiance = outcome.weight * seen->radiance;
+    }
+  }
+  if (radiance > 0.0) {
+    ++counts_.rays;
+  }
+  return radiance > 0.0 && walk_.is_visible(place, towards, distance) ? radiance : 0.0;
+}
+
+void LitTally::collect_through_matched(const Scattering& scattering, Rng& rng) {
+  for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    const LampLight light = lamps_[k].light(scattering.place, LampPoint(rng));
+    if (light.irradiance == 0.0) {
+      continue;
+    }
+    Weights weights =
+        walk_.transmittance(scattering.place, light.towards, light.distance, scattering.shells, rng, counts_);
+    const double cosine = scattering.before.dot(light.towards);
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      weights[c] *= scattering.weights[c] * scattering.phase(cosine, c);
+    }
+    add(k, weights, light.irradiance);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "mesh_walk/surface_search.hpp"
 #include "phase/henyey_greenstein.hpp"
@@ -25,6 +26,15 @@ Ray reflected(const Ray& ray, const Ray& normal) {
 
 }  // namespace
 
+double Scattering::phase(double cosine, std::size_t channel) const {
+  const double first = HenyeyGreenstein{sample.g_first}.evaluate(cosine);
+  if (sample.g_first == sample.g_second) {
+    return first / (4.0 * std::numbers::pi);
+  }
+  const double second = HenyeyGreenstein{sample.g_second}.evaluate(cosine);
+  return (first + static_cast<double>(sample.second[channel]) * (second - first)) / (4.0 * std::numbers::pi);
+}
+
 void WalkCounts::add(const WalkCounts& other) {
   mirrored += other.mirrored;
   lost += other.lost;
@@ -36,16 +46,18 @@ void WalkCounts::add(const WalkCounts& other) {
 /// One path, led by one channel.
 class MeshWalk::Path {
  public:
-  Path(const MeshWalk& walk, std::size_t leader, Rng& rng, WalkListener& listener, WalkCounts& counts)
+  Path(const MeshWalk& walk, std::size_t leader, const Rng& rng, WalkListener& listener, WalkCounts& counts)
       : solid_(walk.solid_),
         grid_(walk.grid_),
         boundary_(walk.boundary_),
         leader_(leader),
         rng_(rng),
+        aside_(rng_.bits(), 0),
         listener_(listener),
         counts_(counts) {}
 
   void run(const Start& start) {
+    listener_.starts();
     if (!enter(start)) {
       return;
     }
@@ -114,8 +126,10 @@ class MeshWalk::Path {
 
   /// Moves to the next scattering, or to the surface and refracts or reflects there. Returns false if the walk ends.
   bool fly() {
-    BrickFlight flight(grid_, place_, direction_);
+    BrickFlight flight(grid_, place_, direction_, grid_.is_grey() ? kChannels : leader_);
     SurfaceSearch surface(solid_, place_, direction_, shells_, on_surface_);
+    // Numbers of this flight's own, so that paths of other leaders stay in step after a different number of collisions.
+    Rng chances(rng_.bits(), 0);
     std::optional<Crossing> end;
     double free = 0.0;  // distance up to which the flight meets no surface
     if (on_surface_) {
@@ -131,7 +145,7 @@ class MeshWalk::Path {
       free = solid_.clearance(place_);
     }
     for (;;) {
-      const double distance = flight.advance(-std::log(rng_.uniform()), end ? end->distance : kInfinity);
+      const double distance = flight.advance(-std::log(chances.uniform()), end ? end->distance : kInfinity);
       if (distance > free) {
         if (!end) {
           ++counts_.rays;
@@ -150,8 +164,8 @@ class MeshWalk::Path {
         return false;
       }
       ++counts_.collisions;
-      const CoefficientGrid::Sample sample = grid_.at(here, rng_);
-      if (is_real(sample, flight.majorant())) {
+      const CoefficientGrid::Sample sample = grid_.at(here, chances);
+      if (is_real(sample, flight.majorant(), chances)) {
         place_ = here;
         on_surface_ = false;
         scatter(sample);
@@ -161,8 +175,8 @@ class MeshWalk::Path {
   }
 
   /// Accepts or rejects a tentative collision, with the probability of the leading channel.
-  bool is_real(const CoefficientGrid::Sample& sample, double majorant) {
-    const bool real = rng_.uniform() * majorant < static_cast<double>(sample.extinction[leader_]);
+  bool is_real(const CoefficientGrid::Sample& sample, double majorant, Rng& chances) {
+    const bool real = chances.uniform() * majorant < static_cast<double>(sample.extinction[leader_]);
     Weights probabilities;
     Weights kept;  // the part that is not absorbed
     for (std::size_t c = 0; c < kChannels; ++c) {
@@ -189,7 +203,7 @@ class MeshWalk::Path {
 
   void scatter(const CoefficientGrid::Sample& sample) {
     ++counts_.scatterings;
-    listener_.scatters(place_, direction_, sample, weights_, rng_);
+    listener_.scatters({place_, direction_, sample, weights_, leader_, normal_, shells_}, aside_);
     const HenyeyGreenstein first{sample.g_first};
     if (sample.g_first == sample.g_second) {
       direction_ = scattered(direction_, first.sample(rng_.uniform()), rng_);
@@ -213,11 +227,15 @@ class MeshWalk::Path {
   /// Light from inside meets the surface. Returns false if the walk ends.
   bool cross(const Ray& normal) {
     normal_ = normal;
-    if (boundary_.kind() == SurfaceBoundary::Kind::kRough) {
-      listener_.meets_facets(place_, direction_, normal, weights_);
-    }
-    turn(boundary_.meet(direction_, normal, rng_));
+    meet_boundary();
     return direction_.dot(normal) <= 0.0 || leave(normal);
+  }
+
+  void meet_boundary() {
+    if (boundary_.kind() != SurfaceBoundary::Kind::kMatched) {
+      listener_.meets_boundary(place_, direction_, normal_, weights_, aside_);
+    }
+    turn(boundary_.meet(direction_, normal_, rng_));
   }
 
   bool leave(const Ray& normal) { return listener_.leaves({place_, normal, direction_, weights_}) && follow_outside(); }
@@ -233,7 +251,7 @@ class MeshWalk::Path {
       }
       place_ = place_.moved(direction_, crossing->distance);
       normal_ = crossing->normal;
-      turn(boundary_.meet(direction_, normal_, rng_));
+      meet_boundary();
       if (direction_.dot(normal_) <= 0.0) {
         return true;
       }
@@ -253,7 +271,7 @@ class MeshWalk::Path {
   bool survives_roulette() {
     const double before = mean_of(weights_);
     double after = before;
-    if (!survives(after, rng_)) {
+    if (!survives(after, aside_)) {
       return false;
     }
     if (after != before) {
@@ -268,7 +286,8 @@ class MeshWalk::Path {
   const CoefficientGrid& grid_;
   const SurfaceBoundary& boundary_;
   std::size_t leader_;
-  Rng& rng_;
+  Rng rng_;
+  Rng aside_;  ///< for roulette and the listener, which need numbers at other times in other channels
   WalkListener& listener_;
   WalkCounts& counts_;
 
@@ -283,42 +302,52 @@ class MeshWalk::Path {
 
 void MeshWalk::run(const Start& start, Rng& rng, WalkListener& listener, WalkCounts& counts) const {
   for (std::size_t leader = 0; leader < kChannels; ++leader) {
-    Path(*this, leader, rng, listener, counts).run(start);
+    // In a grey grid equal numbers would give three equal paths, of which each serves all channels.
+    Path(*this, leader, grid_.is_grey() ? Rng(rng.bits(), leader) : rng, listener, counts).run(start);
   }
 }
 
-Weights MeshWalk::transmittance(const Place& from, const Ray& direction, Rng& rng, WalkCounts& counts) const {
+/// Continues a flight from `from` to the distance `end`, and multiplies `shares` by the transmittance. False if no
+/// light is left.
+bool MeshWalk::pass(BrickFlight& flight, const Place& from, const Ray& direction, double end, Rng& rng,
+                    Weights& shares) const {
+  for (;;) {
+    const double at = flight.advance(-std::log(rng.uniform()), end);
+    if (at == kInfinity) {
+      return true;
+    }
+    const CoefficientGrid::Sample sample = grid_.at(from.moved(direction, at), rng);
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      shares[c] *= 1.0 - static_cast<double>(sample.extinction[c]) / flight.majorant();
+    }
+    const double before = mean_of(shares);
+    double after = before;
+    if (!survives(after, rng)) {
+      return false;
+    }
+    for (double& share : shares) {
+      share *= after / before;
+    }
+  }
+}
+
+Weights MeshWalk::transmittance(const Place& from, const Ray& direction, double farthest, int shells, Rng& rng,
+                                WalkCounts& counts) const {
   Weights shares = {1.0, 1.0, 1.0};
-  int shells = 1;
-  double at = 0.0;
-  BrickFlight flight(grid_, from, direction);
+  BrickFlight flight(grid_, from, direction, kChannels);
   SurfaceSearch surface(solid_, from, direction, shells, false);
   for (;;) {
     ++counts.rays;
-    const auto out = surface.leaving(kInfinity);
+    const auto out = surface.leaving(farthest);
+    const double end = out ? out->distance : farthest;
+    if (end < kInfinity && !pass(flight, from, direction, end, rng, shares)) {
+      return {};
+    }
     if (!out) {
       return shares;
     }
-    for (;;) {
-      at = flight.advance(-std::log(rng.uniform()), out->distance);
-      if (at == kInfinity) {
-        break;
-      }
-      const CoefficientGrid::Sample sample = grid_.at(from.moved(direction, at), rng);
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        shares[c] *= 1.0 - static_cast<double>(sample.extinction[c]) / flight.majorant();
-      }
-      const double before = mean_of(shares);
-      double after = before;
-      if (!survives(after, rng)) {
-        return {};
-      }
-      for (double& share : shares) {
-        share *= after / before;
-      }
-    }
     ++counts.rays;
-    const auto in = surface.entering(kInfinity);
+    const auto in = surface.entering(farthest);
     if (!in) {
       return shares;
     }
@@ -326,9 +355,30 @@ Weights MeshWalk::transmittance(const Place& from, const Ray& direction, Rng& rn
   }
 }
 
-bool MeshWalk::is_visible(const Place& from, const Ray& direction) const {
+std::optional<Emergence> MeshWalk::emergence(const Place& from, const Ray& direction, int shells, Rng& rng,
+                                             WalkCounts& counts) const {
+  ++counts.rays;
+  const auto out = SurfaceSearch(solid_, from, direction, shells, false).leaving(kInfinity);
+  if (!out) {
+    return std::nullopt;
+  }
+  Weights shares = {1.0, 1.0, 1.0};
+  BrickFlight flight(grid_, from, direction, kChannels);
+  if (!pass(flight, from, direction, out->distance, rng, shares)) {
+    return std::nullopt;
+  }
+  return Emergence{from.moved(direction, out->distance), out->normal, shares};
+}
+
+std::optional<Ray> MeshWalk::normal_towards(const Place& from, const Ray& direction, double farthest,
+                                            int shells) const {
+  const auto out = SurfaceSearch(solid_, from, direction, shells, false).leaving(farthest);
+  return out ? std::optional(out->normal) : std::nullopt;
+}
+
+bool MeshWalk::is_visible(const Place& from, const Ray& direction, double farthest) const {
   int shells = 1;
-  return !SurfaceSearch(solid_, from, direction, shells, true).entering(kInfinity);
+  return !SurfaceSearch(solid_, from, direction, shells, true).entering(farthest);
 }
 
 }  // namespace lamina

@@ -20,6 +20,27 @@ struct Exit {
   Weights weights;
 };
 
+/// A scattering of light inside.
+struct Scattering {
+  Place place;
+  Ray before;                      ///< direction of travel before the scattering
+  CoefficientGrid::Sample sample;  ///< coefficients
+  Weights weights;                 ///< after absorption
+  std::size_t leader;              ///< channel from whose phase function the next direction is drawn
+  Ray normal;                      ///< of the face that the path met last
+  int shells;                      ///< number of parts of the mesh that contain the position
+
+  /// The phase function of one channel, normalised to 1 over the sphere.
+  double phase(double cosine, std::size_t channel) const;
+};
+
+/// Light that reaches the surface from inside: where, the outward normal, and the transmittance by channel.
+struct Emergence {
+  Place place;
+  Ray normal;
+  Weights passed;
+};
+
 /// Interface for listeners to the events of a walk.
 class WalkListener {
  public:
@@ -28,15 +49,16 @@ class WalkListener {
   WalkListener& operator=(const WalkListener&) = delete;
   virtual ~WalkListener() = default;
 
+  /// A path starts.
+  virtual void starts() {}
   /// Light leaves the solid. Returns true to follow the light outside until it meets the solid again.
   virtual bool leaves(const Exit& exit) = 0;
   /// Light that was followed outside does not meet the solid again.
   virtual void escapes(const Ray&, const Weights&) {}
-  /// Light is scattered. Arguments: position, direction of travel before the scattering, coefficients, and the weights
-  /// after absorption.
-  virtual void scatters(const Place&, const Ray&, const CoefficientGrid::Sample&, const Weights&, Rng&) {}
-  /// Light from inside meets a rough boundary. Arguments: position, direction of travel, outward normal, weights.
-  virtual void meets_facets(const Place&, const Ray&, const Ray&, const Weights&) {}
+  virtual void scatters(const Scattering&, Rng&) {}
+  /// Light meets a boundary, from inside or from outside. Arguments: position, direction of travel, outward normal,
+  /// weights.
+  virtual void meets_boundary(const Place&, const Ray&, const Ray&, const Weights&, Rng&) {}
 };
 
 /// Sums over samples that do not depend on the listener. Weights are means over the paths of a sample.
@@ -55,7 +77,9 @@ struct WalkCounts {
 /// decides collisions and directions. In a grey grid each path serves all channels, with the balance heuristic over the
 /// leaders (Wilkie et al. 2014). Otherwise each path serves its leader only: after many collisions a path is typical of
 /// one channel, and the balance heuristic, with one leader or three, has two to twenty times the variance of separate
-/// paths. Absorption reduces the weights; Russian roulette ends paths. The path length is unlimited.
+/// paths. Separate paths of a sample use the same random numbers: where the channels differ by a factor only, the paths
+/// have the same shape, so that most of the noise is common to the channels and changes brightness, not colour.
+/// Absorption reduces the weights; Russian roulette ends paths. The path length is unlimited.
 class MeshWalk {
  public:
   MeshWalk(const Solid& solid, const CoefficientGrid& grid, const SurfaceBoundary& boundary)
@@ -72,14 +96,24 @@ class MeshWalk {
   void run(const Start& start, Rng& rng, WalkListener& listener, WalkCounts& counts) const;
 
   /// Unbiased estimate per channel, by ratio tracking (Novak et al. 2014), of the transmittance from a position inside
-  /// the solid along a direction to infinity. The ray may leave and enter the solid again. For a matched boundary.
-  Weights transmittance(const Place& from, const Ray& direction, Rng& rng, WalkCounts& counts) const;
+  /// the solid along a direction up to the distance `farthest`. The ray may leave and enter the solid again. For a
+  /// matched boundary. `shells`: see Scattering.
+  Weights transmittance(const Place& from, const Ray& direction, double farthest, int shells, Rng& rng,
+                        WalkCounts& counts) const;
+  /// Where a ray from inside first leaves the solid, with the transmittance by ratio tracking; nothing if no light
+  /// arrives there.
+  std::optional<Emergence> emergence(const Place& from, const Ray& direction, int shells, Rng& rng,
+                                     WalkCounts& counts) const;
+  /// The normal where a ray from inside leaves the solid, within the distance `farthest`.
+  std::optional<Ray> normal_towards(const Place& from, const Ray& direction, double farthest, int shells) const;
 
   const SurfaceBoundary& boundary() const { return boundary_; }
-  bool is_visible(const Place& from, const Ray& direction) const;
+  /// True if no part of the solid lies between a position on the surface and the distance `farthest`.
+  bool is_visible(const Place& from, const Ray& direction, double farthest) const;
 
  private:
   class Path;
+  bool pass(BrickFlight& flight, const Place& from, const Ray& direction, double end, Rng& rng, Weights& shares) const;
 
   const Solid& solid_;
   const CoefficientGrid& grid_;

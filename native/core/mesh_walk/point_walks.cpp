@@ -58,16 +58,16 @@ std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& po
   return sum_by_point(points, ExitResult{}, pool, run);
 }
 
-std::vector<LitResult> walk_to_lights(const MeshWalk& walk, const WalkPoints& points,
-                                      const std::vector<DistantLight>& lights, ThreadPool& pool) {
+std::vector<LitResult> walk_to_lights(const MeshWalk& walk, const WalkPoints& points, const std::vector<Lamp>& lamps,
+                                      const Surroundings& surroundings, ThreadPool& pool) {
   const auto run = [&](const MeshWalk::Start& start, LitResult& result, const auto& each) {
-    LitTally tally(walk, lights, result.light, result.counts);
+    LitTally tally(walk, lamps, surroundings, result.light, result.counts);
     each([&](Rng& rng) {
       walk.run(start, rng, tally, result.counts);
       tally.finish();
     });
   };
-  return sum_by_point(points, LitResult{LitSums(lights.size()), {}}, pool, run);
+  return sum_by_point(points, LitResult{LitSums(lamps.size()), {}}, pool, run);
 }
 
 }  // namespace lamina

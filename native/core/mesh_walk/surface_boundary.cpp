@@ -52,7 +52,8 @@ struct SmoothMeeting {
 
 }  // namespace
 
-SurfaceBoundary::SurfaceBoundary(double ior, const Facets* facets) : kind_(Kind::kMatched), ior_(ior) {
+SurfaceBoundary::SurfaceBoundary(double ior, const Facets* facets)
+    : kind_(Kind::kMatched), ior_(ior), alpha_(facets == nullptr ? 0.0 : facets->alpha) {
   if (ior != 1.0) {
     kind_ = facets == nullptr ? Kind::kSmooth : Kind::kRough;
   }
@@ -87,6 +88,19 @@ SurfaceBoundary::Outcome SurfaceBoundary::enter(const Ray& in, const Ray& normal
   const SmoothMeeting meeting(in, normal, std::clamp(in.dot(normal), -1.0, 0.0), 1.0, ior_);
   return {meeting.refracted, 1.0 - meeting.reflected};
 }
+
+SurfaceBoundary::Outcome SurfaceBoundary::leaving(const Ray& in, const Ray& normal) const {
+  const double along = std::clamp(in.dot(normal), -1.0, 1.0);
+  const bool inside = along > 0.0;
+  const SmoothMeeting meeting(in, normal, along, inside ? ior_ : 1.0, inside ? 1.0 : ior_);
+  if (inside) {
+    return {meeting.refracted, 1.0 - meeting.reflected};
+  }
+  return {normalised({in.x - 2.0 * along * normal.x, in.y - 2.0 * along * normal.y, in.z - 2.0 * along * normal.z}),
+          meeting.reflected};
+}
+
+double SurfaceBoundary::blur() const { return alpha_ * std::abs(1.0 - 1.0 / ior_); }
 
 double SurfaceBoundary::leaving(const Ray& in, const Ray& out, const Ray& normal) const {
   const NormalFrame frame(normal);

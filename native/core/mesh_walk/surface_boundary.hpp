@@ -28,13 +28,23 @@ class SurfaceBoundary {
   /// Refracts light from outside; the weight is the transmitted share. Not for rough boundaries.
   Outcome enter(const Ray& in, const Ray& normal) const;
 
-  /// For a rough boundary: the share of the power of light along `in`, from inside, that leaves along `out`, outside,
-  /// per solid angle.
+  /// For a rough boundary: the share of the power of light along `in`, from either side, that leaves along `out`,
+  /// outside, per solid angle.
   double leaving(const Ray& in, const Ray& out, const Ray& normal) const;
+
+  /// For a smooth boundary: the direction outside to which light along `in`, from either side, is refracted or
+  /// reflected, and its share of the power.
+  Outcome leaving(const Ray& in, const Ray& normal) const;
+
+  /// The direction of travel inside of light from `towards`, outside, refracted by a smooth face with this normal.
+  Ray inside(const Ray& towards, const Ray& normal) const { return enter(-towards, normal).direction; }
+  /// About the angle in radians inside by which the refraction of one direction varies over the facets.
+  double blur() const;
 
  private:
   Kind kind_;
   double ior_;
+  double alpha_;
   std::shared_ptr<const FacetScatter> rough_;
 };
 

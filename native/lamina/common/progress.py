@@ -38,3 +38,11 @@ def portions(step: Progress, shares: dict[str, float]) -> dict[str, Progress]:
         parts[name] = portion(step, min(done / total, 1.0), min((done + share) / total, 1.0))
         done += share
     return parts
+
+
+def time_left(seconds: float) -> str:
+    """An estimate of remaining time in words, such as "about 3 minutes left"."""
+    for unit, size in (("hour", 3600.0), ("minute", 60.0)):
+        if seconds >= 1.5 * size:
+            return f"about {round(seconds / size)} {unit}s left"
+    return f"about {max(1, round(seconds))} seconds left" if seconds >= 1.5 else "about 1 second left"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..walks.searchlight_moments import Measured
-from .lamps import Lamp
+from .lamps import AnyLamp
 
 COUNTS = ("mirrored", "lost", "scatterings", "collisions", "rays")
 # Index of the product v_i v_j, i <= j, for v = (w, w r, w r^2).
@@ -48,13 +48,13 @@ class ExitEstimate:
 
 @dataclass(frozen=True)
 class LightEstimate:
-    """The radiance that leaves a solid at each of n points after transport inside. `lamps`: for each lamp of irradiance
-    1, shape (n, lamps, 3). `sky`: for a sky of radiance 1, shape (n, 3). Both have `value` and `stderr`. The boundary's
-    reflection at the point is not included."""
+    """The radiance that leaves a solid at each of n points after transport inside. `lamps`: for each lamp of unit
+    strength, shape (n, lamps, 3). `sky`: for the surroundings, by default of radiance 1, shape (n, 3). Both have
+    `value` and `stderr`. The boundary's reflection at the point is not included."""
 
     lamps: Measured
     sky: Measured
-    lamps_used: tuple[Lamp, ...]
+    lamps_used: tuple[AnyLamp, ...]
     count: WalkCount
 
 
@@ -65,7 +65,7 @@ def exit_estimate(moments, products, counts, samples: int, seconds: float) -> Ex
                         _ratio(moments, products, 2, samples), walk_count(counts, samples, seconds))
 
 
-def light_estimate(sums, squares, counts, samples: int, lamps: tuple[Lamp, ...], seconds: float) -> LightEstimate:
+def light_estimate(sums, squares, counts, samples: int, lamps: tuple[AnyLamp, ...], seconds: float) -> LightEstimate:
     """The estimate from sums and sums of squares [point, source, channel]. Sources: the lamps, then the sky."""
     found = _mean(sums, squares, samples)
     return LightEstimate(Measured(found.value[:, :-1], found.stderr[:, :-1]),

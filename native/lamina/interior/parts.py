@@ -17,12 +17,12 @@ from ..common.errors import ShardError, clipped, quoted
 from ..common.progress import Progress
 from ..walks.shard_parts import checked_shard
 from .estimates import COUNTS, ExitEstimate, LightEstimate, exit_estimate, light_estimate
-from .lamps import Lamp
-from .walk import Surface, Walker, checked_lamps, start
+from .lamps import AnyLamp, Surroundings, from_json, to_json
+from .walk import Lit, Surface, Walker, checked_lit, start
 
 FORMAT, SCHEMA = "lamina-walks", 1
 _ARRAYS = {"exits": ("moments", "products", "counts"), "light": ("sums", "squares", "counts")}
-_JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "samples", "seed")
+_JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "surroundings", "samples", "seed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,33 +83,37 @@ def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, su
     Method: delta tracking with a majorant for each brick of voxels (Woodcock et al. 1965); walks serve all channels
     only where the channels have equal extinctions; unlimited path length. Faces are flat: interpolated normals are
     used only at the start of a walk."""
-    return _whole("exits", solid, interior, points, normals, directions, surface, (), samples, seed, threads, progress,
-                  cancel)
-
-
-def light_in_mesh(solid, interior, lamps: Sequence[Lamp] = (), points=None, normals=None, directions=None,
-                  surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
-                  progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> LightEstimate:
-    """The radiance that leaves a closed mesh at points of its surface after transport inside, under distant lamps and a
-    uniform sky. The mesh casts shadows on itself, and light that leaves may enter again elsewhere.
-
-    `lamps`: a list of lamina.Lamp. Behind a smooth boundary with an index other than 1, each lamp must have an angle of
-    at least 1 degree, and noise grows as the angle shrinks. A rough boundary uses the middle of a lamp's disc. Without
-    `directions` the radiance is the cosine-weighted mean over directions. Other arguments and errors are those of
-    walk_in_mesh."""
-    return _whole("light", solid, interior, points, normals, directions, surface, lamps, samples, seed, threads,
+    return _whole("exits", solid, interior, points, normals, directions, surface, (), None, samples, seed, threads,
                   progress, cancel)
 
 
-def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[Lamp] | None = None, points=None, normals=None,
-              directions=None, surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
-              progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> WalkPart:
+def light_in_mesh(solid, interior, lamps: Sequence[AnyLamp] = (), points=None, normals=None, directions=None,
+                  surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
+                  progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
+                  surroundings: Surroundings | None = None) -> LightEstimate:
+    """The radiance that leaves a closed mesh at points of its surface after transport inside, under lamps and the
+    surroundings. The mesh casts shadows on itself, and light that leaves may enter again elsewhere. Lamps cast no
+    shadows.
+
+    `lamps`: a list of lamina.Lamp, PointLamp, SpotLamp and AreaLamp. Behind a smooth boundary with an index other than
+    1, each Lamp must have an angle of at least 1 degree and other lamps a radius, and noise grows as lamps shrink.
+    `surroundings`: a lamina.Surroundings; by default a sky of radiance 1 from all directions. Without `directions` the
+    radiance is the cosine-weighted mean over directions. Other arguments and errors are those of
+    walk_in_mesh."""
+    return _whole("light", solid, interior, points, normals, directions, surface, lamps, surroundings, samples, seed,
+                  threads, progress, cancel)
+
+
+def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[AnyLamp] | None = None, points=None,
+              normals=None, directions=None, surface: Surface | None = None, samples: int = 256, seed: int = 0,
+              threads: int = 0, progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
+              surroundings: Surroundings | None = None) -> WalkPart:
     """Part i of n of a run; `shard` = (i, n), i from 1. Without `lamps` this is a part of walk_in_mesh, with `lamps` (a
     list, which may be empty) of light_in_mesh. Merged parts give the same bytes as one run. Raises the same errors."""
     shard = checked_shard(shard)
     kind = "exits" if lamps is None else "light"
-    walker, used, step, _ = _started(kind, solid, interior, points, normals, directions, surface, lamps or (), samples,
-                                     seed, threads, progress, cancel)
+    walker, used, step, _ = _started(kind, solid, interior, points, normals, directions, surface, lamps or (),
+                                     surroundings, samples, seed, threads, progress, cancel)
     return part_of(job_of(kind, walker, used), shard, walker, used, step)
 
 
@@ -142,38 +146,39 @@ def points_of(shard: tuple[int, int], count: int) -> range:
     return range((number - 1) * count // parts, number * count // parts)
 
 
-def job_of(kind: str, walker: Walker, lamps: tuple[Lamp, ...]) -> dict:
+def job_of(kind: str, walker: Walker, lit: Lit) -> dict:
     """The description of a run of this `kind`, "exits" or "light"."""
     return {"kind": kind, "solid": walker.solid_hash, "interior": walker.interior.hash, "points": _points_hash(walker),
             "surface": [walker.surface.ior, walker.surface.alpha, walker.surface.distribution],
-            "lamps": [[*lamp.towards, lamp.angle] for lamp in lamps], "samples": walker.samples, "seed": walker.seed,
-            "count": len(walker.positions)}
+            "lamps": [to_json(lamp) for lamp in lit.lamps],
+            "surroundings": None if lit.surroundings is None else lit.surroundings.hash,
+            "samples": walker.samples, "seed": walker.seed, "count": len(walker.positions)}
 
 
-def part_of(job: dict, shard: tuple[int, int], walker: Walker, lamps: tuple[Lamp, ...], step: Progress) -> WalkPart:
+def part_of(job: dict, shard: tuple[int, int], walker: Walker, lit: Lit, step: Progress) -> WalkPart:
     """Part `shard` of the run of a walker, whose description is `job`."""
     points = points_of(shard, len(walker.positions))
     if job["kind"] == "light":
-        arrays = walker.lights(lamps, points.start, points.stop, step)
+        arrays = walker.lights(lit, points.start, points.stop, step)
     else:
         arrays = walker.exits(points.start, points.stop, step)
     return WalkPart(job, shard, tuple(arrays))
 
 
 def _whole(kind, *given):
-    walker, lamps, step, seconds = _started(kind, *given)
-    part = part_of(job_of(kind, walker, lamps), (1, 1), walker, lamps, step)
+    walker, lit, step, seconds = _started(kind, *given)
+    part = part_of(job_of(kind, walker, lit), (1, 1), walker, lit, step)
     step(1.0, "Done")
     return _summary(part.job, list(part.arrays), seconds())
 
 
-def _started(kind, solid, interior, points, normals, directions, surface, lamps, samples, seed, threads, progress,
-             cancel):
-    """(walker, lamps, step, a function that returns the elapsed seconds)."""
+def _started(kind, solid, interior, points, normals, directions, surface, lamps, surroundings, samples, seed, threads,
+             progress, cancel):
+    """(walker, Lit, step, a function that returns the elapsed seconds)."""
     surface = Surface() if surface is None else surface
 
     def checked():
-        return checked_lamps(lamps, surface) if kind == "light" else ()
+        return checked_lit(lamps, surroundings, surface) if kind == "light" else Lit()
 
     return start(solid, interior, surface, points, normals, directions, samples, seed, threads, progress, cancel,
                  checked)
@@ -190,7 +195,7 @@ def _summary(job: dict, arrays: list[np.ndarray], seconds: float) -> ExitEstimat
     first, second, counts = arrays
     if job["kind"] == "exits":
         return exit_estimate(first, second, counts, job["samples"], seconds)
-    lamps = tuple(Lamp(one[:3], one[3]) for one in job["lamps"])
+    lamps = tuple(from_json(one) for one in job["lamps"])
     return light_estimate(first, second, counts, job["samples"], lamps, seconds)
 
 

@@ -19,7 +19,7 @@ from ..kinds.boundaries import ALPHA, DISTRIBUTION, IOR
 from ..settling import embree
 from ..settling.mesh import Mesh, checked_mesh, vertex_points
 from .grid import Interior
-from .lamps import LEAST_DISC, Lamp
+from .lamps import KINDS, AnyLamp, Surroundings
 from .solid import Solid, closed
 
 MOST_SAMPLES = 1 << 32
@@ -44,6 +44,14 @@ class Surface:
     @property
     def is_smooth(self) -> bool:
         return self.alpha == 0.0 and self.ior != 1.0
+
+
+@dataclass(frozen=True)
+class Lit:
+    """The sources of light: lamps, and the surroundings; None: radiance 1 from all directions."""
+
+    lamps: tuple[AnyLamp, ...] = ()
+    surroundings: Surroundings | None = None
 
 
 class Walker:
@@ -105,10 +113,11 @@ class Walker:
         """Tally exits: [moments, products, counts] of points [first, last)."""
         return self._each(self._layer.walk_to_exits, first, last, step)
 
-    def lights(self, lamps: Sequence[Lamp], first: int, last: int, step: Progress) -> list[np.ndarray]:
-        """Tally light of lamps and sky: [sums, squares, counts] of points [first, last)."""
-        given = [(lamp.towards, math.cos(lamp.angle)) for lamp in lamps]
-        return self._each(self._layer.walk_to_lights, first, last, step, given)
+    def lights(self, lit: Lit, first: int, last: int, step: Progress) -> list[np.ndarray]:
+        """Tally light of lamps and surroundings: [sums, squares, counts] of points [first, last)."""
+        lamps = [lamp.in_core(self._layer, self._centre) for lamp in lit.lamps]
+        around = () if lit.surroundings is None else (lit.surroundings.radiance,)
+        return self._each(self._layer.walk_to_lights, first, last, step, lamps, self._layer.Surroundings(*around))
 
     def _each(self, call, first: int, last: int, step: Progress, *more) -> list[np.ndarray]:
         self._require_on_surface(first, last)
@@ -165,15 +174,16 @@ def start(solid, interior, surface, points, normals, directions, samples, seed, 
     return walker, found, portion(step, 0.1, 1.0), lambda: time.perf_counter() - began
 
 
-def checked_lamps(lamps, surface: Surface) -> tuple[Lamp, ...]:
-    """Check lamps and return them as a tuple. Raises ArgumentError."""
-    if isinstance(lamps, Lamp) or not isinstance(lamps, Sequence) or not all(isinstance(one, Lamp) for one in lamps):
-        raise ArgumentError(f"lamps = {quoted(lamps)}: must be a list of lamina.Lamp")
+def checked_lit(lamps, surroundings, surface: Surface) -> Lit:
+    """Check lamps and surroundings. Raises ArgumentError."""
+    kinds = tuple(KINDS.values())
+    if not isinstance(lamps, Sequence) or not all(isinstance(one, kinds) for one in lamps):
+        names = ", ".join(f"lamina.{kind.__name__}" for kind in kinds)
+        raise ArgumentError(f"lamps = {quoted(lamps)}: must be a list of {names}")
     for number, lamp in enumerate(lamps):
-        if surface.is_smooth and lamp.angle < LEAST_DISC:
-            raise ArgumentError(f"lamps[{number}].angle = {lamp.angle:g}: must be at least {LEAST_DISC:.3g} behind a "
-                                "smooth boundary, or alpha above 0")
-    return tuple(lamps)
+        if surface.is_smooth and lamp.too_small:
+            raise ArgumentError(f"lamps[{number}].{lamp.too_small} behind a smooth boundary, or alpha above 0")
+    return Lit(tuple(lamps), None if surroundings is None else _checked(surroundings, Surroundings, "surroundings"))
 
 
 def _checked(value, kind: type, name: str):

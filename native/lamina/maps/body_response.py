@@ -16,7 +16,7 @@ from ..common.progress import Progress, portion
 from ..interior.end_material import CHANNELS, EndMaterial
 from ..interior.grid import Interior
 from ..interior.parts import job_of, merge_walks, part_of
-from ..interior.walk import Walker
+from ..interior.walk import Lit, Walker
 from ..kinds.interiors import MOST_COEFFICIENT
 from ..subsurface.entry_cosines import mean_entry_cosines
 from ..subsurface.node_parameters import LEAST_IOR
@@ -107,7 +107,9 @@ def _seen(medium: Medium, walker: Walker, curves: Curves, g: float, step: Progre
     single = np.interp(medium.u, CURVE, curves.single)
     material = EndMaterial(tuple(single / medium.path), tuple((1.0 - single) / medium.path), g)
     bare = walker.with_matched(Interior.uniform(material))
-    part = part_of(job_of("exits", bare, ()), (1, 1), bare, (), lambda fraction, _: step(fraction, "Shape of the body"))
+    dark = Lit()
+    part = part_of(job_of("exits", bare, dark), (1, 1), bare, dark,
+                   lambda fraction, _: step(fraction, "Shape of the body"))
     found = merge_walks([part])
     flat = medium.path / (1.0 - g * single) * np.interp(medium.u, CURVE, curves.full_distance)
     farther = np.nan_to_num(found.mean_distance.value, nan=1.0) / flat  # type: ignore[union-attr]  # of this kind

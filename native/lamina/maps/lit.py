@@ -14,19 +14,20 @@ from ..common.arguments import check_whole
 from ..common.progress import Progress
 from ..interior.estimates import LightEstimate
 from ..interior.grid import Interior
-from ..interior.lamps import Lamp
+from ..interior.lamps import AnyLamp, Surroundings
 from ..interior.solid import Solid
 from ..interior.walk import Surface
 from .map_walk import MapJob, walk_map
 from .noise import noise_of
+from .smoothing import smoothed
 
 MOST_MARGIN = 64
 
 
 @dataclass(frozen=True, eq=False)
 class LitImages:
-    """Radiance after transport inside, float32. `lamps`: for each lamp of irradiance 1, shape (lamps, height, width, 3)
-    or (lamps, vertices, 3); `sky`: for a sky of radiance 1, shape (height, width, 3) or (vertices, 3). Images have
+    """Radiance after transport inside, float32. `lamps`: for each lamp of unit strength, shape (lamps, height, width,
+    3) or (lamps, vertices, 3); `sky`: for the surroundings, shape (height, width, 3) or (vertices, 3). Images have
     their rows from the bottom, as in Blender. The picture under lamps of other strengths is the sum of these arrays,
     each times its strength and colour. The boundary's reflection is not included.
 
@@ -49,23 +50,27 @@ class LitImages:
                 f"standard error {100.0 * self.noise:.2g} %.")
 
 
-def lit_images(solid: Solid, interior: Interior, lamps: Sequence[Lamp] = (), uvs=None, size=None,
+def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), uvs=None, size=None,
                surface: Surface | None = None, view=None, eye=None, noise: float = 0.02, samples: int | None = None,
                seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None, threads: int = 0,
-               progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> LitImages:
+               progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
+               surroundings: Surroundings | None = None) -> LitImages:
     """The light that leaves an interior at each texel of a UV map, or at each vertex, under each of the `lamps` and
-    under a uniform sky.
+    under the `surroundings`, by default a sky of radiance 1 from all directions.
 
     `view`: direction to the eye, (3,), or `eye`: its position in mm, (3,); points that face away are black. By default
-    the light is the cosine-weighted mean over directions. Other arguments and errors are those of
-    relightable_images; `noise` concerns the worst lamp or the sky. Lamps are those of light_in_mesh."""
+    the light is the cosine-weighted mean over directions. The images have less noise than the estimates, see
+    lamina.maps.smoothing. Other arguments and errors are those of relightable_images; `noise` is that of the estimates
+    and concerns the worst lamp or the sky. Lamps are those of light_in_mesh."""
     check_whole(margin, "margin", 0, MOST_MARGIN)
     job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel)
-    walked = walk_map(job, "light", lamps, view, eye)
+    walked = walk_map(job, "light", lamps, surroundings, view, eye)
     walked.step(1.0, "Done")
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
-    images = [walked.places.filled(found.lamps.value[:, k], margin) for k in range(len(found.lamps_used))]
-    sky = walked.places.filled(found.sky.value, margin)
+    interior = walked.walker.interior
+    lit = np.maximum(smoothed(walked.places, interior, found.lamps), 0.0)
+    images = [walked.places.filled(lit[:, k], margin) for k in range(len(found.lamps_used))]
+    sky = walked.places.filled(np.maximum(smoothed(walked.places, interior, found.sky), 0.0), margin)
     stacked = np.stack(images) if images else np.zeros((0, *sky.shape), np.float32)
     return LitImages(stacked, sky, walked.places.mask, found, noise_of(found), time.perf_counter() - walked.began,
                      walked.places.notes)

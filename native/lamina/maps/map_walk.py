@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,10 +15,9 @@ from ..common.errors import ArgumentError
 from ..common.progress import Progress, portion, stepper
 from ..interior.estimates import ExitEstimate, LightEstimate
 from ..interior.grid import Interior
-from ..interior.lamps import Lamp
 from ..interior.parts import job_of, merge_walks, part_of
 from ..interior.solid import Solid
-from ..interior.walk import MOST_SAMPLES, Surface, Walker, checked_lamps
+from ..interior.walk import MOST_SAMPLES, Lit, Surface, Walker, checked_lit
 from ..kinds.interiors import NOISE
 from .noise import samples_for
 from .part_folder import PartFolder
@@ -57,9 +56,10 @@ class MapJob:
     cancel: Callable[[], bool] | None
 
 
-def walk_map(job: MapJob, kind: str, lamps: Sequence[Lamp] = (), view=None, eye=None, share: float = 1.0) -> MapWalk:
-    """Estimates of this `kind`, "exits" or "light". `view`, `eye`: see lit_images. `share`: of the progress, the rest
-    is for further work. Raises ArgumentError, InteriorError, ShardError, OSError, Cancelled, DustUnavailable."""
+def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye=None, share: float = 1.0) -> MapWalk:
+    """Estimates of this `kind`, "exits" or "light". `lamps`, `surroundings`, `view`, `eye`: see lit_images. `share`: of
+    the progress, the rest is for further work. Raises ArgumentError, InteriorError, ShardError, OSError, Cancelled,
+    DustUnavailable."""
     began = time.perf_counter()
     whole = stepper("the map", job.progress, job.cancel)
     step = portion(whole, 0.0, share)
@@ -69,7 +69,7 @@ def walk_map(job: MapJob, kind: str, lamps: Sequence[Lamp] = (), view=None, eye=
     surface = Surface() if job.surface is None else job.surface
     if not isinstance(surface, Surface):
         raise ArgumentError(f"surface = {type(surface).__name__}: must be a lamina.Surface")
-    used = checked_lamps(lamps, surface)
+    used = checked_lit(lamps, surroundings, surface) if kind == "light" else Lit()
     places = places_of(job.solid, job.uvs, job.size, job.normals)
     points = places.points
     walker = Walker(job.solid, job.interior, surface, points.positions, points.normals,

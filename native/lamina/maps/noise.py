@@ -9,9 +9,8 @@ import numpy as np
 
 from ..common.progress import Progress
 from ..interior.estimates import ExitEstimate, LightEstimate
-from ..interior.lamps import Lamp
 from ..interior.parts import job_of, merge_walks, part_of
-from ..interior.walk import Walker
+from ..interior.walk import Lit, Walker
 from ..walks.searchlight_moments import Measured
 
 TRIAL_POINTS, TRIAL_SAMPLES = 512, 24
@@ -19,12 +18,12 @@ LEAST_SAMPLES, MOST_SAMPLES = 16, 1 << 20
 OTHER_SEED = 0x9E3779B97F4A7C15  # the trial must not share random numbers with the run
 
 
-def samples_for(noise: float, kind: str, walker: Walker, lamps: tuple[Lamp, ...], step: Progress) -> int:
+def samples_for(noise: float, kind: str, walker: Walker, lit: Lit, step: Progress) -> int:
     """Walks per point, 16 to 2^20, for which `noise_of` the run is about `noise`; from a trial at up to 512 points."""
     count = len(walker.positions)
     chosen = np.unique(np.linspace(0, count - 1, min(count, TRIAL_POINTS)).astype(int))
     trial = walker.with_points(chosen, TRIAL_SAMPLES, (walker.seed ^ OTHER_SEED) % 2**64)
-    part = part_of(job_of(kind, trial, lamps), (1, 1), trial, lamps, lambda fraction, _: step(fraction, "Noise"))
+    part = part_of(job_of(kind, trial, lit), (1, 1), trial, lit, lambda fraction, _: step(fraction, "Noise"))
     found = noise_of(merge_walks([part]))
     return int(min(max(LEAST_SAMPLES, math.ceil(TRIAL_SAMPLES * (found / noise) ** 2)), MOST_SAMPLES))
 

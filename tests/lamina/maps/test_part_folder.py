@@ -68,7 +68,7 @@ def test_cancelled_run_continues(tmp_path, whole):
     said = []
     with pytest.raises(lamina.Cancelled):
         lamina.relightable_images(SOLID, DARK, folder=tmp_path, progress=lambda _, text: said.append(text),
-                                  cancel=lambda: said[-1:] == ["Part 3 of 6"], **HOW)
+                                  cancel=lambda: said and said[-1].startswith("Part 3 of 6"), **HOW)
     assert len(list(tmp_path.glob("part-*.npz"))) == 2
     assert bytes_of(lamina.relightable_images(SOLID, DARK, folder=tmp_path, **HOW)) == bytes_of(whole)
 
