@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Makes the pictures of docs/artists.md again, in a Blender window on a virtual screen:
 #     tools/screenshots.sh [ZIP]
-# ZIP: the extension, by default dist/lamina-[0-9]*.zip. BLENDER names the executable, by default `blender`: 4.3 or newer, with
-# the Python of a wheel in ZIP. Needs Xvfb and Mesa: `apt-get install xvfb xauth libgl1-mesa-dri libegl1`.
+# ZIP: the extension, by default the newest dist/lamina-[0-9]*.zip. BLENDER names the executable, by default `blender`:
+# 4.3 or newer, with the Python of a wheel in ZIP. Needs Xvfb and Mesa:
+#     apt-get install xvfb xauth libgl1-mesa-dri libegl1
 # The user's own Blender configuration is neither read nor written.
 set -eu
 
