@@ -44,15 +44,21 @@ def story():
     yield from still()
     save(OUT / "artists-install.png", beside(trimmed(cut(from_disk, view)), trimmed(picture(view))))
 
-    show(panel, "layers", "base", "bake")
+    show(panel)
     view.type = "VIEW_3D"
     panel.spaces.active.context = "MATERIAL"
+    bpy.context.window_manager.lamina_picker.category = "Dust and weathering"
+    bpy.context.window_manager.lamina_picker.preset = "dusty-lacquer"
+    yield from still()
+    save(OUT / "artists-start.png", trimmed(picture(window)))
+
+    show(panel, "layers", "base", "bake")
     material = bpy.data.materials["Material"]
     material.lamina.quality = "preview"
     after, before = yield from screen.menu(view, "LAMINA_MT_presets", 20, 390, 40)
     save(OUT / "artists-presets.png", screen.changed(before, after))
     with on(panel):
-        bpy.ops.lamina.preset_apply(preset="dusty-bronze")
+        bpy.ops.lamina.preset_apply(preset="dusty-lacquer")
     yield from still()
     save(OUT / "artists-layers.png", trimmed(picture(window)))
 
@@ -71,7 +77,7 @@ def story():
     show(panel, "layers", "bake", "result")
     view.spaces.active.shading.type = "RENDERED"
     material.lamina.live = True
-    material.lamina.layers[0].colour = (0.62, 0.42, 0.28)
+    material.lamina.layers[0].colour = (0.62, 0.50, 0.36)
     while bake_job.state(material) != "fresh":
         yield DRAWING
     yield from still(RENDERED)
@@ -93,7 +99,7 @@ def story():
         bpy.context.object.data.materials.append(material)
     yield from still()
     with on(panel):
-        bpy.ops.lamina.thickness_wire(source="ATTRIBUTE")
+        bpy.ops.lamina.thickness_wire(source="VALUE")
         bpy.ops.lamina.dust_settle()
     yield from still(RENDERED)
     save(OUT / "artists-dust.jpg", beside(picture(view), trimmed(picture(window))))
