@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`blender -b FILE.blend --command lamina bake|list ...`: the batch for scripts and farms.
+"""`blender -b FILE.blend --command lamina bake|interior|list ...`: the batch for scripts and farms.
 
-Prints one line per material on standard output. Exit code: 0 if all went well, 1 if a material or the save
-failed, 2 for invalid arguments, 130 if interrupted. `main` can also be called from tests and bpy scripts.
+Prints one line per material or object on standard output. Exit code: 0 if all went well, 1 if one of them
+or the save failed, 2 for invalid arguments, 130 if interrupted. `main` can also be called from tests and bpy
+scripts.
 """
 
 import argparse
@@ -22,7 +23,7 @@ from ..base.messages import percent
 from ..editing import over_material, stack_io
 from ..kinds.limits import MOST_THREADS
 from ..properties import migration
-from . import blend_saving
+from . import blend_saving, interior_command
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 
@@ -50,7 +51,7 @@ def main(argv):
     if arguments.command == "list":
         return _list()
     try:
-        return _bake(arguments)
+        return _bake(arguments) if arguments.command == "bake" else _interior(arguments)
     except UsageError as error:
         return _complain(error, USAGE)
     except (native.NativeMissingError, blend_saving.SaveError) as error:
@@ -61,7 +62,7 @@ def main(argv):
 
 def _parser():
     parser = _Parser(prog="lamina", description="Bake the Lamina layers of materials.", allow_abbrev=False)
-    commands = parser.add_subparsers(dest="command", metavar="bake|list", required=True)
+    commands = parser.add_subparsers(dest="command", metavar="bake|interior|list", required=True)
     commands.add_parser("list", help="the materials that have layers, and whether their bake is up to date")
     bake = commands.add_parser("bake", help="bake materials", allow_abbrev=False)
     bake.add_argument(
@@ -80,9 +81,10 @@ def _parser():
         "--basis", choices=[key for key, *_ in preferences.CLOSURE_BASES], help="default: each material's own"
     )
     bake.add_argument("--threads", type=_threads, metavar="N", help="0 is all; default: the preferences'")
-    where = bake.add_mutually_exclusive_group()
-    where.add_argument("--save", action="store_true", help="save the .blend over itself")
-    where.add_argument("--output", type=Path, metavar="FILE.blend", help="save to another .blend")
+    for command in (bake, interior_command.add(commands)):
+        where = command.add_mutually_exclusive_group()
+        where.add_argument("--save", action="store_true", help="save the .blend over itself")
+        where.add_argument("--output", type=Path, metavar="FILE.blend", help="save to another .blend")
     return parser
 
 
@@ -123,23 +125,39 @@ def _state(material):
 
 
 def _bake(arguments):
-    lamina = native.require()
+    native.require()
     target = _target(arguments)
     stack = _stack(arguments)
     materials = _selected(arguments.materials, with_stack=stack is None and not arguments.over)
-    failed = 0
+    return _each([(one, one) for one in materials], lambda one: _bake_one(one, stack, arguments), target)
+
+
+def _interior(arguments):
+    native.require()
+    target = _target(arguments)
+    try:
+        objects = interior_command.selected(arguments.objects)
+    except messages.RefusedError as error:
+        raise UsageError(str(error)) from None
+    pairs = [(one, one.active_material) for one in objects]
+    return _each(pairs, lambda one: interior_command.compute(one, arguments, _wait), target)
+
+
+def _each(pairs, make, target):
+    """Make each of the (item, its material), print one line for each, and save. Returns the exit code."""
+    lamina, failed = native.require(), 0
     with _Interruptible(), blend_saving.Saving(target) if target else nullcontext() as saving:
-        for material in materials:
+        for item, material in pairs:
             try:
-                print(f"{material.name}: {_bake_one(material, stack, arguments)}", flush=True)
+                print(f"{item.name}: {make(item)}", flush=True)
             except lamina.Cancelled:
                 raise KeyboardInterrupt from None
             except Exception as error:
                 failed += 1
-                print(f"{material.name}: failed: {messages.sentence(error, material)}", flush=True)
+                print(f"{item.name}: failed: {messages.sentence(error, material)}", flush=True)
         if target is not None:
             saving.save()
-        elif materials:
+        elif pairs:
             print("lamina: nothing was saved (give --save or --output FILE.blend)", file=sys.stderr)
     return FAILED if failed else OK
 

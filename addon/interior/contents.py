@@ -54,6 +54,18 @@ def of_material(obj, material, body):
     return Contents(fill, surface, identity)
 
 
+def too_coarse(context, obj, settings):
+    """A sentence if the voxels of a marble are wider than its veins, or ''."""
+    side = max(obj.dimensions) * context.scene.unit_settings.scale_length * 1000.0
+    voxel, vein = side / settings.resolution, settings.width * settings.spacing
+    if settings.source != "MARBLE" or voxel <= vein:
+        return ""
+    return (
+        f"The object is {side:.3g} mm large, so voxels are {voxel:.2g} mm wide and veins {vein:.2g} mm: "
+        "scale the object down, or raise Spacing and Feature Size"
+    )
+
+
 def _numbers(owner, fields):
     """{name: value} of the fields that the panel shows."""
     return {field.name: quantity(owner, field) for field in fields if field.panel is not None}

@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Boundary', 'Fall', 'Grid', 'Options', 'Scene', 'Solid', 'corner_points', 'texels', 'walk_to_exits', 'walk_to_lights']
+__all__: list[str] = ['Boundary', 'Fall', 'Grid', 'Lamp', 'Options', 'Scene', 'Solid', 'Surroundings', 'corner_points', 'texels', 'walk_to_exits', 'walk_to_lights']
 class Fall:
     """
     How grains fall: orthonormal directions, and the wind relative to the speed of the fall.
@@ -75,6 +75,32 @@ class Boundary:
     """
     def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex, distribution: str) -> None:
         ...
+class Lamp:
+    """
+    A lamp of unit strength, lengths in mm.
+    """
+    @staticmethod
+    def area(centre: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], first: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], second: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], ellipse: bool) -> Lamp:
+        ...
+    @staticmethod
+    def distant(towards: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], cosine: typing.SupportsFloat | typing.SupportsIndex) -> Lamp:
+        ...
+    @staticmethod
+    def sphere(centre: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex) -> Lamp:
+        ...
+    @staticmethod
+    def spot(centre: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, axis: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], cosine: typing.SupportsFloat | typing.SupportsIndex, blend: typing.SupportsFloat | typing.SupportsIndex) -> Lamp:
+        ...
+class Surroundings:
+    """
+    Radiance by direction; without a table, 1 everywhere.
+    """
+    @typing.overload
+    def __init__(self) -> None:
+        ...
+    @typing.overload
+    def __init__(self, table: numpy.typing.NDArray[numpy.float32]) -> None:
+        ...
 def corner_points(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], cosine: typing.SupportsFloat | typing.SupportsIndex, vertices: typing.SupportsInt | typing.SupportsIndex) -> tuple:
     """
     (point of each corner, vertex of each point, first corner of each point). The corners at a vertex share a point across edges where the cosine between the triangles' normals, or with three normals per triangle between the corners' own normals, is at least `cosine`.
@@ -87,7 +113,7 @@ def walk_to_exits(solid: Solid, grid: Grid, boundary: Boundary, positions: typin
     """
     (moments [point, channel, (w, w r, w r^2)], products [point, channel, 6], counts [point, (mirrored, lost, scatterings, collisions, rays)]).
     """
-def walk_to_lights(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, first_walk: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, lamps: collections.abc.Sequence[tuple[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.SupportsFloat | typing.SupportsIndex]]) -> tuple:
+def walk_to_lights(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, first_walk: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, lamps: collections.abc.Sequence[Lamp], surroundings: Surroundings) -> tuple:
     """
-    (sums [point, lamp or last the sky, channel], squares, counts); lamps are (direction, cosine of the disc's angular radius).
+    (sums [point, lamp or last the surroundings, channel], squares, counts).
     """

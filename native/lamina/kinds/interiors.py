@@ -60,10 +60,10 @@ VOXELS = Field("voxels", 1, 1024, whole=True, panel=Panel(
 BODY = (IOR, ROUGHNESS, VOXELS)
 
 SIZE = Field("size", 1, MOST_TEXELS, whole=True, panel=Panel(
-    "Size", "Width and height of the images in texels", 256, low=4, high=8192))
+    "Size", "Width and height of the images in texels", 128, low=4, high=8192))
 NOISE = Field("noise", 0.0, 1.0, above=True, panel=Panel(
-    "Noise", "Standard error of a texel, in percent of the mean; half the noise takes four times as long", 0.03,
-    low=1e-4, soft_low=0.005, soft_high=0.2, precision=1, subtype="PERCENTAGE", percent=True))
+    "Noise", "Standard error of a texel in percent of the mean, before smoothing. Half the noise takes four times as "
+    "long", 0.08, low=1e-4, soft_low=0.005, soft_high=0.2, precision=1, subtype="PERCENTAGE", percent=True))
 MAPS = (SIZE, NOISE)
 
 

@@ -159,7 +159,7 @@ def test_saving(run, materials, tmp_path):
 
 
 BAD = {
-    "no command": ([], "bake|list"),
+    "no command": ([], "bake|interior|list"),
     "unknown command": (["cook"], "invalid choice"),
     "unknown option": (["bake", "--fast"], "--fast"),
     "unknown quality": (["bake", "--quality", "best"], "'best'"),

@@ -229,6 +229,11 @@ def test_panel(addon, ball):
     assert "View" in said["NODES", "LIT"] and "View" not in said["LAYERS", "RELIGHTABLE"]
     assert all("Ball has no UV map: Lamina unwraps it" in lines and "Compute Interior" in lines
                for lines in said.values())  # fmt: skip
+    coarse = "The object is 20 mm large, so voxels are 1.2 mm wide and veins 0.25 mm"
+    assert not any("voxels are" in line for lines in said.values() for line in lines)
+    material.lamina.interior.source, material.lamina.interior.spacing = "MARBLE", 1.0
+    assert any(coarse in line for line in drawn(
+        lambda layout: interior_panel.LAMINA_PT_interior.draw(SimpleNamespace(layout=layout), context)))  # fmt: skip
     ball.data.uv_layers.new(name="Own")
     assert any("the map “Own” is used" in line for line in drawn(
         lambda layout: interior_panel.LAMINA_PT_interior.draw(SimpleNamespace(layout=layout), context)))  # fmt: skip

@@ -112,7 +112,7 @@ def test_what_fails_or_is_cancelled_leaves_nothing(sampling, textured, monkeypat
         sampling.sample_nodes(obj, material, LOW, HIGH, SHAPE, cancel=lambda: True)
     with pytest.raises(ZeroDivisionError):
         sampling.sample_nodes(obj, material, LOW, HIGH, SHAPE, progress=lambda f, text: told.append(1 / 0))
-    monkeypatch.setattr(sampling, "_settings", lambda *_: 1 / 0)
+    monkeypatch.setattr(sampling.float_render, "prepare", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         sampling.sample_nodes(obj, material, LOW, HIGH, SHAPE)
     assert counts() == before

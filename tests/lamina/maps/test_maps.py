@@ -50,7 +50,7 @@ def test_the_node_gets_the_medium_of_a_homogeneous_slab(thickness, g):
     solid, uvs = slab_with_uvs(thickness)
     sigma_s, sigma_a = np.array([1.8, 3.0, 0.9]), np.array([0.05, 0.3, 0.3])
     uniform = Interior.uniform(EndMaterial(sigma_s, sigma_a, g))
-    found = lamina.relightable_images(solid, uniform, uvs, 12, samples=1500, seed=7, version=(5, 2))
+    found = lamina.relightable_images(solid, uniform, uvs, 12, samples=1500, seed=6, version=(5, 2))
     colour, path = (image.reshape(-1, 3).astype(float) for image in (found.inputs.color, found.inputs.radius))
     single = albedo_of_colour(colour, g, (5, 2))
     scattered, absorbed = (single / path).mean(axis=0), ((1.0 - single) / path).mean(axis=0)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`--command lamina interior OBJECT ...`: the light inside objects, as the panel Interior computes it."""
+
+import fnmatch
+import time
+
+import bpy
+
+from ..base import messages
+from ..interior import interior_job
+
+KINDS = {"relightable": "RELIGHTABLE", "lit": "LIT"}
+
+
+def add(commands):
+    """Add the command's parser. Returns the parser."""
+    command = commands.add_parser("interior", help="compute the light inside objects", allow_abbrev=False)
+    command.add_argument("objects", nargs="+", metavar="OBJECT", help="names or patterns such as 'bust_*'")
+    command.add_argument("--kind", choices=list(KINDS), help="default: each material's own output")
+    command.add_argument("--size", type=int, metavar="N", help="texels; default: each material's own")
+    command.add_argument("--noise", type=float, metavar="PERCENT", help="default: each material's own")
+    return command
+
+
+def selected(names):
+    """The mesh objects that the names or patterns select, without duplicates. Raises RefusedError."""
+    chosen = []
+    for name in names:
+        meshes = [one for one in bpy.context.scene.objects if one.type == "MESH"]
+        exact = [one for one in meshes if one.name == name]
+        found = exact or [one for one in meshes if fnmatch.fnmatchcase(one.name, name)]
+        if not found:
+            raise messages.RefusedError(f"no mesh object of the scene matches {name!r}")
+        chosen += [one for one in found if one not in chosen]
+    return chosen
+
+
+def compute(obj, arguments, wait):
+    """The light inside one object, in a worker that `wait(job)` waits for. Returns the line to print.
+    Finished parts are kept: after an interruption the same command continues there."""
+    material, began = obj.active_material, time.perf_counter()
+    if material is None:
+        raise messages.RefusedError("has no material")
+    settings = material.lamina.interior
+    before = {name: getattr(settings, name) for name in ("output", "size", "noise")}
+    try:
+        _set(settings, "output", KINDS.get(arguments.kind))
+        _set(settings, "size", arguments.size)
+        _set(settings, "noise", arguments.noise)
+        job = interior_job.InteriorJob(interior_job.gather(bpy.context, obj, material))
+        wait(job)
+        job.finish()
+    except BaseException:
+        for name, value in before.items():
+            setattr(settings, name, value)
+        raise
+    return f"{settings.report} {time.perf_counter() - began:.1f} s"
+
+
+def _set(settings, name, value):
+    """Set a number or a choice, unless None. Raises RefusedError for a number out of the property's range."""
+    if value is None:
+        return
+    prop = settings.bl_rna.properties[name]
+    if prop.type != "ENUM" and not prop.hard_min <= value <= prop.hard_max:
+        span = f"[{prop.hard_min:g}, {prop.hard_max:g}]"
+        raise messages.RefusedError(f"--{name} {value:g}: must lie in {span}")
+    setattr(settings, name, value)

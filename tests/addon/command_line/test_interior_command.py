@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`--command lamina interior ...`: images, settings, parts after an interruption, and exit codes."""
+
+import bmesh
+import bpy
+import pytest
+
+
+@pytest.fixture
+def run(addon, lamina, capsys):
+    """run(*arguments) -> (exit code, lines of stdout, stderr)"""
+
+    def run(*arguments):
+        capsys.readouterr()
+        code = addon.command_line.command.main(["interior", *map(str, arguments)])
+        printed = capsys.readouterr()
+        lines = [line for line in printed.out.splitlines() if not line.startswith(("Info: ", "Saved "))]
+        return code, lines, printed.err
+
+    return run
+
+
+@pytest.fixture
+def ball(addon):
+    mesh, made = bpy.data.meshes.new("Ball"), bmesh.new()
+    bmesh.ops.create_icosphere(made, subdivisions=2, radius=0.01)
+    made.to_mesh(mesh)
+    made.free()
+    obj = bpy.data.objects.new("Ball", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    material = bpy.data.materials.new("Marble")
+    addon.nodes.node_tree.of(material)
+    mesh.materials.append(material)
+    settings = material.lamina.interior
+    settings.resolution, settings.size, settings.noise = 16, 64, 40.0
+    bpy.context.view_layer.update()
+    return obj
+
+
+def test_both_kinds_and_a_saved_file(run, ball, tmp_path):
+    target = tmp_path / "out.blend"
+    code, lines, _ = run("Ball", "--size", 12, "--output", target)
+    assert code == 0 and len(lines) == 1 and lines[0].startswith("Ball: Relightable: ") and target.is_file()
+    settings = ball.active_material.lamina.interior
+    assert settings.size == 12
+    code, lines, err = run("B*", "--kind", "lit", "--noise", 50)
+    assert code == 0 and lines[0].startswith("Ball: Lit: ") and "nothing was saved" in err
+    group = ball.active_material.lamina.lateral_group
+    assert [node.label for node in group.nodes if node.type == "TEX_IMAGE"] == ["World"]
+
+
+@pytest.mark.parametrize(("arguments", "code", "words"), [
+    (("Cube",), 2, "no mesh object of the scene matches 'Cube'"),
+    (("Ball", "--kind", "both"), 2, "invalid choice"),
+    ((), 2, "required"),
+    (("Ball", "--size", "1"), 1, "--size 1: must lie in [4, 8192]"),
+    (("Ball", "--noise", "0"), 1, "--noise 0: must lie in [0.01, 100]"),
+])  # fmt: skip
+def test_bad_arguments_are_one_sentence(run, ball, arguments, code, words):
+    """And neither the settings nor the nodes change."""
+    found, lines, err = run(*arguments)
+    assert found == code and words in (err if code == 2 else lines[0])
+    settings = ball.active_material.lamina.interior
+    assert (settings.size, settings.output) == (64, "RELIGHTABLE") and ball.active_material.lamina.lateral_group is None
+
+
+def test_an_interruption_keeps_parts(run, ball, addon, lamina, monkeypatch):
+    """The next call with the same settings continues after them."""
+    from bl_ext.user_default.lamina.interior import interior_job
+
+    from lamina.maps import part_folder
+
+    monkeypatch.setattr(part_folder, "SAMPLES_PER_PART", 100)
+    whole, said = interior_job.compute, []
+
+    def interrupted(task, progress=None, cancel=None):
+        return whole(task, lambda _, text: said.append(text), lambda: said and said[-1].startswith("Part 4 of "))
+
+    monkeypatch.setattr(interior_job, "compute", interrupted)
+    code, _, err = run("Ball", "--size", 12)
+    assert code == 130 and "interrupted" in err and ball.active_material.lamina.interior.size == 64
+    said.clear()
+    monkeypatch.setattr(interior_job, "compute", lambda task, progress=None, cancel=None: whole(
+        task, lambda _, text: said.append(text), cancel))  # fmt: skip
+    code, lines, _ = run("Ball", "--size", 12)
+    assert code == 0 and lines[0].startswith("Ball: Relightable: ")
+    assert not any(text.startswith("Part 3 of ") for text in said)
