@@ -106,13 +106,13 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     steps = portions(step, shares)
 
     if principled_base.is_shown(stack):
-        parts, seen, solved, rough = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
+        table, seen, solved, rough = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
                                                            limits.principled, SEARCH[quality])
-        header = _header(stack, quality, basis, solved, parts, fit_report(parts, seen, solved))
+        header = _header(stack, quality, basis, solved, table, fit_report(table, seen, solved))
         if rough:
             header["axes"]["roughness"] = {"count": len(rough), "values": rough}
         step(1.0, "Done")
-        return Lut(header, _weights(parts, solved), time.perf_counter() - started)
+        return Lut(header, _weights(table, solved), time.perf_counter() - started)
     principled_base.refuse_inputs(stack)
 
     # Solve the stack for each thickness of its varying layer

@@ -88,6 +88,7 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
         errors["color"].append(_error(found, exact))
         errors["unknown"].append(_error(_luminance(shown(row, bare, UNKNOWN)), _luminance(exact)))
 
+    assert isinstance(stack.base, ShaderBase)
     # The error of the fit over black, relative to the whole light over a base of the stack's reflectance
     gain = base.gain([channel(stack.base.reflectance, c) for c in range(stack.channels)])
     own_norm, whole = norms(black.values, grid), norms(black.values + gain[..., None] * base.slices.values, grid)
@@ -107,7 +108,7 @@ def _thicknesses(stack: Stack, solved: SolvedRows, rows: list[int], quality: str
         return [full]
     largest = solved.axis[-1]
     taus = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
-    shares = [solved.tau[row] / largest if largest > 0.0 else 0.0 for row in rows]
+    shares = [(solved.tau[row] or 0.0) / largest if largest > 0.0 else 0.0 for row in rows]
     return [full.with_thickness(stack.varying, [share * tau for tau in taus]) for share in shares]
 
 
