@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base.messages import RefusedError
 from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, lobe_of
-from . import lut_image, mix_shader, principled_graph, shader_base_graph, side_graph
+from . import lut_image, mix_shader, principled_graph, roughness_graph, shader_base_graph, side_graph
 from .graph import Graph
 
 SCALE_LABEL = "rows"
@@ -43,6 +43,11 @@ def used_closures(lut):
     return [int(index) for index in used if int(index) in lobes] or lobes[:1]
 
 
+def roughness_rows(lut):
+    """The number of roughnesses of the table, 1 without such an axis."""
+    return lut.header["axes"].get("roughness", {}).get("count", 1)
+
+
 def largest_tau(lut):
     """The varying layer's optical thickness at the last row, or None if no layer varies."""
     axis = lut.header["axes"]["tau"]
@@ -65,6 +70,7 @@ def draw(tree, lut, image, recipe_of):
 
 def _draw(graph, lut, image, recipe_of):
     rows = lut.header["axes"]["tau"]["count"]
+    strip_rows = rows * roughness_rows(lut)
     closures = lut.header["closures"]
     columns = lut.header["axes"]["view"]["count"]
     height = lut_image.height_of(lut)
@@ -95,14 +101,22 @@ def _draw(graph, lut, image, recipe_of):
         for multiple in recipe.view_angles.values():
             directions.view_angle(multiple)
 
-    def strip(index, column, line, label):
-        first_row = (index * rows + 0.5) / height
-        place = graph.vector("ADD", column, line, f"strip {index}", corner.outputs[0], (0.0, first_row, 0.0))
+    def look_up(corner, index, column, line, label):
+        first_row = (index * strip_rows + 0.5) / height
+        place = graph.vector("ADD", column, line, f"strip {index}", corner, (0.0, first_row, 0.0))
         texture = graph.node("ShaderNodeTexImage", column + 1, line, label)
         texture.image = image
         texture.interpolation, texture.extension = "Linear", "EXTEND"
         graph.link(place, texture.inputs[0])
         return texture.outputs["Color"]
+
+    around = roughness_graph.around(graph, inputs, corner.outputs[0], roughness_rows(lut), rows / height)
+
+    def strip(index, column, line, label):
+        if around is None:
+            return look_up(corner.outputs[0], index, column, line, label)
+        lower, upper = (look_up(one, index, column, line, label) for one in around.corners)
+        return roughness_graph.between(graph, column + 1.6, line, around.share, lower, upper)
 
     gains = {}
     for prefix in ("", METAL):

@@ -211,7 +211,7 @@ def _layout(lut):
         "drawn": closure_graph.used_closures(lut),
         "sides": lut.header["sides"],
         "turns over": side_graph.turns_over(lut),
-        "size": [axes["view"]["count"], axes["tau"]["count"]],
+        "size": [axes["view"]["count"], axes["tau"]["count"], closure_graph.roughness_rows(lut)],
     }
     return json.dumps(layout)
 

@@ -16,9 +16,13 @@ DUST = Medium(albedo=[0.9, 0.88, 0.84], tau=2.0, phase=HenyeyGreenstein(0.6), va
 RED, BLUE = (0.8, 0.4, 0.1), (0.2, 0.6, 0.9)
 BASES = {
     "inputs": PrincipledBase(color=RED, metallic=1.0, roughness=0.6, inputs=("color", "metallic")),
+    "roughness": PrincipledBase(color=RED, roughness=0.5, inputs=("roughness",)),
     "coated": PrincipledBase(color=RED, roughness=0.5, coat=0.5),
 }
-VALUES = ({}, {"metallic": 0.0}, {"color": BLUE, "metallic": 0.5})
+VALUES = {
+    "inputs": ({}, {"metallic": 0.0}, {"color": BLUE, "metallic": 0.5}),
+    "roughness": ({"roughness": 0.3}, {"roughness": 0.62}),
+}
 THICKNESSES = (0.1, 0.5, 2.0)
 VIEWS = baked_samples.gauss_views(3)
 LIGHTS = baked_samples.about_the_mirror_direction(VIEWS, 3, 5, 3.0)
@@ -39,7 +43,8 @@ def shown(tables, name, tau, **values):
 
 
 def test_slices_and_albedo_follow_the_inputs(tables):
-    samples = [shown(tables, "inputs", tau, **values) for values in VALUES for tau in THICKNESSES]
+    samples = [shown(tables, name, tau, **values)
+               for name, each in VALUES.items() for values in each for tau in THICKNESSES]
     slices = principled_samples.slice_errors(samples, VIEWS, LIGHTS)
     albedo = principled_samples.albedo_errors(samples, (0.9, 0.4), samples=512)
     for sample, errors, off in zip(samples, slices, albedo, strict=True):

@@ -105,9 +105,11 @@ def bake(stack: Stack, quality: str = "final", progress: Progress | None = None,
     steps = portions(step, shares)
 
     if principled_base.is_shown(stack):
-        parts, seen, solved = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
-                                                    limits.principled, SEARCH[quality])
+        parts, seen, solved, rough = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
+                                                           limits.principled, SEARCH[quality])
         header = _header(stack, quality, basis, solved, parts, fit_report(parts, seen, solved))
+        if rough:
+            header["axes"]["roughness"] = {"count": len(rough), "values": rough}
         step(1.0, "Done")
         return Lut(header, _weights(parts, solved), time.perf_counter() - started)
     principled_base.refuse_inputs(stack)

@@ -44,7 +44,10 @@ def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: Solve
 
 
 def all_rows(values: np.ndarray, solved: SolvedRows, axis: int) -> np.ndarray:
-    """Values of all rows, interpolated linearly between solved rows."""
+    """Values of all rows, interpolated linearly between solved rows; of several roughnesses, each by itself."""
+    if values.shape[axis] > len(solved.rows):
+        blocks = np.split(values, values.shape[axis] // len(solved.rows), axis)
+        return np.concatenate([all_rows(block, solved, axis) for block in blocks], axis)
     wanted = np.arange(len(solved.axis))
     if len(solved.rows) >= len(wanted):
         return values
@@ -65,7 +68,8 @@ def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
     """Fit error by thickness, for all rows; empty if no layer varies."""
     if not solved.axis:
         return {}
-    errors = np.moveaxis(all_rows(np.nan_to_num(errors), solved, 1), 1, 0).reshape(len(solved.axis), -1)
+    errors = np.moveaxis(all_rows(np.nan_to_num(errors), solved, 1), 1, 0)
+    errors = errors.reshape(-1, len(solved.axis), errors[0].size).swapaxes(0, 1).reshape(len(solved.axis), -1)
     return {"row_errors": {"tau": solved.axis, "mean": errors.mean(axis=1).round(6).tolist(),
                            "worst": errors.max(axis=1).round(6).tolist()}}
 
@@ -78,5 +82,5 @@ def _worst(errors: np.ndarray, stated: np.ndarray, solved: SolvedRows) -> dict:
         "mu_o": float(view_cosines()[column]),
         "channel": int(channel),
         "side": solved.sides[side],
-        "tau": solved.tau[row],
+        "tau": solved.tau[row % len(solved.rows)],
     }

@@ -29,6 +29,7 @@ _ALWAYS = {
 _OR_NONE = {"report.fit_error_transmission": _NUMBER, "report.worst_slice.tau": _NUMBER}
 _IF_ANY = {
     "basis": {"basis": _TEXT},
+    "axes.roughness": {"axes.roughness.count": _COUNT, "axes.roughness.values": _NUMBERS},
     "report.row_errors": {f"report.row_errors.{name}": _NUMBERS for name in ("tau", "mean", "worst")},
     "report.tau_error": {
         **{f"report.tau_error.{name}": _NUMBER for name in ("mean", "worst", "mirror", "worst_at.tau")},
@@ -100,7 +101,8 @@ def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
         errors = _at(header, place)
         if errors is not _MISSING and len(errors) != len(tau["values"]):
             return f"{place} has {len(errors)} entries: must have one for each of axes.tau.values"
-    shape = (len(sides), len(header["closures"]), tau["count"], COLUMNS, 3)
+    rows = max(1, tau["count"]) * header["axes"].get("roughness", {}).get("count", 1)
+    shape = (len(sides), len(header["closures"]), rows, COLUMNS, 3)
     if weights.dtype != np.float32 or weights.shape != shape or not weights.size:
         return f"weights are {weights.dtype} {quoted(weights.shape)}: the header says float32 {quoted(shape)}"
     if not np.all(np.isfinite(weights)) or weights.min(initial=0.0) < 0.0:

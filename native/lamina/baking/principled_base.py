@@ -11,7 +11,8 @@ Inputs of the group. The BSDF has the sockets' values. The rest depends on the b
     rest(c) = rest(0) + c / (1 - c r) * A
 
 which is exact for a diffuse base (the geometric series of base_texture). For a metal, r is chosen for each view so that
-the albedo is exact at c = 0, 1/2 and 1. Metallic mixes the rests of metallic 0 and 1 linearly."""
+the albedo is exact at c = 0, 1/2 and 1. Metallic mixes the rests of metallic 0 and 1 linearly. Roughness is an axis of
+the table, around that of thickness: the rows of all thicknesses at the first roughness, then those at the next."""
 
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ from ..common.progress import Progress, portion
 from ..kinds.bases import PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
-from ..kinds.table import METAL, PREFIX, PRINCIPLED, THROWN_BACK
+from ..kinds.table import METAL, PREFIX, PRINCIPLED, ROUGHNESS_ROWS, THROWN_BACK
 from ..material.stack import Stack
 from ..solver.solve import thread_pool
 from .dropped_weights import folded
@@ -42,6 +43,8 @@ BROADENED = tuple(f"ggx:{alpha:g}" for alpha in (0.15, 0.22, 0.32, 0.45))
 BROAD = 0.15
 # A rest below this share of the albedo is rounding, as in the row without layers.
 NEGLIGIBLE = 1e-5
+# With roughness as an input, only every so many rows of thickness are solved; the others are interpolated.
+ROUGH_STRIDE = {"preview": 6, "final": 3}
 
 
 def is_shown(stack: Stack) -> bool:
@@ -79,6 +82,10 @@ class _Work:
     grid: LightGrid
     pool: object
 
+    def at(self, roughness: float) -> _Work:
+        """The same work for another roughness."""
+        return replace(self, base=replace(self.base, roughness=roughness))
+
     def solved(self, metallic: float, color, step: Progress) -> tuple[SolvedRows, SolvedRows]:
         """(the stack, the bare base) with other values."""
         base = replace(self.base, metallic=metallic, color=color, inputs=())
@@ -103,11 +110,13 @@ class _Work:
 
 def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int, nodes: int | None,
           given: dict[str, list[str]], counts: tuple[int, int], search: dict):
-    """(parts of the table by kind, the slices that they fit, the solved rows). Raises StackError."""
+    """(parts of the table by kind, the slices that they fit, the solved rows, the roughnesses of the table's axis).
+    Raises StackError."""
     base = stack.base
     assert isinstance(base, PrincipledBase)
-    if "roughness" in base.inputs:
-        raise StackError("base.inputs: must be names among color, metallic; roughness is not an input of bakes yet")
+    roughnesses = roughness_rows() if "roughness" in base.inputs else [base.roughness]
+    if len(roughnesses) > 1:
+        stride = max(stride, ROUGH_STRIDE[quality])
     work = _Work(stack, base, quality, threads, stride, nodes, grid_for(quality, None), thread_pool(threads))
     ends = (0.0, 1.0) if "metallic" in base.inputs else (base.metallic,)
     table: dict[str, Mixture] = {}
@@ -115,7 +124,10 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
     for number, metallic in enumerate(ends):
         prefix = METAL if number else ""
         share = portion(step, number / len(ends), (number + 1) / len(ends))
-        solved, weight, rests, values = _rests(work, metallic, portion(share, 0.0, 0.7))
+        found = [_rests(work.at(roughness), metallic, portion(share, 0.7 * k / len(roughnesses),
+                                                              0.7 * (k + 1) / len(roughnesses)))
+                 for k, roughness in enumerate(roughnesses)]
+        solved, weight, rests, values = _joined(found)
         if not number:
             table[PRINCIPLED] = Mixture([PRINCIPLED], _as_strip(weight, rests.dark.albedo.shape))
         shares = counts if rests.added is not None else (sum(counts) - 1, 0)
@@ -129,18 +141,39 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
     first = table["reflection"]
     assert isinstance(first, FittedMixture)
     table["reflection"] = FittedMixture(first.closures, first.weights, errors, first.albedo_errors)
-    return table, seen, solved
+    return table, seen, solved, roughnesses if len(roughnesses) > 1 else []
+
+
+def roughness_rows() -> list[float]:
+    """The roughnesses of a table with a roughness axis."""
+    return np.linspace(0.0, 1.0, ROUGHNESS_ROWS).tolist()
+
+
+def _joined(found: list[tuple]) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]:
+    """Results of _rests for several roughnesses, one after the other along the axis of rows."""
+    solved, weights, rests, values = zip(*found, strict=True)
+    added = [rest.added for rest in rests if rest.added is not None]
+    thrown_back = [rest.thrown_back for rest in rests if rest.thrown_back is not None]
+    joined = _Rests(_along_rows([rest.dark for rest in rests]), _along_rows(added) if added else None,
+                    np.concatenate(thrown_back, axis=1) if thrown_back else None)
+    return solved[-1], np.concatenate(weights), joined, _along_rows(list(values))
+
+
+def _along_rows(slices_of: list[Slices]) -> Slices:
+    return Slices(np.concatenate([one.values for one in slices_of], axis=1),
+                  np.concatenate([one.albedo for one in slices_of], axis=1), None,
+                  np.concatenate([one.direct for one in slices_of], axis=1))
 
 
 def _rests(work: _Work, metallic: float, step: Progress) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]:
     """(solved rows, w, the rests, the slices of the stack with its own color or a white one) for one metallic value."""
     if "color" not in work.base.inputs:
         solved, bare = work.solved(metallic, work.base.color, portion(step, 0.0, 0.3))
-        weight = attenuations(work.stack, solved)
+        weight = attenuations(work.stack, work.base, solved)
         dark, values = work.rest(solved, bare, weight, portion(step, 0.3, 1.0))
         return solved, weight, _Rests(dark), values
     solved, bare = work.solved(metallic, 0.0, portion(step, 0.0, 0.1))
-    weight = attenuations(work.stack, solved)
+    weight = attenuations(work.stack, work.base, solved)
     dark, _ = work.rest(solved, bare, weight, portion(step, 0.1, 0.4))
     solved, bare = work.solved(metallic, 1.0, portion(step, 0.4, 0.5))
     light, values = work.rest(solved, bare, weight, portion(step, 0.5, 0.8))
@@ -171,11 +204,9 @@ def _thrown_back(dark: np.ndarray, half: np.ndarray, light: np.ndarray) -> np.nd
     return (1.0 - 2.0 * q) / (1.0 - q)
 
 
-def attenuations(stack: Stack, solved: SolvedRows) -> np.ndarray:
+def attenuations(stack: Stack, base: PrincipledBase, solved: SolvedRows) -> np.ndarray:
     """w, [row, column]: of the light that no layer scatters or absorbs on its way to the base's lobe and back, the best
     multiple of the bare lobe (L2 over solid angle). Of channels that differ, the least."""
-    base = stack.base
-    assert isinstance(base, PrincipledBase)
     mu = view_cosines()
     thickness = np.array([[_thickness(stack, c, row) for c in range(stack.channels)] for row in _shares(solved)])
     tau = thickness.max(axis=1)[:, None]

@@ -16,6 +16,7 @@ BASE_WEIGHT = "base/weight"
 # Strips of a Principled base: the weight of the BSDF itself, which has the sockets' values; and after this prefix the
 # strips for metallic 1, if metallic is an input. The strips without the prefix are then for metallic 0.
 PRINCIPLED = "principled"
+ROUGHNESS_ROWS = 6  # roughnesses of a table, if roughness is an input
 METAL = "metal/"
 
 

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The roughness axis of a table: places in the two roughnesses around the input, and values between both.
+
+The image interpolates between view angles and thicknesses. Roughness is the third axis, so each strip is read
+twice."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Around:
+    """`corners`: the places (u, v) for the roughness below and above, as sockets; `share`: that of the one
+    above."""
+
+    corners: tuple
+    share: object
+
+
+def around(graph, inputs, corner, count, step):
+    """The places around the group's input Roughness, from the place `corner` at the first of `count`
+    roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one roughness."""
+    if count < 2:
+        return None
+    given = graph.math("MULTIPLY", 0.4, 12.6, "roughness row", inputs.outputs["Roughness"], float(count - 1))
+    least = graph.math("MAXIMUM", 1.4, 12.6, "at least 0", given, 0.0)
+    place = graph.math("MINIMUM", 2.4, 12.6, "at most the last", least, float(count - 1))
+    whole = graph.math("FLOOR", 3.4, 12.6, "whole", place)
+    below = graph.math("MINIMUM", 4.4, 12.6, "row below", whole, float(count - 2))
+    share = graph.math("SUBTRACT", 5.4, 12.6, "share of the row above", place, below)
+    lower = graph.node("ShaderNodeCombineXYZ", 6.2, 12.6, "v of the row below")
+    graph.link(graph.math("MULTIPLY", 5.4, 13.6, "v", below, step), lower.inputs[1])
+    first = graph.vector("ADD", 6.2, 13.6, "row below", corner, lower.outputs[0])
+    return Around((first, graph.vector("ADD", 6.2, 14.6, "row above", first, (0.0, step, 0.0))), share)
+
+
+def between(graph, column, line, share, lower, upper):
+    """`lower` at the share 0, `upper` at 1."""
+    change = graph.vector("SUBTRACT", column, line, "change", upper, lower)
+    part = graph.scale(column, line, "part", change, share)
+    return graph.vector("ADD", column, line, "between", lower, part)
