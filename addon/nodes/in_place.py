@@ -13,6 +13,7 @@ from .graph import COLUMN, ROW, Graph
 _SHARED = ("Base Color", "Metallic", "Roughness", "Normal")
 
 _AFTER = ("ADD_SHADER", "MIX_SHADER")  # nodes that follow the layers' node
+_MADE_AFTER = (*_AFTER, "EMISSION", "BSDF_TRANSPARENT")  # these and what they add
 
 
 def end_of(node):
@@ -29,12 +30,26 @@ def end_of(node):
 def put(material, node, replaced):
     """Put the layers' node `node`, which is linked to the output, in the place of the Principled BSDF
     `replaced`, which fed the output before."""
-    tree = material.node_tree
-    targets = [link.to_socket for link in node.outputs["Shader"].links]
-    parent, place = before.put_aside(tree, replaced)
+    parent, place = before.put_aside(material.node_tree, replaced)
     node.parent = parent
     node.location = place
-    shader = _with_emission_and_alpha(tree, node, replaced)
+
+
+def settle_after(material, node):
+    """Make the emission and alpha of the Principled BSDF again behind the layers' node `node` if its values
+    are the base of the layers, and remove them if not: a BSDF that stays in use shows them itself."""
+    tree, end = material.node_tree, end_of(node)
+    replaced = principled.of(before.source(tree))
+    is_base = material.lamina.base.kind == PrincipledBase.kind and replaced is not None
+    targets = [link.to_socket for link in end.links]
+    if is_base and end.node == node:
+        shader = _with_emission_and_alpha(tree, node, replaced)
+    elif not is_base and end.node != node:
+        for made in [one for one in tree.nodes if one.type in _MADE_AFTER and own_nodes.is_marked(one)]:
+            tree.nodes.remove(made)
+        shader = node.outputs["Shader"]
+    else:
+        return
     for target in targets:
         tree.links.new(shader, target)
 

@@ -71,6 +71,11 @@ def build(material, lut):
     if is_placed or not is_new:  # the group of a copied material is new, and its node has its links already
         for node in group_nodes(material):
             in_place.feed(material, node, *(() if is_placed else (added,)))
+    kind = material.lamina.base.kind
+    if is_placed or group.get("lamina_base_kind", kind) != kind:
+        for node in group_nodes(material)[:1]:
+            in_place.settle_after(material, node)
+    group["lamina_base_kind"] = kind
     return group
 
 

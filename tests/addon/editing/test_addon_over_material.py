@@ -74,6 +74,40 @@ def test_new_reflectance_and_another_base(addon, lamina, glossy):
     assert node.inputs["Base"].links[0].from_node == shader, "a new input is linked again"
 
 
+@pytest.fixture
+def painted(addon):
+    """A glowing material with a texture of the color."""
+    material = bpy.data.materials.new("Painted")
+    tree = addon.nodes.node_tree.of(material)
+    node, checker = tree.nodes["Principled BSDF"], tree.nodes.new("ShaderNodeTexChecker")
+    tree.links.new(checker.outputs["Color"], node.inputs["Base Color"])
+    node.inputs["Emission Strength"].default_value = 2.0
+    return material
+
+
+def test_varnish_over_textures_and_dust_again(addon, lamina, painted):
+    over, bake = addon.editing.over_material, addon.baking.bake_job.bake_material
+    checker = next(node for node in painted.node_tree.nodes if node.type == "TEX_CHECKER")
+    over.add(painted)
+    bake(painted, "preview")
+    end = surface_source(painted)
+    assert end.type == "ADD_SHADER", "the emission behind the layers"
+    layers = end.inputs[0].links[0].from_node
+    assert layers.inputs["Base Color"].links[0].from_node == checker
+    over.assign_layers(painted, lamina.Stack([lamina.Interface(1.5)], lamina.Black()))
+    bake(painted, "preview")
+    assert painted.lamina.base.kind == "shader" and surface_source(painted) == layers
+    assert layers.inputs["Base"].links[0].from_node.type == "BSDF_PRINCIPLED"
+    assert not any(node.type == "EMISSION" for node in painted.node_tree.nodes)
+    over.assign_layers(painted, lamina.Stack([lamina.Medium(albedo=0.9, tau=0.2)], lamina.Black()))
+    bake(painted, "preview")
+    assert painted.lamina.base.kind == "principled" and surface_source(painted).type == "ADD_SHADER"
+    assert layers.inputs["Base Color"].links[0].from_node == checker
+    addon.editing.layer_list.remove_stack(painted)
+    assert surface_source(painted).type == "BSDF_PRINCIPLED"
+    assert {node.type for node in painted.node_tree.nodes} == {"BSDF_PRINCIPLED", "OUTPUT_MATERIAL", "TEX_CHECKER"}
+
+
 def drawn(addon, material):
     """What the main panel draws."""
     layout = Layout()

@@ -8,6 +8,7 @@ from addon_helpers import surface_source
 from artists_trees import TREES, make
 
 SOCKETS = ("Base Color", "Metallic", "Roughness", "Normal")
+INPUTS = ("color", "metallic", "roughness")
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +25,8 @@ def add_over(addon, lamina, tables):
         addon.editing.over_material.add(material)
         kind = material.lamina.base.kind
         if kind not in tables:
-            bases = {"principled": lamina.Lambert(0.5, textured=True), "shader": lamina.ShaderBase(0.5)}
+            every = lamina.PrincipledBase([0.5, 0.4, 0.3], inputs=INPUTS)
+            bases = {"principled": every, "shader": lamina.ShaderBase(0.5)}
             stack = lamina.Stack([lamina.Medium(albedo=0.9, tau=0.5)], bases[kind])
             tables[kind] = lamina.bake(stack, quality="preview")
         addon.baking.bake_job.apply(material, tables[kind])
