@@ -37,7 +37,7 @@ def test_the_axes_and_strips_of_inputs(tmp_path):
     assert lut.header["axes"]["roughness"] == {"count": 6, "values": [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]}
     assert {PRINCIPLED, THROWN_BACK, METAL + THROWN_BACK} <= set(lut.closures)
     thrown_back = lut.weights[0, lut.closures.index(THROWN_BACK)]
-    assert 0.0 <= thrown_back.min() and thrown_back.max() < 1.0
+    assert thrown_back.min() >= 0.0 and thrown_back.max() < 1.0
     lut.save(tmp_path / "table.npz")
     again = Lut.load(tmp_path / "table.npz")
     assert np.array_equal(again.weights, lut.weights) and again.header == lut.header
