@@ -70,9 +70,12 @@ Searchlight::Searchlight(MeasuredStack measured, double mu, const SearchlightQua
   runs_along_ = has_clear_layer(measured_);
   choose_resolution();
   choose_scale();
-  constexpr int kSmall = 5;
+  // The spectrum is a power series in q^2 with the radius decay^2. Smaller steps amplify the solver's errors: the mean
+  // square is a quotient by the square of the first step.
+  constexpr int kSmall = 6;
+  constexpr double kStep = 0.15;
   for (int k = 1; k <= kSmall; ++k) {
-    small_.push_back(0.02 * k * decay_);
+    small_.push_back(kStep * k * decay_);
   }
 }
 

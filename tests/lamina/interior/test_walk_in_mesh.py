@@ -68,14 +68,10 @@ def test_distances_are_those_of_the_searchlight(mu):
     found = lamina.walk_in_mesh(*walk_slab(material, 40.0), view(mu), samples=60000, seed=3)
     medium = lamina.HalfSpace(sigma_s=0.9, sigma_a=0.1, phase=lamina.HenyeyGreenstein(0.3))
     beam = lamina.searchlight(lamina.Stack([], base=medium), mu, quality="preview")
-    pairs = [(found.albedo, beam.reflectance), (found.mean_distance, beam.mean_distance)]
+    pairs = [(found.albedo, beam.reflectance), (found.mean_distance, beam.mean_distance),
+             (found.mean_square_distance, beam.mean_square_distance)]
     require_within_error([one.value[0, 0] - expected[0] for one, expected in pairs],
                          [one.stderr[0, 0] for one, _ in pairs])
-    # The mean square, whose deterministic value is 1.6 % too large at mu = .5, is compared with the walk in layers.
-    plane = lamina.estimate_searchlight(stack(None, 0.9, 0.1, lamina.HenyeyGreenstein(0.3), 40.0), mu, samples=200000,
-                                        seed=4).mean_square_distance
-    square = found.mean_square_distance
-    require_within_error(square.value[0, 0] - plane.value[0], np.hypot(square.stderr[0, 0], plane.stderr[0]))
 
 
 @pytest.mark.parametrize("surface", [Surface(), Surface(1.5), Surface(1.5, 0.4)])
