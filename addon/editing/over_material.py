@@ -13,7 +13,7 @@ from ..stack_json import stack_write
 from . import layer_list, stack_io
 
 QUALITY = "preview"  # of the first bake, which should take seconds
-DUST = {"tau": 0.3, "albedo": (0.9, 0.9, 0.9)}  # of the first layer: light, so that the material stays visible
+DUST = {"tau": 0.3, "albedo": (0.9, 0.9, 0.9)}  # of the first layer: the material stays visible
 
 _APPROXIMATE = (
     "Approximate, because the material is not one Principled BSDF: the layers do not blur or tint the light "
