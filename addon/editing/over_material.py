@@ -13,6 +13,7 @@ from ..stack_json import stack_write
 from . import layer_list, stack_io
 
 QUALITY = "preview"  # of the first bake, which should take seconds
+DUST = {"tau": 0.3, "albedo": (0.9, 0.9, 0.9)}  # of the first layer: the material stays visible
 
 _APPROXIMATE = (
     "Approximate, because the material is not one Principled BSDF: the layers do not blur or tint the light "
@@ -56,8 +57,12 @@ def add(material):
     if sentence:
         raise RefusedError(sentence)
     node, shader = principled.find(material), principled.shown(material)
-    layer_list.add_stack(material)
     settings = material.lamina
+    is_new = not settings.layers
+    layer_list.add_stack(material)
+    if is_new:
+        for name, value in DUST.items():
+            setattr(settings.layers[0], name, value)
     settings.quality = QUALITY
     base = settings.base
     if node is None:

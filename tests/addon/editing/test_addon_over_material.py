@@ -32,6 +32,7 @@ def test_the_operator_bakes_and_remove_restores(addon, lamina, glossy, call):
     assert node.inputs["Base"].links[0].from_node == shader
     assert tuple(node.inputs["Base Reflectance"].default_value) == pytest.approx((0.8, 0.1, 0.1, 1.0))
     assert addon.baking.bake_job.state(glossy) == "fresh"
+    assert glossy.lamina.layers[0].tau == pytest.approx(0.3), "the material stays visible"
     assert 0.0 <= result.base_matte < 0.05 and 0.0 <= result.base_metal < 0.05
     lines = dict(addon.ui.panel.result_lines(result))
     assert lines["If Matte"].endswith("%") and lines["If Rough Metal"].endswith("%")
