@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..base.messages import RefusedError
+from ..nodes import node_tree
 from . import world_image
 
 STILL = 1e-3  # relative, and in radians: a lamp that changed by less counts as unmoved
@@ -93,7 +94,7 @@ def _alike(one, other):
 
 def _lamp(obj, frame):
     lamp = obj.data
-    if lamp.use_nodes and _has_own_nodes(lamp.node_tree):
+    if node_tree.is_on(lamp) and _has_own_nodes(lamp.node_tree):
         raise RefusedError(f"{obj.name} has nodes of its own: remove them for Lit, or hide it in renders")
     if lamp.type == "AREA" and abs(lamp.spread - math.pi) > STILL:
         degrees = f"{math.degrees(lamp.spread):.3g}"

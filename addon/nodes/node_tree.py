@@ -9,22 +9,26 @@ import bpy
 
 
 def of(owner):
-    """The node tree of a material or world.
+    """The node tree of a material, world or lamp.
 
     Before Blender 5.0 it has to be switched on. From 5.0 on it is always there, and touching the switch
-    warns: Blender 6.0 will not have the switch.
+    warns: Blender 6.0 will not have the switch. Lamps keep the switch.
     """
-    if bpy.app.version < (5, 0, 0):
+    if _has_switch(owner):
         owner.use_nodes = True
     return owner.node_tree
 
 
 def is_on(owner):
-    """True if a material or world has nodes. From Blender 5.0 on every one has."""
-    return bpy.app.version >= (5, 0, 0) or owner.use_nodes
+    """True if a material, world or lamp has nodes. From Blender 5.0 on every material and world has."""
+    return not _has_switch(owner) or owner.use_nodes
 
 
 def switch_off(owner):
     """Switch the nodes of a material or world off, before Blender 5.0."""
     if bpy.app.version < (5, 0, 0):
         owner.use_nodes = False
+
+
+def _has_switch(owner):
+    return bpy.app.version < (5, 0, 0) or isinstance(owner, bpy.types.Light)

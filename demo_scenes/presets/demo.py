@@ -9,6 +9,7 @@ import cycles_render
 import extension
 import output
 import picture
+from dragon import settling
 from PIL import Image, ImageDraw, ImageFont
 
 from . import scene
@@ -73,7 +74,7 @@ def _bake(lamina, entry):
 def _render(materials, sheets, size, samples, rays, say):
     """([sRGB bytes (size, size, 3)] of each, seconds)."""
     stage, solid, _ = scene.build()
-    scene.settle(solid, rays)
+    settling.settle_on(solid, 1.0, rays=rays)
     cycles_render.unbiased(stage, size, size, samples, bounces=4)
     stage.cycles.pixel_filter_type = "BLACKMAN_HARRIS"
     # Clamp and denoise: nothing is measured from these pictures.

@@ -9,7 +9,6 @@ import math
 import bpy
 import extension
 import node_tree
-import numpy as np
 from mathutils import Vector
 
 from . import ball
@@ -26,7 +25,6 @@ BOXES = (
 )
 SKY, HORIZON, GROUND = (0.20, 0.21, 0.23), (0.26, 0.26, 0.26), (0.06, 0.06, 0.06)
 SQUARES, SQUARE = (0.035, 0.055), 0.30  # reflectances and size of the squares of the ground
-DUST_ATTRIBUTE = "lamina_dust"
 
 
 def build():
@@ -58,26 +56,12 @@ def show(scene, material, is_sheet):
             body.hide_render = not is_sheet
 
 
-def settle(body, rays):
-    """Let dust of amount 1 settle on the body, as the attribute that `wire_dust` reads."""
-    from lamina import dust  # the extension's wheel: not there before the extension is installed
-
-    mesh = body.data
-    mesh.calc_loop_triangles()
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.vertices.foreach_get("co", points)
-    mesh.loop_triangles.foreach_get("vertices", triangles)
-    found = dust.settle(dust.Mesh(points.reshape(-1, 3), triangles.reshape(-1, 3), sharp_angle=math.pi),
-                        settings=dust.Settling(amount=1.0, rays=rays, repose=1.15, repose_width=0.7), seed=1)
-    mesh.attributes.new(DUST_ATTRIBUTE, "FLOAT", "POINT").data.foreach_set("value", found.tau.astype(np.float32))
-
-
 def wire_dust(material):
-    """Let the material's varying layer lie on the body as dust that settled, up to the baked thickness, with grain."""
+    """Let the material's varying layer lie on the body as dust that settled in the amount 1, times the baked thickness,
+    with grain."""
     thickness = extension.part("nodes.thickness")
     largest = thickness.wiring(material).socket.default_value
-    source = thickness.wire_thickness(material, "attribute", DUST_ATTRIBUTE)
+    source = thickness.wire_thickness(material, "attribute")
     tree = material.node_tree
     times = tree.nodes.new("ShaderNodeMath")
     times.operation = "MULTIPLY"

@@ -115,7 +115,8 @@ def drawn(addon, material):
     panel = SimpleNamespace(layout=layout)
     region = SimpleNamespace(width=500)
     preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
-    context = SimpleNamespace(material=material, region=region, preferences=preferences)
+    context = SimpleNamespace(material=material, region=region, preferences=preferences,
+                              window_manager=bpy.context.window_manager)
     addon.ui.panel.LAMINA_PT_main.draw(panel, context)
     return layout.lines
 

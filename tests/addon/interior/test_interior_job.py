@@ -278,9 +278,10 @@ def lit_by(obj, kind):
 
 
 def lamp_with_nodes(obj):
+    from bl_ext.user_default.lamina.nodes import node_tree
+
     lamp = lit_by(obj, "POINT").data
-    lamp.use_nodes = True
-    falloff = lamp.node_tree.nodes.new("ShaderNodeLightFalloff")
+    falloff = node_tree.of(lamp).nodes.new("ShaderNodeLightFalloff")
     emission = next(node for node in lamp.node_tree.nodes if node.type == "EMISSION")
     lamp.node_tree.links.new(falloff.outputs["Linear"], emission.inputs["Strength"])
 
@@ -290,10 +291,11 @@ def focused_area(obj):
 
 
 def world_by_ray(obj):
+    from bl_ext.user_default.lamina.nodes import node_tree
+
     obj.active_material.lamina.interior.output = "LIT"
     world = bpy.context.scene.world = bpy.data.worlds.new("Sky")
-    world.use_nodes = True
-    path = world.node_tree.nodes.new("ShaderNodeLightPath")
+    path = node_tree.of(world).nodes.new("ShaderNodeLightPath")
     background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
     world.node_tree.links.new(path.outputs[0], background.inputs["Color"])
 

@@ -41,12 +41,13 @@ def lit_scene(name):
 
 def irradiance_in_cycles(float_render, scene):
     """At the origin, on a plane perpendicular to the light: pi times the radiance of a white diffuse patch."""
+    from bl_ext.user_default.lamina.nodes import node_tree
+
     mesh = bpy.data.meshes.new("Patch")
     mesh.from_pydata([(-0.01, -0.01, 0), (0.01, -0.01, 0), (0.01, 0.01, 0), (-0.01, 0.01, 0)], [], [(0, 1, 2, 3)])
     patch = bpy.data.objects.new("Patch", mesh)
     material = bpy.data.materials.new("White")
-    material.use_nodes = True
-    material.node_tree.nodes.clear()
+    node_tree.of(material).nodes.clear()
     shader = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
     shader.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     output = material.node_tree.nodes.new("ShaderNodeOutputMaterial")
@@ -95,11 +96,12 @@ def test_a_lamp_gives_the_irradiance_of_cycles(rooms, lamina, name):
 
 def test_the_world_in_the_axes_of_an_object(rooms):
     """A world whose colour is the direction, seen in turned axes."""
+    from bl_ext.user_default.lamina.nodes import node_tree
+
     _, _, lights, world_image = rooms
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new("Directions")
-    scene.world.use_nodes = True
-    tree = scene.world.node_tree
+    tree = node_tree.of(scene.world)
     coordinates = tree.nodes.new("ShaderNodeTexCoord")
     background = next(node for node in tree.nodes if node.type == "BACKGROUND")
     tree.links.new(coordinates.outputs["Generated"], background.inputs["Color"])
