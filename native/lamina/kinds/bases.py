@@ -25,7 +25,7 @@ LEAST_ALPHA = 0.03
 def _one_number(name: str, high: float, default: float, label: str, tip: str, low: float = 0.0) -> Field:
     """A quantity of a Principled material that is the same in all channels."""
     return Field(name, low, high, single=True, panel=Panel(
-        label, tip, default, step=1, precision=3, prop=f"principled_{name}", words=label.lower()))
+        label, tip, default, step=1, precision=3, prop=f"principled_{name}", words=label.lower().replace("ior", "IOR")))
 
 
 class Base:
@@ -218,8 +218,7 @@ class ShaderBase(Base):
     kind = "shader"
     fields = (Field("reflectance", 0.0, 1.0, panel=Panel(
         "Base Reflectance", "Mean share of the light that the shader below reflects: light that the layers throw back "
-        "to the shader depends on the share", 0.5, rgb=True, subtype="COLOR", prop="shader_reflectance",
-        words="base reflectance")),)
+        "to the shader depends on the share", 0.5, rgb=True, subtype="COLOR", prop="shader_reflectance")),)
     item = Item(kind, "Other Shader (Approximate)", "The shader of your own nodes, seen through the layers: right in "
                 "energy on average, not in each direction", 6)
 

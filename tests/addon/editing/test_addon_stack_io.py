@@ -88,6 +88,9 @@ STACKS = {
     "textured": stack(
         [medium("dust", HG, albedo=0.9, tau=0.3)], {"kind": "lambert", "reflectance": 0.5, "textured": True}
     ),
+    "shader": stack(
+        [medium("dust", HG, albedo=0.9, tau=0.3)], {"kind": "shader", "reflectance": [0.5, 0.4, 0.3]}
+    ),
     "principled": stack(
         [medium("dust", HG, albedo=0.9, tau=0.3)],
         {"kind": "principled", "color": [0.8, 0.3, 0.1], "metallic": 1.0, "roughness": 0.3, "ior": 1.4,
