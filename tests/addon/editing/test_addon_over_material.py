@@ -118,7 +118,7 @@ def drawn(addon, material):
     context = SimpleNamespace(material=material, region=region, preferences=preferences,
                               window_manager=bpy.context.window_manager)
     addon.ui.panel.LAMINA_PT_main.draw(panel, context)
-    return layout.lines
+    return layout.lines[: layout.lines.index("Presets by Picture")]
 
 
 def test_the_panel_offers_one_choice_and_names_what_is_lost(addon, lamina, glossy):
