@@ -48,7 +48,7 @@ class Basis:
 
 
 CLOSURE_BASES = {
-    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (4, 3)),
+    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (3, 3)),
     "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (9, 6)),
 }
 # Effort of the search for closures: see mixture.Effort.
@@ -106,13 +106,8 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     steps = portions(step, shares)
 
     if principled_base.is_shown(stack):
-        table, seen, solved, rough = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
-                                                           limits.principled, SEARCH[quality])
-        header = _header(stack, quality, basis, solved, table, fit_report(table, seen, solved))
-        if rough:
-            header["axes"]["roughness"] = {"count": len(rough), "values": rough}
-        step(1.0, "Done")
-        return Lut(header, _weights(table, solved), time.perf_counter() - started)
+        header, table = _principled(stack, quality, basis, threads, step, row_stride, nodes, given)
+        return Lut(header, table, time.perf_counter() - started)
     principled_base.refuse_inputs(stack)
 
     # Solve the stack for each thickness of its varying layer
@@ -192,6 +187,18 @@ class _Fit:
             return mix(kind, wanted, self._grid, effort, self._pool, step, made=made, given=given, mixed=mixed)
         return mix_rows(kind, wanted, self._grid, effort, self._pool, step, made=made, made_clean=made_clean,
                         given=given, mixed=mixed)
+
+
+def _principled(stack: Stack, quality: str, basis: str, threads: int, step: Progress, row_stride: int,
+                nodes: int | None, given: dict[str, list[str]]) -> tuple[dict, np.ndarray]:
+    """(header, weights) of the table of a Principled base whose BSDF is part of the node group."""
+    parts, seen, solved, rough = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
+                                                       CLOSURE_BASES[basis].principled, SEARCH[quality])
+    header = _header(stack, quality, basis, solved, parts, fit_report(parts, seen, solved))
+    if rough:
+        header["axes"]["roughness"] = {"count": len(rough), "values": rough}
+    step(1.0, "Done")
+    return header, _weights(parts, solved)
 
 
 def _weights(parts: dict[str, Mixture], solved: SolvedRows) -> np.ndarray:

@@ -120,8 +120,8 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
     work = _Work(stack, base, quality, threads, stride, nodes, grid_for(quality, None), thread_pool(threads))
     ends = (0.0, 1.0) if "metallic" in base.inputs else (base.metallic,)
     table: dict[str, Mixture] = {}
-    seen, solved = {}, None
-    whole, error = np.zeros(()), np.zeros(())
+    seen: dict[str, Slices] = {}
+    whole, error = np.zeros(1), np.zeros(1)
     for number, metallic in enumerate(ends):
         prefix = METAL if number else ""
         share = portion(step, number / len(ends), (number + 1) / len(ends))
@@ -224,7 +224,7 @@ def _shares(solved: SolvedRows) -> list[float]:
     """The varying layer's thickness at the solved rows, as shares of its largest."""
     if not solved.axis or solved.axis[-1] <= 0.0:
         return [1.0] * len(solved.rows)
-    return [float(tau_at(solved.axis[-1], np.array(row))) / solved.axis[-1] for row in solved.rows]
+    return (tau_at(solved.axis[-1], np.array(solved.rows)) / solved.axis[-1]).tolist()
 
 
 def _thickness(stack: Stack, index: int, share: float) -> float:
