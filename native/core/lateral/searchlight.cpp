@@ -26,6 +26,19 @@ bool is_endless_and_bright(const MeasuredStack& measured) {
   return false;
 }
 
+/// True if a layer of finite thickness does not scatter. Light that travels along such a layer gives the spectra nearly
+/// logarithmic singularities close to frequency 0.
+bool has_layer_without_scattering(const MeasuredStack& measured) {
+  for (std::size_t k = 0; k < measured.stack.layers.size(); ++k) {
+    const auto* medium = std::get_if<Medium>(&measured.stack.layers[k]);
+    const double thickness = measured.thickness[k];
+    if (medium != nullptr && medium->albedo * medium->tau == 0.0 && thickness > 0.0 && !std::isinf(thickness)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 /// True if light can travel along a layer without attenuation.
 bool has_clear_layer(const MeasuredStack& measured) {
   bool scatters = measured.stack.base.scatters();
@@ -70,12 +83,12 @@ Searchlight::Searchlight(MeasuredStack measured, double mu, const SearchlightQua
   runs_along_ = has_clear_layer(measured_);
   choose_resolution();
   choose_scale();
-  // The spectrum is a power series in q^2 with the radius decay^2. Smaller steps amplify the solver's errors: the mean
-  // square is a quotient by the square of the first step.
+  // Elsewhere the spectrum is a power series in q^2 with the radius decay^2. Smaller steps amplify the solver's errors:
+  // the mean square is a quotient by the square of the first step.
   constexpr int kSmall = 6;
-  constexpr double kStep = 0.15;
+  const double step = has_layer_without_scattering(measured_) ? 0.02 : 0.15;
   for (int k = 1; k <= kSmall; ++k) {
-    small_.push_back(kStep * k * decay_);
+    small_.push_back(step * k * decay_);
   }
 }
 

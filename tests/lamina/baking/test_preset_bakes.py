@@ -14,6 +14,9 @@ HARD = {
     "frosted-glass": (0.18, 0.38),  # a rough sheet without scattering inside: two narrow lobes on either side
     "dusty-bronze": (0.08, 0.24),  # one choice of closures for dust from clean to thick
     "dusty-lacquer": (0.06, 0.31),
+    "dusty-car-paint": (0.06, 0.33),
+    "mars-dust-on-solar-cell": (0.06, 0.36),
+    "ash-on-basalt": (0.06, 0.29),
     "tarnished-silver": (0.075, 0.26),  # a strongly absorbing layer over a narrow lobe
 }
 MEAN_OF_ALL = 0.022
