@@ -24,9 +24,11 @@ from ..subsurface.response_table import CURVE, Curves, response_curves
 
 ROUNDS = 6  # the media are chosen again from the last corrected targets
 ROUGH_POINTS, ROUGH_SAMPLES = 256, 48
-POINTS, LEAST_SAMPLES, MOST_SAMPLES = 2048, 24, 384
+POINTS, LEAST_SAMPLES, MOST_SAMPLES = 2048, 96, 384
 EFFORT = 0.25  # share of the walks of the map
-NEIGHBOURS = 8  # points whose mean is used at a point of the map
+# At a point of the map, the mean over the nearest points is used: at least NEIGHBOURS, and so many that the mean has
+# AVERAGED samples, since the relation of albedo and medium is curved.
+NEIGHBOURS, AVERAGED = 8, 3072
 SHARES = (0.15, 0.85)  # quantiles of u at which the media lie
 LEAST_SPREAD = 0.06  # half the distance of the media in u
 BLOCK = 1 << 10  # points of the map at a time
@@ -40,10 +42,10 @@ class Medium(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """How a medium shows itself: the apparent u, and the mean exit distance relative to that of a half-space, (points,
+    """How a medium shows itself: the exit albedo, and the mean exit distance relative to that of a half-space, (points,
     channels)."""
 
-    u: np.ndarray
+    albedo: np.ndarray
     farther: np.ndarray
 
 
@@ -62,7 +64,7 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
         seen = [_seen(medium, walker.with_points(few, ROUGH_SAMPLES, walker.seed), bare, g, within)
                 for medium in media]
         seen = [Seen(*(np.broadcast_to(values.mean(axis=0), albedo.shape) for values in one)) for one in seen]
-        u, way = _corrected(apparent, distance, media, seen)
+        u, way = _corrected(apparent, distance, media, seen, bare)
     chosen = _some(count, POINTS)
     samples = int(np.clip(EFFORT * count * walker.samples / (2 * len(chosen)), LEAST_SAMPLES, MOST_SAMPLES))
     media = _media(u, way, node, g, walker.solid_size)
@@ -71,9 +73,9 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
     places = walker.positions[chosen]
     for first in range(0, count, BLOCK):
         part = slice(first, first + BLOCK)
-        near, weights = _nearest(places, walker.positions[part])
+        near, weights = _nearest(places, walker.positions[part], max(NEIGHBOURS, -(-AVERAGED // samples)))
         seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in exact]
-        u[part], way[part] = _corrected(apparent[part], distance[part], media, seen)
+        u[part], way[part] = _corrected(apparent[part], distance[part], media, seen, bare)
     return np.interp(u, CURVE, node.full_albedo), way
 
 
@@ -113,24 +115,26 @@ def _seen(medium: Medium, walker: Walker, curves: Curves, g: float, step: Progre
     found = merge_walks([part])
     flat = medium.path / (1.0 - g * single) * np.interp(medium.u, CURVE, curves.full_distance)
     farther = np.nan_to_num(found.mean_distance.value, nan=1.0) / flat  # type: ignore[union-attr]  # of this kind
-    return Seen(_u_of(curves, found.albedo.value), farther)  # type: ignore[union-attr]
+    return Seen(found.albedo.value, farther)  # type: ignore[union-attr]
 
 
-def _corrected(apparent: np.ndarray, distance: np.ndarray, media: list[Medium],
-               seen: list[Seen]) -> tuple[np.ndarray, np.ndarray]:
+def _corrected(apparent: np.ndarray, distance: np.ndarray, media: list[Medium], seen: list[Seen],
+               curves: Curves) -> tuple[np.ndarray, np.ndarray]:
     """(u, mean exit distance in a half-space) of the node's medium, from apparent values."""
     first, second = seen
-    spread = second.u - first.u
-    share = np.where(spread > 1e-3, (apparent - first.u) / np.where(spread > 1e-3, spread, 1.0), 0.5)
+    # The apparent u is that of the mean albedo: the mean of noisy u would be biased.
+    low, high = (_u_of(curves, one.albedo) for one in seen)
+    spread = high - low
+    share = np.where(spread > 1e-3, (apparent - low) / np.where(spread > 1e-3, spread, 1.0), 0.5)
     u = media[0].u + share * (media[1].u - media[0].u)
     farther = first.farther + np.clip(share, 0.0, 1.0) * (second.farther - first.farther)
     return np.clip(u, CURVE[0], CURVE[-1]), distance / np.maximum(farther, 1e-3)
 
 
-def _nearest(places: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(indices, weights), (positions, k), of the nearest places; a weight falls with the squared distance."""
+def _nearest(places: np.ndarray, positions: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """(indices, weights), (positions, count), of the nearest places; a weight falls with the squared distance."""
     squares = sum((positions[:, axis, None] - places[:, axis]) ** 2 for axis in range(3))
-    count = min(NEIGHBOURS, len(places))
+    count = min(count, len(places))
     near = np.argpartition(squares, count - 1, axis=1)[:, :count]
     near.sort(axis=1)
     away = np.take_along_axis(squares, near, axis=1)
