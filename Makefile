@@ -57,7 +57,7 @@ endif
 
 test: lint docs build/stamps/extension
 	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
-	LAMINA_WHEELS=build/wheels $(RUN) -m pytest tests/addon
+	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
 	$(RUN) -m pytest tests/cycles
 
 # Before a commit, within two minutes once all is built.
