@@ -50,13 +50,21 @@ GridFrame frame_of(const Voxels& voxels, py::ssize_t axes, const Triple& low, co
   return frame;
 }
 
+/// The result of work that touches no Python object, done while other Python threads may run.
+template <class Work>
+auto without_gil(const Work& work) {
+  const py::gil_scoped_release release;
+  return work();
+}
+
 BoundGrid grid_of_coefficients(const Voxels& voxels, const Triple& low, const Triple& high, bool smooth, float g) {
   const GridFrame frame = frame_of(voxels, 4, low, high, smooth);
   if (voxels.shape(3) != 6) {
     throw py::value_error("voxels must have a last axis of 6");
   }
-  const py::gil_scoped_release release;
-  return {voxels, CoefficientGrid::of_halves(frame, voxels.data(), g)};
+  const auto* values = voxels.data();
+  // Copying `voxels` counts a reference, for which the GIL is needed.
+  return {voxels, without_gil([&] { return CoefficientGrid::of_halves(frame, values, g); })};
 }
 
 BoundGrid grid_of_mixture(const Voxels& voxels, const Triple& low, const Triple& high, bool smooth,
@@ -69,8 +77,8 @@ BoundGrid grid_of_mixture(const Voxels& voxels, const Triple& low, const Triple&
   for (const auto& [scattering, absorption, g] : materials) {
     palette.push_back({scattering, absorption, g});
   }
-  const py::gil_scoped_release release;
-  return {voxels, CoefficientGrid::of_mixture(frame, voxels.data(), std::move(palette))};
+  const auto* values = voxels.data();
+  return {voxels, without_gil([&] { return CoefficientGrid::of_mixture(frame, values, std::move(palette)); })};
 }
 
 /// Directions or positions, three numbers per row.
