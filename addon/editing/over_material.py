@@ -40,14 +40,18 @@ def told(material, width):
     """What the artist should know before layers are put over `material`, as lines of a panel or dialog:
     (text, icon) each. `width`: of a line, in characters."""
     if principled.find(material) is None:
-        first, *others = messages.wrapped(_APPROXIMATE, width)
-        return [(first, "INFO"), *((line, "BLANK1") for line in others)]
+        return _lines(_APPROXIMATE, width, "INFO")
     texts = not_carried(material)
     lines = [("Not carried over:", "INFO")] if texts else []
     for text in texts:
-        first, *others = messages.wrapped(text, width)
-        lines += [(first, "DOT"), *((line, "BLANK1") for line in others)]
+        lines += _lines(text, width, "DOT")
     return lines
+
+
+def _lines(text, width, icon):
+    """The lines of a text, with an icon before the first."""
+    first, *others = messages.wrapped(text, width)
+    return [(first, icon), *((line, "BLANK1") for line in others)]
 
 
 def add(material):
@@ -70,8 +74,9 @@ def add(material):
         base.shader_reflectance = mean_reflectance.of(shader)
     else:
         base.kind = PrincipledBase.kind
+        values = principled.values(node)
         for field in PrincipledBase.fields:
-            setattr(base, field.prop, principled.values(node)[field.name])
+            setattr(base, field.prop, values[field.name])
         base.inputs = principled.inputs(node)
     changes.tell(material)
 

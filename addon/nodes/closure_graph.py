@@ -122,8 +122,9 @@ def _draw(graph, lut, image, recipe_of):
     for prefix in ("", METAL):
         if prefix + THROWN_BACK in closures and BASE_WEIGHT not in closures:
             graph.begin_frame("Base color c, thrown back again and again: c / (1 - c r)", BASE_COLOUR)
-            thrown_back = strip(closures.index(prefix + THROWN_BACK), 7, -6 if prefix else -3, "r")
-            gains[prefix] = _gain(graph, inputs.outputs["Base Color"], thrown_back, -6 if prefix else -3)
+            line, colour = -6 if prefix else -3, inputs.outputs["Base Color"]
+            thrown_back = strip(closures.index(prefix + THROWN_BACK), 7, line, "r")
+            gains[prefix] = _again_and_again(graph, line, "c / (1 - c r)", colour, colour, thrown_back)
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
     totals = {}
     for line, (index, recipe) in enumerate(zip(used, recipes, strict=True)):
@@ -147,7 +148,9 @@ def _draw(graph, lut, image, recipe_of):
         graph.begin_frame("Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
         thrown_back = strip(closures.index(THROWN_BACK), 7, -3, "r")
         weight = strip(closures.index(BASE_WEIGHT), 7, -2, "w")
-        total = shader_base_graph.over(graph, inputs, weight, thrown_back, total)
+        colour = inputs.outputs[shader_base_graph.REFLECTANCE]
+        weight = _again_and_again(graph, -3, "w / (1 - c r)", weight, colour, thrown_back)
+        total = shader_base_graph.over(graph, inputs, weight, total)
     graph.end_frame()
 
     output = graph.node("NodeGroupOutput", 14.6, len(used) - 1, folded=False)
@@ -155,10 +158,11 @@ def _draw(graph, lut, image, recipe_of):
     graph.link(total, output.inputs["Shader"])
 
 
-def _gain(graph, colour, thrown_back, line):
+def _again_and_again(graph, line, label, weight, colour, thrown_back):
+    """w / (1 - c r), the sum of w (c r)^n: a base of color c reflects what the layers throw back, r."""
     again = graph.vector("MULTIPLY", 9.2, line, "c r", colour, thrown_back)
     rest = graph.vector("SUBTRACT", 10.2, line, "1 - c r", (1.0, 1.0, 1.0), again)
-    return graph.vector("DIVIDE", 11.2, line, "c / (1 - c r)", colour, rest)
+    return graph.vector("DIVIDE", 11.2, line, label, weight, rest)
 
 
 def _normal(graph, given, own):

@@ -2,7 +2,6 @@
 """Puts the node of dust_detail between the source of a material's thickness and the baked group, and links a
 painted mask to it."""
 
-from ..base.messages import RefusedError
 from . import dust_detail, thickness
 from .side_graph import BACK, FRONT
 
@@ -23,9 +22,7 @@ def add_detail(material, side=0.0):
     node = detail(material)
     if node is not None:
         return node
-    sockets = thickness.sockets_to_feed(material)
-    if not sockets:
-        raise RefusedError("The material has no thickness input: mark a layer as varying and bake")
+    sockets = thickness.required_sockets(material)
     tree = material.node_tree
     for source in tree.nodes:
         if thickness.MARK in source:

@@ -5,6 +5,11 @@ COLUMN = 190.0
 ROW = 44.0
 
 
+def rgba(channels):
+    """The value of a color socket, from a list of one number or of one per channel."""
+    return (*(channels * 3 if len(channels) == 1 else channels), 1.0)
+
+
 class Graph:
     """Adds nodes to a node tree and remembers them, so that an incomplete graph can be removed."""
 

@@ -10,7 +10,8 @@ import bpy
 
 from ..kinds.bases import PrincipledBase
 from ..kinds.table import BASE_WEIGHT, THROWN_BACK
-from . import principled, shader_base_graph, side_graph
+from . import principled, principled_graph, shader_base_graph, side_graph
+from .graph import rgba
 
 LARGEST = 1.0e6  # the panel's largest optical thickness
 
@@ -35,11 +36,11 @@ def of_base(lut):
     """{name: default} of the inputs that describe the base of `lut`; the default is None for a shader."""
     closures, base = lut.header["closures"], lut.header["stack"]["base"]
     if BASE_WEIGHT in closures:
-        return {shader_base_graph.SHADER: None, shader_base_graph.REFLECTANCE: _rgba(base["reflectance"])}
+        return {shader_base_graph.SHADER: None, shader_base_graph.REFLECTANCE: rgba(base["reflectance"])}
     if base is not None and base["kind"] == PrincipledBase.kind:
-        return {principled.SOCKETS[name]: _rgba(base[name]) if name == "color" else float(base[name][0])
+        return {principled.SOCKETS[name]: principled_graph.value(name, base[name])
                 for name in base.get("inputs", ())}
-    return {"Base Color": _rgba(base["reflectance"])} if THROWN_BACK in closures else {}
+    return {"Base Color": rgba(base["reflectance"])} if THROWN_BACK in closures else {}
 
 
 def add_missing(group, tau, base):
@@ -118,10 +119,6 @@ def _used(group, name):
 def _sockets(group, in_out):
     return {item.name: item for item in group.interface.items_tree
             if item.item_type == "SOCKET" and item.in_out == in_out}
-
-
-def _rgba(channels):
-    return (*(channels * 3 if len(channels) == 1 else channels), 1.0)
 
 
 def _plain(value):

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..base import float_image
+from ..base import data_image
 from . import boundary_graph, relightable_graph
 
 
@@ -66,7 +66,7 @@ class _Images:
         texels = np.ones((*pixels.shape[:2], 4), np.float32)
         texels[..., :3] = pixels
         node = self._graph.node("ShaderNodeTexImage", -2, row, what)
-        node.image = float_image.create(f"Lamina {self._name} {what}", texels)
+        node.image = data_image.create(f"Lamina {self._name} {what}", texels)
         node.interpolation, node.extension = "Linear", "EXTEND"
         self._graph.link(self._map.outputs["UV"], node.inputs["Vector"])
         return node.outputs["Color"]

@@ -7,7 +7,7 @@ strip bleeds into its neighbour by rounding: weights of two strips may differ a 
 
 import numpy as np
 
-from ..base import float_image
+from ..base import data_image
 
 
 def height_of(lut):
@@ -22,4 +22,4 @@ def create(name, lut):
     padded = np.zeros((height_of(lut), width, 4), dtype=np.float32)
     padded[:rows] = texels
     padded[rows:, :, 3] = 1.0
-    return float_image.create(name, padded)
+    return data_image.create(name, padded)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mixtures and sums of two shaders."""
+"""Mixtures and sums of two shaders, and a shader times a number."""
 
 
 def between(graph, column, row, label, factor, first, second):
@@ -8,6 +8,14 @@ def between(graph, column, row, label, factor, first, second):
     graph.set(mix.inputs[0], factor)
     graph.link(first, mix.inputs[1])
     graph.link(second, mix.inputs[2])
+    return mix.outputs[0]
+
+
+def weighted(graph, column, row, label, weight, shader):
+    """The shader times `weight`, a number or a socket, from 0 to 1: its mixture with no shader."""
+    mix = graph.node("ShaderNodeMixShader", column, row, label)
+    graph.set(mix.inputs[0], weight)
+    graph.link(shader, mix.inputs[2])
     return mix.outputs[0]
 
 

@@ -22,10 +22,9 @@ from . import (
     principled,
     side_graph,
 )
+from .group_sockets import LARGEST
 
 VOLUME = before.VOLUME  # output of groups that need a volume, and input of the material's output
-
-LARGEST = group_sockets.LARGEST
 
 
 def build(material, lut):

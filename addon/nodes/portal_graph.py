@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from ..base import float_image
+from ..base import data_image
 from . import boundary_graph, mix_shader, portal_volume
 
 # The step to the outside: a part of the tables' scale, Blender units, and a part of the distance from the
@@ -26,7 +26,7 @@ def draw(graph, tables, length, name):
 
     `tables`: lamina.PortalTables; `length`: the socket with the number of Blender units per millimetre;
     `name`: name of the image."""
-    image = float_image.create(name, _texels(tables))
+    image = data_image.create(name, _texels(tables))
     geometry = graph.node("ShaderNodeNewGeometry", -3, 4)
     light_path = graph.node("ShaderNodeLightPath", -3, 10)
     chance = _chance(graph, geometry.outputs["Position"], length)

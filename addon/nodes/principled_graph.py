@@ -3,6 +3,7 @@
 the weight that the layers leave it."""
 
 from . import mix_shader, principled
+from .graph import rgba
 
 
 def beside(graph, lut, inputs, normal, weight, layers):
@@ -14,20 +15,17 @@ def beside(graph, lut, inputs, normal, weight, layers):
         if name in base.get("inputs", ()):
             graph.link(inputs.outputs[socket], bsdf.inputs[socket])
         else:
-            bsdf.inputs[socket].default_value = _value(name, base[name])
+            bsdf.inputs[socket].default_value = value(name, base[name])
     graph.link(normal, bsdf.inputs["Normal"])
     if base["coat"][0] > 0.0:
         graph.link(normal, bsdf.inputs["Coat Normal"])
     for socket in bsdf.inputs:
         socket.hide = not socket.is_linked
-    weighted = graph.node("ShaderNodeMixShader", 12, -3, "weighted")
-    graph.link(weight, weighted.inputs[0])
-    graph.link(bsdf.outputs[0], weighted.inputs[2])
-    return mix_shader.added(graph, 13.2, -2, "layers and base", layers, weighted.outputs[0])
+    weighted = mix_shader.weighted(graph, 12, -3, "weighted", weight, bsdf.outputs[0])
+    return mix_shader.added(graph, 13.2, -2, "layers and base", layers, weighted)
 
 
-def _value(name, channels):
-    """The value of a socket, from a number per channel."""
-    if name == "color":
-        return (*(channels * 3 if len(channels) == 1 else channels), 1.0)
-    return channels[0]
+def value(name, channels):
+    """The value of the socket for a quantity of PrincipledBase, given as in the table's header: a list of one
+    number, or of one per channel."""
+    return rgba(channels) if name == "color" else float(channels[0])

@@ -15,10 +15,8 @@ def draw(graph, inputs, length, texels=None):
     shader = _walk(graph, 0, "walk", inputs, "", length, texels)
     if inputs.extra_weight > 0.0:
         lost = _walk(graph, 4, "light that the walk loses", inputs, "extra_", length, texels)
-        share = graph.node("ShaderNodeMixShader", 1, 4, "its share")
-        share.inputs[0].default_value = inputs.extra_weight
-        graph.link(lost, share.inputs[2])
-        shader = mix_shader.added(graph, 2, 2, "all that leaves", shader, share.outputs[0])
+        share = mix_shader.weighted(graph, 1, 4, "its share", inputs.extra_weight, lost)
+        shader = mix_shader.added(graph, 2, 2, "all that leaves", shader, share)
     if inputs.has_boundary:
         shader = boundary_graph.over(graph, inputs.ior, inputs.roughness, shader)
     return shader, None

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..base import data_image
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 from . import dust_detail, node_group
+from .group_sockets import LARGEST
 from .side_graph import BACK, FRONT
 
 SOURCES = ("value", "attribute", "image")
@@ -82,9 +84,7 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
     if not material.is_editable:
         raise RefusedError("The material is linked from another file: edit it there, or make it local")
-    sockets = sockets_to_feed(material)
-    if not sockets:
-        raise RefusedError("The material has no thickness input: mark a layer as varying and bake")
+    sockets = required_sockets(material)
     foreign = [link.from_node for socket in sockets for link in socket.links if not link.from_node.get(MARK)]
     if foreign and not replace:
         raise RefusedError(f"Thickness is linked to the node “{foreign[0].label or foreign[0].name}”: "
@@ -173,6 +173,14 @@ def sockets_to_feed(material, name=FRONT):
     return found
 
 
+def required_sockets(material):
+    """The inputs that a source of the thickness feeds. Raises RefusedError if there are none."""
+    found = sockets_to_feed(material)
+    if not found:
+        raise RefusedError("The material has no thickness input: mark a layer as varying and bake")
+    return found
+
+
 def _feed(sockets, output):
     for socket in sockets:
         socket.id_data.links.new(output, socket)
@@ -211,12 +219,7 @@ def read_by(tree, texture, beside, uv_map):
 def _image(material, wanted):
     """The wanted image, set up to hold numbers. Raises RefusedError."""
     if not wanted:
-        image = bpy.data.images.new(f"{material.name} thickness", IMAGE_SIZE, IMAGE_SIZE, alpha=False,
-                                    float_buffer=True, is_data=True)
-        black = np.zeros((IMAGE_SIZE * IMAGE_SIZE, 4), np.float32)
-        black[:, 3] = 1.0
-        image.pixels.foreach_set(black.ravel())  # a generated image without assigned pixels cannot be packed
-        image.update()
+        image = data_image.black(f"{material.name} thickness", IMAGE_SIZE, float_buffer=True)
     else:
         image = wanted if isinstance(wanted, bpy.types.Image) else bpy.data.images.get(wanted)
     if image is None:
@@ -249,7 +252,7 @@ def _odd_texels(image):
 def _finite(texels, channels):
     """Texels with infinity as the largest thickness, and -infinity and NaN as 0; in the alpha they become
     1."""
-    colours = np.nan_to_num(texels, nan=0.0, posinf=node_group.LARGEST, neginf=0.0).reshape(-1, channels)
+    colours = np.nan_to_num(texels, nan=0.0, posinf=LARGEST, neginf=0.0).reshape(-1, channels)
     if channels == 4:
         alphas = texels[3::4]
         colours[:, 3] = np.where(np.isfinite(alphas), alphas, 1.0)

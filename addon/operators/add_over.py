@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import messages
+from ..base.messages import RefusedError
 from ..editing import over_material
 from . import common
 
@@ -45,9 +45,8 @@ class LAMINA_OT_add_over(bpy.types.Operator):
         material = common.material_of(context)
         try:
             over_material.add(material)
-        except messages.RefusedError as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+        except RefusedError as error:
+            return common.refused(self, error)
         # In a window, the bake runs beside the artist's work, and its own operator reports a failure.
         with context.temp_override(material=material):
             bpy.ops.lamina.bake("INVOKE_DEFAULT")

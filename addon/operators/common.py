@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Conditions for running an operator."""
+"""Conditions for running an operator, and the report of a refusal."""
 
 from ..baking import bake_job
-from ..base import native
+from ..base import messages, native
 from ..nodes import thickness
 from ..properties import migration
 from ..settling import dust_job, object_dust
@@ -14,6 +14,12 @@ def material_of(context):
     if material is None and getattr(context, "object", None) is not None:
         material = context.object.active_material
     return material
+
+
+def refused(operator, error):
+    """Report an error in a sentence; returns what `execute` then returns."""
+    operator.report({"ERROR"}, messages.sentence(error))
+    return {"CANCELLED"}
 
 
 def can_edit(cls, context):

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import messages
+from ..base.messages import RefusedError
 from ..nodes import detail_wiring
 from ..settling import object_dust
 from . import common
@@ -30,7 +30,6 @@ class LAMINA_OT_dust_detail(bpy.types.Operator):
             return {"FINISHED"}
         try:
             detail_wiring.add_detail(material, object_dust.largest_side(thing) if thing is not None else 0.0)
-        except messages.RefusedError as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+        except RefusedError as error:
+            return common.refused(self, error)
         return {"FINISHED"}

@@ -54,5 +54,4 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
     def failed(self, error, _context, _job=None):
         if not messages.expected(error):
             dust_job.log.error("dust failed", exc_info=error)
-        self.report({"ERROR"}, messages.sentence(error))
-        return {"CANCELLED"}
+        return common.refused(self, error)

@@ -3,12 +3,12 @@
 
 import bpy
 
-from ..base import messages
+from ..base.messages import RefusedError
 from ..settling import wiping
 from . import common
 
 ITEMS = (
-    ("", "Automatic", "An attribute on a fine mesh or without a UV map, otherwise an image"),
+    ("AUTO", "Automatic", "An attribute on a fine mesh or without a UV map, otherwise an image"),
     ("attribute", "Attribute", "A color attribute of the mesh, as fine as its vertices"),
     ("image", "Image", "A packed image over the UV map"),
 )
@@ -20,10 +20,7 @@ class LAMINA_OT_dust_wipe(bpy.types.Operator):
     bl_description = "Go to paint mode: white strokes wipe the varying layer off, black strokes bring it back"
     bl_options = {"REGISTER", "UNDO"}
 
-    kept: bpy.props.EnumProperty(
-        name="Kept In", description="Where the painted mask is kept",
-        items=[(name or "AUTO", *rest) for name, *rest in ITEMS], default="AUTO",
-    )
+    kept: bpy.props.EnumProperty(name="Kept In", description="Where the painted mask is kept", items=ITEMS)
     paint: bpy.props.BoolProperty(name="Paint", description="Go to paint mode at once", default=True)
 
     @classmethod
@@ -36,12 +33,10 @@ class LAMINA_OT_dust_wipe(bpy.types.Operator):
         return True
 
     def execute(self, context):
-        kept = "" if self.kept == "AUTO" else self.kept
         try:
-            kept, image = wiping.add_mask(context.object, common.material_of(context), kept)
-        except messages.RefusedError as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+            kept, image = wiping.add_mask(context.object, common.material_of(context), self.kept)
+        except RefusedError as error:
+            return common.refused(self, error)
         if self.paint:
             wiping.start_painting(context, context.object, kept, image)
         return {"FINISHED"}

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import messages, native
+from ..base import native
 from ..interior import contents
 from . import common
 
@@ -26,6 +26,5 @@ class LAMINA_OT_end_preset(bpy.types.Operator):
         try:
             contents.fill(interior.second if self.second else interior.first, self.preset)
         except (ValueError, native.NativeMissingError) as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+            return common.refused(self, error)
         return {"FINISHED"}

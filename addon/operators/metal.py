@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import messages, native
+from ..base import native
 from ..editing import metals
 from . import common
 
@@ -29,6 +29,5 @@ class LAMINA_OT_metal(bpy.types.Operator):
         try:
             metals.fill(common.material_of(context).lamina.base, self.metal)
         except (ValueError, native.NativeMissingError) as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+            return common.refused(self, error)
         return {"FINISHED"}

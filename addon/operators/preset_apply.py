@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import messages, native
+from ..base import native
 from ..editing import presets
 from . import common
 
@@ -39,6 +39,5 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
         try:
             use(common.material_of(context), self.preset)
         except (ValueError, OSError, native.NativeMissingError) as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+            return common.refused(self, error)
         return {"FINISHED"}

@@ -3,8 +3,8 @@
 
 import bpy
 
-from ..base import messages
 from ..editing import presets
+from . import common
 
 
 class LAMINA_OT_preset_delete(bpy.types.Operator):
@@ -25,6 +25,5 @@ class LAMINA_OT_preset_delete(bpy.types.Operator):
         try:
             presets.delete_user(self.name)
         except (ValueError, OSError) as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+            return common.refused(self, error)
         return {"FINISHED"}

@@ -4,7 +4,6 @@
 import bpy
 from bpy_extras.io_utils import ImportHelper
 
-from ..base import messages
 from ..editing import stack_io
 from . import common
 
@@ -26,6 +25,5 @@ class LAMINA_OT_stack_import(bpy.types.Operator, ImportHelper):
         try:
             stack_io.import_file(common.material_of(context), self.filepath)
         except (ValueError, OSError) as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+            return common.refused(self, error)
         return {"FINISHED"}

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import messages
+from ..base.messages import RefusedError
 from ..nodes import thickness
 from . import common
 
@@ -40,7 +40,6 @@ class LAMINA_OT_thickness_wire(bpy.types.Operator):
         material = common.material_of(context)
         try:
             thickness.wire_thickness(material, self.source.lower(), self.name, self.uv_map, self.replace)
-        except messages.RefusedError as error:
-            self.report({"ERROR"}, messages.sentence(error))
-            return {"CANCELLED"}
+        except RefusedError as error:
+            return common.refused(self, error)
         return {"FINISHED"}

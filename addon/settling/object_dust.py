@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..base import float_image, native
+from ..base import data_image, native
 from ..base.messages import RefusedError
 from ..kinds import dust as kinds
 from ..kinds.dust import ATTRIBUTE
@@ -153,11 +153,14 @@ def apply(obj, task, answer):
     settings.told, settings.largest = "; ".join(notes), statistics.maximum
     settings.largest_back = 0.0 if answer.dust.back is None else float(answer.dust.back.max(initial=0.0))
     for slot in obj.material_slots:
-        if slot.material is not None and slot.material.is_editable and _is_free(slot.material):
-            first = thickness.wiring(slot.material).source == "value"
-            thickness.wire_thickness(slot.material, source, name, settings.uv_map)
-            if first and thickness.has_input(slot.material):
-                detail_wiring.add_detail(slot.material, largest_side(obj))
+        material = slot.material
+        if material is None or not material.is_editable:
+            continue
+        linked = thickness.wiring(material).source
+        if linked in thickness.SOURCES:
+            thickness.wire_thickness(material, source, name, settings.uv_map)
+        if linked == "value":
+            detail_wiring.add_detail(material, largest_side(obj))
 
 
 def largest_side(obj):
@@ -248,7 +251,7 @@ def _write_image(obj, dust):
     if dust.back is not None:
         texels[..., :3] -= dust.back[..., None]
         texels[..., 3] = dust.back
-    image = float_image.create(f"{obj.name} dust", texels)
+    image = data_image.create(f"{obj.name} dust", texels)
     image[thickness.TWO_SIDES] = True
     last, obj.lamina_dust.image = obj.lamina_dust.image, image
     if last is not None:
@@ -257,8 +260,3 @@ def _write_image(obj, dust):
         bpy.data.images.remove(last)
         image.name = name
     return image
-
-
-def _is_free(material):
-    """True if a material's thickness input is unlinked, or linked to nodes made by Lamina."""
-    return thickness.wiring(material).source in ("value", "attribute", "image")

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from ..base import uv_maps
+from ..base import data_image, uv_maps
 from ..base.messages import RefusedError
 from ..nodes import detail_wiring
 from . import object_dust
@@ -22,13 +22,14 @@ def store(obj):
     return "image"
 
 
-def add_mask(obj, material, kept=""):
+def add_mask(obj, material, kept="AUTO"):
     """Make an empty mask of `obj`, and let `material` remove its varying layer where the mask is white.
-    `kept`: "attribute", "image", or "" for the result of `store`. A mask that the material reads already is
-    kept. Returns (kept, image or None). Raises RefusedError."""
-    kept = kept or store(obj)
+    `kept`: "attribute", "image", or "AUTO" for the result of `store`. A mask that the material reads already
+    is kept. Returns ("attribute" or "image", image or None). Raises RefusedError."""
     if obj.type != "MESH" or not obj.data.is_editable:
         raise RefusedError("Dust is wiped off mesh objects of this file: select one")
+    if kept == "AUTO":
+        kept = store(obj)
     uv_map = uv_maps.find(obj.data, "")
     if kept == "image" and uv_map is None:
         raise RefusedError(f"{uv_maps.missing(obj, '')}: unwrap it, or keep the mask in an attribute")
@@ -44,7 +45,7 @@ def add_mask(obj, material, kept=""):
     if before is not None and before.type == "TEX_IMAGE" and before.image is not None:
         return kept, before.image
     node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image, node.extension = _empty_image(f"{obj.name} wiped"), "EXTEND"
+    node.image, node.extension = data_image.black(f"{obj.name} wiped", IMAGE_SIZE), "EXTEND"
     detail_wiring.wipe_by(material, node, "Color", uv_map.name)
     return kept, node.image
 
@@ -73,13 +74,3 @@ def _color_attribute(mesh):
         text = f"{mesh.name} has another kind of attribute named {ATTRIBUTE}: rename or remove it"
         raise RefusedError(text)
     mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]
-
-
-def _empty_image(name):
-    image = bpy.data.images.new(name, IMAGE_SIZE, IMAGE_SIZE, alpha=False, is_data=True)
-    black = np.zeros((IMAGE_SIZE * IMAGE_SIZE, 4), np.float32)
-    black[:, 3] = 1.0
-    image.pixels.foreach_set(black.ravel())  # a generated image without assigned pixels cannot be packed
-    image.update()
-    image.pack()
-    return image

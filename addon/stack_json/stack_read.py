@@ -70,14 +70,20 @@ def _number(field, entry, where):
 
 def _options(cls, entry, where):
     """Values of the options of a kind; the usual value if the entry lacks an option."""
-    values = {option.name: entry.get(option.name, option.usual) for option in cls.options}
-    for option in cls.options:
-        known = [item.id for item in option.items] if option.several else option.values
-        if option.several:
-            values[option.name] = set(values[option.name])
-        if not (values[option.name] <= set(known) if option.several else values[option.name] in known):
-            raise RefusedError(f"{where}.{option.name} = {values[option.name]}: {NEWER}")
-    return values
+    return {option.name: _option(option, entry.get(option.name, option.usual), f"{where}.{option.name}")
+            for option in cls.options}
+
+
+def _option(option, value, where):
+    """The value of an option's property: a set of names if the option takes several."""
+    if option.several:
+        value = set(value)
+        known = value <= {item.id for item in option.items}
+    else:
+        known = value in option.values
+    if not known:
+        raise RefusedError(f"{where} = {value}: {NEWER}")
+    return value
 
 
 def _medium(layer, where):

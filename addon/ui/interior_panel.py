@@ -59,8 +59,8 @@ class LAMINA_PT_interior(MaterialPanel, bpy.types.Panel):
         sentence = interior_job.problem(obj, material) or interior_job.stale(context, obj, material)
         if sentence:
             draw_sentence(context, layout, sentence, "ERROR")
-        elif contents.too_coarse(context, obj, settings):
-            draw_sentence(context, layout, contents.too_coarse(context, obj, settings))
+        elif coarse := contents.too_coarse(context, obj, settings):
+            draw_sentence(context, layout, coarse)
         if settings.report:
             draw_sentence(context, layout, settings.report)
 

@@ -15,7 +15,9 @@ SUFFIX = ".jpg"
 _NONE = [("NONE", "None", "The library is not available", 0, 0)]
 
 _pictures = None  # Blender's collection of previews, while the add-on is registered
-_items = {}  # Blender needs the texts of an enumeration to stay alive: lists of items by category
+# Blender needs the texts of an enumeration to stay alive: lists of items by category, and the categories.
+_items = {}
+_CATEGORIES = None  # their key: no category is None
 
 
 def pictured():
@@ -31,10 +33,10 @@ def _by_category():
 
 
 def _categories(_settings, _context):
-    if "" not in _items:
-        _items[""] = [(name, name[:1].upper() + name[1:], f"{len(entries)} presets", number)
+    if _CATEGORIES not in _items:
+        _items[_CATEGORIES] = [(name, name[:1].upper() + name[1:], f"{len(entries)} presets", number)
                       for number, (name, entries) in enumerate(_by_category().items())]
-    return _items[""] or _NONE
+    return _items[_CATEGORIES] or _NONE
 
 
 def _presets(settings, _context):

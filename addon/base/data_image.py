@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Packed images that hold numbers, which Cycles reads unchanged."""
+
+import bpy
+import numpy as np
+
+
+def create(name, texels):
+    """A new float32 image of `texels`, (height, width, 4), bottom row first. It has no user yet."""
+    height, width, _ = texels.shape
+    image = bpy.data.images.new(name, width, height, alpha=True, float_buffer=True, is_data=True)
+    # Defaults differ between Blender versions: set both explicitly.
+    image.colorspace_settings.name = "Non-Color"
+    image.alpha_mode = "CHANNEL_PACKED"
+    image.pixels.foreach_set(np.ascontiguousarray(texels, np.float32).ravel())
+    image.update()
+    image.pack()
+    return image
+
+
+def black(name, size, float_buffer=False):
+    """A new black and opaque image of `size` x `size` texels. It has no user yet."""
+    image = bpy.data.images.new(name, size, size, alpha=False, float_buffer=float_buffer, is_data=True)
+    texels = np.zeros((size * size, 4), np.float32)
+    texels[:, 3] = 1.0
+    image.pixels.foreach_set(texels.ravel())  # a generated image without assigned pixels cannot be packed
+    image.update()
+    image.pack()
+    return image
