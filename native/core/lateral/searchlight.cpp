@@ -83,8 +83,8 @@ Searchlight::Searchlight(MeasuredStack measured, double mu, const SearchlightQua
   runs_along_ = has_clear_layer(measured_);
   choose_resolution();
   choose_scale();
-  // Elsewhere the spectrum is a power series in q^2 with the radius decay^2. Smaller steps amplify the solver's errors:
-  // the mean square is a quotient by the square of the first step.
+  // If all layers scatter, the spectrum is a power series in q^2 with the radius decay^2, which allows large steps.
+  // Smaller steps amplify the solver's errors: the mean square is a quotient by the square of the first step.
   constexpr int kSmall = 6;
   const double step = has_layer_without_scattering(measured_) ? 0.02 : 0.15;
   for (int k = 1; k <= kSmall; ++k) {

@@ -44,12 +44,12 @@ void LitTally::scatters(const Scattering& scattering, Rng& rng) {
     if (radiance == 0.0) {
       continue;
     }
-    const double cosine = scattering.before.dot(direction);
+    const Weights phases = scattering.phases(scattering.before.dot(direction));
     // Balance heuristic: divided by the sum of the densities of both ways to draw this direction.
-    const double densities = aim.light->density(direction) + scattering.phase(cosine, scattering.leader);
+    const double densities = aim.light->density(direction) + phases[scattering.leader];
     Weights weights = scattering.weights;
     for (std::size_t c = 0; c < kChannels; ++c) {
-      weights[c] *= scattering.phase(cosine, c) * emergence->passed[c];
+      weights[c] *= phases[c] * emergence->passed[c];
     }
     add(k, weights, radiance / densities);
   }
@@ -61,7 +61,7 @@ void LitTally::meets_boundary(const Place& place, const Ray& direction, const Ra
     double share = 1.0;
     LampPoint point = last_ ? *aims_[k].point : LampPoint(rng);
     if (last_ && aims_[k].light) {
-      const double phase = last_->phase(last_->before.dot(direction), last_->leader);
+      const double phase = last_->phases(last_->before.dot(direction))[last_->leader];
       share = phase / (phase + aims_[k].light->density(direction));
     }
     const double radiance = entering(lamps_[k], point, place, direction, normal);
@@ -122,9 +122,9 @@ void LitTally::collect_through_matched(const Scattering& scattering, Rng& rng) {
     }
     Weights weights =
         walk_.transmittance(scattering.place, light.towards, light.distance, scattering.shells, rng, counts_);
-    const double cosine = scattering.before.dot(light.towards);
+    const Weights phases = scattering.phases(scattering.before.dot(light.towards));
     for (std::size_t c = 0; c < kChannels; ++c) {
-      weights[c] *= scattering.weights[c] * scattering.phase(cosine, c);
+      weights[c] *= scattering.weights[c] * phases[c];
     }
     add(k, weights, light.irradiance);
   }

@@ -19,20 +19,20 @@ constexpr double kStartReach = 1e-4;
 // Walks start this far below the surface, relative to the solid's size: a few rounding errors of single precision.
 constexpr double kInset = 2e-7;
 
-Ray reflected(const Ray& ray, const Ray& normal) {
-  const double twice = 2.0 * ray.dot(normal);
-  return normalised({ray.x - twice * normal.x, ray.y - twice * normal.y, ray.z - twice * normal.z});
-}
-
 }  // namespace
 
-double Scattering::phase(double cosine, std::size_t channel) const {
+Weights Scattering::phases(double cosine) const {
   const double first = HenyeyGreenstein{sample.g_first}.evaluate(cosine);
+  Weights found;
   if (sample.g_first == sample.g_second) {
-    return first / (4.0 * std::numbers::pi);
+    found.fill(first / (4.0 * std::numbers::pi));
+    return found;
   }
   const double second = HenyeyGreenstein{sample.g_second}.evaluate(cosine);
-  return (first + static_cast<double>(sample.second[channel]) * (second - first)) / (4.0 * std::numbers::pi);
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    found[c] = (first + static_cast<double>(sample.second[c]) * (second - first)) / (4.0 * std::numbers::pi);
+  }
+  return found;
 }
 
 void WalkCounts::add(const WalkCounts& other) {
@@ -103,8 +103,8 @@ class MeshWalk::Path {
       return false;
     }
     // A direction that enters with respect to the given normal may leave with respect to the face's normal.
-    if (direction_.dot(normal_) > 0.0) {
-      direction_ = reflected(direction_, normal_);
+    if (const double along = direction_.dot(normal_); along > 0.0) {
+      direction_ = mirrored_at(normal_, direction_, along);
     }
     if (grid_.is_grey()) {
       weights_.fill(weight);

@@ -30,8 +30,8 @@ struct Scattering {
   Ray normal;                      ///< of the face that the path met last
   int shells;                      ///< number of parts of the mesh that contain the position
 
-  /// The phase function of one channel, normalised to 1 over the sphere.
-  double phase(double cosine, std::size_t channel) const;
+  /// The phase function of each channel, normalised to 1 over the sphere.
+  Weights phases(double cosine) const;
 };
 
 /// Light that reaches the surface from inside: where, the outward normal, and the transmittance by channel.

@@ -48,6 +48,11 @@ struct SmoothMeeting {
     refracted =
         normalised({ratio * in.x + turn * normal.x, ratio * in.y + turn * normal.y, ratio * in.z + turn * normal.z});
   }
+
+  /// At the surface of a solid of index `ior`; inside, `along` is positive.
+  static SmoothMeeting from_either_side(const Ray& in, const Ray& normal, double along, double ior) {
+    return along > 0.0 ? SmoothMeeting(in, normal, along, ior, 1.0) : SmoothMeeting(in, normal, along, 1.0, ior);
+  }
 };
 
 }  // namespace
@@ -72,13 +77,8 @@ SurfaceBoundary::Outcome SurfaceBoundary::meet(const Ray& in, const Ray& normal,
     return {frame.world(outcome.ray), outcome.weight};
   }
   const double along = std::clamp(in.dot(normal), -1.0, 1.0);
-  const bool inside = along > 0.0;
-  const SmoothMeeting meeting(in, normal, along, inside ? ior_ : 1.0, inside ? 1.0 : ior_);
-  if (rng.uniform() >= meeting.reflected) {
-    return {meeting.refracted, 1.0};
-  }
-  return {normalised({in.x - 2.0 * along * normal.x, in.y - 2.0 * along * normal.y, in.z - 2.0 * along * normal.z}),
-          1.0};
+  const SmoothMeeting meeting = SmoothMeeting::from_either_side(in, normal, along, ior_);
+  return {rng.uniform() >= meeting.reflected ? meeting.refracted : mirrored_at(normal, in, along), 1.0};
 }
 
 SurfaceBoundary::Outcome SurfaceBoundary::enter(const Ray& in, const Ray& normal) const {
@@ -91,13 +91,11 @@ SurfaceBoundary::Outcome SurfaceBoundary::enter(const Ray& in, const Ray& normal
 
 SurfaceBoundary::Outcome SurfaceBoundary::leaving(const Ray& in, const Ray& normal) const {
   const double along = std::clamp(in.dot(normal), -1.0, 1.0);
-  const bool inside = along > 0.0;
-  const SmoothMeeting meeting(in, normal, along, inside ? ior_ : 1.0, inside ? 1.0 : ior_);
-  if (inside) {
+  const SmoothMeeting meeting = SmoothMeeting::from_either_side(in, normal, along, ior_);
+  if (along > 0.0) {
     return {meeting.refracted, 1.0 - meeting.reflected};
   }
-  return {normalised({in.x - 2.0 * along * normal.x, in.y - 2.0 * along * normal.y, in.z - 2.0 * along * normal.z}),
-          meeting.reflected};
+  return {mirrored_at(normal, in, along), meeting.reflected};
 }
 
 double SurfaceBoundary::blur() const { return alpha_ * std::abs(1.0 - 1.0 / ior_); }

@@ -25,6 +25,12 @@ inline Ray normalised(const Ray& ray) {
   return {ray.x / length, ray.y / length, ray.z / length};
 }
 
+/// `ray` mirrored at a plane with this normal; `along`: the cosine between both.
+inline Ray mirrored_at(const Ray& normal, const Ray& ray, double along) {
+  const double twice = 2.0 * along;
+  return normalised({ray.x - twice * normal.x, ray.y - twice * normal.y, ray.z - twice * normal.z});
+}
+
 inline double sine_of(double cosine) { return std::sqrt(std::max(0.0, 1.0 - cosine * cosine)); }
 
 /// A uniform point of the unit circle, from a point of the unit disc by rejection, without a sine or a cosine.

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Lambert base whose reflectance is a texture: one bake is exact for any reflectance.
 
-A base of reflectance rho adds rho A / (1 - rho r) to a stack over black. A(o, i) = T(o) T(i) / pi is light that reaches
-the base and leaves again; r is the share of diffuse light from the base that the layers reflect back to it (the
-geometric series of van de Hulst 1963). The table holds closures for the stack over black, others for A, and r; a node
-computes rho / (1 - rho r)."""
+A base of reflectance rho adds rho A / (1 - rho r) to a stack over black, see geometric_series. A(o, i) = T(o) T(i) / pi
+is light that reaches the base and leaves again. The table holds closures for the stack over black, others for A, and r;
+a node computes rho / (1 - rho r)."""
 
 from __future__ import annotations
 
@@ -15,7 +14,8 @@ import numpy as np
 from ..closures.closure_table import LightGrid
 from ..common.progress import Progress, portion
 from ..kinds.table import PREFIX, THROWN_BACK
-from .mixture import FittedMixture, Mixture, norms
+from . import geometric_series
+from .mixture import FittedMixture, Mixture, norms, relative
 from .slices import Slices, SolvedRows, slices
 
 
@@ -29,8 +29,7 @@ class TexturedBase:
 
     def gain(self, reflectance: list[float]) -> np.ndarray:
         """The factor of the weights of A for a reflectance, one per channel: [side, row, channel, column]."""
-        rho = np.array(reflectance)[:, None]
-        return rho / (1.0 - rho * self.thrown_back)
+        return geometric_series.gain(np.array(reflectance)[:, None], self.thrown_back)
 
     def parts(self, reflectance: list[float], black: Slices, dark: FittedMixture,
               fitted: FittedMixture) -> dict[str, Mixture]:
@@ -40,9 +39,8 @@ class TexturedBase:
         whole = norms(black.values + gain[..., None] * self.slices.values, self.grid)
         errors = np.nan_to_num(dark.errors) * norms(black.values, self.grid)
         errors = errors + np.nan_to_num(fitted.errors) * gain * norms(self.slices.values, self.grid)
-        errors = np.where(whole > 0.0, errors / np.where(whole > 0.0, whole, 1.0), np.nan)
         return {
-            "reflection": FittedMixture(dark.closures, dark.weights, errors, dark.albedo_errors),
+            "reflection": replace(dark, errors=relative(errors, whole)),
             "base": Mixture([PREFIX + name for name in fitted.closures], fitted.weights),
             "thrown back": Mixture([THROWN_BACK], self.thrown_back[:, None]),
         }
@@ -65,11 +63,8 @@ def over_texture(solved: SolvedRows, grid: LightGrid, pool,
 
 
 def _thrown_back(solved: SolvedRows, black: Slices, white: Slices) -> np.ndarray:
-    """r, [row, channel]: with g = 1 / (1 - r) over white and 1/2 / (1 - r/2) over grey, the ratio of the gains is
-    q = (2 - r) / (1 - r). 0 where no light reaches the base. Evaluated at the first column, the normal view."""
+    """r, [row, channel], evaluated at the first column, the normal view."""
     dark, bright = black.albedo[0, :, :, 0], white.albedo[0, :, :, 0]
     grey = np.array([function.with_base_reflectance(0.5).reflectance(1.0) for function in solved.functions])
     grey = grey - black.direct[0, :, :, 0]  # boundaries reflect the same over any base
-    seen = grey - dark > 1e-12
-    ratio = np.where(seen, (bright - dark) / np.where(seen, grey - dark, 1.0), 2.0)
-    return np.clip((ratio - 2.0) / (ratio - 1.0), 0.0, 1.0)
+    return geometric_series.thrown_back(dark, grey, bright)

@@ -229,3 +229,8 @@ def norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:
     """L2 norms over solid angle, along the last axis of `values`."""
     return np.sqrt(np.maximum((values**2) @ grid.solid_angle, 0.0))
 
+
+def relative(error: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    """Errors of slices relative to their norms `whole`; nan where a slice is black."""
+    return np.where(whole > 0.0, error / np.where(whole > 0.0, whole, 1.0), np.nan)
+

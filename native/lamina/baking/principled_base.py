@@ -10,7 +10,7 @@ Inputs of the group. The BSDF has the sockets' values. The rest depends on the b
 
     rest(c) = rest(0) + c / (1 - c r) * A
 
-which is exact for a diffuse base (the geometric series of base_texture). For a metal, r is chosen for each view so that
+which is exact for a diffuse base, see geometric_series. For a metal, r is chosen for each view so that
 the albedo is exact at c = 0, 1/2 and 1. Metallic mixes the rests of metallic 0 and 1 linearly. Roughness is an axis of
 the table, around that of thickness: the rows of all thicknesses at the first roughness, then those at the next."""
 
@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..closures.axes import tau_at
 from ..closures.closure_table import LightGrid, grid_for, light_grid, view_cosines
 from ..closures.lobes import ggx
 from ..common.errors import StackError
@@ -32,8 +31,9 @@ from ..kinds.fields import channel
 from ..kinds.table import METAL, PREFIX, PRINCIPLED, ROUGHNESS_ROWS, THROWN_BACK
 from ..material.stack import Stack
 from ..solver.solve import thread_pool
+from . import geometric_series
 from .dropped_weights import folded
-from .mixture import Effort, FittedMixture, Mixture, mix, norms
+from .mixture import Effort, FittedMixture, Mixture, mix, norms, relative
 from .slices import Slices, SolvedRows, slices, solve_rows
 
 # Widths of closures for lobes that the layers broaden, beside those of the dictionary.
@@ -138,10 +138,9 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
         seen["reflection"] = values
         whole = whole + part * norms(values.values, work.grid)
         error = error + part * fitted.error(base)
-    errors = np.where(whole > 0.0, error / np.where(whole > 0.0, whole, 1.0), np.nan)
     first = table["reflection"]
     assert isinstance(first, FittedMixture)
-    table["reflection"] = FittedMixture(first.closures, first.weights, errors, first.albedo_errors)
+    table["reflection"] = replace(first, errors=relative(error, whole))
     return table, seen, solved, roughnesses if len(roughnesses) > 1 else []
 
 
@@ -179,7 +178,7 @@ def _rests(work: _Work, metallic: float, step: Progress) -> tuple[SolvedRows, np
     solved, bare = work.solved(metallic, 1.0, portion(step, 0.4, 0.5))
     light, values = work.rest(solved, bare, weight, portion(step, 0.5, 0.8))
     half = _albedo_of_rest(*work.solved(metallic, 0.5, portion(step, 0.8, 0.9)), weight)
-    thrown_back = _thrown_back(dark.albedo, half, light.albedo)
+    thrown_back = geometric_series.thrown_back(dark.albedo, half, light.albedo)
     share = 1.0 - thrown_back
     albedo = (light.albedo - dark.albedo) * share
     albedo = np.where(albedo > NEGLIGIBLE * (values.albedo + values.direct), albedo, 0.0)
@@ -196,20 +195,11 @@ def _albedo_of_rest(solved: SolvedRows, bare: SolvedRows, weight: np.ndarray) ->
     return np.moveaxis(whole - weight[..., None] * clean, 2, 1)[None]
 
 
-def _thrown_back(dark: np.ndarray, half: np.ndarray, light: np.ndarray) -> np.ndarray:
-    """r, from albedos at the colors 0, 1/2 and 1: the share q = (1 - r) / (2 - r) of the change from 0 to 1 is reached
-    at 1/2."""
-    change = light - dark
-    seen = change > 1e-9
-    q = np.clip(np.where(seen, half - dark, 0.5) / np.where(seen, change, 1.0), 0.0, 0.5)
-    return (1.0 - 2.0 * q) / (1.0 - q)
-
-
 def attenuations(stack: Stack, base: PrincipledBase, solved: SolvedRows) -> np.ndarray:
     """w, [row, column]: of the light that no layer scatters or absorbs on its way to the base's lobe and back, the best
     multiple of the bare lobe (L2 over solid angle). Of channels that differ, the least."""
     mu = view_cosines()
-    thickness = np.array([[_thickness(stack, c, row) for c in range(stack.channels)] for row in _shares(solved)])
+    thickness = np.array([[_thickness(stack, c, row) for c in range(stack.channels)] for row in solved.shares])
     tau = thickness.max(axis=1)[:, None]
     if base.alpha == 0.0:
         return np.exp(-2.0 * tau / mu)
@@ -218,13 +208,6 @@ def attenuations(stack: Stack, base: PrincipledBase, solved: SolvedRows) -> np.n
     lobe = (lobe.reshape(len(mu), -1) ** 2 * dense.solid_angle).reshape(len(mu), len(dense.mu), -1).sum(axis=2)
     passed = np.exp(-tau[:, :, None] / dense.mu)[:, 0]  # [row, light]
     return np.exp(-tau / mu) * (passed @ lobe.T) / lobe.sum(axis=1)
-
-
-def _shares(solved: SolvedRows) -> list[float]:
-    """The varying layer's thickness at the solved rows, as shares of its largest."""
-    if not solved.axis or solved.axis[-1] <= 0.0:
-        return [1.0] * len(solved.rows)
-    return (tau_at(solved.axis[-1], np.array(solved.rows)) / solved.axis[-1]).tolist()
 
 
 def _thickness(stack: Stack, index: int, share: float) -> float:
@@ -285,6 +268,6 @@ class _Fits:
         if self._added is not None and self._rests.added is not None and self._rests.thrown_back is not None:
             channels = self._rests.thrown_back.shape[2]
             color = np.array([channel(base.color, c) for c in range(channels)])[:, None]
-            gain = color / (1.0 - color * self._rests.thrown_back)
+            gain = geometric_series.gain(color, self._rests.thrown_back)
             error = error + np.nan_to_num(self._added.errors) * gain * norms(self._rests.added.values, grid)
         return error

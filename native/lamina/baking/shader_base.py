@@ -3,12 +3,14 @@
 
 The shader's scattering function is unknown, so the light that it sends through the layers is approximate: its own light
 towards the viewer, times a weight that depends on the view. For a base of mean reflectance c the weight is
-w / (1 - c r), with the geometric series of base_texture, where r is the share of diffuse light that the layers reflect
-back to the base. For a Lambert surface w is known exactly: the directional albedo of base_texture's A. Light from a
-metal crosses the layers twice at nearly the same angle, and has another w. The table holds the geometric mean of both,
-whose error is as large for a Lambert surface as for a rough metal."""
+w / (1 - c r), see geometric_series, where r is the share of diffuse light that the layers reflect back to the base. For
+a Lambert surface w is known exactly: the directional albedo of base_texture's A. Light from a metal crosses the layers
+twice at nearly the same angle, and has another w. The table holds the geometric mean of both, whose error is as large
+for a Lambert surface as for a rough metal."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,7 +24,7 @@ from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.solve import solve
 from .base_texture import TexturedBase
-from .mixture import FittedMixture, Mixture, norms
+from .mixture import FittedMixture, Mixture, norms, relative
 from .slices import Slices, SolvedRows
 
 METAL = Conductor(facing=0.9, grazing=0.9, alpha=0.3)  # like aluminium
@@ -92,9 +94,8 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
     # The error of the fit over black, relative to the whole light over a base of the stack's reflectance
     gain = base.gain([channel(stack.base.reflectance, c) for c in range(stack.channels)])
     own_norm, whole = norms(black.values, grid), norms(black.values + gain[..., None] * base.slices.values, grid)
-    fit = np.where(whole > 0.0, np.nan_to_num(dark.errors) * own_norm / np.where(whole > 0.0, whole, 1.0), np.nan)
     parts = {
-        "reflection": FittedMixture(dark.closures, dark.weights, fit, dark.albedo_errors),
+        "reflection": replace(dark, errors=relative(np.nan_to_num(dark.errors) * own_norm, whole)),
         "base weight": Mixture([BASE_WEIGHT], weight[None, None]),
         "thrown back": Mixture([THROWN_BACK], base.thrown_back[:, None]),
     }
@@ -106,10 +107,9 @@ def _thicknesses(stack: Stack, solved: SolvedRows, rows: list[int], quality: str
     full = solve(stack, quality, threads)
     if stack.varying is None:
         return [full]
-    largest = solved.axis[-1]
     taus = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
-    shares = [(solved.tau[row] or 0.0) / largest if largest > 0.0 else 0.0 for row in rows]
-    return [full.with_thickness(stack.varying, [share * tau for tau in taus]) for share in shares]
+    shares = solved.shares
+    return [full.with_thickness(stack.varying, [shares[row] * tau for tau in taus]) for row in rows]
 
 
 def _reflected(functions) -> np.ndarray:

@@ -46,6 +46,13 @@ class SolvedRows:
     sides: list[str]
     is_sheet: bool
 
+    @property
+    def shares(self) -> list[float]:
+        """The varying layer's thickness at each solved row, as a share of the largest; 1 if none varies."""
+        if not self.axis:
+            return [1.0] * len(self.rows)
+        return [_share(self.axis[row], self.axis[-1]) for row in self.rows]
+
 
 def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, str], None],
                stride: int = 1, nodes: int | None = None) -> SolvedRows:
@@ -66,7 +73,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     functions: list[ScatteringFunction] = []
     for count, row in enumerate(rows):
         step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
-        share = axis[row] / largest if largest > 0.0 else 0.0
+        share = _share(axis[row], largest)
         # The lobes of boundaries are sharpest in the clean stack, so its resolution is sufficient for all other rows.
         known = functions[0] if functions else full
         functions.append(known.with_thickness(stack.varying, [share * t for t in taus]))
@@ -97,6 +104,10 @@ def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.
     values, lobes, albedo, direct = zip(*made, strict=True)
     return Slices(np.concatenate(values, axis=1), np.maximum(np.concatenate(albedo, axis=1), 0.0),
                   None if lobes[0] is None else np.concatenate(lobes, axis=1), np.concatenate(direct, axis=1))
+
+
+def _share(tau: float, largest: float) -> float:
+    return tau / largest if largest > 0.0 else 0.0
 
 
 def batches(rows: int) -> list[slice]:

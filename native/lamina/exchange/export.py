@@ -103,8 +103,9 @@ def tabulate(solved: ScatteringFunction, theta_o=None, theta_i=None, dphi=None,
 
 def save_npz(solved: ScatteringFunction | AnyStack, path: str | os.PathLike, theta_o=None, theta_i=None, dphi=None,
              progress: Callable[[float, str], object] | None = None) -> None:
-    """Writes the result of tabulate as .npz, completely or not at all: no pickle, the header as bytes of JSON. A stack
-    is solved first, at quality "final". Raises ValueError, SolveError and OSError."""
+    """Writes the result of tabulate as .npz, completely or not at all: no pickle, the header as bytes of JSON. A
+    stack, also the id of a preset or the path of a JSON file, is solved first at quality "final". Raises ValueError,
+    SolveError and OSError."""
     if not isinstance(solved, ScatteringFunction):
         solved = solve(solved)
     export = tabulate(solved, theta_o, theta_i, dphi, progress)

@@ -17,8 +17,8 @@ from .phases import Isotropic, PhaseFunction
 __all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "PrincipledBase", "ShaderBase"]
 
 
-# Facets of a Principled material narrower than this are solved as a mirror, and only their closure has their width. The
-# neglected light is of the order of alpha^2. The coat is always solved as a mirror.
+# Facets narrower than this are solved as smooth, and only their closure has their width: the neglected light is of the
+# order of alpha^2. The coat of a Principled material is always solved as a mirror.
 LEAST_ALPHA = 0.03
 
 

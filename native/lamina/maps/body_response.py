@@ -70,10 +70,10 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
     media = _media(u, way, node, g, walker.solid_size)
     exact = [_seen(medium, walker.with_points(chosen, samples, walker.seed), bare, g,
                    portion(step, 0.2 + 0.4 * number, 0.6 + 0.4 * number)) for number, medium in enumerate(media)]
-    places = walker.positions[chosen]
+    places, averaged = walker.positions[chosen], max(NEIGHBOURS, -(-AVERAGED // samples))
     for first in range(0, count, BLOCK):
         part = slice(first, first + BLOCK)
-        near, weights = _nearest(places, walker.positions[part], max(NEIGHBOURS, -(-AVERAGED // samples)))
+        near, weights = _nearest(places, walker.positions[part], averaged)
         seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in exact]
         u[part], way[part] = _corrected(apparent[part], distance[part], media, seen, bare)
     return np.interp(u, CURVE, node.full_albedo), way

@@ -17,6 +17,7 @@ from ..interior.grid import Interior
 from ..interior.lamps import AnyLamp, Surroundings
 from ..interior.solid import Solid
 from ..interior.walk import Surface
+from ..walks.searchlight_moments import Measured
 from .map_walk import MapJob, walk_map
 from .noise import noise_of
 from .smoothing import smoothed
@@ -68,9 +69,11 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
     walked.step(1.0, "Done")
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
     interior = walked.walker.interior
-    lit = np.maximum(smoothed(walked.places, interior, found.lamps), 0.0)
-    images = [walked.places.filled(lit[:, k], margin) for k in range(len(found.lamps_used))]
-    sky = walked.places.filled(np.maximum(smoothed(walked.places, interior, found.sky), 0.0), margin)
+    # One pass for all sources, because the regression's matrices are the same
+    every = Measured(np.concatenate([found.lamps.value, found.sky.value[:, None]], axis=1),
+                     np.concatenate([found.lamps.stderr, found.sky.stderr[:, None]], axis=1))
+    light = np.maximum(smoothed(walked.places, interior, every), 0.0)
+    *images, sky = (walked.places.filled(light[:, k], margin) for k in range(light.shape[1]))
     stacked = np.stack(images) if images else np.zeros((0, *sky.shape), np.float32)
     return LitImages(stacked, sky, walked.places.mask, found, noise_of(found), time.perf_counter() - walked.began,
                      walked.places.notes)

@@ -21,6 +21,7 @@ from ..kinds.limits import MOST_NODE_IOR
 from ..subsurface.node_inputs import SubsurfaceInputs, checked_version, subsurface_inputs
 from ..subsurface.node_parameters import LEAST_IOR
 from ..subsurface.node_response import LARGEST_G
+from ..walks.searchlight_moments import Measured
 from .body_response import targets_in_body
 from .lit import MOST_MARGIN
 from .map_walk import MapJob, MapWalk, walk_map
@@ -98,9 +99,12 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
 def _inputs(found: ExitEstimate, walked: MapWalk, surface: Surface, version: tuple[int, int]) -> SubsurfaceInputs:
     """The node's inputs at each point."""
     entered = 1.0 - float(found.mirrored.mean())  # the same at each point, except for noise
-    interior = walked.walker.interior
-    albedo = np.clip(smoothed(walked.places, interior, found.albedo) / entered, 0.0, 1.0)
-    distance = np.maximum(np.nan_to_num(smoothed(walked.places, interior, found.mean_distance)), 0.0)
+    # One pass for both, because the regression's matrices are the same
+    both = Measured(np.stack([found.albedo.value, found.mean_distance.value], axis=1),
+                    np.stack([found.albedo.stderr, found.mean_distance.stderr], axis=1))
+    albedo, distance = np.moveaxis(smoothed(walked.places, walked.walker.interior, both), 1, 0)
+    albedo = np.clip(albedo / entered, 0.0, 1.0)
+    distance = np.maximum(np.nan_to_num(distance), 0.0)
     ior = min(max(surface.ior, LEAST_IOR), MOST_NODE_IOR)
     g, roughness = mean_anisotropy(walked.walker.interior), surface.alpha if surface.ior > 1.0 else 0.0
     albedo, distance = targets_in_body(albedo, distance, walked.walker, g, ior, roughness, walked.step)
