@@ -9,7 +9,7 @@ from .base import native, preferences
 from .command_line import blend_saving, command
 from .interior import interior_job
 from .properties import dust_properties, material_properties, migration
-from .settling import dust_job
+from .settling import dust_job, live_dust
 from .stack_json import solved_colours
 from .ui import (
     dust_panel,
@@ -32,6 +32,7 @@ PARTS = (
     lateral_job,
     interior_job,
     live,
+    live_dust,
     operators,
     menus,
     preset_picker,

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tells other packages that the layers of a material have changed, without importing them.
+"""Tells other packages that the layers of a material, or the settings of an object's dust, have changed,
+without importing them.
 
 Property callbacks and the functions that add, remove or move layers call `tell`; the functions in `listeners`
 only take note. Those in `switches` are called when the Live button is pressed, those in `removals` when a
-material loses its stack.
+material loses its stack. Those in `dust_listeners` and `dust_switches` are called likewise, with an object.
 """
 
 listeners = []
 switches = []
 removals = []
+dust_listeners = []
+dust_switches = []
 
 
 def tell(material):
@@ -31,4 +34,16 @@ def removed(material):
 def switched(settings):
     """Live editing of a material has been turned on or off."""
     for listener in switches:
+        listener(settings.id_data)
+
+
+def dust_edited(settings, _context=None):
+    """Update callback of the properties that make dust."""
+    for listener in dust_listeners:
+        listener(settings.id_data)
+
+
+def dust_switched(settings, _context=None):
+    """Live settling of an object has been turned on or off."""
+    for listener in dust_switches:
         listener(settings.id_data)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..settling import object_dust
+from ..settling import live_dust, object_dust
 from . import common
 
 
@@ -18,5 +18,6 @@ class LAMINA_OT_dust_clear(bpy.types.Operator):
         return common.has_dust(cls, context)
 
     def execute(self, context):
+        live_dust.leave(context.object)
         object_dust.clear(context.object)
         return {"FINISHED"}

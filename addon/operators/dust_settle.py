@@ -4,7 +4,7 @@
 import bpy
 
 from ..base import messages, preferences
-from ..settling import dust_job, object_dust
+from ..settling import dust_job, live_dust, object_dust
 from . import common
 from .following import Following
 
@@ -32,6 +32,7 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
         """Settle and wait for it: scripts, and everything under `blender -b`."""
         try:
             for obj in self._objects(context):
+                live_dust.leave(obj)
                 object_dust.settle(context, obj, threads=preferences.threads())
         except Exception as error:
             return self.failed(error, context)
@@ -39,6 +40,8 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
 
     def start(self, context):
         objects = self._objects(context)
+        for obj in objects:
+            live_dust.leave(obj)
         job = dust_job.start(context, objects)
         return job, f"Dust settles on {objects[0].name if len(objects) == 1 else f'{len(objects)} objects'}"
 

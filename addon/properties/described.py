@@ -50,9 +50,10 @@ def dust_number(option, default):
     panel = option.panel
     default = default if panel.default is None else panel.default
     if option.switch:
-        return BoolProperty(name=panel.label, description=panel.tip, default=default, options=set())
+        return BoolProperty(name=panel.label, description=panel.tip, default=default, options=set(),
+                            update=changes.dust_edited)
     kind = IntProperty if option.whole else FloatProperty
-    return kind(default=default, **_settings(option, None))
+    return kind(default=default, **_settings(option, changes.dust_edited))
 
 
 def choice(name, items, description, default=None, update=changes.edited):

@@ -11,6 +11,7 @@ import math
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from ..base import changes
 from ..kinds import dust, substances
 from .described import dust_number, entries, having
 
@@ -31,6 +32,12 @@ TARGETS = (
     ("image", "Image", "A packed float image over a UV map, for a material of this object alone", 1),
 )
 
+FRAMES = (
+    ("accumulate", "Accumulate", "Dust falls in equal parts at these frames and stays where it settled", 0),
+    ("follow", "Follow", "Dust settles anew at each of these frames, and is blended between them", 1),
+)
+
+_EDITED = {"options": set(), "update": changes.dust_edited}
 _DEFAULTS = {member.name: member.default for member in dataclasses.fields(dust.Settling)}
 
 
@@ -38,56 +45,67 @@ _DEFAULTS = {member.name: member.default for member in dataclasses.fields(dust.S
 class LaminaDust(bpy.types.PropertyGroup):
     form: EnumProperty(
         name="Amount By", description="Whether the amount is a thickness or a mass", items=FORMS,
-        options=set(),
+        **_EDITED,
     )  # fmt: skip
     substance: EnumProperty(
-        name="Dust", description="The kind of dust: its mass extinction", items=SUBSTANCES, options=set()
+        name="Dust", description="The kind of dust: its mass extinction", items=SUBSTANCES, **_EDITED
     )
     wind_from: FloatProperty(
         name="Wind From",
         description="Where the wind blows from, counted from the X axis towards Y",
-        subtype="ANGLE", default=0.0, min=math.radians(-360.0), max=math.radians(360.0), options=set(),
+        subtype="ANGLE", default=0.0, min=math.radians(-360.0), max=math.radians(360.0), **_EDITED,
     )  # fmt: skip
     wind: FloatProperty(
         name="Wind",
         description="Speed of the wind over that of the fall: 1 tilts the fall by 45 degrees",
-        default=0.0, min=0.0, max=dust.MOST_WIND, soft_max=3.0, step=10, options=set(),
+        default=0.0, min=0.0, max=dust.MOST_WIND, soft_max=3.0, step=10, **_EDITED,
     )  # fmt: skip
     over_frames: BoolProperty(
         name="Over Frames",
-        description="Let the amount fall in equal parts at several frames, while objects move. Dust stays "
-        "where it settled",
-        options=set(),
+        description="Let dust settle at several frames, while objects move",
+        **_EDITED,
+    )
+    frames_as: EnumProperty(
+        name="Dust", description="What dust does from frame to frame", items=FRAMES, **_EDITED
     )
     frame_first: IntProperty(
-        name="First Frame", description="Frame of the first part", default=1, options=set()
+        name="First Frame", description="The first frame at which dust settles", default=1, **_EDITED
     )
     frame_last: IntProperty(
-        name="Last Frame", description="Frame of the last part", default=100, options=set()
+        name="Last Frame", description="Dust settles at no later frame", default=100, **_EDITED
     )
     frame_step: IntProperty(
-        name="Step", description="Frames between two parts", default=10, min=1, options=set()
+        name="Frame Step", description="Frames from one settling to the next", default=10, min=1, **_EDITED
     )
-    seed: IntProperty(name="Seed", description="Seed of the noise and the patches", min=0, options=set())
+    seed: IntProperty(name="Seed", description="Seed of the noise and the patches", min=0, **_EDITED)
     others: BoolProperty(
         name="Other Objects",
         description="Objects that are rendered and cast shadows keep dust from this one",
-        default=True, options=set(),
+        default=True, **_EDITED,
     )  # fmt: skip
     stops: BoolProperty(
         name="Keeps Dust Off Others",
         description="Turn off for domes, backdrops and other objects that dust should fall through",
         default=True, options=set(),
     )  # fmt: skip
-    target: EnumProperty(name="Stored In", description="Where the dust is kept", items=TARGETS, options=set())
+    target: EnumProperty(name="Stored In", description="Where the dust is kept", items=TARGETS, **_EDITED)
     size: IntProperty(
         name="Size", description="Width and height of the image", default=1024, min=16, max=8192,
-        options=set(),
+        subtype="PIXEL",
+        **_EDITED,
     )  # fmt: skip
-    uv_map: StringProperty(name="UV Map", description="Empty: the active one for rendering", options=set())
+    uv_map: StringProperty(name="UV Map", description="Empty: the active one for rendering", **_EDITED)
+    live: BoolProperty(
+        name="Live",
+        description="Settle again by itself while these settings change: with few rays at first, then with "
+        "all. Shows the present frame",
+        options=set(),
+        update=changes.dust_switched,
+    )
     image: PointerProperty(type=bpy.types.Image, description="The image that holds the dust, if any")
     # The last report
     told: StringProperty(description="The report in words; empty before the first settling")
+    settled: StringProperty(description="The settings of the last settling, see dust_settings.text")
     largest: FloatProperty(description="The largest optical thickness")
     largest_back: FloatProperty(description="The largest optical thickness on back faces")
 

@@ -36,21 +36,34 @@ def write(mesh, surface, own, dust):
     """Store lamina's Dust on `surface` as attributes of `mesh`, which `own` describes: of face corners if
     corners of one vertex take their dust from different points of the surface, otherwise of vertices.
     """
-    place = _places(surface, own, dust)
-    by_corner, vertices = place[:len(own.corners)], own.corners
-    of_vertex = np.zeros(len(own.vertices), np.int64)
-    of_vertex[vertices[::-1]] = by_corner[::-1]
-    loose = _loose(own)
-    of_vertex[loose] = place[len(own.corners):]
-    split = bool((by_corner != of_vertex[vertices]).any())
+    places = Places(surface, own, dust)
     remove(mesh)
+    store(mesh, (ATTRIBUTE, BACK_ATTRIBUTE), places, dust, places.split)
+    mesh.update()
+
+
+def store(mesh, names, places, dust, split):
+    """Make the attributes of dust on front faces and, of two-sided dust, on back faces; `split`: of corners.
+    """
     front = dust.tau if dust.back is None else dust.tau - dust.back
-    for name, values in ((ATTRIBUTE, front), (BACK_ATTRIBUTE, dust.back)):
+    for name, values in zip(names, (front, dust.back), strict=True):
         if values is not None:
             attribute = mesh.attributes.new(name, "FLOAT", "CORNER" if split else "POINT")
-            chosen = values[by_corner if split else of_vertex]
+            chosen = values[places.by_corner if split else places.of_vertex]
             attribute.data.foreach_set("value", np.ascontiguousarray(chosen, np.float32))
-    mesh.update()
+
+
+class Places:
+    """Indices of the values of lamina's Dust for each corner and each vertex of a mesh. `split`: corners of
+    one vertex have different values."""
+
+    def __init__(self, surface, own, dust):
+        place = _places(surface, own, dust)
+        self.by_corner, vertices = place[:len(own.corners)], own.corners
+        self.of_vertex = np.zeros(len(own.vertices), np.int64)
+        self.of_vertex[vertices[::-1]] = self.by_corner[::-1]
+        self.of_vertex[_loose(own)] = place[len(own.corners):]
+        self.split = bool((self.by_corner != self.of_vertex[vertices]).any())
 
 
 def _loose(own):

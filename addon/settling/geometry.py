@@ -8,6 +8,7 @@ import numpy as np
 from ..base import mesh_arrays
 from ..base.mesh_arrays import Arrays
 from ..base.messages import RefusedError
+from ..nodes import dust_playback
 
 KINDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 MOST_TRIANGLES = 100_000_000  # of all occluders together: some 6 GB
@@ -36,7 +37,8 @@ def of_object(context, obj, uv_map=None):
     """
     scale = context.scene.unit_settings.scale_length
     mesh = obj.data
-    tags = _tag(mesh) if any(modifier.show_viewport for modifier in obj.modifiers) else None
+    changed = any(one.show_viewport and not dust_playback.is_playback(one) for one in obj.modifiers)
+    tags = _tag(mesh) if changed else None
     try:
         depsgraph = context.evaluated_depsgraph_get()
         depsgraph.update()

@@ -5,55 +5,62 @@
 Nothing is written before all of an object's dust is known.
 """
 
-import math
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Vector
 
 from ..base import data_image, native
 from ..base.messages import RefusedError
-from ..kinds import dust as kinds
 from ..kinds.dust import ATTRIBUTE
 from ..nodes import detail_wiring, thickness
-from . import dust_attribute, geometry
+from . import dust_attribute, dust_frames, dust_settings, geometry
 
 FINER = 3  # a note is added if modifiers make the mesh finer by this factor
-MOST_FRAMES = 1000
+PREVIEW_RAYS, PREVIEW_SIZE = 16, 256
+PARTLY = "partly"  # instead of the settings' text, of dust without all of its quality or frames
 MARGIN = 4  # texels by which an image's islands are extended, so that filtering finds dust at their borders
 
 
 @dataclass(frozen=True)
 class Moment:
-    """The surface, and what keeps dust off it, at one frame."""
+    """The surface, the object's own mesh, and what keeps dust off it, at one frame."""
 
     surface: geometry.Arrays
+    own: geometry.OwnMesh
     occluders: list
 
 
 @dataclass(frozen=True)
 class Task:
-    """The dust of one object, as arrays. `own`: its mesh at the first moment. `settling`: of one moment."""
+    """The dust of one object, as arrays. `settling`: of one moment. `follows`: the frames of the moments, if
+    dust settles anew at each; otherwise the moments' dust is added up. `settled`: all settings as text."""
 
     uid: int
     name: str
-    own: geometry.OwnMesh
     moments: list[Moment]
     settling: dict
     seed: int
     size: int  # of the image; 0: an attribute
+    follows: range | None
+    settled: str
 
     @property
     def surface(self):
         return self.moments[0].surface
 
+    @property
+    def own(self):
+        return self.moments[0].own
+
 
 @dataclass(frozen=True)
 class Answer:
-    """`dust`: lamina's Dust; an image if the task has a size."""
+    """`dust`: lamina's Dust; an image if the task has a size. `each`: that of each moment, if dust follows.
+    """
 
     dust: object
+    each: list | None = None
 
 
 def settle(context, obj, progress=None, cancel=None, threads=0):
@@ -89,8 +96,12 @@ def unavailable():
         return str(error)
 
 
-def gather(context, obj):
-    """The input of the settling, read from the scene. Raises RefusedError."""
+def gather(context, obj, live=False, preview=False, moment=None):
+    """The input of the settling, read from the scene. Raises RefusedError.
+
+    `live`: the present frame only, as shown while settings change. `preview`: few rays, and a small image.
+    `moment`: of an earlier task of this object, used instead of reading the scene.
+    """
     sentence = problem(obj)
     if sentence:
         raise RefusedError(sentence)
@@ -98,14 +109,25 @@ def gather(context, obj):
     size = settings.size if settings.target == "image" else 0
     if not size:
         dust_attribute.check_names(obj.data)
-    moments, own = [], None
-    for _frame in _frames(context.scene, settings):
-        surface, now = geometry.of_object(context, obj, settings.uv_map if size else None)
-        own = own or now
-        moments.append(Moment(surface, geometry.others(context, obj) if settings.others else []))
-    settling = _settling(settings, context.scene)
-    settling["time"] /= len(moments)
-    return Task(obj.session_uid, obj.name, own, moments, settling, settings.seed, size)
+    frames = None if live else dust_frames.wanted(settings)
+    follows = frames if frames is not None and settings.frames_as == "follow" else None
+    moments = [] if moment is None else [moment]
+    if moment is None:
+        budget = dust_frames.Budget(settings, follows)
+        for _frame in dust_frames.visited(context.scene, frames):
+            surface, own = geometry.of_object(context, obj, settings.uv_map if size else None)
+            before = moments[-1].occluders if moments else []
+            occluders = dust_frames.shared(geometry.others(context, obj) if settings.others else [], before)
+            budget.add(surface, own, [one for one in occluders if not any(one is known for known in before)])
+            moments.append(Moment(surface, own, occluders))
+    settling = dust_settings.numbers(settings, context.scene)
+    if follows is None:
+        settling["time"] /= len(moments)
+    if preview:
+        settling["rays"], size = min(settling["rays"], PREVIEW_RAYS), min(size, PREVIEW_SIZE)
+    is_part = preview or (live and settings.over_frames)
+    settled = PARTLY if is_part else dust_settings.text(settings)
+    return Task(obj.session_uid, obj.name, moments, settling, settings.seed, size, follows, settled)
 
 
 def settle_gathered(task, progress=None, cancel=None, threads=0):
@@ -119,6 +141,9 @@ def settle_gathered(task, progress=None, cancel=None, threads=0):
                 progress((number + fraction) / len(task.moments), before + text)
 
         settled.append(_at(moment, task, dust, progress=told, cancel=cancel, threads=threads))
+    if task.follows is not None:
+        dust_frames.check_same_points(settled)
+        return Answer(settled[0], settled)
     return Answer(dust.accumulate(settled) if len(settled) > 1 else settled[0])
 
 
@@ -143,15 +168,24 @@ def apply(obj, task, answer):
         if obj.data.users > 1:  # dust depends on the object's transformation, so a shared mesh is copied
                                 # first
             obj.data = obj.data.copy()
-        dust_attribute.write(obj.data, task.surface, task.own, answer.dust)
+        dust_frames.remove(obj)
+        if answer.each is None:
+            dust_attribute.write(obj.data, task.surface, task.own, answer.dust)
+        else:
+            dust_frames.write(obj, task.moments, answer.each, task.follows)
         source, name = "attribute", ATTRIBUTE
     else:
         source, name = "image", _write_image(obj, answer.dust).name
     settings = obj.lamina_dust
+    every = answer.each or [answer.dust]
     statistics = answer.dust.statistics
     notes = [str(statistics), *statistics.notes, *_switches(statistics), *_coarseness(task)]
-    settings.told, settings.largest = "; ".join(notes), statistics.maximum
-    settings.largest_back = 0.0 if answer.dust.back is None else float(answer.dust.back.max(initial=0.0))
+    if task.follows is not None:
+        notes[0] = f"{len(every)} frames; at frame {task.follows[0]} {notes[0]}"
+    settings.told, settings.settled = "; ".join(notes), task.settled
+    settings.largest = max(dust.statistics.maximum for dust in every)
+    backs = [dust.back for dust in every if dust.back is not None]
+    settings.largest_back = max((float(back.max(initial=0.0)) for back in backs), default=0.0)
     for slot in obj.material_slots:
         material = slot.material
         if material is None or not material.is_editable:
@@ -171,58 +205,13 @@ def largest_side(obj):
 
 def clear(obj):
     """Remove the dust of an object. Its materials show none if they read the attribute."""
+    dust_frames.remove(obj)
     dust_attribute.remove(obj.data)
     settings = obj.lamina_dust
     image, settings.image = settings.image, None
     if image is not None:
         bpy.data.images.remove(image)
-    settings.told, settings.largest, settings.largest_back = "", 0.0, 0.0
-
-
-def _frames(scene, settings):
-    """Goes through the frames over which dust falls, and back to the present frame. Raises RefusedError."""
-    now = scene.frame_current, scene.frame_subframe
-    if not settings.over_frames:
-        yield now[0]
-        return
-    first, last = settings.frame_first, settings.frame_last
-    if last < first:
-        raise RefusedError(f"Last Frame = {last}: must be at least First Frame, {first}")
-    frames = range(first, last + 1, settings.frame_step)
-    if len(frames) > MOST_FRAMES:
-        raise RefusedError(f"{len(frames)} frames: at most {MOST_FRAMES} can be settled; raise the step")
-    try:
-        for frame in frames:
-            scene.frame_set(frame)
-            yield frame
-    finally:
-        scene.frame_set(now[0], subframe=now[1])
-
-
-def _settling(settings, scene):
-    gravity = scene.gravity if scene.use_gravity and scene.gravity.length > 0.0 else Vector((0.0, 0.0, -1.0))
-    towards = settings.wind_from + math.pi
-    wind = settings.wind * np.array([math.cos(towards), math.sin(towards), 0.0])
-    more = {
-        "extinction": settings.substance,
-        "gravity": tuple(gravity),
-        "wind": tuple(wind),
-        "grams" if settings.form == "tau" else "amount": None,
-    }
-    numbers = {one.name: _value(one, settings, scene) for one in kinds.OPTIONS if one.panel}
-    return numbers | more
-
-
-def _value(option, settings, scene):
-    """The value of a property for lamina's Settling."""
-    value = getattr(settings, option.name)
-    if option.switch:
-        return value
-    if option.unit == "m":
-        value *= scene.unit_settings.scale_length
-    if option.optional and option.low > 0.0 and value == 0.0:
-        return None
-    return min(value, option.high)  # single precision rounds 180 degrees up
+    settings.told, settings.settled, settings.largest, settings.largest_back = "", "", 0.0, 0.0
 
 
 def _switches(statistics):

@@ -3,9 +3,10 @@
 
 import bpy
 
+from ..base.messages import RefusedError
 from ..kinds.dust import GROUPS, OPTIONS
 from ..nodes import thickness
-from ..settling import dust_job, object_dust
+from ..settling import dust_frames, dust_job, dust_settings, live_dust, object_dust
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
@@ -42,8 +43,15 @@ class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
         row.scale_y = 1.4
         text = "Settle Again" if settings.told else "Settle Dust"
         row.operator("lamina.dust_settle", text=text, icon="FORCE_FORCE")
+        row.prop(settings, "live", toggle=True, icon="PAUSE" if settings.live else "PLAY")
         if settings.told:
             row.operator("lamina.dust_clear", text="", icon="TRASH")
+        if live_dust.failure(obj):
+            draw_sentence(context, layout, live_dust.failure(obj), "ERROR", alert=True)
+        if settings.told:
+            if dust_settings.is_outdated(settings) and not live_dust.is_pending(obj):
+                text = "Only the present frame" if settings.settled == object_dust.PARTLY else "Out of date"
+                draw_sentence(context, layout, f"{text}: Settle Again uses all settings", "FILE_REFRESH")
             draw_sentence(context, layout, settings.told[0].upper() + settings.told[1:])
             sentence = mismatch(context.material, settings)
             if sentence:
@@ -68,7 +76,7 @@ def mismatch(material, settings):
     return ""
 
 
-def _draw_amount(_context, layout, obj):
+def _draw_amount(context, layout, obj):
     settings = obj.lamina_dust
     layout.row().prop(settings, "form", expand=True)
     column = split(layout.column())
@@ -80,8 +88,22 @@ def _draw_amount(_context, layout, obj):
             column.prop(settings, "substance")
     column.prop(settings, "over_frames")
     if settings.over_frames:
+        column.row().prop(settings, "frames_as", expand=True)
         for name in ("frame_first", "frame_last", "frame_step"):
             column.prop(settings, name)
+        draw_sentence(context, layout, _frames_told(obj))
+
+
+def _frames_told(obj):
+    """The number of settlings, and the memory of those that are kept, before they are made."""
+    try:
+        frames = dust_frames.wanted(obj.lamina_dust)
+    except RefusedError as error:
+        return str(error)
+    told = f"Settles at {len(frames)} frames"
+    if obj.lamina_dust.frames_as == "follow":
+        told += f"; they keep up to {dust_frames.size(dust_frames.kept_bytes(obj.data, obj.lamina_dust))}"
+    return told
 
 
 def _draw_from(_context, layout, obj):

@@ -58,7 +58,6 @@ class MaterialPanel:
 
 class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
     bl_label = "Lamina"
-    bl_order = -1  # below the list of materials, above Surface: visible without scrolling
 
     @classmethod
     def wanted(cls, material):

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A modifier that plays dust back which settled at several frames.
+
+The mesh has an attribute for each settling, named by KEY and a number. The modifier's nodes compute the two
+numbers next to the scene's frame, blend their attributes linearly, and store the result as the attribute that
+materials read. They are nodes of Blender's own, so the file plays and renders without the add-on."""
+
+import bpy
+
+from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
+from .graph import Graph
+
+KEY, BACK_KEY = "lamina_dust_key_", "lamina_dust_back_key_"
+NAME = "Lamina Dust Playback"
+MARK = "lamina_dust_playback"
+
+
+def is_playback(modifier):
+    """True for a modifier made here."""
+    return modifier.type == "NODES" and modifier.node_group is not None and MARK in modifier.node_group
+
+
+def add(obj, frames, domain, two_sided):
+    """Play the settlings at `frames`, a range, back on `obj`. `domain`: of the attributes, POINT or CORNER.
+    """
+    group = bpy.data.node_groups.new(f"{NAME} {obj.name}", "GeometryNodeTree")
+    group[MARK] = True
+    _draw(group, frames, domain, two_sided)
+    modifier = obj.modifiers.new(NAME, "NODES")
+    modifier.node_group = group
+    modifier.show_expanded = False
+    obj.modifiers.move(len(obj.modifiers) - 1, 0)  # the attributes are those of the mesh before its modifiers
+
+
+def remove(obj):
+    """Remove the modifier, and its nodes if nothing else uses them."""
+    for modifier in [one for one in obj.modifiers if is_playback(one)]:
+        group = modifier.node_group
+        obj.modifiers.remove(modifier)
+        if group.users == 0:
+            bpy.data.node_groups.remove(group)
+
+
+def _draw(tree, frames, domain, two_sided):
+    for in_out in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
+    graph = Graph(tree)
+    geometry = graph.node("NodeGroupInput", 0, 0).outputs[0]
+    now = graph.node("GeometryNodeInputSceneTime", 0, 2).outputs["Frame"]
+    # The place in time among the settlings: 0 at the first, and at most the last
+    passed = graph.math("SUBTRACT", 1, 2, "since the first", now, float(frames[0]))
+    place = graph.math("DIVIDE", 2, 2, "place", passed, float(frames.step))
+    place = graph.math("MAXIMUM", 3, 2, "from the first", place, 0.0)
+    place = graph.math("MINIMUM", 4, 2, "to the last", place, float(len(frames) - 1))
+    before = graph.math("FLOOR", 5, 2, "before", place)
+    after = graph.math("CEIL", 5, 3, "after", place)
+    share = graph.math("SUBTRACT", 6, 2, "share", place, before)
+    pairs = ((ATTRIBUTE, KEY), (BACK_ATTRIBUTE, BACK_KEY)) if two_sided else ((ATTRIBUTE, KEY),)
+    for row, (name, key) in enumerate(pairs):
+        early, late = (_key(graph, key, number, 6, 4 + 4 * row + 2 * k)
+                       for k, number in enumerate((before, after)))
+        change = graph.math("SUBTRACT", 9, 4 + 4 * row, "change", late, early)
+        blended = graph.math("MULTIPLY_ADD", 10, 4 + 4 * row, "blended", change, share, early)
+        node = graph.node("GeometryNodeStoreNamedAttribute", 11 + row, 0, name)
+        node.data_type, node.domain = "FLOAT", domain
+        node.inputs["Name"].default_value = name
+        graph.link(geometry, node.inputs["Geometry"])
+        graph.link(blended, next(one for one in node.inputs if one.name == "Value" and one.enabled))
+        geometry = node.outputs["Geometry"]
+    graph.link(geometry, graph.node("NodeGroupOutput", 14, 0).inputs[0])
+
+
+def _key(graph, key, number, column, row):
+    """The attribute of a settling, given by the socket of its number."""
+    text = graph.node("FunctionNodeValueToString", column, row)
+    graph.link(number, next(one for one in text.inputs if one.name == "Value" and one.enabled))
+    name = graph.node("FunctionNodeReplaceString", column + 1, row)
+    name.inputs["String"].default_value, name.inputs["Find"].default_value = f"{key}#", "#"
+    graph.link(text.outputs[0], name.inputs["Replace"])
+    node = graph.node("GeometryNodeInputNamedAttribute", column + 2, row)
+    node.data_type = "FLOAT"
+    graph.link(name.outputs[0], node.inputs["Name"])
+    return next(one for one in node.outputs if one.name == "Attribute" and one.enabled)
