@@ -13,11 +13,11 @@ import tomllib
 import zipfile
 from pathlib import Path
 
-import conftest
+import own_blender
 import pytest
 
-TOOL = conftest.ROOT / "tools" / "build_extension.py"
-VERSION = tomllib.loads((conftest.ROOT / "pyproject.toml").read_text())["project"]["version"]
+TOOL = own_blender.ROOT / "tools" / "build_extension.py"
+VERSION = tomllib.loads((own_blender.ROOT / "pyproject.toml").read_text())["project"]["version"]
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
 
 # Facts about the installed extension, printed by a separate process.
@@ -99,7 +99,7 @@ def test_the_archive_holds_the_addon_and_the_wheels(tmp_path):
     assert manifest["version"] == VERSION
     assert manifest["id"] == "lamina" and manifest["license"] == ["SPDX:GPL-3.0-or-later"]
     assert manifest["blender_version_min"] == "4.2.0" and manifest["permissions"]["files"]
-    sources = {file.name for file in (conftest.ROOT / "addon").glob("*.py")}
+    sources = {file.name for file in (own_blender.ROOT / "addon").glob("*.py")}
     assert sources <= {Path(name).name for name in names}
     assert not [name for name in names if "__pycache__" in name or name.endswith(".pyc")]
 
@@ -114,7 +114,7 @@ def test_the_archive_holds_the_licences(tmp_path):
         texts = re.findall(r"\]\((licenses/[^)]+)\)", third_party)
         assert len(texts) == 3, "of Eigen, Embree and pybind11"
         for name in texts:
-            assert opened.read(name) == (conftest.ROOT / name).read_bytes()
+            assert opened.read(name) == (own_blender.ROOT / name).read_bytes()
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import textwrap
 from types import SimpleNamespace
 
 import bpy
-import conftest
+import own_blender
 import pytest
 
 
@@ -58,7 +58,7 @@ def in_another_process(blend, *arguments):
     script = textwrap.dedent(f"""
         import os, sys
         import bpy, addon_utils
-        addon = addon_utils.enable({conftest.MODULE!r}, default_set=True)
+        addon = addon_utils.enable({own_blender.MODULE!r}, default_set=True)
         bpy.ops.wm.open_mainfile(filepath={str(blend)!r})
         code = addon.command_line.command.main({list(arguments)!r})
         sys.stdout.flush(); sys.stderr.flush()

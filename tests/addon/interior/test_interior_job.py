@@ -7,7 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from addon_helpers import drawn, pixels, surface_source
+from addon_helpers import drawn, icosphere, pixels, surface_source
 
 
 @pytest.fixture
@@ -21,10 +21,7 @@ def jobs(addon, lamina):
 @pytest.fixture
 def ball(addon):
     """A ball of radius 10 mm, turned and moved, with the material Marble in large voxels and a small noisy image."""
-    mesh, made = bpy.data.meshes.new("Ball"), bmesh.new()
-    bmesh.ops.create_icosphere(made, subdivisions=2, radius=1.0)
-    made.to_mesh(mesh)
-    made.free()
+    mesh = icosphere("Ball", 1.0)
     obj = bpy.data.objects.new("Ball", mesh)
     obj.scale, obj.location, obj.rotation_euler = (0.01,) * 3, (1.0, 2.0, 3.0), (0.4, 0.5, 0.6)
     bpy.context.scene.collection.objects.link(obj)
