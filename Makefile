@@ -3,7 +3,7 @@
 #   make demo        pictures of the scenes; SCENE=, QUALITY= and OPTIONS= choose
 #   make check       before a commit: lint, the core's tests and a sample of the others
 #   make test        lint, documentation and all tests
-#   make lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
+#   make test-blender lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -20,6 +20,7 @@ RUN := $(VENV)/bin/python
 PIP := -m pip --quiet --disable-pip-version-check
 SCENE ?= all
 QUALITY ?= small
+BLENDER ?= trixie
 # Further options of make_demo.py, such as --turntable 48, or of tests/fuzz/run.py, such as --count 100 --first 500.
 OPTIONS ?=
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
@@ -37,7 +38,7 @@ WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo check test lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel extension clean
+.PHONY: demo check test test-blender lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel extension clean
 .DEFAULT_GOAL := demo
 
 # In a fresh clone the slab is rendered as soon as the solver is compiled: the slab needs neither walks nor dust.
@@ -59,6 +60,11 @@ test: lint docs build/stamps/extension
 	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
 	$(RUN) -m pytest tests/cycles
+	@$(MAKE) --no-print-directory test-blender
+
+# In a Blender executable and its window: BLENDER=trixie is Blender 4.3, BLENDER=sid is 5.2. Needs root.
+test-blender: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/wheel-$(p))
+	tools/test_blender.sh $(RUN) $(BLENDER)
 
 # Before a commit, within two minutes once all is built.
 check: build/stamps/wheel build/stamps/develop
