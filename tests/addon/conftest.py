@@ -33,6 +33,14 @@ def pytest_unconfigure(config):
         os._exit(_exit_status[0])
 
 
+@pytest.fixture(autouse=True)
+def finished_bakes(tmp_path_factory, monkeypatch):
+    """The folder of a batch's finished bakes, a new one for each test."""
+    folder = tmp_path_factory.mktemp("finished")
+    monkeypatch.setenv("LAMINA_CACHE", str(folder))
+    return folder
+
+
 @pytest.fixture
 def addon():
     """The add-on's package, enabled, in an empty file."""
