@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from .fields import Channels, Field, Option
 from .panel import Item, Panel
 
-ALPHA = Field("alpha", 0.0, 1.0, panel=Panel(
+ALPHA = Field("alpha", 0.0, 1.0, single=True, panel=Panel(
     "Alpha", "Microfacet width: roughness squared", 0.0, step=1, precision=4,
     words="microfacet width (roughness squared)"))
 IOR = Field("ior", 1.0, 4.0, panel=Panel(
