@@ -6,7 +6,7 @@ import sys
 import textwrap
 
 import bpy
-import conftest
+import own_blender
 import serialised_tree
 from addon_helpers import image_of, pixels
 
@@ -64,6 +64,6 @@ def in_another_process(*arguments, before=""):
         os._exit(code)
     """)
     lines = "\n".join(textwrap.dedent(before).strip().splitlines())
-    script = script.format(module=conftest.MODULE, before=lines, arguments=[str(one) for one in arguments])
+    script = script.format(module=own_blender.MODULE, before=lines, arguments=[str(one) for one in arguments])
     return subprocess.Popen([sys.executable, "-c", script], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True)  # fmt: skip
