@@ -4,6 +4,7 @@
     python release/check_wheel.py WHEEL...
 """
 
+import io
 import re
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from platforms import PLATFORMS, PYTHONS, wheel_name
 
 ROOT = Path(__file__).resolve().parent.parent
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+lief.logging.disable()
 MODULES = ("_core", "_mesh")
 NEWEST_GLIBC = (2, 28)
 OLDEST_MACOS = [11, 0, 0]
@@ -26,7 +28,7 @@ MACOS_LIBRARIES = re.compile(r"/usr/lib/libSystem\.B\.dylib")
 
 def module_faults(data, platform, python, module):
     """What is wrong with a compiled module, as sentences."""
-    binary = lief.parse(list(data))
+    binary = lief.parse(io.BytesIO(data))
     check = {"l": _elf_faults, "w": _windows_faults, "m": _macos_faults}[platform.name[0]]
     return [f"{module}: {fault}" for fault in check(binary, platform, python, module)]
 
@@ -67,10 +69,11 @@ def _macos_faults(binary, platform, python, module):
     oldest = list(command.minos if binary.build_version else command.version)
     if oldest > OLDEST_MACOS:
         yield f"needs macOS {oldest}, newer than {OLDEST_MACOS}"
-    yield from _foreign([library.name for library in binary.libraries], MACOS_LIBRARIES)
-    names = {symbol.name for symbol in binary.exported_symbols}
-    if f"_PyInit_{module}" not in names:
-        yield f"does not export PyInit_{module}"
+    needed = [library.name for library in binary.libraries
+              if library.command != lief.MachO.LoadCommand.TYPE.ID_DYLIB]
+    yield from _foreign(needed, MACOS_LIBRARIES)
+    exported = {symbol.name for symbol in binary.exported_symbols}
+    yield from _exports(exported - {"__mh_dylib_header", "___dso_handle"}, f"_PyInit_{module}")
     # Apple's processors run no module without a signature; the linker makes one.
     if not binary.has_code_signature:
         yield "has no signature"
@@ -83,7 +86,8 @@ def _foreign(libraries, allowed):
 def _exports(names, entry):
     if entry not in names:
         yield f"does not export {entry}"
-    others = sorted(names - {entry})
+    prefix = entry[:entry.index("PyInit_") + 7]  # the module's own second entry, core_bindings, is not in the way
+    others = sorted(name for name in names if not name.startswith(prefix))
     if others:
         yield f"exports {len(others)} symbols beside {entry}, such as {others[0]}"
 
