@@ -16,10 +16,10 @@ sid) tag=cp314 ;;
     ;;
 esac
 
-wheel=$(ls -t build/wheels/lamina-*-$tag-*linux*_x86_64.whl build/release/lamina-*-$tag-*linux*_x86_64.whl 2>/dev/null |
+wheel=$(ls -t build/wheels/lamina-*-$tag-*linux*_x86_64.whl dist/wheels/lamina-*-$tag-*linux*_x86_64.whl 2>/dev/null |
     head -n 1)
 if [ -z "$wheel" ]; then
-    echo "lamina: no tests in Blender of Debian $suite: no wheel for its Python ($tag) in build/wheels or build/release"
+    echo "lamina: no tests in Blender of Debian $suite: no wheel for its Python ($tag) in build/wheels or dist/wheels"
     exit 0
 fi
 tools/blender_chroot.sh "$suite" "build/blender-$suite" || { [ $? = 3 ] && exit 0; exit 1; }
