@@ -63,6 +63,7 @@ class FinishedTables:
             return cache
         try:
             cache.check_writable()
+            cache.remove_forgotten()
             if not is_chosen:
                 cache.prune(MOST_BYTES)
         except OSError as error:

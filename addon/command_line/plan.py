@@ -47,7 +47,9 @@ class Plan:
         self._give(stack, arguments.over)
         if not material.lamina.enabled:
             raise messages.RefusedError("has no Lamina layers (give --stack JSON)")
+        # New layers come with settings of their own.
         self.quality = arguments.quality or material.lamina.quality
+        self.basis = arguments.basis or material.lamina.basis
         self.has_changed = not self._was_enabled or stack_io.to_dict(material) != self._before
         self.wanted = Wanted(stack_io.to_stack(material), self.quality, self.basis)
         if bake_job.state(material, self.quality, self.basis) != "fresh":

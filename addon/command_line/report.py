@@ -40,12 +40,14 @@ class Report:
             "materials": [],
         }
         try:
-            if arguments.log is not None:
-                self._log = open(arguments.log, "a", encoding="utf-8", buffering=1)  # noqa: SIM115 - closed at exit
             self._write()
         except OSError as error:
-            self.__exit__()
-            raise UsageError(f"{error.filename}: {error.strerror}") from None
+            raise UsageError(f"--manifest {self._manifest}: {error.strerror}") from None
+        try:
+            if arguments.log is not None:
+                self._log = open(arguments.log, "a", encoding="utf-8", buffering=1)  # noqa: SIM115 - closed at exit
+        except OSError as error:
+            raise UsageError(f"--log {arguments.log}: {error.strerror}") from None
 
     def __enter__(self):
         return self
@@ -95,7 +97,7 @@ class Report:
         try:
             self._write()
         except OSError as error:
-            self.complain(f"{error.filename}: {error.strerror}")
+            self.complain(f"--manifest {self._manifest}: {error.strerror}")
             return False
         return True
 

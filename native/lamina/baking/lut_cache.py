@@ -55,13 +55,16 @@ class LutCache:
         self.folder.mkdir(parents=True, exist_ok=True)
         lut.save(self.path(header["stack_hash"], header["quality"], header["basis"]))
 
-    def prune(self, most_bytes: int) -> None:
-        """Removes tables until they take at most `most_bytes`, starting with those that were not used for longest, and
-        the temporary files of killed processes. Files of other names are left alone."""
+    def remove_forgotten(self) -> None:
+        """Removes the temporary files of killed processes."""
         for path in self.folder.glob(".*.npz.*.part"):
             with contextlib.suppress(OSError):
                 if time.time() - path.stat().st_mtime > FORGOTTEN:
                     path.unlink()
+
+    def prune(self, most_bytes: int) -> None:
+        """Removes tables until they take at most `most_bytes`, starting with those that were not used for longest.
+        Files of other names are left alone."""
         found = []
         for path in self.folder.glob("*-*-*-*.npz"):
             with contextlib.suppress(OSError):

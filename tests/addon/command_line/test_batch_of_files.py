@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import socket
+from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
@@ -269,8 +270,8 @@ BAD = {
     "one name for two": (["bake", "{one}", "{two}", "--output", "x.blend"],
                          "must be a folder, because there are 2 files"),
     "jobs": (["bake", "--jobs", "0"], "must be a whole number from 1 to 256"),
-    "manifest": (["bake", "{one}", "--manifest", "/nowhere/x.json"], "/nowhere"),
-    "log": (["bake", "{one}", "--log", "/nowhere/x.log"], "/nowhere/x.log: No such file"),
+    "manifest": (["bake", "{one}", "--manifest", "/nowhere/x.json"], "--manifest /nowhere/x.json: No such file"),
+    "log": (["bake", "{one}", "--log", "/nowhere/x.log"], "--log /nowhere/x.log: No such file"),
     "cache": (["bake", "{one}", "--cache", "/sys/lamina"], "finished bakes cannot be kept in /sys/lamina"),
     "list of a material": (["list", "wall"], "wall: must end in .blend"),
     "stack for all": (["bake", "{one}", "--over"], "--stack and --over need names"),
@@ -289,6 +290,30 @@ def test_two_files_of_one_name_do_not_overwrite_each_other(run, files, tmp_path)
     shutil.copy(files[0], tmp_path / "more")
     code, _, error = run("bake", files[0], tmp_path / "more" / "one.blend", "--output", tmp_path)
     assert code == 2 and "two files have the name one.blend" in error
+
+
+def test_finished_bakes_without_a_chosen_folder(run, addon, files, tmp_path, monkeypatch):
+    """They are kept in a folder of the extension's own, of limited size."""
+    monkeypatch.delenv("LAMINA_CACHE")
+    folder = tmp_path / "own"
+    monkeypatch.setattr(addon.base.package, "user_folder", lambda name, create=False: folder / name)
+    assert run("bake", files[0], "--save")[0] == 0 and len(list((folder / "bakes").iterdir())) == 2
+    monkeypatch.setattr(addon.command_line.finished_tables, "MOST_BYTES", 1000)
+    assert run("bake", files[1], "wall", "--save")[0] == 0 and len(list((folder / "bakes").iterdir())) == 1
+    monkeypatch.setattr(addon.base.package, "user_folder", lambda name, create=False: Path("/sys/lamina"))
+    code, lines, error = run("bake", *files, "--save", "--force")
+    assert code == 0 and baked(files[1]) == {"dusty_a", "wall"}
+    assert "finished bakes cannot be kept in /sys/lamina" in error
+
+
+def test_a_full_disk_of_finished_bakes_loses_nothing(run, addon, files, monkeypatch):
+    def save(self, lut):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(addon.base.native.part("baking.lut_cache").LutCache, "save", save)
+    code, _, error = run("bake", files[0], "--save")
+    assert code == 0 and baked(files[0]) == {"dusty_a", "dusty_b"}
+    assert "a finished bake could not be kept in" in error and "No space left on device" in error
 
 
 def test_a_damaged_finished_bake_is_made_again(run, files, bakes, finished_bakes):

@@ -69,6 +69,7 @@ def test_pruning_keeps_what_was_used_last(lut, cache):
         (cache.folder / name).write_text("")
         os.utime(cache.folder / name, (1, 1))
     cache.prune(3 * size)
+    cache.remove_forgotten()
     numbers = {path.name[0] for path in cache.folder.glob("*-*-*.npz")} - {kept.name[0]}
     assert kept.exists() and numbers == {"2", "3"} - {kept.name[0]}
     assert sorted(path.name for path in cache.folder.iterdir() if path.suffix != ".npz") == ["notes.txt"]
