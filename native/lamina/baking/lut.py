@@ -6,22 +6,23 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..common.archive import Damaged, load_archive, save_archive
+from ..common.by_content import ByContent
 from ..common.errors import LutError
 from ..common.progress import Progress
 from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
-from . import lut_header
+from . import labelled, lut_header
 from .comparison import Comparison, compare
 from .fitted_function import FittedFunction
 
 
 @dataclass(frozen=True, eq=False)
-class Lut:
+class Lut(ByContent):
     """Closure weights over the view angle, and the header that describes them.
 
     `weights`: float32, shape (sides, closures, tau rows, 64 columns, 3). `header`: a JSON object with
@@ -30,7 +31,7 @@ class Lut:
 
     header: dict
     weights: np.ndarray
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, compare=False)
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.weights.shape))
@@ -99,6 +100,12 @@ class Lut:
         StackError, SolveError and Cancelled."""
         compared = self.stack if stack is None else as_stack(stack)
         return compare(self.header, self.weights, self.stack, compared, threads, progress, cancel)
+
+    def to_xarray(self):
+        """An xarray.Dataset: `weights` (side, closure, roughness, tau, view_angle, color), and the report's
+        `slice_errors`. Axes have coordinates, and units are attributes; `mu_o` is a second coordinate of view_angle.
+        An axis that the table does not have has the single value 0. Raises ExtraMissing without xarray."""
+        return labelled.dataset(self.header, self.weights)
 
     def image(self) -> np.ndarray:
         """The weights as an image, float32, shape (height, 64, 4), bottom row first: one strip of tau rows

@@ -9,8 +9,7 @@ import numpy as np
 
 from ..closures import lobes
 from ..common.errors import quoted
-from ..kinds.bases import BASES, PrincipledBase
-from ..kinds.boundaries import Interface
+from ..kinds.bases import PrincipledBase
 from ..kinds.table import COLUMNS, PRINCIPLED, THROWN_BACK, lobe_of
 from ..material.stack import Stack
 
@@ -45,17 +44,7 @@ _IF_ANY = {
 def stack_of(header: dict) -> Stack:
     """The stack of a header, in canonical form: albedo and optical thickness of each channel, without names. Raises
     StackError."""
-    stack = header["stack"]
-    base = stack.get("base")
-    return Stack.from_json({**stack, "layers": [_single(entry, Interface) for entry in stack["layers"]],
-                            "base": base and _single(base, BASES.get(base.get("kind")))})
-
-
-def _single(entry: dict, kind) -> dict:
-    """The entry of a layer or base with one number for each quantity that all channels share."""
-    one = {quantity.name for quantity in getattr(kind, "fields", ()) if quantity.single}
-    return {name: value[0] if name in one and isinstance(value, list) and value else value
-            for name, value in entry.items()}
+    return Stack.from_json(header["stack"])
 
 
 def problem(header, weights: np.ndarray) -> str:

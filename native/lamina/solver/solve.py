@@ -31,6 +31,7 @@ from ..material.layers import Medium
 from ..material.profile import THICKNESS
 from ..material.stack import Stack
 from ..material.thickness import check_opaque, with_thickness
+from . import labelled
 
 TOLERANCE = {"preview": 1e-2, "final": 1e-3}
 _SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
@@ -253,6 +254,13 @@ class ScatteringFunction:
         self._check_below(where, side)
         return self._by_channel(
             lambda s: s.grid(side_of(side), where, *lists, azimuths, self._pool))
+
+    def to_xarray(self, mu_o=None, mu_i=None, dphi=None):
+        """An xarray.Dataset on a product grid, by default 20 cosines from .05 to 1 for each direction and 13 azimuths
+        from 0 to pi: `brdf` (side, mu_o, mu_i, dphi, channel) and `reflectance` (side, mu_i, channel), and for sheets
+        `btdf` and `transmittance`. Axes have coordinates, and units are attributes. `side` is that on which light
+        enters. Raises ExtraMissing without xarray, and ArgumentError."""
+        return labelled.dataset(self, mu_o, mu_i, dphi)
 
     def reflectance(self, mu0, side: str = "top", parts: bool = False):
         """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light. Shape: that of

@@ -138,7 +138,8 @@ def test_bad_arguments(arguments, folder, capfd):
 
 
 def test_what_cannot_be_resolved_fails_with_the_numbers(folder, capfd):
-    layer = {"kind": "medium", "albedo": 1.0, "tau": 1.0, "phase": {"kind": "hg", "g": -0.995}}
+    phase = {"kind": "tabulated", "moments": [(-0.98) ** k for k in range(1000)]}
+    layer = {"kind": "medium", "albedo": 1.0, "tau": 1.0, "phase": phase}
     Path("bad.json").write_text(json.dumps({"schema": 1, "layers": [layer]}), encoding="utf-8")
     assert main(["bake", "bad.json", "-o", "out.npz", "--quiet"]) == 1
     out, err = capfd.readouterr()
