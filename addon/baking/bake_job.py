@@ -137,13 +137,15 @@ def clear_failure(material):
     _failures.pop(material.session_uid, None)
 
 
-def state(material):
-    """The state of the material's bake relative to its layers and settings:
+def state(material, quality=None, basis=None):
+    """The state of the material's bake relative to its layers and to a quality and basis, by default the
+    chosen ones:
 
     'none' before the first bake; 'invalid', the layers cannot be baked; 'stale', the layers have changed
-    since; 'fresh', a bake of these layers at the chosen quality and basis; 'live', live editing's preview of
-    these layers, where another quality or basis is chosen; 'other', any other bake of these layers at another
-    quality or basis than the chosen ones, see `difference`.
+    since; 'fresh', a bake of these layers at that quality and basis; 'live', live editing's preview of
+    these layers, where another quality or basis is wanted; 'other', any other bake of these layers at another
+    quality or basis, see `difference`; 'older', a bake by a version of Lamina whose results for these layers
+    have changed since, see `version_difference`.
     """
     settings, result = material.lamina, material.lamina.result
     if not result.stack_hash or settings.node_group is None:
@@ -153,30 +155,39 @@ def state(material):
         return "invalid"
     if stack.hash != result.stack_hash:
         return "stale"
-    if not difference(material):
-        return "fresh"
+    if not difference(material, quality, basis):
+        return "older" if version_difference(material) else "fresh"
     is_preview = result.quality in (LIVE_QUALITY, COARSE) and (result.basis or "standard") == LIVE_BASIS
     return "live" if settings.live and is_preview else "other"
 
 
-def difference(material):
-    """Which settings the last bake was made with and which are chosen, as 'quality Preview instead of Final',
-    or '' when they are the same."""
+def difference(material, quality=None, basis=None):
+    """Which settings the last bake was made with and which are wanted, by default the chosen ones, as
+    'quality Preview instead of Final', or '' when they are the same."""
     settings, result = material.lamina, material.lamina.result
     # Older files do not name a basis; theirs is the standard one.
-    basis = result.basis or "standard"
-    pairs = (("quality", result.quality, settings.quality), ("fit", basis, settings.basis))
+    baked_basis = result.basis or "standard"
+    wanted_quality, wanted_basis = quality or settings.quality, basis or settings.basis
+    pairs = (("quality", result.quality, wanted_quality), ("fit", baked_basis, wanted_basis))
     return ", ".join(
-        f"{name} {baked.capitalize()} instead of {chosen.capitalize()}"
-        for name, baked, chosen in pairs
-        if baked and baked != chosen
+        f"{name} {baked.capitalize()} instead of {wanted.capitalize()}"
+        for name, baked, wanted in pairs
+        if baked and baked != wanted
     )
+
+
+def version_difference(material):
+    """Which version made the last bake, and which later ones changed the results for such layers, or ''.
+    Raises lamina.StackError, NativeMissingError."""
+    told = native.part("baking.result_changes").told
+    return told(material.lamina.result.version, stack_io.to_stack(material))
 
 
 def _note_report(result, lut):
     header, report = lut.header, lut.report
     transmission = report.get("fit_error_transmission")
     result.stack_hash = header["stack_hash"]
+    result.version = header.get("version", "")
     result.quality = header["quality"]
     result.basis = header["basis"]
     result.fit_error = report["fit_error"]

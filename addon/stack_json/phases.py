@@ -29,7 +29,7 @@ def values(phase, where):
     if phase["kind"] in KINDS:
         fields = KINDS[phase["kind"]].fields
         numbers = {field.prop: _single(phase[field.name]) for field in fields}
-        if all(_has_property(field, numbers[field.prop]) for field in fields):
+        if None not in numbers.values():
             return {"phase": phase["kind"], "phase_text": "", **numbers}
     _check_channels(phase, where)
     return {"phase_text": json.dumps(phase)}
@@ -68,15 +68,6 @@ def _single(value):
     if not isinstance(value, list | tuple):
         return value
     return value[0] if all(other == value[0] for other in value) else None
-
-
-def _has_property(field, number):
-    """True if the panel's property can hold the number, None where channels differ."""
-    if number is None:
-        return False
-    low = field.low if field.panel.low is None else field.panel.low
-    high = field.high if field.panel.high is None else field.panel.high
-    return low <= number <= high
 
 
 def _check_channels(phase, where):

@@ -267,6 +267,9 @@ def _draw_state(layout, context, material):
     elif state == "other":
         text = f"Out of date: baked with {bake_job.difference(material)}"
         draw_sentence(context, layout, text, "FILE_REFRESH")
+    elif state == "older":
+        text = f"Out of date: {bake_job.version_difference(material)}"
+        draw_sentence(context, layout, text, "FILE_REFRESH")
     elif state == "invalid":
         draw_sentence(context, layout, "Out of date: the layers cannot be baked as they are", "ERROR")
     elif state == "none":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
-from . import _core, colours, dust, export, lobes, metals, ply, presets, rgl
+from . import _core, colours, dust, export, lobes, metals, plot, ply, presets, rgl
 from .baking.bake import bake
 from .baking.lut import Lut
 from .common.errors import (
@@ -17,6 +17,7 @@ from .common.errors import (
     StackError,
     UnknownName,
 )
+from .common.extras import ExtraMissing
 from .interior.end_material import EndMaterial
 from .interior.estimates import ExitEstimate, LightEstimate
 from .interior.grid import Interior
@@ -59,6 +60,7 @@ __all__ = [
     "Estimate",
     "ExitEstimate",
     "ExportError",
+    "ExtraMissing",
     "Interface",
     "Interior",
     "InteriorError",
@@ -104,6 +106,7 @@ __all__ = [
     "marble",
     "merge_walks",
     "metals",
+    "plot",
     "ply",
     "portal_tables",
     "presets",

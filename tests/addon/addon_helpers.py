@@ -3,6 +3,7 @@
 
 import time
 
+import bmesh
 import bpy
 import numpy as np
 
@@ -19,6 +20,23 @@ def pixels(image):
     values = np.empty(image.size[0] * image.size[1] * 4, dtype=np.float32)
     image.pixels.foreach_get(values)
     return values.reshape(image.size[1], image.size[0], 4)
+
+
+def built_mesh(name, build, smooth=False):
+    """A mesh that build(bm) makes by bmesh."""
+    mesh, bm = bpy.data.meshes.new(name), bmesh.new()
+    build(bm)
+    for face in bm.faces:
+        face.smooth = smooth
+    bm.normal_update()
+    bm.to_mesh(mesh)
+    bm.free()
+    return mesh
+
+
+def icosphere(name, radius, smooth=False):
+    """The mesh of a ball of 80 triangles."""
+    return built_mesh(name, lambda bm: bmesh.ops.create_icosphere(bm, subdivisions=2, radius=radius), smooth)
 
 
 def surface_source(material):

@@ -81,12 +81,18 @@ def test_a_bake_has_no_seed():
 
 
 @pytest.mark.parametrize(("layer", "taus", "words"), [
-    (0, -1.0, "taus = -1: must lie in"), (0, [math.nan], "taus\\[0\\] = nan"), (0, [1.0, 2.0], "taus has 2 channels"),
+    (0, -1.0, "taus = -1: must lie in"), (0, [math.nan], "taus\\[0\\] = nan"),
     (0, None, "taus = None"), (1, 1.0, "layer = 1: must be a whole number from 0 to 0"), (-1, 1.0, "layer = -1"),
     (0.0, 1.0, "layer = 0.0"), (0, "x", "taus = 'x'"), (0, 10**400, "taus")])
 def test_thicknesses_that_cannot_be(solved, layer, taus, words):
     with pytest.raises((ArgumentError, StackError), match=f"^{words}"):
         solved.with_thickness(layer, taus)
+
+
+def test_as_many_thicknesses_as_channels():
+    three = lamina.solve(Stack([Medium(albedo=[0.9, 0.8, 0.7], tau=1.0)]), "preview")
+    with pytest.raises(ArgumentError, match="^taus has 2 channels: must have 3 like the stack"):
+        three.with_thickness(0, [1.0, 2.0])
 
 
 def test_only_media_have_a_thickness():

@@ -18,17 +18,9 @@ def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: Solve
     """The report of a table, see lamina.bake; `parts` by kind, "reflection" first; `seen`: the slices they fit."""
     stated = view_cosines() >= STATED_COSINE
     fitted = {kind: part for kind, part in parts.items() if isinstance(part, FittedMixture)}
-    reflection, through = fitted["reflection"], fitted.get("transmission")
     functions = solved.functions
-    through_errors = None if through is None else all_rows(np.nan_to_num(through.errors), solved, 1).round(6).tolist()
     return {
-        "fit_error": _mean(reflection.errors[..., stated]),
-        "worst_slice": _worst(reflection.errors, stated, solved),
-        "slice_errors": all_rows(np.nan_to_num(reflection.errors), solved, 1).round(6).tolist(),
-        "fit_error_transmission": None if through is None else _mean(through.errors[..., stated]),
-        "worst_slice_transmission": None if through is None else _worst(through.errors, stated, solved),
-        "slice_errors_transmission": through_errors,
-        **_by_row(reflection.errors[..., stated], solved),
+        **error_report({kind: part.errors for kind, part in fitted.items()}, solved),
         "albedo_error": max(float(part.albedo_errors[..., stated].max()) for part in fitted.values()),
         "strayed_light": strayed_report(parts, seen, stated) if solved.is_sheet else None,
         "energy_error": max(f.checks["energy"] for f in functions),
@@ -41,6 +33,20 @@ def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: Solve
         "tau_rows": max(1, len(solved.axis)),
         "tau_rows_solved": len(solved.rows),
     }
+
+
+def error_report(errors: dict[str, np.ndarray], solved: SolvedRows) -> dict:
+    """The report's entries on the errors of slices, `errors` by kind: [side, row, channel, column], nan where a slice
+    is black."""
+    stated = view_cosines() >= STATED_COSINE
+    report: dict = {}
+    for kind, ending in (("reflection", ""), ("transmission", "_transmission")):
+        found = errors.get(kind)
+        known = None if found is None else all_rows(np.nan_to_num(found), solved, 1).round(6).tolist()
+        report[f"fit_error{ending}"] = None if found is None else _mean(found[..., stated])
+        report[f"worst_slice{ending}"] = None if found is None else _worst(found, stated, solved)
+        report[f"slice_errors{ending}"] = known
+    return report | _by_row(errors["reflection"][..., stated], solved)
 
 
 def all_rows(values: np.ndarray, solved: SolvedRows, axis: int) -> np.ndarray:

@@ -3,27 +3,35 @@
 
 from __future__ import annotations
 
+import functools
 import os
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..common.archive import Damaged, load_archive, save_archive
+from ..common.by_content import ByContent
 from ..common.errors import LutError
-from . import lut_header
+from ..common.progress import Progress
+from ..material.any_stack import AnyStack, as_stack
+from ..material.stack import Stack
+from . import labelled, lut_header
+from .comparison import Comparison, compare
+from .fitted_function import FittedFunction
 
 
 @dataclass(frozen=True, eq=False)
-class Lut:
+class Lut(ByContent):
     """Closure weights over the view angle, and the header that describes them.
 
     `weights`: float32, shape (sides, closures, tau rows, 64 columns, 3). `header`: a JSON object with
-    schema, stack, stack_hash, quality, basis, seed, sides, axes, closures (lobe ids, see lamina.lobes, and
-    "transparent" for the unscattered light of a sheet) and report."""
+    schema, version (of the Lamina that made the table), stack, stack_hash, quality, basis, seed, sides, axes, closures
+    (lobe ids, see lamina.lobes, and "transparent" for the unscattered light of a sheet) and report."""
 
     header: dict
     weights: np.ndarray
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, compare=False)
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.weights.shape))
@@ -40,6 +48,64 @@ class Lut:
     @property
     def closures(self) -> list[str]:
         return self.header["closures"]
+
+    @functools.cached_property
+    def stack(self) -> Stack:
+        """The stack that was baked, in canonical form: albedo and optical thickness of each channel, without names.
+        Raises StackError for a table whose header holds no valid stack."""
+        return lut_header.stack_of(self.header)
+
+    def evaluate(self, mu_o, mu_i, dphi, path: str = "reflect", side: str = "top", tau=None, color=None,
+                 metallic: float | None = None, roughness: float | None = None) -> np.ndarray:
+        """The fitted function in 1/sr, as Cycles renders it: a BRDF, or with `path` "transmit" a BTDF.
+
+        Arguments are those of ScatteringFunction.brdf and btdf: cosines `mu_o` of the viewer and `mu_i` of the light in
+        (0, 1], `dphi` in radians with 0 forward; light enters on `side`. Arrays broadcast. Shape: broadcast + (3,).
+        `tau`: the thickness of the varying layer, in [0, largest], by default the largest; an array broadcasts too.
+        `color`, `metallic`, `roughness`: inputs of the node group in [0, 1], by default those of the stack.
+
+        A mirror closure with a width counts; perfectly specular and unscattered light does not. The light of a shader
+        below a ShaderBase is unknown and left out. Raises ArgumentError, and StackError as `stack` does."""
+        function = FittedFunction(self.header, self.weights, self.stack.base, color, metallic, roughness)
+        return function.values(mu_o, mu_i, dphi, path, side, tau)
+
+    def reflectance(self, mu_o, side: str = "top", parts: bool = False, tau=None, color=None,
+                    metallic: float | None = None, roughness: float | None = None):
+        """The directional albedo that Cycles shows under uniform light from above, for views with cosine `mu_o` on
+        `side`. Shape: broadcast + (3,). By reciprocity it is the reflectance of a beam from there. `parts`: the pair
+        (by closures that spread light, by mirrors). Other arguments are those of `evaluate`."""
+        return self._albedo("reflect", mu_o, side, parts, tau, color, metallic, roughness)
+
+    def transmittance(self, mu_o, side: str = "top", parts: bool = False, tau=None):
+        """Like `reflectance`, for light from the other side of a sheet; the parts are (spread, unscattered)."""
+        return self._albedo("transmit", mu_o, side, parts, tau, None, None, None)
+
+    def _albedo(self, path: str, mu_o, side: str, parts: bool, tau, color, metallic, roughness):
+        function = FittedFunction(self.header, self.weights, self.stack.base, color, metallic, roughness)
+        spread, direct = function.albedo(mu_o, path, side, tau)
+        return (spread, direct) if parts else spread + direct
+
+    def compare(self, stack: AnyStack | None = None, threads: int = 0, progress: Progress | None = None,
+                cancel: Callable[[], bool] | None = None) -> Comparison:
+        """The errors of the fitted function against the exactly solved `stack`, by default the one that was baked. The
+        errors are measured again from the stored weights, at the table's quality, on the grids of the bake.
+
+        For most tables they are those of the report. A base with inputs is compared at the values of the stack's own
+        base: for a textured base the report holds upper bounds instead, and for a Principled base with the input
+        "color", errors relative to the light over a white base. Over a ShaderBase, the light over a black base is
+        compared, relative to the whole light over a base of the stack's reflectance.
+
+        `stack` must have a varying layer of the same largest thickness as the table, or none like the table, and must
+        be a sheet if the table is one. `progress` and `cancel` are those of lamina.bake. Raises ArgumentError,
+        StackError, SolveError and Cancelled."""
+        compared = self.stack if stack is None else as_stack(stack)
+        return compare(self.header, self.weights, self.stack, compared, threads, progress, cancel)
+
+    def to_xarray(self):
+        """An xarray.Dataset: `weights` (side, closure, roughness, tau, view_angle, color), and the report's
+        `slice_errors`. Axes have coordinates, and units are attributes; `mu_o` is a second coordinate of view_angle.
+        An axis that the table does not have has the single value 0. Raises ExtraMissing without xarray."""
+        return labelled.dataset(self.header, self.weights)
 
     def image(self) -> np.ndarray:
         """The weights as an image, float32, shape (height, 64, 4), bottom row first: one strip of tau rows

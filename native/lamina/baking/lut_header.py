@@ -11,6 +11,7 @@ from ..closures import lobes
 from ..common.errors import quoted
 from ..kinds.bases import PrincipledBase
 from ..kinds.table import COLUMNS, PRINCIPLED, THROWN_BACK, lobe_of
+from ..material.stack import Stack
 
 SCHEMA = 1
 
@@ -29,6 +30,7 @@ _ALWAYS = {
 _OR_NONE = {"report.fit_error_transmission": _NUMBER, "report.worst_slice.tau": _NUMBER}
 _IF_ANY = {
     "basis": {"basis": _TEXT},
+    "version": {"version": _TEXT},
     "axes.roughness": {"axes.roughness.count": _COUNT, "axes.roughness.values": _NUMBERS},
     "report.row_errors": {f"report.row_errors.{name}": _NUMBERS for name in ("tau", "mean", "worst")},
     "report.tau_error": {
@@ -37,6 +39,12 @@ _IF_ANY = {
     },
     "report.base_error": {f"report.base_error.{name}": _NUMBER for name in ("lambert", "metal", "unknown", "color")},
 }
+
+
+def stack_of(header: dict) -> Stack:
+    """The stack of a header, in canonical form: albedo and optical thickness of each channel, without names. Raises
+    StackError."""
+    return Stack.from_json(header["stack"])
 
 
 def problem(header, weights: np.ndarray) -> str:

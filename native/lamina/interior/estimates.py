@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..common.by_content import ByContent
 from ..walks.searchlight_moments import Measured
 from .lamps import AnyLamp
 
@@ -21,7 +22,7 @@ class WalkCount:
     of the light that misses the surface by rounding errors; this light is missing from the results. `collisions`:
     scatterings and rejected collisions. `rays`: number of rays traced."""
 
-    seconds: float
+    seconds: float = field(compare=False)
     samples: int
     lost: float
     scatterings: int
@@ -29,8 +30,8 @@ class WalkCount:
     rays: int
 
 
-@dataclass(frozen=True)
-class ExitEstimate:
+@dataclass(frozen=True, eq=False)
+class ExitEstimate(ByContent):
     """The light that leaves a solid, for unit flux that enters at each of n points. Estimates have `value` and `stderr`
     of shape (n, 3): red, green, blue.
 
@@ -46,8 +47,8 @@ class ExitEstimate:
     count: WalkCount
 
 
-@dataclass(frozen=True)
-class LightEstimate:
+@dataclass(frozen=True, eq=False)
+class LightEstimate(ByContent):
     """The radiance that leaves a solid at each of n points after transport inside. `lamps`: for each lamp of unit
     strength, shape (n, lamps, 3). `sky`: for the surroundings, by default of radiance 1, shape (n, 3). Both have
     `value` and `stderr`. The boundary's reflection at the point is not included."""

@@ -10,6 +10,7 @@ from dataclasses import field as member
 
 from .boundaries import ALPHA, FACETS
 from .fields import Channels, Field, Form, Option, channel
+from .hashable import Hashable
 from .media import ALBEDO, SIGMA_A, SIGMA_S, single_scattering_albedo
 from .panel import Item, Panel
 from .phases import Isotropic, PhaseFunction
@@ -28,7 +29,7 @@ def _one_number(name: str, high: float, default: float, label: str, tip: str, lo
         label, tip, default, step=1, precision=3, prop=f"principled_{name}", words=label.lower().replace("ior", "IOR")))
 
 
-class Base:
+class Base(Hashable):
     """A kind of base. `fields`: quantities that always describe it; `forms`: alternative sets of quantities, of which
     one is given; `options`: choices; `item`: its entry in the panel's list. `has_phase`: the base is a medium, with a
     member `phase`."""

@@ -6,9 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .fields import Channels, Field, Option
+from .hashable import Hashable
 from .panel import Item, Panel
 
-ALPHA = Field("alpha", 0.0, 1.0, panel=Panel(
+ALPHA = Field("alpha", 0.0, 1.0, single=True, panel=Panel(
     "Alpha", "Microfacet width: roughness squared", 0.0, step=1, precision=4,
     words="microfacet width (roughness squared)"))
 IOR = Field("ior", 1.0, 4.0, panel=Panel(
@@ -25,7 +26,7 @@ FACETS = (DISTRIBUTION, COMPENSATE, CORRELATED)
 
 
 @dataclass(frozen=True)
-class Interface:
+class Interface(Hashable):
     """A boundary between two dielectrics. `ior`: absolute refractive index of everything below it, down to the next
     interface, [1, 4]; above the first interface is air, and a sheet seen from both sides ends with an interface of ior
     1. `alpha`: microfacet width, [0, 1], 0 is smooth. `compensate`: add the energy that single scattering by facets

@@ -20,16 +20,15 @@ Channels = float | Sequence[float]
 
 @dataclass(frozen=True)
 class Field:
-    """A quantity: its name, its range [low, high] and its unit. `open_ended`: the ends are not part of the range.
-    `above`: the lower end is not part of the range. `whole`: a whole number. `infinite`: infinity is allowed too.
-    `optional`: may be missing from a form. `single`: one number for all channels. `rule`: the range in words, if not
-    made from the numbers. `panel`: how the panel shows it, or None if the panel does not."""
+    """A quantity: its name, its range [low, high] and its unit. `above`: the lower end is not part of the range.
+    `whole`: a whole number. `infinite`: infinity is allowed too. `optional`: may be missing from a form. `single`: one
+    number for all channels, or a list of equal numbers. `rule`: the range in words, if not made from the numbers.
+    `panel`: how the panel shows it, or None if the panel does not."""
 
     name: str
     low: float
     high: float
     unit: str = ""
-    open_ended: bool = False
     above: bool = False
     whole: bool = False
     infinite: bool = False
@@ -45,8 +44,7 @@ class Field:
     def _range_in_words(self) -> str:
         if self.whole:
             return f"must be a whole number from {self.low:.0f} to {self.high:.0f} {self.unit}".rstrip()
-        first, last = "(" if self.open_ended or self.above else "[", ")" if self.open_ended else "]"
-        return f"must lie in {first}{_end(self.low)}, {_end(self.high)}{last} {self.unit}".rstrip()
+        return f"must lie in {'(' if self.above else '['}{_end(self.low)}, {_end(self.high)}] {self.unit}".rstrip()
 
     @property
     def prop(self) -> str:
@@ -57,9 +55,8 @@ class Field:
         """True if a number is in the range."""
         if number == math.inf:
             return self.infinite
-        above = self.low < number if self.open_ended or self.above else self.low <= number
-        below = number < self.high if self.open_ended else number <= self.high
-        return above and below and (not self.whole or number == int(number))
+        above = self.low < number if self.above else self.low <= number
+        return above and number <= self.high and (not self.whole or number == int(number))
 
     def check(self, value, path: str) -> float | tuple[float, ...]:
         """`value` as a float or a tuple of floats, one per channel.
@@ -73,6 +70,8 @@ class Field:
             value = value.tolist()
             if not isinstance(value, list):
                 return self.check(value, path)
+        if isinstance(value, list | tuple) and self.single and value and all(item == value[0] for item in value):
+            return self.check(value[0], path)
         if isinstance(value, list | tuple) and not self.single:
             if not value:
                 raise StackError(f"{path} = []: must hold one number per channel")

@@ -9,23 +9,27 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from .fields import Channels, Field, channel, check_keys, to_plain
+from .hashable import Hashable
 from .panel import Item, Panel
 
 __all__ = ["CornetteShanks", "DoubleHenyeyGreenstein", "Draine", "HenyeyGreenstein", "Isotropic", "Rayleigh"]
 
-LARGEST_G = 0.99  # of the panel's sliders
+# The sharpest forward or backward peak that the solver resolves: moment 320 of Henyey and Greenstein's function, g^320,
+# must be below 1e-5. Random walks could follow sharper peaks, but the same stack serves all of Lamina. End materials of
+# an interior, which only walks read, have a wider range (see kinds.interiors).
+LARGEST_G = 0.964
 
 
 def _anisotropy(name: str, label: str, default: float, tip: str) -> Field:
-    panel = Panel(label, tip, default, low=-LARGEST_G, high=LARGEST_G, step=1, precision=3, words=label.lower())
-    return Field(name, -1.0, 1.0, open_ended=True, panel=panel)
+    panel = Panel(label, tip, default, step=1, precision=3, words=label.lower())
+    return Field(name, -LARGEST_G, LARGEST_G, panel=panel)
 
 
 G = _anisotropy("g", "Anisotropy", 0.6, "Forward (above 0) or backward (below 0) scattering; for Henyey-Greenstein "
                 "the mean cosine")
 
 
-class PhaseFunction:
+class PhaseFunction(Hashable):
     """The interface of all phase functions, implemented for those that the numbers `fields` describe.
 
     `item`: the kind's entry in the panel's list; None for a kind that the panel does not edit."""
@@ -75,7 +79,7 @@ class Isotropic(PhaseFunction):
 
 @dataclass(frozen=True)
 class HenyeyGreenstein(PhaseFunction):
-    """Henyey and Greenstein (1941). `g`, the mean cosine, in (-1, 1), a number or one per channel."""
+    """Henyey and Greenstein (1941). `g`, the mean cosine, in [-.964, .964], a number or one per channel."""
 
     g: Channels
 
@@ -87,7 +91,7 @@ class HenyeyGreenstein(PhaseFunction):
 @dataclass(frozen=True)
 class DoubleHenyeyGreenstein(PhaseFunction):
     """Two Henyey-Greenstein lobes, weight HG(g1) + (1 - weight) HG(g2) (Irvine 1965), usually one forward and a weak
-    backward one. `g1`, `g2` in (-1, 1), `weight` in [0, 1]; numbers or one per channel."""
+    backward one. `g1`, `g2` in [-.964, .964], `weight` in [0, 1]; numbers or one per channel."""
 
     g1: Channels
     g2: Channels
@@ -113,8 +117,8 @@ class Rayleigh(PhaseFunction):
 
 @dataclass(frozen=True)
 class CornetteShanks(PhaseFunction):
-    """Cornette and Shanks (1992): Rayleigh scattering at g = 0, a forward lobe for larger g. `g` in (-1, 1), a number
-    or one per channel; the mean cosine is 3 g (4 + g^2) / (5 (2 + g^2))."""
+    """Cornette and Shanks (1992): Rayleigh scattering at g = 0, a forward lobe for larger g. `g` in [-.964, .964], a
+    number or one per channel; the mean cosine is 3 g (4 + g^2) / (5 (2 + g^2))."""
 
     g: Channels
 
@@ -125,9 +129,9 @@ class CornetteShanks(PhaseFunction):
 
 @dataclass(frozen=True)
 class Draine(PhaseFunction):
-    """Draine (2003): Henyey-Greenstein times 1 + alpha cos^2, normalised. `g` in (-1, 1), `alpha` in [0, 1000]; numbers
-    or one per channel. alpha 0 is Henyey-Greenstein, alpha 1 Cornette-Shanks. A Mixture of this and Henyey-Greenstein
-    fits droplets of fog and cloud well (Jendersie and d'Eon 2023)."""
+    """Draine (2003): Henyey-Greenstein times 1 + alpha cos^2, normalised. `g` in [-.964, .964], `alpha` in [0, 1000];
+    numbers or one per channel. alpha 0 is Henyey-Greenstein, alpha 1 Cornette-Shanks. A Mixture of this and
+    Henyey-Greenstein fits droplets of fog and cloud well (Jendersie and d'Eon 2023)."""
 
     g: Channels
     alpha: Channels

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from ..common.errors import StackError, quoted
 from ..kinds.fields import Channels, channel, check_forms
+from ..kinds.hashable import Hashable
 from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, ITEM, single_scattering_albedo
 from ..kinds.phases import Isotropic
 from .phase import Phase, check_phase
@@ -15,7 +16,7 @@ from .profile import Knot, check_profile, optical_thickness, turned
 
 
 @dataclass(frozen=True)
-class Medium:
+class Medium(Hashable):
     """A scattering layer, homogeneous unless it has a `profile`. Every quantity is a number or one per channel.
 
     Either `albedo` (single scattering, sigma_s / sigma_t, in [0, 1]) and `tau` (optical thickness, from 0

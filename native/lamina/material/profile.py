@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from ..common.errors import StackError, quoted
 from ..kinds.fields import Channels, Field, all_fields, channel, check_forms, check_keys, to_plain
+from ..kinds.hashable import Hashable
 from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, DEPTH, OVER
 from .phase import Phase, check_phase, read_phase
 
@@ -24,7 +25,7 @@ ALBEDO_ERROR, SHARE_ERROR = 1e-4, 1e-3
 
 
 @dataclass(frozen=True)
-class Knot:
+class Knot(Hashable):
     """The medium at one depth, 0 (top) to 1 (bottom). Quantities are numbers or one per channel.
 
     Either `albedo`, [0, 1], or `color`, [0, 1], the colour of a homogeneous layer of the same thickness, in a medium

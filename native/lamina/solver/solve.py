@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,6 +30,8 @@ from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.profile import THICKNESS
 from ..material.stack import Stack
+from ..material.thickness import check_opaque, with_thickness
+from . import labelled
 
 TOLERANCE = {"preview": 1e-2, "final": 1e-3}
 _SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
@@ -55,9 +60,9 @@ def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int 
     for index in range(stack.channels):
         key, layers, base = core_stack(stack, index)
         if key not in solved:
-            solved[key] = _solve_channel(_core.Stack(layers, base), tolerance, pool, nodes)
+            solved[key] = _solve_channel(_core.Stack(layers, base), tolerance, nodes, pool)
         channels.append(solved[key])
-    return ScatteringFunction(stack, channels, pool, (solve, (stack, quality, threads, nodes)))
+    return ScatteringFunction(stack, channels, pool, (solve, (stack, quality, threads, nodes)), (tolerance, nodes))
 
 
 def check_nodes(nodes: int | None) -> int | None:
@@ -115,7 +120,7 @@ def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
     return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated)
 
 
-def _solve_channel(core: _core.Stack, tolerance: float, pool, nodes: int | None) -> _core.Solution:
+def _solve_channel(core: _core.Stack, tolerance: float, nodes: int | None, pool) -> _core.Solution:
     if nodes is not None:
         return or_solve_error(lambda: _core.solve_roughly(core, tolerance, nodes, pool))
     return or_solve_error(lambda: _core.solve(core, tolerance, pool))
@@ -143,11 +148,18 @@ class ScatteringFunction:
     over channels. A pickled function holds the arguments of its making, and is solved again when it is loaded, with
     the same result."""
 
-    def __init__(self, stack: Stack, channels: list, pool, made: tuple):
-        self.stack = stack
+    def __init__(self, stack: Stack | Callable[[], Stack], channels: list, pool, made: tuple,
+                 effort: tuple[float, int | None]):
+        self._stack = stack  # or a function that makes the stack, for previews that never look at it
         self._channels = channels
         self._pool = pool
         self._made = made  # (callable, arguments) that make this function
+        self._effort = effort  # (tolerance, nodes) of the solve
+
+    @property
+    def stack(self) -> Stack:
+        """The stack that this function belongs to."""
+        return self._stack if isinstance(self._stack, Stack) else self._stack()
 
     def __reduce__(self):
         return self._made
@@ -176,36 +188,54 @@ class ScatteringFunction:
 
     def with_thickness(self, layer: int, taus) -> ScatteringFunction:
         """The same stack with the optical thickness `taus` of the layer with index `layer`, a number or one per
-        channel, in [0, infinity], or in [0, 1e9] for a layer with a profile; much faster than a new solve. Raises
+        channel, in [0, infinity], or in [0, 1e9] for a layer with a profile; much faster than a new solve. A stack of
+        one channel takes any number of them. For the new `stack` see material.thickness.with_thickness. Raises
         StackError, ArgumentError and SolveError."""
-        layer = check_whole(layer, "layer", 0, len(self.stack.layers) - 1)
-        medium = self.stack.layers[layer]
+        stack = self.stack
+        layer = check_whole(layer, "layer", 0, len(stack.layers) - 1)
+        medium = stack.layers[layer]
         if not isinstance(medium, Medium):
             raise ArgumentError(f"layer = {layer}: must be a medium, this one is of kind {medium.kind}")
         quantity = TAU if medium.profile is None else THICKNESS["tau"]
         taus = quantity.check(taus, "taus")
-        if isinstance(taus, tuple) and len(taus) != len(self._channels):
-            raise ArgumentError(f"taus has {len(taus)} channels: must have {len(self._channels)} like the stack")
+        count = len(self._channels)
+        if isinstance(taus, tuple) and len(taus) != count:
+            if count > 1:
+                raise ArgumentError(f"taus has {len(taus)} channels: must have {count} like the stack")
+            count = len(taus)
+        check_opaque(stack, layer, taus)
+        changed = functools.cache(lambda: with_thickness(stack, layer, taus))
         made: dict = {}
         channels = []
-        for index, solution in enumerate(self._channels):
-            tau = channel(taus, index)
+        for index in range(count):
+            own, tau = min(index, len(self._channels) - 1), channel(taus, index)
+            solution = self._channels[own]
             key = (id(solution), tau)
             if key not in made:
-                made[key] = or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
+                if medium.profile is not None and tau > 0.0 and medium.optics(own)[1] == 0.0:
+                    # The core was given a clear layer in place of a profile without thickness
+                    made[key] = _solve_channel(_core.Stack(*core_stack(changed(), index)[1:]), *self._effort,
+                                               self._pool)
+                else:
+                    made[key] = or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
             channels.append(made[key])
-        return ScatteringFunction(self.stack, channels, self._pool,
-                                  (ScatteringFunction.with_thickness, (self, layer, taus)))
+        return self._derived(changed, channels, (ScatteringFunction.with_thickness, (self, layer, taus)))
 
     def with_base_reflectance(self, reflectance: float) -> ScatteringFunction:
         """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; takes almost
         no time. Raises ArgumentError, also for another kind of base."""
-        if not isinstance(self.stack.base, Lambert):
+        stack = self.stack
+        if not isinstance(stack.base, Lambert):
             raise ArgumentError("reflectance: the base of the stack must be a Lambert surface")
         reflectance = check_number(reflectance, "reflectance", "must lie in [0, 1]", lambda r: 0.0 <= r <= 1.0)
+        base = replace(stack.base, reflectance=reflectance)
         made = {id(solution): solution.with_reflectance(reflectance) for solution in self._channels}
-        return ScatteringFunction(self.stack, [made[id(solution)] for solution in self._channels], self._pool,
-                                  (ScatteringFunction.with_base_reflectance, (self, reflectance)))
+        return self._derived(functools.cache(lambda: stack.with_facets(stack.layers, base)),
+                             [made[id(solution)] for solution in self._channels],
+                             (ScatteringFunction.with_base_reflectance, (self, reflectance)))
+
+    def _derived(self, stack: Callable[[], Stack], channels: list, made: tuple) -> ScatteringFunction:
+        return ScatteringFunction(stack, channels, self._pool, made, self._effort)
 
     def brdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
         """BRDF in 1/sr, without specular parts. `mu_o`, `mu_i` in (0, 1], `dphi` in radians with 0 forward (light keeps
@@ -224,6 +254,13 @@ class ScatteringFunction:
         self._check_below(where, side)
         return self._by_channel(
             lambda s: s.grid(side_of(side), where, *lists, azimuths, self._pool))
+
+    def to_xarray(self, mu_o=None, mu_i=None, dphi=None):
+        """An xarray.Dataset on a product grid, by default 20 cosines from .05 to 1 for each direction and 13 azimuths
+        from 0 to pi: `brdf` (side, mu_o, mu_i, dphi, channel) and `reflectance` (side, mu_i, channel), and for sheets
+        `btdf` and `transmittance`. Axes have coordinates, and units are attributes. `side` is that on which light
+        enters. Raises ExtraMissing without xarray, and ArgumentError."""
+        return labelled.dataset(self, mu_o, mu_i, dphi)
 
     def reflectance(self, mu0, side: str = "top", parts: bool = False):
         """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light. Shape: that of

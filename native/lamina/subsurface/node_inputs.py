@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.arguments import check_number, finite_array
+from ..common.by_content import ByContent
 from ..common.errors import ArgumentError, quoted
 from ..kinds.limits import MOST_NODE_IOR
 from .entry_cosines import entry_cosines, mean_entry_cosines
@@ -30,8 +31,8 @@ class Walk(NamedTuple):
     path: np.ndarray
 
 
-@dataclass(frozen=True)
-class SubsurfaceInputs:
+@dataclass(frozen=True, eq=False)
+class SubsurfaceInputs(ByContent):
     """Inputs of the Subsurface Scattering node (Random Walk) of Cycles. Arrays have the shape of the targets; lengths
     have the unit of the target distance, with the node's Scale at 1.
 

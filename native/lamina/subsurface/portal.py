@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.by_content import ByContent
 from ..common.progress import Progress, portion, stepper
 from ..lateral.searchlight import Searchlight, searchlight
 from ..material.any_stack import AnyStack, as_stack
@@ -31,8 +32,8 @@ DEPTHS, WEIGHTS, VIEWS = 1024, 1024, 256  # sizes of the tables
 DEPTH_SHARE = 0.9
 
 
-@dataclass(frozen=True)
-class PortalTables:
+@dataclass(frozen=True, eq=False)
+class PortalTables(ByContent):
     """Tables of the portal. Lengths in millimetres.
 
     `depths`, shape (DEPTHS,): equally likely depths of sources. `weights`, (WEIGHTS, channels): weight of a ray by the

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.by_content import ByContent
 from ..kinds.bases import HalfSpace
 from ..kinds.fields import channel
 from ..kinds.phases import HenyeyGreenstein, Isotropic
@@ -23,8 +24,8 @@ _COSINES = _COSINES + 0.5
 _AZIMUTH_COSINES = np.cos(math.pi * (np.arange(TURNS) + 0.5) / TURNS)
 
 
-@dataclass(frozen=True)
-class SingleScattering:
+@dataclass(frozen=True, eq=False)
+class SingleScattering(ByContent):
     """A deep medium with the phase function of Henyey and Greenstein. `sigma_s`, `sigma_a`: coefficients by channel,
     1/mm, shape (channels,); `g`: mean cosine of all channels."""
 

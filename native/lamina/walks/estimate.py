@@ -6,12 +6,13 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from .. import _core
 from ..common.arguments import LEAST_COSINE, check_choice, check_number, check_seed, check_whole
+from ..common.by_content import ByContent
 from ..common.errors import SolveError, StackError
 from ..common.progress import Progress, portion, stepper
 from ..material.any_stack import AnyStack, as_stack
@@ -58,15 +59,15 @@ class Query:
         return _core.WalkTarget(mu_o, self.mu_i, self.dphi, side_of(self.side), path_of(self.path), self.mu_o is None)
 
 
-@dataclass(frozen=True)
-class Estimate:
+@dataclass(frozen=True, eq=False)
+class Estimate(ByContent):
     """Estimates, one per channel, with their standard errors; the total seconds; and the number of samples and
     scattering events of each channel. `table_error`: relative error of the layer tables that the walk uses; 0 for a
     walk without tables."""
 
     value: np.ndarray
     stderr: np.ndarray
-    seconds: float
+    seconds: float = field(compare=False)
     samples: np.ndarray
     events: np.ndarray
     table_error: float = 0.0

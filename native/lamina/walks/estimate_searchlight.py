@@ -6,13 +6,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from .. import _core
 from ..common.arguments import LEAST_COSINE, check_choice, check_number, check_seed, finite_list
+from ..common.by_content import ByContent
 from ..common.errors import ArgumentError, StackError
 from ..common.progress import Progress, stepper
 from ..kinds.bases import HalfSpace
@@ -58,8 +59,8 @@ class SearchlightQuery:
         return sorted(set(self.r))
 
 
-@dataclass(frozen=True)
-class SearchlightEstimate:
+@dataclass(frozen=True, eq=False)
+class SearchlightEstimate(ByContent):
     """Estimates for a pencil beam of unit flux, each with `value` and `stderr`. Fluxes and mean distances have the
     shape (channels,). Functions of distance or frequency have the shape of `r` or `q`, with a last axis of channels if
     there are several. For an oblique beam all values are means over azimuths about the point of entry.
@@ -86,7 +87,7 @@ class SearchlightEstimate:
     mean_square_distance: Measured
     reflected_covariance: np.ndarray
     transmitted_covariance: np.ndarray
-    seconds: float
+    seconds: float = field(compare=False)
     samples: np.ndarray
     events: np.ndarray
 

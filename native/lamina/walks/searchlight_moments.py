@@ -8,21 +8,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.by_content import ByContent
+
 # Relative to the mean square: a smaller variance is rounding.
 ROUNDING = 1e-13
 WEIGHT, DISTANCE, SQUARE, FIRST_FREQUENCY = 0, 1, 2, 3  # indices in the vector of scores
 
 
-@dataclass(frozen=True)
-class Measured:
+@dataclass(frozen=True, eq=False)
+class Measured(ByContent):
     """Values and their standard errors, arrays of one shape."""
 
     value: np.ndarray
     stderr: np.ndarray
 
 
-@dataclass(frozen=True)
-class SideMoments:
+@dataclass(frozen=True, eq=False)
+class SideMoments(ByContent):
     """Estimates for the light that leaves on one side, in one channel: the flux within each radius, and the vector of
     scores (flux, its first and second moment in r, its transform at each q), with their covariance."""
 

@@ -7,13 +7,14 @@ import bpy
 import pytest
 
 SENTENCES = {
-    "layers[0].phase.g = 1.2: must lie in (-1, 1)": "Layer 1 “Dust”, anisotropy = 1.2: must lie in (-1, 1)",
+    "layers[0].phase.g = 1.2: must lie in [-0.964, 0.964]":
+        "Layer 1 “Dust”, anisotropy = 1.2: must lie in [-0.964, 0.964]",
     "layers[0].albedo[1] = 2: must lie in [0, 1]": "Layer 1 “Dust”, albedo (green) = 2: must lie in [0, 1]",
     "layers[7].tau = -1: must not be negative": "Layer 8, optical thickness = -1: must not be negative",
     "layers[0]: an infinite layer must be the last": "Layer 1 “Dust”: an infinite layer must be the last",
     "base.reflectance[2] = 3: must lie in [0, 1]": "Base, reflectance (blue) = 3: must lie in [0, 1]",
-    "layers[0].phase.parts[1].phase.g = 2: must lie in (-1, 1)": (
-        "Layer 1 “Dust”, phase function parts[1].phase.g = 2: must lie in (-1, 1)"
+    "layers[0].phase.parts[1].phase.g = 2: must lie in [-0.964, 0.964]": (
+        "Layer 1 “Dust”, phase function parts[1].phase.g = 2: must lie in [-0.964, 0.964]"
     ),
     "layers[0].phase.parts have shares that sum to 2": (
         "Layer 1 “Dust”, phase function parts have shares that sum to 2"

@@ -15,7 +15,7 @@ TABLE = {"kind": "tabulated", "moments": [1.0, 0.12345678901234567, 0.05]}
 MIXTURE = {
     "kind": "mixture",
     "parts": [
-        {"share": [0.25, 0.5, 0.125], "phase": {"kind": "hg", "g": 0.991234567890123}},
+        {"share": [0.25, 0.5, 0.125], "phase": {"kind": "hg", "g": 0.941234567890123}},
         {"share": [0.75, 0.5, 0.875], "phase": {"kind": "tabulated", "cosines": [-1, 0.2, 1], "values": [1, 2, 9]}},
     ],
 }  # fmt: skip
@@ -219,7 +219,6 @@ IMPORTED = {
     "table of 3 moments": TABLE,
     "table of 4 samples": {"kind": "tabulated", "cosines": [-1, 0, 0.5, 1], "values": [[1, 1, 2, 3]] * 3},
     "Henyey-Greenstein per channel": {"kind": "hg", "g": [0.1, 0.2, 0.3]},
-    "Henyey-Greenstein": {"kind": "hg", "g": 0.995},
     "from-a-newer-lamina": {"kind": "from-a-newer-lamina", "size": 3},
 }
 

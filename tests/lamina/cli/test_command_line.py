@@ -51,6 +51,12 @@ def test_bake_and_report(folder):
     assert Path("direct.npz").read_bytes() == Path("out.npz").read_bytes()
 
 
+def test_version(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["--version"])
+    assert end.value.code == 0 and capsys.readouterr().out == f"lamina {lamina.__version__}\n"
+
+
 def test_the_basis_reaches_the_table(folder):
     stack = lamina.Stack([lamina.Medium(albedo=0.9, tau=2.0, phase=lamina.HenyeyGreenstein(0.75))], lamina.Black())
     stack.save("good.json")
@@ -132,7 +138,8 @@ def test_bad_arguments(arguments, folder, capfd):
 
 
 def test_what_cannot_be_resolved_fails_with_the_numbers(folder, capfd):
-    layer = {"kind": "medium", "albedo": 1.0, "tau": 1.0, "phase": {"kind": "hg", "g": -0.995}}
+    phase = {"kind": "tabulated", "moments": [(-0.98) ** k for k in range(1000)]}
+    layer = {"kind": "medium", "albedo": 1.0, "tau": 1.0, "phase": phase}
     Path("bad.json").write_text(json.dumps({"schema": 1, "layers": [layer]}), encoding="utf-8")
     assert main(["bake", "bad.json", "-o", "out.npz", "--quiet"]) == 1
     out, err = capfd.readouterr()

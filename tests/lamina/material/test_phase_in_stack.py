@@ -88,10 +88,10 @@ def test_channels(phase):
 
 
 @pytest.mark.parametrize("phase, words", [
-    (DoubleHenyeyGreenstein(1.2, 0.0, 0.5), "layers[0].phase.g1 = 1.2: must lie in (-1, 1)"),
-    (DoubleHenyeyGreenstein(0.5, [0.0, -1.0], 0.5), "layers[0].phase.g2[1] = -1: must lie in (-1, 1)"),
+    (DoubleHenyeyGreenstein(1.2, 0.0, 0.5), "layers[0].phase.g1 = 1.2: must lie in [-0.964, 0.964]"),
+    (DoubleHenyeyGreenstein(0.5, [0.0, -1.0], 0.5), "layers[0].phase.g2[1] = -1: must lie in [-0.964, 0.964]"),
     (DoubleHenyeyGreenstein(0.5, 0.0, -0.1), "layers[0].phase.weight = -0.1: must lie in [0, 1]"),
-    (Draine(math.nan, 1.0), "layers[0].phase.g = nan: must lie in (-1, 1)"),
+    (Draine(math.nan, 1.0), "layers[0].phase.g = nan: must lie in [-0.964, 0.964]"),
     (Draine(0.5, -1.0), "layers[0].phase.alpha = -1: must lie in [0, 1000]"),
     (Draine(0.5, math.inf), "layers[0].phase.alpha = inf: must lie in [0, 1000]"),
     (CornetteShanks("much"), "layers[0].phase.g = 'much': must be a number or one number per channel"),
@@ -121,7 +121,7 @@ def test_channels(phase):
     (Mixture([]), "layers[0].phase.parts = []: must be a list of pairs (share, phase function)"),
     (Mixture([0.5]), "layers[0].phase.parts[0] = 0.5: must be a pair (share, phase function)"),
     (Mixture([(0.5, Isotropic())]), "layers[0].phase.parts have shares that sum to 0.5: must sum to 1"),
-    (Mixture([(1.0, HenyeyGreenstein(3.0))]), "layers[0].phase.parts[0].phase.g = 3: must lie in (-1, 1)"),
+    (Mixture([(1.0, HenyeyGreenstein(3.0))]), "layers[0].phase.parts[0].phase.g = 3: must lie in [-0.964, 0.964]"),
     (Mixture([(0.5, Isotropic()), (-0.5, Isotropic())]),
      "layers[0].phase.parts[1].share = -0.5: must lie in [0, 1]"),
     (Mixture([(1.0, Mixture([(1.0, Isotropic())]))]),
@@ -151,7 +151,7 @@ def test_refused(phase, words):
     ({"kind": "mixture", "parts": {}}, "layers[0].phase.parts = {}: must be a list"),
     ({"kind": "mixture", "parts": [{"share": 1.0}]}, "layers[0].phase.parts[0].phase is missing: must be given"),
     ({"kind": "mixture", "parts": [{"share": 1.0, "phase": {"kind": "hg", "g": 2}}]},
-     "layers[0].phase.parts[0].phase.g = 2: must lie in (-1, 1)"),
+     "layers[0].phase.parts[0].phase.g = 2: must lie in [-0.964, 0.964]"),
 ], ids=str)
 def test_refused_in_json(entry, words):
     with pytest.raises(StackError) as error:

@@ -45,7 +45,7 @@ BAD = {
                   "layers[0].thickness: must be left out, the profile's knots go with tau"),
     "over": (medium(*ENDS, over=0.5), "layers[0].over: must be left out where no knot has a color"),
     "phase": (medium(ENDS[0], Knot(1.0, albedo=0.5, phase=HenyeyGreenstein(1.0))),
-              "layers[0].profile[1].phase.g = 1: must lie in (-1, 1)"),
+              "layers[0].profile[1].phase.g = 1: must lie in [-0.964, 0.964]"),
     "channels": (medium(Knot(0.0, albedo=[0.1, 0.2]), Knot(1.0, albedo=[0.1, 0.2, 0.3])),
                  "layers[0].profile[1].albedo has 3 channels: must have 2 like layers[0].profile[0].albedo"),
     "colour": (medium(Knot(0.0, color=0.99), ENDS[1], over=0.0), None),

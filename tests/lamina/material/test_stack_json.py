@@ -146,7 +146,7 @@ BAD = [
      "double-hg, draine, cornette-shanks, tabulated, mixture"),
     ((*PHASE, "kind"), [], "layers[0].phase.kind = []: must be one of isotropic, hg, rayleigh, "
      "double-hg, draine, cornette-shanks, tabulated, mixture"),
-    ((*PHASE, "g"), 1.2, "layers[0].phase.g = 1.2: must lie in (-1, 1)"),
+    ((*PHASE, "g"), 1.2, "layers[0].phase.g = 1.2: must lie in [-0.964, 0.964]"),
     ((*PHASE, "g"), ..., "layers[0].phase.g is missing: must be given"),
     ((*PHASE, "f"), 0.1, "layers[0].phase.f: unknown key; known are g, kind"),
     (("base",), "black", "base = 'black': must be a JSON object"),

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The errors of a stored lookup table against an exactly solved stack, view by view.
+
+A bake reports the errors that it measures while it fits. Here they are measured again, from the stored weights, on the
+same grids and by the same norms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..closures import narrow_lobes
+from ..closures.axes import column_angles
+from ..closures.closure_table import LightGrid, grid_for, only, view_cosines
+from ..common.errors import ArgumentError, StackError
+from ..common.progress import Progress, portions, stepper
+from ..kinds.bases import PrincipledBase, ShaderBase
+from ..kinds.table import PRINCIPLED
+from ..material.stack import Stack
+from ..solver.solve import thread_pool
+from .fit_report import error_report
+from .fitted_function import FittedFunction, finite_lobe, with_inputs_of
+from .mixture import norms, relative
+from .principled_base import BROAD, is_shown
+from .shader_base import on_lambert
+from .slices import Slices, SolvedRows, slices, solve_rows
+
+TIME = {"solve": 0.3, "evaluate": 0.7}
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """`errors` by kind of light, "reflection" and for sheets "transmission": the relative L2 error over solid angle of
+    each slice, shape (sides of the viewer, thicknesses, channels, 64 views), nan where a slice is black; `mu_o`: the
+    view cosines, from the normal to grazing, shape (64,); `tau`: the thicknesses of the varying layer, [None] if none
+    varies; `sides`: of the viewer; `report`: the entries of the bake's report that are measured again."""
+
+    errors: dict[str, np.ndarray]
+    mu_o: np.ndarray
+    tau: list[float | None]
+    sides: list[str]
+    report: dict
+
+    @property
+    def angles(self) -> np.ndarray:
+        """View angles in radians, shape (64,)."""
+        return column_angles()
+
+    @property
+    def mean(self) -> float:
+        """The mean error of the reflection's slices with view cosines >= .05, like `fit_error` in a bake's report."""
+        return self.report["fit_error"]
+
+    @property
+    def worst(self) -> dict:
+        """The largest error of the reflection and where it is, like `worst_slice` in a bake's report."""
+        return self.report["worst_slice"]
+
+    def __repr__(self) -> str:
+        through = self.report["fit_error_transmission"]
+        beside = "" if through is None else f", of transmission {through:.2%}"
+        return (f"<Comparison: mean error {self.mean:.2%}{beside}, worst {self.worst['error']:.2%} at mu_o = "
+                f"{self.worst['mu_o']:.3f}, channel {self.worst['channel']}>")
+
+
+def compare(header: dict, weights: np.ndarray, own: Stack, stack: Stack, threads: int, progress: Progress | None,
+            cancel: Callable[[], bool] | None) -> Comparison:
+    """The comparison of a table, baked from `own`, with `stack`: see Lut.compare."""
+    _refuse(header, own, stack)
+    steps = portions(stepper("the comparison", progress, cancel), TIME)
+    quality, pool = header["quality"], thread_pool(threads)
+    grid = grid_for(quality, None if is_shown(own) else narrow_lobes.narrowest(stack))
+    channels = max(own.channels, stack.channels)
+
+    # Solve the stack, and evaluate its slices
+    solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), quality, threads, steps["solve"])
+    solved = replace(solved, sides=max(solved.sides, header["sides"], key=len))
+    seen = slices(solved, grid, pool, steps["evaluate"])
+    whole = {kind: norms(part.values, grid) for kind, part in seen.items()}
+    if isinstance(stack.base, ShaderBase):  # the table holds the light over a black base
+        functions = [function.with_base_reflectance(0.0) for function in solved.functions]
+        seen = slices(replace(solved, functions=functions), grid, pool, lambda *_: None)
+
+    # Sum the table's closures, and measure the difference
+    function = with_inputs_of(FittedFunction(header, weights, own.base), stack.base)
+    closures = {name: np.moveaxis(weight[..., :channels], -1, 2)
+                for name, weight in function.at_texels(len(solved.sides)).items()}
+    errors = {}
+    for kind, wanted in seen.items():
+        values = _sum(closures, kind, grid, solved) - wanted.values
+        if PRINCIPLED in closures:
+            assert isinstance(function.base, PrincipledBase)
+            values = values + _principled(function.base, closures[PRINCIPLED], wanted, grid, pool, quality, threads)
+        errors[kind] = relative(norms(values, grid), whole[kind])
+    return Comparison(errors, view_cosines(), solved.tau, solved.sides, error_report(errors, solved))
+
+
+def _sum(closures: dict[str, np.ndarray], kind: str, grid: LightGrid, solved: SolvedRows) -> np.ndarray:
+    """The values of all closures of a kind, [side, row, channel, column, light]. A mirror with a width stands for the
+    delta light of the slices, and is left out."""
+    names = [name for name in closures if not name.startswith("mirror:") and finite_lobe(name) is not None
+             and finite_lobe(name).side == kind]
+    weights = np.stack([closures[name] for name in names], axis=1)
+    return np.einsum("skrxc,ckl->srxcl", weights, only(grid, solved.is_sheet, tuple(names)).values, optimize=True)
+
+
+def _principled(base: PrincipledBase, weight: np.ndarray, wanted: Slices, grid: LightGrid, pool, quality: str,
+                threads: int) -> np.ndarray:
+    """The light of the BSDF itself. Of a narrow lobe, both the BSDF's and the stack's are left out, as in the fit: the
+    grid does not resolve the lobe."""
+    bare = solve_rows(Stack([], replace(base, inputs=())), quality, threads, lambda *_: None)
+    clean = slices(bare, grid, pool, lambda *_: None)["reflection"]
+    values = weight[..., None] * clean.values
+    if wanted.lobes is not None and clean.lobes is not None and base.alpha < BROAD:
+        values = values + wanted.lobes - weight[..., None] * clean.lobes
+    return values
+
+
+def _refuse(header: dict, own: Stack, stack: Stack) -> None:
+    """Raises StackError or ArgumentError for a stack that has other axes than the table."""
+    if stack.channels not in (1, 3):
+        raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
+    stack.require_air_below()
+    for what, of in (("is a thin sheet", lambda s: s.base is None), ("has a varying layer", lambda s: s.varying
+                     is not None), ("shows a Principled base", is_shown)):
+        if of(own) != of(stack):
+            first, second = ("table's stack", "given stack") if of(own) else ("given stack", "table's stack")
+            raise ArgumentError(f"stack: the {first} {what} and the {second} does not")
+    if stack.varying is not None:
+        axis = header["axes"]["tau"]["values"]
+        largest = max(stack.optics(stack.varying, c)[1] for c in range(stack.channels))
+        if not math.isclose(largest, axis[-1], rel_tol=1e-9):
+            raise ArgumentError(f"layers[{stack.varying}].tau = {largest:g}: must be {axis[-1]:g}, the largest "
+                                "thickness in the table")

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Packages that only some of Lamina's functions need: the extras of pyproject.toml."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+
+class ExtraMissing(ImportError):  # noqa: N818 - clear without the suffix Error
+    """A package of an extra is not installed; the message says how to install it."""
+
+
+def require(module: str, extra: str, what: str) -> ModuleType:
+    """The module `module`, which `what` needs and `pip install "lamina[EXTRA]"` installs. Raises ExtraMissing."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        package = module.partition(".")[0]
+        raise ExtraMissing(f'{what} needs {package}, which is not installed: pip install "lamina[{extra}]"') from None
