@@ -5,15 +5,16 @@ views, and the reflectance and transmittance over the view angle."""
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from ..closures import lobes, narrow_lobes
+from ..closures import narrow_lobes
 from ..closures.axes import column_angles
 from ..closures.closure_table import LOWEST_COSINE, view_cosines
-from ..kinds.bases import PrincipledBase
+from ..kinds.bases import ShaderBase
 from ..kinds.fields import channel
-from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, THROWN_BACK, lobe_of
+from ..kinds.table import BASE_WEIGHT, THROWN_BACK
 from ..material.stack import Stack
 from ..solver.solve import ScatteringFunction, solve
 from . import geometric_series
@@ -44,8 +45,6 @@ def result_curves(stack: Stack, lut: Lut, threads: int = 0) -> dict:
     """
     solver = {"quality": lut.header["quality"], "threads": threads, "nodes": lut.report["solver"]["nodes"]}
     exact = solve(on_lambert(narrow_lobes.resolved(stack)), **solver)
-    table = ShownMixture(stack, lut, solver)
-    directions = _cosines(LIGHTS), np.where(LIGHTS >= 0.0, 0.0, math.pi)
     mu = view_cosines()[list(VIEW_COLUMNS)]
     is_sheet = stack.base is None
     every = column_angles()[list(ALBEDO_COLUMNS)]
@@ -55,7 +54,7 @@ def result_curves(stack: Stack, lut: Lut, threads: int = 0) -> dict:
         "views": np.degrees(column_angles()[list(VIEW_COLUMNS)]),
         "lights": LIGHTS,
         "exact": _luminance(_in_plane(exact, "reflect", mu)),
-        "fitted": _luminance(table.fitted("reflection", *directions)),
+        "fitted": _luminance(_fitted(lut, stack.base, "reflect", mu)),
         "mirrored": _luminance(mirrored),
         "angles": np.degrees(every),
         "reflectance": _rgb(exact.reflectance(cosines)),
@@ -64,7 +63,7 @@ def result_curves(stack: Stack, lut: Lut, threads: int = 0) -> dict:
     if is_sheet:
         curves |= {
             "through_exact": _luminance(_in_plane(exact, "transmit", mu)),
-            "through_fitted": _luminance(table.fitted("transmission", *directions)),
+            "through_fitted": _luminance(_fitted(lut, stack.base, "transmit", mu)),
             "straight": _luminance(exact.transmittance(mu, parts=True)[1]),
             "transmittance": _rgb(exact.transmittance(cosines)),
         }
@@ -80,68 +79,21 @@ def _in_plane(function: ScatteringFunction, path: str, mu_o: np.ndarray) -> np.n
     return values[:, place, np.where(LIGHTS >= 0.0, 0, 1)] * cosines[place, None]
 
 
-class ShownMixture:
-    """The mixture of closures that a table's node group shows at the stack's own values, for the top side and the views
-    VIEW_COLUMNS. `solver`: further arguments of lamina.solve, for a Principled base."""
-
-    def __init__(self, stack: Stack, lut: Lut, solver: dict):
-        self._base, self._solver = stack.base, solver
-        rows = self._rows(lut.header["axes"], lut.weights[0].astype(float))  # [closure, column, channel]
-        self._strips = dict(zip(lut.closures, rows[:, list(VIEW_COLUMNS)], strict=True))
-
-    def fitted(self, kind: str, mu_i: np.ndarray, dphi: np.ndarray) -> np.ndarray:
-        """f * cos(theta_i) of the mixture, [view, light, channel], without specular light. `kind` "reflection" or
-        "transmission"; the light's cosines `mu_i` and azimuths `dphi` are (n,)."""
-        found = self._layers(kind, mu_i, dphi, "")
-        if any(name.startswith(METAL) for name in self._strips):
-            assert isinstance(self._base, PrincipledBase)
-            found = (1.0 - self._base.metallic) * found + self._base.metallic * self._layers(kind, mu_i, dphi, METAL)
-        if PRINCIPLED in self._strips:
-            found = found + self._strips[PRINCIPLED][:, None] * self._bare(mu_i, dphi)
-        if BASE_WEIGHT in self._strips:
-            told = self._color()
-            weight = self._strips[BASE_WEIGHT] / (1.0 - told * self._strips[THROWN_BACK])
-            found = found + (weight * told)[:, None] * mu_i[:, None] / math.pi
-        return found
-
-    def _rows(self, axes: dict, weights: np.ndarray) -> np.ndarray:
-        """Weights at the largest thickness, and at the base's own roughness if roughness is an input."""
-        count = max(1, axes["tau"]["count"])
-        last = weights[:, count - 1::count]  # one row for each roughness
-        rough = axes.get("roughness", {}).get("values", [])
-        if len(rough) < 2:
-            return last[:, 0]
-        assert isinstance(self._base, PrincipledBase)
-        place = float(np.interp(self._base.roughness, rough, np.arange(len(rough))))
-        row = min(int(place), len(rough) - 2)
-        share = place - row
-        return (1.0 - share) * last[:, row] + share * last[:, row + 1]
-
-    def _layers(self, kind: str, mu_i: np.ndarray, dphi: np.ndarray, prefix: str) -> np.ndarray:
-        """The sum of the closures whose strips begin with `prefix`: "" or METAL."""
-        mu_o = view_cosines()[list(VIEW_COLUMNS)]
-        channels = next(iter(self._strips.values())).shape[-1]
-        total = np.zeros((len(mu_o), len(mu_i), channels))
-        for name, weight in self._strips.items():
-            if name.startswith(METAL) != bool(prefix) or not lobe_of(name):
-                continue
-            if name == "transparent" or name.startswith("mirror:") or lobes.by_id(lobe_of(name)).side != kind:
-                continue
-            if name.removeprefix(prefix).startswith(PREFIX):
-                weight = weight * geometric_series.gain(self._color(), self._strips[prefix + THROWN_BACK])
-            shape = lobes.by_id(lobe_of(name)).evaluate(mu_o[:, None], mu_i, dphi)
-            total += weight[:, None] * np.broadcast_to(shape, total.shape[:2])[..., None]
-        return total
-
-    def _bare(self, mu_i: np.ndarray, dphi: np.ndarray) -> np.ndarray:
-        """The Principled base without layers."""
-        bare = solve(Stack([], self._base), **self._solver)
-        return bare.brdf(view_cosines()[list(VIEW_COLUMNS)][:, None], mu_i, dphi) * mu_i[:, None]
-
-    def _color(self) -> np.ndarray:
-        """The color of the base, three channels."""
-        name = "color" if isinstance(self._base, PrincipledBase) else "reflectance"
-        return np.array([channel(getattr(self._base, name), index) for index in range(3)])
+def _fitted(lut: Lut, base, path: str, mu_o: np.ndarray) -> np.ndarray:
+    """The table's mixture of closures times cos(theta_i) at LIGHTS, [view, light, 3], without specular light; a shader
+    below counts as a Lambert surface."""
+    is_specular = [name.startswith("mirror:") for name in lut.closures]
+    weights = np.where(np.array(is_specular)[None, :, None, None, None], 0.0, lut.weights).astype(np.float32)
+    mu_i, dphi = _cosines(LIGHTS), np.where(LIGHTS >= 0.0, 0.0, math.pi)
+    side = "top" if path == "reflect" else "bottom"  # of the light
+    found = replace(lut, weights=weights).evaluate(mu_o[:, None], mu_i, dphi, path, side) * mu_i[:, None]
+    if isinstance(base, ShaderBase):
+        color = np.array([channel(base.reflectance, index) for index in range(3)])
+        weight, thrown_back = (lut.weights[0, lut.closures.index(name), -1, list(VIEW_COLUMNS)]
+                               for name in (BASE_WEIGHT, THROWN_BACK))
+        gain = weight * geometric_series.gain(color, thrown_back)
+        found = found + gain[:, None] * mu_i[:, None] / math.pi
+    return found
 
 
 def _cosines(light: np.ndarray) -> np.ndarray:

@@ -5,17 +5,11 @@ import bpy
 import conftest
 import numpy as np
 import pytest
+from dusty_objects import NAME, grid, values
 from rendered_plane import add_plane, render
-from test_addon_dust import NAME, finish, grid, values
+from test_addon_dust_job import finish
 
 FIRST, LAST, STEP = 1, 11, 5
-
-
-@pytest.fixture
-def dust(addon, lamina):
-    reason = addon.settling.object_dust.unavailable()
-    assert not reason, reason
-    return addon.settling.object_dust
 
 
 @pytest.fixture

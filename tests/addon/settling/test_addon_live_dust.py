@@ -8,13 +8,11 @@ import bpy
 import numpy as np
 import pytest
 from addon_helpers import look_until_rest
-from test_addon_dust import NAME, grid, values
+from dusty_objects import NAME, grid, values
 
 
 @pytest.fixture
-def live(addon, lamina, monkeypatch):
-    reason = addon.settling.object_dust.unavailable()
-    assert not reason, reason
+def live(dust, addon, monkeypatch):
     monkeypatch.setattr(addon.settling.live_dust, "REST", 0.0)
     yield addon.settling.live_dust
     addon.settling.live_dust.stop()
