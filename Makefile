@@ -3,8 +3,8 @@
 #   make demo        pictures of the scenes; SCENE=, QUALITY= and OPTIONS= choose
 #   make check       before a commit: lint, the core's tests and a sample of the others
 #   make test        lint, documentation and all tests
-.PHONY: demo check test test-blender lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel \
-	extension release test-release clean
+#   make test-blender lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
+#   make release test-release    wheels and extensions for all platforms, and tests of them: docs/releasing.md
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -39,12 +39,8 @@ WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-<<<<<<< HEAD
-.PHONY: demo check test test-blender lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel extension clean
-=======
-.PHONY: demo check test lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel extension clean \
-	release test-release
->>>>>>> d59dac26e1c67d872114a52e9915f0f401202b59
+.PHONY: demo check test test-blender lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel \
+	extension release test-release clean
 .DEFAULT_GOAL := demo
 
 # In a fresh clone the slab is rendered as soon as the solver is compiled: the slab needs neither walks nor dust.

@@ -30,14 +30,18 @@ _failures = {}
 
 class Job(Worker):
     """One bake in a worker thread. `stack`: a stack, or a function that the thread calls for one.
-    `more`: further arguments of lamina.bake."""
+    `more`: further arguments of lamina.bake. `drawn`: also make the curves of the result's picture.
+    At the end, `stack` is the baked one, and `curves` is the text for apply()."""
 
-    def __init__(self, stack, quality, threads, **more):
+    def __init__(self, stack, quality, threads, drawn=True, **more):
         bake = native.require().bake
+        self.stack, self.curves = None, None
 
         def work(progress, cancel):
-            known = stack() if callable(stack) else stack
-            return bake(known, quality=quality, progress=progress, cancel=cancel, threads=threads, **more)
+            self.stack = stack() if callable(stack) else stack
+            lut = bake(self.stack, quality=quality, progress=progress, cancel=cancel, threads=threads, **more)
+            self.curves = curves_of(self.stack, lut, threads) if drawn else None
+            return lut
 
         super().__init__(work, "lamina bake")
 
@@ -55,7 +59,7 @@ class MaterialJob(OfMaterial, Job):
         super().__init__(stack or stack_io.to_stack(material), quality, threads, **more)
 
     def apply(self, material):
-        apply(material, self.lut)
+        apply(material, self.lut, self.curves)
 
 
 def bake_material(material, quality=None, threads=None, progress=None, cancel=None, basis=None):
@@ -66,23 +70,35 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
     UnknownClosureError.
     """
     lamina = native.require()
+    stack = stack_io.to_stack(material)
+    threads = preferences.threads() if threads is None else threads
     lut = lamina.bake(
-        stack_io.to_stack(material),
+        stack,
         quality=quality or material.lamina.quality,
         progress=progress,
         cancel=cancel,
-        threads=preferences.threads() if threads is None else threads,
+        threads=threads,
         basis=basis or material.lamina.basis,
     )
-    apply(material, lut)
+    apply(material, lut, curves_of(stack, lut, threads))
     return lut
 
 
-def apply(material, lut, in_place=False, coarse=False):
+def curves_of(stack, lut, threads=0):
+    """The curves of the result's picture as JSON, or "" if they cannot be computed."""
+    try:
+        return json.dumps(native.part("baking.result_curves").result_curves(stack, lut, threads))
+    except native.require().SolveError as error:  # the bake itself is complete
+        log.warning("no picture of the result: %s", error)
+        return ""
+
+
+def apply(material, lut, curves=None, in_place=False, coarse=False):
     """Build the material's node group from a finished LUT and note its report.
 
-    With `in_place`, a group of the same layout gets a new image only. `coarse`: the LUT has fewer rows or
-    nodes, and its quality is stored as COARSE.
+    `curves`: of the result's picture, see curves_of; None keeps the last picture. With `in_place`, a group of
+    the same layout gets a new image only. `coarse`: the LUT has fewer rows or nodes, and its quality is
+    stored as COARSE.
     """
     if not (in_place and node_group.update(material, lut)):
         had_input = thickness.has_input(material)
@@ -90,6 +106,8 @@ def apply(material, lut, in_place=False, coarse=False):
         if not had_input:
             thickness.reconnect(material)
     _note_report(material.lamina.result, lut)
+    if curves is not None:
+        material.lamina.result.curves = curves
     if coarse:
         material.lamina.result.quality = COARSE
     clear_failure(material)

@@ -76,6 +76,9 @@ class LaminaResult(bpy.types.PropertyGroup):
     energy_error: FloatProperty()
     closures: IntProperty()
     seconds: FloatProperty()
+    curves: StringProperty(
+        description="JSON: curves of the result's picture, see result_curves; empty without a picture"
+    )
 
 
 class LaminaMaterial(bpy.types.PropertyGroup):

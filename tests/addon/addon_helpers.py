@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Helpers that several add-on tests share."""
 
+import time
+
 import bmesh
 import bpy
 import numpy as np
@@ -48,6 +50,17 @@ def snapshot(material):
     return sorted(node.name for node in group.nodes), pixels(image_of(group)).tobytes()
 
 
+def look_until_rest(live, seconds=60.0):
+    """The return values of the timer's function of live editing, called until nothing is left to do."""
+    seen, end = [], time.monotonic() + seconds
+    while time.monotonic() < end:
+        seen.append(live.poll())
+        if seen[-1] is None:
+            return seen
+        time.sleep(seen[-1])
+    raise AssertionError("live editing does not come to rest")
+
+
 class Layout:
     """Records what a panel draws, and raises an error for unknown properties and icons."""
 
@@ -73,6 +86,10 @@ class Layout:
 
     def template_icon_view(self, owner, name, **_options):
         self.prop(owner, name)
+
+    def template_icon(self, icon_value, scale=1.0):
+        assert isinstance(icon_value, int) and scale > 0.0
+        self.lines.append("(picture)")
 
     def prop_search(self, owner, name, container, items, text=None, **_options):
         assert items in container.bl_rna.properties, items

@@ -90,7 +90,7 @@ def live_bake(addon, material, coarse=None):
     """One bake as live editing makes it, without its timer."""
     job = addon.baking.live.LiveJob(material, None, coarse or {})
     job.wait(60.0)
-    addon.baking.live._show(job, material, addon.baking.live._follow(material))
+    job.show(material, addon.baking.live._follow(material))
 
 
 def test_live_editing_shows_a_preview_and_says_so(addon, lamina, material, told, listed):
