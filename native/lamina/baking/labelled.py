@@ -20,7 +20,8 @@ def dataset(header: dict, weights: np.ndarray):
     sides, closures, _, columns, _ = weights.shape
     shape = (sides, closures, len(roughness), len(tau), columns, 3)
     names = ("side", "closure", "roughness", "tau", "view_angle", "color")
-    found: dict[str, tuple] = {"weights": (names, weights.reshape(shape), {"units": "1", "long_name": "weight of a closure"})}
+    attributes = {"units": "1", "long_name": "weight of a closure"}
+    found: dict[str, tuple] = {"weights": (names, weights.reshape(shape), attributes)}
     for kind in ("", "_transmission"):
         errors = report.get(f"slice_errors{kind}")
         if errors is not None:

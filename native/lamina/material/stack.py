@@ -8,8 +8,8 @@ import itertools
 import json
 import math
 import os
-from collections.abc import Collection, Sequence
-from dataclasses import MISSING, dataclass, field, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..common import json_file
@@ -22,8 +22,10 @@ from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from .colours import albedos_of
 from .layers import Medium
 from .metals import indices_of
-from .phase import check_phase, read_phase
-from .profile import optical_knots, read_profile
+from .phase import check_phase
+from .picture import stack_picture
+from .profile import optical_knots
+from .reading import read_base, read_medium, read_part
 
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
@@ -73,6 +75,9 @@ class Stack:
         object.__setattr__(self, "_albedos", self._find_albedos())
         if isinstance(self.base, Conductor):
             object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
+
+    def _repr_html_(self) -> str:
+        return stack_picture(self)
 
     @property
     def channels(self) -> int:
@@ -221,19 +226,19 @@ class Stack:
             is_base = is_text and kind in BASES
             last = index == len(data["layers"]) - 1
             if is_base and last and data.get("base") is None:
-                layers.append(_read_base(entry, path))
+                layers.append(read_base(entry, path))
             elif is_base:
                 raise StackError(f"{path}.kind = '{kind}': a base can only stand at the bottom")
             elif is_text and kind == Medium.kind:
-                layers.append(_read_medium(entry, path))
+                layers.append(read_medium(entry, path))
             elif is_text and kind == Interface.kind:
-                layers.append(_read(Interface, entry, path, {"name"}))
+                layers.append(read_part(Interface, entry, path, {"name"}))
             else:
                 raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', or a base at the "
                                  "bottom")
         base = data.get("base")
         texts = {text: data[text] for text in cls.texts if text in data}
-        return cls(layers, None if base is None else _read_base(base, "base"), **texts)
+        return cls(layers, None if base is None else read_base(base, "base"), **texts)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Stack:
@@ -371,33 +376,3 @@ def _canonical(thing, channels: int) -> dict:
     if thing.has_phase:
         entry["phase"] = thing.phase.canonical(channels)
     return entry
-
-
-def _read_medium(entry, path: str) -> Medium:
-    names = {quantity.name for quantity in all_fields(Medium)}
-    check_keys(entry, {"kind", "name", "phase", "profile", "varying", *names}, path)
-    values = {key: value for key, value in entry.items() if key not in ("kind", "phase", "profile")}
-    if "profile" in entry:
-        values["profile"] = read_profile(entry["profile"], f"{path}.profile")
-    if "phase" in entry:
-        values["phase"] = read_phase(entry["phase"], f"{path}.phase")
-    return Medium(**values)
-
-
-def _read_base(entry, path: str):
-    kind = read_kind(entry, path)
-    if not isinstance(kind, str) or kind not in BASES:
-        raise StackError(f"{path}.kind = {quoted(kind)}: must be one of {', '.join(BASES)}")
-    values = dict(entry)
-    phase = values.pop("phase", None) if BASES[kind].has_phase else None
-    base = _read(BASES[kind], values, path)
-    return base if phase is None else replace(base, phase=read_phase(phase, f"{path}.phase"))
-
-
-def _read(cls, entry, path: str, optional: Collection[str] = ()):
-    """An interface or a base from its JSON object; members with a default may be missing."""
-    names = {quantity.name for quantity in all_fields(cls)}
-    usual = {field.name for field in fields(cls) if field.default is not MISSING}
-    allowed = {"kind", *names, *(option.name for option in cls.options), *optional}
-    check_keys(entry, allowed, path, required=names - usual)
-    return cls(**{key: value for key, value in entry.items() if key != "kind"})
