@@ -81,7 +81,7 @@ class Field:
                     raise StackError(f"{path}[{index}] = {quoted(item)}: must be a number")
             return tuple(self._check_number(_to_float(x, path), f"{path}[{i}]") for i, x in enumerate(items))
         words = "one number for all channels" if self.single else "a number or one number per channel"
-        raise StackError(f"{path} = {_quoted(value)}: must be {words}")
+        raise StackError(f"{path} = {quoted(value)}: must be {words}")
 
     def _check_number(self, number: float, path: str) -> float:
         if not self.contains(number):
@@ -129,17 +129,12 @@ class Option:
             given = value if isinstance(value, list | tuple | set | frozenset) else [value]
             for name in given:
                 if name not in known:
-                    raise StackError(f"{path} = {_quoted(value)}: must be a list of names among {', '.join(known)}")
+                    raise StackError(f"{path} = {quoted(value)}: must be a list of names among {', '.join(known)}")
             return tuple(name for name in known if name in given)
         if type(value) is not type(self.values[0]) or value not in self.values:
             words = " or ".join(json.dumps(choice) for choice in self.values)
             raise StackError(f"{path} = {quoted(value)}: must be {words}")
         return value
-
-
-def _quoted(value) -> str:
-    """A value for a message; tuples were lists where they were given (see hashable)."""
-    return quoted(list(value) if isinstance(value, tuple) else value)
 
 
 def _end(number: float) -> str:
