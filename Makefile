@@ -35,6 +35,7 @@ SAMPLE := material solver/test_published_values.py solver/test_symmetries.py bak
 # Tests of the core that `make check` leaves out: long walks and narrow peaks.
 QUICK := not (sharp_peak or promise_with_a_peak or guided_transfer_walk or no_tail_hides or unbiased_where_it_is_hard)
 WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
+BUILD_FOLDER = $(firstword $(wildcard build/cp311-cp311-*))
 
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
@@ -184,11 +185,12 @@ build/stamps/wheel: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
 	@$(RUN) $(PIP) install --no-deps --force-reinstall $(WHEEL)
 	@touch $@
 
-build/stamps/wheel-%: build/stamps/system build/stamps/embree $(NATIVE_SOURCES)
+# In the build folder of the first wheel, so that the core is compiled once.
+build/stamps/wheel-%: build/stamps/wheel
 	@echo "Building Lamina's native wheel for $*"
 	@test -x build/venv-$*/bin/python || $* -m venv build/venv-$*
 	@build/venv-$*/bin/python $(PIP) install -r requirements/build.txt
-	@build/venv-$*/bin/python $(PIP) wheel --no-deps --no-build-isolation -w build/wheels .
+	@build/venv-$*/bin/python $(PIP) wheel --no-deps --no-build-isolation -C build-dir="$(BUILD_FOLDER)" -w build/wheels .
 	@touch $@
 
 EXTENSION_SOURCES := $(ADDON_SOURCES) tools/build_extension.py LICENSE THIRD_PARTY.md
