@@ -103,7 +103,8 @@ class Report:
 
     def _note(self, text):
         if self._log is not None:
-            self._log.write(f"{_now()} {text}\n")
+            with contextlib.suppress(OSError):  # a full disk must not end the batch
+                self._log.write(f"{_now()} {text}\n")
 
     def _write(self):
         if self._manifest is None:

@@ -1,20 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets: the library that comes with `lamina`, and stacks that the user has saved.
 
-A preset of the user is a stack's JSON file, named like the preset, in the extension's user folder. The menu
+A preset of the user is a stack's JSON file, named like the preset, in the folder of `user_folder`. The menu
 lists the files without reading them, so a broken file does not hide the others.
 """
 
-
-
 from ..base import native, package
 from ..base.messages import RefusedError
+from ..kinds import preset_files
+from ..kinds.errors import StackError
 from . import over_material, stack_io
-
-SUFFIX = ".json"
-LONGEST = 60
-FORBIDDEN = '/\\:*?"<>|'
-RESERVED = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 
 
 def by_category():
@@ -39,17 +34,22 @@ def apply(material, preset):
 
 
 def user_folder(create=False):
-    """The folder of the user's presets. Raises OSError if it cannot be made."""
-    return package.user_folder("presets", create)
+    """The folder of the user's presets: that of the environment variable LAMINA_PRESETS, as in Python, or the
+    extension's own. Raises OSError if it cannot be made."""
+    shared = preset_files.shared_folder()
+    if shared is None:
+        return package.user_folder("presets", create)
+    if create:
+        shared.mkdir(parents=True, exist_ok=True)
+    return shared
 
 
 def user_names():
     """Names of the user's presets, sorted; empty if the folder cannot be read."""
     try:
-        found = [path.stem for path in user_folder().iterdir() if path.suffix == SUFFIX and path.is_file()]
+        return preset_files.names_in(user_folder())
     except OSError:
         return []
-    return sorted((name for name in found if not name.startswith(".")), key=str.casefold)
 
 
 def apply_user(material, name):
@@ -62,31 +62,21 @@ def save_user(material, name, replace=False):
 
     Raises RefusedError for a bad or taken name, StackError, OSError, NativeMissingError.
     """
-    name = checked_name(name)
-    taken = next((one for one in user_names() if one.casefold() == name.casefold()), None)
+    try:
+        name = preset_files.checked_name(name)
+    except StackError as error:
+        raise RefusedError(str(error)) from None
+    taken = preset_files.same_name(name, user_names())
     if taken is not None and not replace:
         raise RefusedError(f"name = {name}: there is a preset of this name; choose another, or tick Replace")
     name = taken or name
-    stack_io.to_stack(material).save(user_folder(create=True) / (name + SUFFIX))
+    stack_io.to_stack(material).save(user_folder(create=True) / (name + preset_files.SUFFIX))
     return name
 
 
 def delete_user(name):
     """Delete a preset of the user. Raises RefusedError, OSError."""
     _existing(name).unlink()
-
-
-def checked_name(name):
-    """The name, trimmed, if it can be a file's name everywhere. Raises RefusedError."""
-    name = " ".join(name.split())
-    if not 1 <= len(name) <= LONGEST:
-        raise RefusedError(f"name has {len(name)} characters: must have 1 to {LONGEST}")
-    for character in name:
-        if character in FORBIDDEN or not character.isprintable():
-            raise RefusedError(f"name = {name!r}: must not contain {character!r}")
-    if name[0] == "." or name[-1] == "." or name.split(".")[0].casefold() in RESERVED:
-        raise RefusedError(f"name = {name}: must not start or end with a stop, nor be a device's name")
-    return name
 
 
 def _assign(material, stack):
@@ -106,4 +96,4 @@ def _existing(name):
     """The file of a listed preset. Operators pass names, which must not lead to other folders."""
     if name not in user_names():
         raise RefusedError(f"preset = {name}: you have no preset of this name")
-    return user_folder() / (name + SUFFIX)
+    return user_folder() / (name + preset_files.SUFFIX)

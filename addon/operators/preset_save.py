@@ -5,6 +5,7 @@ import bpy
 
 from ..base import messages
 from ..editing import presets
+from ..kinds.preset_files import LONGEST
 from . import common
 
 
@@ -14,9 +15,7 @@ class LAMINA_OT_preset_save(bpy.types.Operator):
     bl_description = "Keep the layers and base of this material under a name, for all files"
     bl_options = {"REGISTER"}
 
-    name: bpy.props.StringProperty(
-        name="Name", description="Name of the new preset", maxlen=presets.LONGEST
-    )
+    name: bpy.props.StringProperty(name="Name", description="Name of the new preset", maxlen=LONGEST)
     replace: bpy.props.BoolProperty(
         name="Replace", description="Replace a preset of the same name", options={"SKIP_SAVE"}
     )
@@ -26,7 +25,7 @@ class LAMINA_OT_preset_save(bpy.types.Operator):
         return common.has_stack(cls, context) and common.has_native(cls)
 
     def invoke(self, context, _event):
-        self.name = common.material_of(context).name[: presets.LONGEST]
+        self.name = common.material_of(context).name[: LONGEST]
         return context.window_manager.invoke_props_dialog(self, confirm_text="Save")
 
     def execute(self, context):

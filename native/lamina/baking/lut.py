@@ -19,6 +19,7 @@ from ..material.stack import Stack
 from . import labelled, lut_header
 from .comparison import Comparison, compare
 from .fitted_function import FittedFunction
+from .lobe_picture import lut_picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,9 @@ class Lut(ByContent):
         shape = " x ".join(map(str, self.weights.shape))
         return (f"<Lut: {len(self.closures)} closures, weights {shape}, {self.header['quality']} quality, fit error "
                 f"{self.header['report']['fit_error']:.2%}>")
+
+    def _repr_html_(self) -> str:
+        return lut_picture(self)
 
     @property
     def report(self) -> dict:

@@ -112,7 +112,7 @@ def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
     rows = max(1, tau["count"]) * header["axes"].get("roughness", {}).get("count", 1)
     shape = (len(sides), len(header["closures"]), rows, COLUMNS, 3)
     if weights.dtype != np.float32 or weights.shape != shape or not weights.size:
-        return f"weights are {weights.dtype} {quoted(weights.shape)}: the header says float32 {quoted(shape)}"
+        return f"weights are {weights.dtype} {weights.shape}: the header says float32 {shape}"
     if not np.all(np.isfinite(weights)) or weights.min(initial=0.0) < 0.0:
         return "weights are negative or not finite"
     return ""

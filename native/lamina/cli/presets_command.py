@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from ..material import presets
+from ..material import presets, user_presets
 from ..material.stack import Stack
 
 
@@ -20,7 +20,9 @@ def add(commands) -> None:
 
 def _presets(arguments: argparse.Namespace) -> int:
     if arguments.id is not None:
-        print(json.dumps(presets.load(arguments.id).to_json(), indent=2))
+        own = arguments.id in user_presets.user_names() and arguments.id not in presets.names()
+        stack = (user_presets.load_user if own else presets.load)(arguments.id)
+        print(json.dumps(stack.to_json(), indent=2))
         return 0
     entries = presets.entries()
     if arguments.json:
@@ -29,6 +31,7 @@ def _presets(arguments: argparse.Namespace) -> int:
         print(json.dumps(rows, indent=2))
         return 0
     lines = [(entry.id, entry.name, entry.category, _layers(entry.stack)) for entry in entries]
+    lines += [(name, "", "Own", str(user_presets.user_folder())) for name in user_presets.user_names()]
     widths = [max(len(line[column]) for line in lines) for column in range(3)]
     for *texts, layers in lines:
         print("  ".join(text.ljust(width) for text, width in zip(texts, widths, strict=True)) + "  " + layers)

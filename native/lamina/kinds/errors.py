@@ -23,6 +23,9 @@ class _Short(reprlib.Repr):
         super().__init__()
         self.maxstring = self.maxlong = self.maxother = LONGEST
 
+    def repr_tuple(self, x, level):
+        return self.repr_list(x, level)  # most tuples were lists where they were given (see hashable)
+
     def repr_int(self, x, level):
         try:
             return super().repr_int(x, level)

@@ -23,6 +23,7 @@ from .colours import albedos_of
 from .layers import Medium
 from .metals import indices_of
 from .phase import check_phase
+from .picture import stack_picture
 from .profile import optical_knots
 from .stack_entries import read_parts
 
@@ -74,6 +75,9 @@ class Stack:
         object.__setattr__(self, "_albedos", self._find_albedos())
         if isinstance(self.base, Conductor):
             object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
+
+    def _repr_html_(self) -> str:
+        return stack_picture(self)
 
     @property
     def channels(self) -> int:

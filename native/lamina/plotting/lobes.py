@@ -3,17 +3,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from ..baking.lobe_picture import lobe
 from ..common.arguments import cosines, finite_list
 from ..common.errors import ArgumentError
 from .subjects import AnySubject, Subject, colours, is_sheet, label_of, new_axes, style_of, subject_of, values
-
-STEPS = 181  # directions on each side of the horizon
-LEAST_COSINE = 1e-3  # of plotted light
 
 
 def lobes(what: AnySubject, *more: AnySubject, mu_o: float | Sequence[float] = 0.7, channel: int | None = None,
@@ -31,7 +30,7 @@ def lobes(what: AnySubject, *more: AnySubject, mu_o: float | Sequence[float] = 0
     ax = new_axes(ax, polar=True)
     for subject in subjects:
         for mu in views:
-            angle, value = lobe(subject, float(mu), side)
+            angle, value = lobe(functools.partial(values, subject), is_sheet(subject), float(mu), side)
             _draw(ax, subject, float(mu), angle, value, channel, len(views) > 1)
     ax.set_theta_zero_location("N")
     ax.set_theta_direction(-1)
@@ -41,22 +40,6 @@ def lobes(what: AnySubject, *more: AnySubject, mu_o: float | Sequence[float] = 0
     ax.set_xlabel("angle of the light; value times cosine in 1/sr")
     ax.legend(fontsize="small", loc="lower center" if any(map(is_sheet, subjects)) else "upper right")
     return ax
-
-
-def lobe(subject: Subject, mu_o: float, side: str) -> tuple[np.ndarray, np.ndarray]:
-    """(signed angles of the light with the normal in radians, cosine-weighted values (angles, channels)), for a viewer
-    on `side`. Positive angles: the light keeps its azimuth (dphi 0)."""
-    theta = np.linspace(-1.0, 1.0, STEPS) * math.acos(LEAST_COSINE)
-    mu_i, dphi = np.cos(theta), np.where(theta >= 0.0, 0.0, np.pi)
-    above = values(subject, mu_o, mu_i, dphi, "reflect", side) * mu_i[:, None]
-    if not is_sheet(subject):
-        return theta, above
-    # Transmitted light comes from the other side; ahead of the viewer, at the angle pi - theta
-    other = "bottom" if side == "top" else "top"
-    below = values(subject, mu_o, mu_i, dphi, "transmit", other) * mu_i[:, None]
-    gap = np.full((1, above.shape[1]), np.nan)
-    turned = np.pi - theta
-    return np.concatenate([theta, [np.nan], turned]), np.concatenate([above, gap, below])
 
 
 def _draw(ax, subject: Subject, mu: float, angle: np.ndarray, value: np.ndarray, channel: int | None,

@@ -7,6 +7,7 @@ import os
 
 import numpy as np
 
+from ..baking.lobe_picture import COLOURS, GREY
 from ..baking.lut import Lut
 from ..common.arguments import check_choice
 from ..common.errors import ArgumentError, quoted
@@ -17,8 +18,6 @@ from ..solver.solve import ScatteringFunction, solve
 
 Subject = ScatteringFunction | Lut
 AnySubject = Subject | Stack | str | os.PathLike
-RGB = ("#c03028", "#2f8f2f", "#2f55c0")
-GREY = "#303030"
 
 
 def subject_of(given: AnySubject, name: str = "what") -> Subject:
@@ -60,7 +59,7 @@ def style_of(subject: Subject) -> str:
 def colours(channels: int) -> tuple[str, ...]:
     """A colour for each channel."""
     if channels == 3:
-        return RGB
+        return COLOURS
     return (GREY,) if channels == 1 else tuple(f"C{number % 10}" for number in range(channels))
 
 

@@ -10,8 +10,6 @@ import own_blender
 import serialised_tree
 from addon_helpers import image_of, pixels
 
-NAMES = ("dusty_a", "dusty_b", "wall", "plain")
-
 
 def make(addon, path, taus):
     """A .blend with a material for each (name, tau): one layer of dust, preview quality; without layers for None."""

@@ -17,20 +17,6 @@ LINE = re.compile(r": fit error [\d.e-]+ %, worst slice [\d.e-]+ %, \d+ closures
 
 
 @pytest.fixture
-def run(addon, lamina, capsys):
-    """run(*arguments) -> (exit code, lines of stdout, stderr)"""
-
-    def run(*arguments):
-        capsys.readouterr()
-        code = addon.command_line.command.main([str(one) for one in arguments])
-        printed = capsys.readouterr()
-        lines = [line for line in printed.out.splitlines() if not line.startswith(("Info: ", "Saved ", "Read "))]
-        return code, lines, printed.err
-
-    return run
-
-
-@pytest.fixture
 def bakes(lamina, monkeypatch):
     """The hashes of the stacks that this process bakes, in sequence."""
     found, real = [], lamina.bake

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A stack as a picture: its layers from the top, each in the colour that an infinitely thick layer would show."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ..common import svg
+from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
+from ..kinds.boundaries import Interface
+from ..kinds.fields import channel
+from .colours import shown
+from .layers import Medium
+
+if TYPE_CHECKING:
+    from .stack import Stack
+
+WIDTH, TEXT = 150.0, 330.0  # of the picture, and of the words beside it
+THIN, THICK, BOUNDARY, BASE = 14.0, 46.0, 4.0, 30.0  # heights in pixels
+
+
+def stack_picture(stack: Stack) -> str:
+    """The SVG of a stack."""
+    parts, y = [svg.text(4.0, 16.0, stack.label)], 24.0
+    for number, layer in enumerate(stack.layers):
+        if isinstance(layer, Interface):
+            height, fill = BOUNDARY, "#5090c0"
+            words = f"interface, ior {_range(layer.ior, stack)}" + (f", alpha {layer.alpha:g}" if layer.alpha else "")
+        else:
+            taus = [stack.optics(number, c)[1] for c in range(stack.channels)]
+            height = THIN + (THICK - THIN) * _share(max(taus))
+            fill = svg.colour(_colour_of(stack, number, layer))
+            words = f"medium, tau {_range(taus, stack)}" + (", varying" if layer.varying else "")
+        name = f"{layer.name}: " if layer.name else ""
+        parts += [svg.box(0.0, y, WIDTH, height, fill, "#808080"), svg.text(WIDTH + 8.0, y + 0.5 * height + 4.0,
+                                                                           name + words)]
+        y += max(height, THIN if isinstance(layer, Medium) else 16.0)
+    if stack.base is None:
+        parts.append(svg.text(4.0, y + 16.0, "air"))
+    else:
+        fill = svg.colour(_colour_of_base(stack))
+        parts += [svg.box(0.0, y, WIDTH, BASE, fill, "#808080"),
+                  svg.text(WIDTH + 8.0, y + 0.5 * BASE + 4.0, f"base: {stack.base.kind}")]
+    return svg.picture(WIDTH + TEXT, y + BASE + 4.0, parts, f"Stack {stack.label}")
+
+
+def _share(tau: float) -> float:
+    """The share of light that is scattered or absorbed along the normal: how thick the layer is drawn."""
+    return 1.0 - math.exp(-tau)
+
+
+def _range(values, stack: Stack) -> str:
+    """One number, or the least and the largest of the channels."""
+    numbers = [channel(tuple(values) if isinstance(values, list | tuple) else values, c)
+               for c in range(stack.channels)]
+    low, high = min(numbers), max(numbers)
+    return f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
+
+
+def _colour_of(stack: Stack, number: int, layer: Medium) -> list[float]:
+    albedo = tuple(stack.optics(number, c)[0] for c in range(stack.channels))
+    thick = replace(layer, color=None, over=None, profile=None, sigma_s=None, sigma_a=None, thickness=None,
+                    albedo=albedo if len(albedo) > 1 else albedo[0], tau=math.inf, varying=False)
+    return shown(thick.checked("layer"))
+
+
+def _colour_of_base(stack: Stack) -> list[float]:
+    base, channels = stack.base, range(stack.channels)
+    if isinstance(base, Lambert | ShaderBase):
+        return [channel(base.reflectance, c) for c in channels]
+    if isinstance(base, PrincipledBase):
+        return [channel(base.color, c) for c in channels]
+    if isinstance(base, Conductor):
+        return [_facing(*stack.indices(c)) for c in channels]
+    if isinstance(base, HalfSpace):
+        albedo = tuple(base.albedo_of(c) for c in channels)
+        return shown(Medium(albedo if len(albedo) > 1 else albedo[0], math.inf, base.phase).checked("base"))
+    return [0.0]
+
+
+def _facing(eta: float, k: float) -> float:
+    """Fresnel's reflectance of a metal along the normal."""
+    return ((eta - 1.0) ** 2 + k * k) / ((eta + 1.0) ** 2 + k * k)
