@@ -100,9 +100,10 @@ def _frames_told(obj):
         frames = dust_frames.wanted(obj.lamina_dust)
     except RefusedError as error:
         return str(error)
-    told = f"Settles at {len(frames)} frames"
+    told = f"Settles at {len(frames)} frames, {frames[0]} to {frames[-1]}"
     if obj.lamina_dust.frames_as == "follow":
-        told += f"; they keep up to {dust_frames.size(dust_frames.kept_bytes(obj.data, obj.lamina_dust))}"
+        kept = dust_frames.size(dust_frames.kept_bytes(obj.data, obj.lamina_dust))
+        told += f"; the mesh then holds up to {kept} of dust"
     return told
 
 

@@ -2,8 +2,8 @@
 """Dust that follows an animation: settled anew at several frames, and played back by Blender's own nodes."""
 
 import bpy
-import conftest
 import numpy as np
+import own_blender
 import pytest
 from dusty_objects import NAME, grid, values
 from rendered_plane import add_plane, render
@@ -134,7 +134,8 @@ def test_absurd_requests_are_refused_in_a_sentence(dust, plate, addon, monkeypat
             dust.settle(bpy.context, plate)
         assert sentence in addon.ui.dust_panel._frames_told(plate)
         settings.target, settings.frame_last, settings.frame_step = "attribute", LAST, STEP
-    assert addon.ui.dust_panel._frames_told(plate) == "Settles at 3 frames; they keep up to 0.1 MB"
+    assert addon.ui.dust_panel._frames_told(plate) == (
+        "Settles at 3 frames, 1 to 11; the mesh then holds up to 0.1 MB of dust")
     assert frames.kept_bytes(plate.data, settings) == 4 * 4 * len(plate.data.loops)
     monkeypatch.setattr(frames, "MOST_KEPT", 100)
     with pytest.raises(refused, match="Dust at 3 frames needs 0.1 MB: at most 0.1 MB; raise Frame Step"):
@@ -185,7 +186,7 @@ def test_the_render_follows_without_the_add_on(dust, addon, plate, tmp_path, dis
     assert np.ptp(list(means.values())) > 0.1
     blend = str(tmp_path / "follows.blend")
     bpy.ops.wm.save_as_mainfile(filepath=blend)
-    conftest.disable()
+    own_blender.disable()
     bpy.ops.wm.open_mainfile(filepath=blend)
     for frame, mean in means.items():
         bpy.context.scene.frame_set(frame)
