@@ -91,7 +91,7 @@ def seconds(material):
 
 def rows_of(addon, number, base, quality):
     started = time.process_time()
-    material, lut = principled_samples.baked(addon, f"material {number}", DUST, base, quality)
+    material, lut = principled_samples.baked(addon, f"material {number}", [DUST], base, quality)
     spent = time.process_time() - started
     base = lut_base(lut, base)
     shown = [principled_samples.at(material, lut, DUST, base, tau) for tau in THICKNESSES]

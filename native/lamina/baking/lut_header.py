@@ -76,7 +76,8 @@ def _problem_of_closures(header: dict) -> str:
         except (AttributeError, KeyError):
             return f"closure {quoted(name)}: this version of Lamina does not know it"
     if THROWN_BACK in header["closures"]:
-        place = "stack.base.color" if PRINCIPLED in header["closures"] else "stack.base.reflectance"
+        is_principled = _at(header, "stack.base.kind") == PrincipledBase.kind
+        place = "stack.base.color" if is_principled else "stack.base.reflectance"
         colour = _at(header, place)
         if not _is_numbers(colour) or len(colour) not in (1, 3):
             return f"{place}: must be 1 or 3 numbers, for the base has an input"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Lut, Medium, PrincipledBase, Stack, StackError
+from lamina import HenyeyGreenstein, Lut, Medium, PrincipledBase, Stack
 from lamina.kinds.table import METAL, PRINCIPLED, ROUGHNESS_ROWS, TAU_ROWS, THROWN_BACK
 
 DUST = Medium(albedo=[0.9, 0.8, 0.7], tau=1.0, phase=HenyeyGreenstein(0.5), varying=True)
@@ -43,12 +43,6 @@ def test_the_axes_and_strips_of_inputs(tmp_path):
     assert np.array_equal(again.weights, lut.weights) and again.header == lut.header
     # The closures of an earlier table give the same layout.
     assert lamina.bake(Stack([DUST], base), "preview", row_stride=16, closures=lut.closures).closures == lut.closures
-
-
-def test_inputs_below_an_interface_are_refused():
-    stack = Stack([Interface(ior=1.5)], PrincipledBase(inputs=("color",)))
-    with pytest.raises(StackError, match=r"^base.inputs = \['color'\]: must be empty below an interface$"):
-        lamina.bake(stack, "preview")
 
 
 def test_a_table_without_its_numbers_is_refused(tmp_path):

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mixtures whose closures follow the roughness of the base.
+
+A row of roughness has its own width of each such closure. One choice of closures serves all rows: the columns of all
+roughnesses lie side by side in one table of the core."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _core
+from ..closures import following_lobes, lobes
+from ..closures.closure_table import LightGrid, only
+from ..kinds.bases import LEAST_ALPHA
+from ..kinds.table import COLUMNS
+from .mixture import ACCURATE, PRINCIPLED_PENALTY, norms
+from .slices import Slices
+
+
+@dataclass(frozen=True)
+class FollowingFit:
+    """Fits of slices whose rows are those of each roughness, one roughness after the other. `search`: the effort, see
+    mixture.Effort. `step`: called before each fit."""
+
+    grid: LightGrid
+    roughnesses: Sequence[float]
+    pool: object
+    search: dict
+    step: Callable[[], None]
+
+    def choose(self, wanted: Sequence[Slices], candidates: Sequence[str], count: int) -> list[str]:
+        """At most `count` closures for all these slices."""
+        self.step()
+        names = list(dict.fromkeys(candidates))
+        stride = self.search["column_stride"]
+        table, _ = self._table(names, stride)
+        targets = [target for one in wanted for target in self._targets(table, one, stride, self.search["row_stride"])
+                   if target.norm2 > 0.0]
+        if not targets:
+            return names[:1]
+        options = _core.SelectionOptions()
+        options.closures = min(count, len(names), _core.MAX_CLOSURES)
+        options.overshoot, options.swap_passes = self.search["overshoot"], self.search["exchanges"]
+        options.target_error = ACCURATE
+        principled = [lobes.by_id(name).node.type == "ShaderNodeBsdfPrincipled" for name in names]
+        options.penalty = [PRINCIPLED_PENALTY if slow else 1.0 for slow in principled]
+        every = list(range(len(names)))
+        return [names[k] for k in table.select(targets, options, every, [], self.pool).closures]
+
+    def fit(self, wanted: Slices, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+        """(weights [side, closure, row, channel, column], norms of the errors [side, row, channel, column])."""
+        self.step()
+        table, _ = self._table(names, 1)
+        weights, errors = table.fit(self._targets(table, wanted, 1), list(range(len(names))), self.pool)
+        black = wanted.albedo <= 0.0
+        weights = np.where(black[..., None], 0.0, self._as_rows(weights.reshape(*self._shape(wanted), len(names))))
+        errors = np.where(black, 0.0, self._as_rows(errors.reshape(self._shape(wanted))))
+        return np.moveaxis(weights, -1, 1), errors * norms(wanted.values, self.grid)
+
+    def albedo(self, names: Sequence[str], rows: int) -> np.ndarray:
+        """Directional albedo of each closure [closure, row, column], for `rows` rows of each roughness."""
+        _, albedo = self._table(names, 1)
+        by_roughness = albedo.reshape(len(self.roughnesses), COLUMNS, len(names))
+        return np.repeat(np.moveaxis(by_roughness, 2, 0), rows, axis=1)
+
+    def _table(self, names: Sequence[str], stride: int) -> tuple[_core.ClosureTable, np.ndarray]:
+        """(the core's table, albedos), with the columns of all roughnesses. A closure that is too narrow for the
+        grid is black."""
+        values, albedo = [], []
+        for roughness in self.roughnesses:
+            basis = only(self.grid, False, tuple(following_lobes.at(name, roughness) for name in names))
+            seen = np.array([not following_lobes.is_sharp(name, roughness, LEAST_ALPHA) for name in names])
+            values.append(basis.values[::stride] * seen[:, None])
+            albedo.append(basis.albedo[::stride] * seen)
+        every = np.concatenate(albedo)
+        return _core.ClosureTable(np.concatenate(values), self.grid.solid_angle, every), every
+
+    def _targets(self, table: _core.ClosureTable, wanted: Slices, stride: int, row_stride: int = 1):
+        """The core's targets. Rows of one roughness become slices, and the roughnesses columns."""
+        values, albedo = self._as_columns(wanted.values[:, :, :, ::stride]), wanted.albedo[..., ::stride]
+        albedo = self._as_columns(albedo)[:, ::row_stride]
+        values = values[:, ::row_stride].reshape(-1, *values.shape[3:])
+        return table.targets(values, albedo.reshape(-1, albedo.shape[3]), self.pool)
+
+    def _as_columns(self, values: np.ndarray) -> np.ndarray:
+        """[side, row, channel, column, ...] as [side, row of a roughness, channel, column of all roughnesses, ...]."""
+        sides, rows, channels, columns, *rest = values.shape
+        count = len(self.roughnesses)
+        split = values.reshape(sides, count, rows // count, channels, columns, *rest)
+        return np.ascontiguousarray(np.moveaxis(split, 1, 3)).reshape(sides, rows // count, channels, count * columns,
+                                                                      *rest)
+
+    def _shape(self, wanted: Slices) -> tuple[int, ...]:
+        sides, rows, channels, columns = wanted.albedo.shape
+        return sides, rows // len(self.roughnesses), channels, len(self.roughnesses) * columns
+
+    def _as_rows(self, values: np.ndarray) -> np.ndarray:
+        """The inverse of _as_columns."""
+        sides, rows, channels, columns, *rest = values.shape
+        count = len(self.roughnesses)
+        split = values.reshape(sides, rows, channels, count, columns // count, *rest)
+        return np.moveaxis(split, 3, 1).reshape(sides, count * rows, channels, columns // count, *rest)
