@@ -61,7 +61,7 @@ class Factors:
 
     def _input(self, name):
         """The socket of an input, or the number that the stack has."""
-        if name in self._base["inputs"]:
+        if name in self._base.get("inputs", ()):
             return self._inputs.outputs[principled.SOCKETS[name]]
         value = self._base[name]
         return rgba(value)[:3] if name == "color" else float(value[0])

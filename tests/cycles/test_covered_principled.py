@@ -18,7 +18,7 @@ RED, BLUE, GOLD = (0.8, 0.1, 0.1), (0.2, 0.5, 0.9), (1.0, 0.78, 0.34)
 EVERY = PrincipledBase(color=RED, inputs=("color", "metallic", "roughness"))
 LAYERS = {"smooth": [SMOOTH], "rough": [ROUGH], "lacquer": [SMOOTH, LACQUER], "plastic": [SMOOTH]}
 BASES = {"smooth": EVERY, "rough": EVERY, "lacquer": PrincipledBase(color=RED, metallic=1.0, inputs=("roughness",)),
-         "plastic": PrincipledBase(color=RED, ior=1.4, inputs=("color",))}
+         "plastic": PrincipledBase(color=RED, ior=1.7, inputs=("color",))}
 VALUES = {
     "smooth": ({}, {"color": BLUE}, {"color": GOLD, "metallic": 1.0, "roughness": 0.3},
                *({"color": BLUE, "metallic": 1.0, "roughness": rough} for rough in (0.25, 0.45, 0.8)),

@@ -80,7 +80,7 @@ class _Work:
     def is_diffuse(self, metallic: float) -> bool:
         """True if the base is a dielectric without specular reflection, so that its roughness has no effect."""
         above = [layer.ior for layer in self.stack.layers if isinstance(layer, Interface)][-1]
-        matched = all(channel(above, c) == self.base.ior for c in range(self.stack.channels))
+        matched = all(channel(above, c) >= self.base.ior for c in range(self.stack.channels))
         return metallic == 0.0 and (matched or self.base.specular == 0.0)
 
     def _solved(self, base, step: Progress) -> SolvedRows:

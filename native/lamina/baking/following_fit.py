@@ -7,13 +7,13 @@ roughnesses lie side by side in one table of the core."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from .. import _core
-from ..closures import following_lobes, lobes
-from ..closures.closure_table import LightGrid, only
+from ..closures import closure_table, following_lobes, lobes
+from ..closures.closure_table import LightGrid
 from ..kinds.bases import LEAST_ALPHA
 from ..kinds.table import COLUMNS
 from .mixture import ACCURATE, PRINCIPLED_PENALTY, norms
@@ -30,6 +30,7 @@ class FollowingFit:
     pool: object
     search: dict
     step: Callable[[], None]
+    _tables: dict = field(default_factory=dict, init=False, repr=False)  # the last table
 
     def choose(self, wanted: Sequence[Slices], candidates: Sequence[str], count: int) -> list[str]:
         """At most `count` closures for all these slices."""
@@ -67,16 +68,28 @@ class FollowingFit:
         return np.repeat(np.moveaxis(by_roughness, 2, 0), rows, axis=1)
 
     def _table(self, names: Sequence[str], stride: int) -> tuple[_core.ClosureTable, np.ndarray]:
-        """(the core's table, albedos), with the columns of all roughnesses. A closure that is too narrow for the
-        grid is black."""
+        """(the core's table, albedos [column, closure]), with the columns of all roughnesses. A closure that is too
+        narrow for the grid is black. With a stride, for a choice, albedos are sums over the grid."""
+        key = (tuple(names), stride)
+        if key not in self._tables:
+            self._tables.clear()
+            self._tables[key] = self._tabulated(names, stride)
+        return self._tables[key]
+
+    def _tabulated(self, names: Sequence[str], stride: int) -> tuple[_core.ClosureTable, np.ndarray]:
+        every = [[following_lobes.at(name, roughness) for name in names] for roughness in self.roughnesses]
+        distinct = list(dict.fromkeys(name for row in every for name in row))
+        place = {name: k for k, name in enumerate(distinct)}
+        known = closure_table.sampled(distinct, self.grid, stride)
+        whole = closure_table.albedos(tuple(distinct), 1) if stride == 1 else known @ self.grid.solid_angle
         values, albedo = [], []
-        for roughness in self.roughnesses:
-            basis = only(self.grid, False, tuple(following_lobes.at(name, roughness) for name in names))
+        for row, roughness in zip(every, self.roughnesses, strict=True):
             seen = np.array([not following_lobes.is_sharp(name, roughness, LEAST_ALPHA) for name in names])
-            values.append(basis.values[::stride] * seen[:, None])
-            albedo.append(basis.albedo[::stride] * seen)
-        every = np.concatenate(albedo)
-        return _core.ClosureTable(np.concatenate(values), self.grid.solid_angle, every), every
+            mine = [place[name] for name in row]
+            values.append(known[:, mine] * seen[:, None])
+            albedo.append(whole[:, mine] * seen)
+        return (_core.ClosureTable(np.concatenate(values), self.grid.solid_angle, np.concatenate(albedo)),
+                np.concatenate(albedo))
 
     def _targets(self, table: _core.ClosureTable, wanted: Slices, stride: int, row_stride: int = 1):
         """The core's targets. Rows of one roughness become slices, and the roughnesses columns."""

@@ -98,8 +98,7 @@ def only(grid: LightGrid, mixed: bool, ids: tuple[str, ...]) -> Closures:
 
 def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
                first: Closures | None = None) -> Closures:
-    mu_o = view_cosines()[::stride]
-    values, albedo = _sample(ids, grid, mu_o), _albedos(tuple(ids), stride)
+    values, albedo = sampled(ids, grid, stride), albedos(tuple(ids), stride)
     if mixed:
         available = _available(ids, albedo)
         # Light that strays beyond the horizon counts, so that the sum of both sides is exact.
@@ -113,7 +112,7 @@ def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
 
 
 @functools.lru_cache(maxsize=16)
-def _albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
+def albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
     """Directional albedos [column, closure] on the closure's own side of the horizon. They have their own grids: finer
     for closures with edges, denser near the mirror direction for narrow lobes. A cone that is wholly above the horizon
     is integrated in closed form, because the edge of a narrow cone is too sharp for a grid."""
@@ -145,6 +144,11 @@ def _available(ids: Sequence[str], albedo: np.ndarray) -> np.ndarray:
     most = np.array([(MOST_STRAYED if lobes.by_id(name).strays else MOST_LOST) if lobes.by_id(name).leans else 1.0
                      for name in ids])
     return np.where((albedo < 1.0 - most) | (albedo > 1.0 + most), 0.0, 1.0)
+
+
+def sampled(ids: Sequence[str], grid: LightGrid, stride: int) -> np.ndarray:
+    """Values of closures at every `stride`-th column, [column, closure, light]."""
+    return _sample(ids, grid, view_cosines()[::stride])
 
 
 def _sample(ids: Sequence[str], grid: LightGrid, mu_o: np.ndarray) -> np.ndarray:

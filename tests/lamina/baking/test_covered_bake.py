@@ -46,11 +46,11 @@ def exact(layers, base, **values):
     return lamina.solve(Stack(layers, replace(base, inputs=(), **values)), "preview").reflectance(mu)[:, 0]
 
 
-@pytest.mark.parametrize("base", [PrincipledBase(color=0.5), PrincipledBase(color=0.5, ior=1.3, roughness=0.3)],
-                         ids=["matched", "with a specular lobe"])
-@pytest.mark.parametrize("layers", [[VARNISH], [ROUGH, Medium(albedo=0.7, tau=0.4)]], ids=["smooth", "rough and medium"])
-def test_a_textured_dielectric_has_the_exact_albedo(layers, base):
-    base = replace(base, inputs=("color",))
+@pytest.mark.parametrize("ior", [1.45, 1.7])
+@pytest.mark.parametrize("layers", [[VARNISH], [ROUGH, Medium(albedo=0.7, tau=0.4)]],
+                         ids=["smooth", "rough and medium"])
+def test_a_textured_dielectric_has_the_exact_albedo(layers, ior):
+    base = PrincipledBase(color=0.5, ior=ior, roughness=0.3, inputs=("color",))
     lut = lamina.bake(Stack(layers, base), "preview")
     for color in (0.05, 0.5, 0.9):
         assert albedo(lut, color) == pytest.approx(exact(layers, base, color=color), rel=2e-3)
@@ -68,7 +68,7 @@ def test_a_metal_mixed_with_a_dielectric(layers, roughness):
 
 def test_the_axes_and_strips_of_inputs(tmp_path):
     base = PrincipledBase(color=[0.8, 0.3, 0.1], roughness=0.4, inputs=("color", "metallic", "roughness"))
-    stack = Stack([VARNISH], base)
+    stack = Stack([Interface(ior=1.5, alpha=0.3)], base)
     lut = lamina.bake(stack, "preview")
     assert lut.header["axes"]["roughness"]["values"] == pytest.approx(np.linspace(0.0, 1.0, 11))
     assert lut.weights.shape[2] == 11
