@@ -57,7 +57,7 @@ def test_slices_and_albedo_follow_the_inputs(tables):
 
 
 def test_polished_metal_below_varnish_keeps_its_albedo(tables):
-    samples = [shown(tables, "smooth", color=GOLD, metallic=1.0, roughness=rough) for rough in (0.0, 0.1, 0.15)]
+    samples = [shown(tables, "smooth", color=GOLD, metallic=1.0, roughness=rough) for rough in (0.0, 0.1)]
     assert principled_samples.albedo_errors(samples, (0.9, 0.4), samples=512).max() <= ALBEDO
 
 

@@ -222,21 +222,19 @@ def _made(work: _Work) -> list[str]:
 
 def _with_mirror(fit: FollowingFit, light: Slices, names: list[str]) -> tuple[np.ndarray, np.ndarray]:
     """(weights of `names` and of the mirror, norms of the errors). Where the roughness is an input, specular reflection
-    by sharp facets belongs to the closures that follow: their mixture is that of the next roughness."""
+    by sharp facets belongs to the microfacet closures that follow, in the proportion of the next roughness."""
     weights, errors = fit.fit(light, names)
     direct, rows = light.direct.copy(), light.direct.shape[1] // len(fit.roughnesses)
-    follows = np.array([name.startswith(following_lobes.PREFIX) for name in names])
+    follows = np.array([name.startswith(following_lobes.GGX) for name in names])
     if len(fit.roughnesses) > 1 and follows.any():
         next_rows = slice(SHARP * rows, (SHARP + 1) * rows)
         shares = weights[:, :, next_rows] * follows[:, None, None, None]
-        shares = shares * fit.albedo(names, rows)[None, :, next_rows, None]
         total = shares.sum(axis=1, keepdims=True)
         first = (np.arange(len(names)) == follows.argmax())[:, None, None, None]
         shares = np.where(total > 0.0, shares / np.where(total > 0.0, total, 1.0), first)
-        narrow = np.array([following_lobes.albedo_without_width(name) for name in names])[:, None, None, None]
         for sharp in range(SHARP):
             mine = slice(sharp * rows, (sharp + 1) * rows)
             lobe = np.maximum(direct[:, mine] - direct[:, next_rows], 0.0)
             direct[:, mine] -= lobe
-            weights[:, :, mine] += shares * lobe[:, None] / narrow
+            weights[:, :, mine] += shares * lobe[:, None]
     return np.concatenate([weights, direct[:, None]], axis=1), errors

@@ -15,7 +15,6 @@ from .. import _core
 from ..closures import closure_table, following_lobes, lobes
 from ..closures.closure_table import LightGrid
 from ..kinds.bases import LEAST_ALPHA
-from ..kinds.table import COLUMNS
 from .mixture import ACCURATE, PRINCIPLED_PENALTY, norms
 from .slices import Slices
 
@@ -37,7 +36,7 @@ class FollowingFit:
         self.step()
         names = list(dict.fromkeys(candidates))
         stride = self.search["column_stride"]
-        table, _ = self._table(names, stride)
+        table = self._table(names, stride)
         targets = [target for one in wanted for target in self._targets(table, one, stride, self.search["row_stride"])
                    if target.norm2 > 0.0]
         if not targets:
@@ -54,29 +53,23 @@ class FollowingFit:
     def fit(self, wanted: Slices, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
         """(weights [side, closure, row, channel, column], norms of the errors [side, row, channel, column])."""
         self.step()
-        table, _ = self._table(names, 1)
+        table = self._table(names, 1)
         weights, errors = table.fit(self._targets(table, wanted, 1), list(range(len(names))), self.pool)
         black = wanted.albedo <= 0.0
         weights = np.where(black[..., None], 0.0, self._as_rows(weights.reshape(*self._shape(wanted), len(names))))
         errors = np.where(black, 0.0, self._as_rows(errors.reshape(self._shape(wanted))))
         return np.moveaxis(weights, -1, 1), errors * norms(wanted.values, self.grid)
 
-    def albedo(self, names: Sequence[str], rows: int) -> np.ndarray:
-        """Directional albedo of each closure [closure, row, column], for `rows` rows of each roughness."""
-        _, albedo = self._table(names, 1)
-        by_roughness = albedo.reshape(len(self.roughnesses), COLUMNS, len(names))
-        return np.repeat(np.moveaxis(by_roughness, 2, 0), rows, axis=1)
-
-    def _table(self, names: Sequence[str], stride: int) -> tuple[_core.ClosureTable, np.ndarray]:
-        """(the core's table, albedos [column, closure]), with the columns of all roughnesses. A closure that is too
-        narrow for the grid is black. With a stride, for a choice, albedos are sums over the grid."""
+    def _table(self, names: Sequence[str], stride: int) -> _core.ClosureTable:
+        """The core's table with the columns of all roughnesses. A closure that is too narrow for the grid is black.
+        With a stride, for a choice, albedos are sums over the grid."""
         key = (tuple(names), stride)
         if key not in self._tables:
             self._tables.clear()
             self._tables[key] = self._tabulated(names, stride)
         return self._tables[key]
 
-    def _tabulated(self, names: Sequence[str], stride: int) -> tuple[_core.ClosureTable, np.ndarray]:
+    def _tabulated(self, names: Sequence[str], stride: int) -> _core.ClosureTable:
         every = [[following_lobes.at(name, roughness) for name in names] for roughness in self.roughnesses]
         distinct = list(dict.fromkeys(name for row in every for name in row))
         place = {name: k for k, name in enumerate(distinct)}
@@ -88,8 +81,7 @@ class FollowingFit:
             mine = [place[name] for name in row]
             values.append(known[:, mine] * seen[:, None])
             albedo.append(whole[:, mine] * seen)
-        return (_core.ClosureTable(np.concatenate(values), self.grid.solid_angle, np.concatenate(albedo)),
-                np.concatenate(albedo))
+        return _core.ClosureTable(np.concatenate(values), self.grid.solid_angle, np.concatenate(albedo))
 
     def _targets(self, table: _core.ClosureTable, wanted: Slices, stride: int, row_stride: int = 1):
         """The core's targets. Rows of one roughness become slices, and the roughnesses columns."""

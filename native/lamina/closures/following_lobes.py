@@ -43,16 +43,6 @@ def at(name: str, roughness: float) -> str:
     return f"toon:{lean:g}:{_rounded(min(1.0, size * found)):g}:{_rounded(min(1.0, smooth * found)):g}"
 
 
-def albedo_without_width(name: str) -> float:
-    """The albedo at width 0 of a closure that follows, away from the horizon; 1 for other closures."""
-    if not name.startswith(TOON):
-        return 1.0
-    size, smooth = map(float, name.split(":")[4:])
-    # A disc of radius a = size with a ramp to b = size + smooth, relative to a disc of radius b
-    inner = size / (size + smooth)
-    return (1.0 + inner + inner**2) / 3.0
-
-
 def is_sharp(name: str, roughness: float, least: float) -> bool:
     """True for a closure that follows and is narrower than `least` at this roughness."""
     if not name.startswith(PREFIX):
