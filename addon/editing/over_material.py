@@ -89,23 +89,18 @@ def is_over(material):
 def assign_layers(material, stack):
     """Replace the layers of `material`, which lie over what its nodes show, by those of a `lamina.Stack`.
 
-    The base stays what the nodes show. Below a boundary, a Principled BSDF with textures is seen as any other
-    shader, because a bake of that base has no inputs there. Raises RefusedError."""
+    The base stays what the nodes show. Raises RefusedError."""
     data = stack.to_json()
     if not data["layers"]:
         name = data.get("name") or "The stack"
         raise RefusedError(f"{name} has no layers that could lie over this material")
-    has_boundary = any(layer["kind"] == "interface" for layer in data["layers"])
-    stack_io.assign(material, {**data, "base": _base_below(material, has_boundary)})
+    if _principled_below(material) is not None:
+        material.lamina.base.kind = PrincipledBase.kind
+    stack_io.assign(material, {**data, "base": stack_write.base(material.lamina.base)})
 
 
-def _base_below(material, has_boundary):
-    """The JSON of the base for layers with a boundary, or without."""
-    base, tree = material.lamina.base, material.node_tree
-    shader = before.source(tree) if material.lamina.node_group is not None else principled.shown(material)
-    node = principled.of(shader)
-    if node is not None and principled.inputs(node) and has_boundary:
-        return {"kind": ShaderBase.kind, "reflectance": list(mean_reflectance.of(shader))}
-    if node is not None:
-        base.kind = PrincipledBase.kind
-    return stack_write.base(base)
+def _principled_below(material):
+    """The Principled BSDF below the layers, or None."""
+    if material.lamina.node_group is None:
+        return principled.find(material)
+    return principled.of(before.source(material.node_tree))

@@ -13,7 +13,15 @@ import numpy as np
 
 from ..base.messages import RefusedError
 from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, lobe_of
-from . import lut_image, mix_shader, principled_graph, roughness_graph, shader_base_graph, side_graph
+from . import (
+    covered_graph,
+    lut_image,
+    mix_shader,
+    principled_graph,
+    roughness_graph,
+    shader_base_graph,
+    side_graph,
+)
 from .graph import Graph
 
 SCALE_LABEL = "rows"
@@ -74,8 +82,10 @@ def _draw(graph, lut, image, recipe_of):
     closures = lut.header["closures"]
     columns = lut.header["axes"]["view"]["count"]
     height = lut_image.height_of(lut)
-    used = used_closures(lut)
-    recipes = [recipe_of(lobe_of(closures[index])) for index in used]
+    used = [closures[index] for index in used_closures(lut)]
+    covered = covered_graph.is_covered(lut)
+    strips = covered_graph.by_closure(used) if covered else {name: [name] for name in used}
+    recipes = [recipe_of(lobe_of(name)) for name in strips]
 
     inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
     geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
@@ -110,30 +120,36 @@ def _draw(graph, lut, image, recipe_of):
         graph.link(place, texture.inputs[0])
         return texture.outputs["Color"]
 
-    around = roughness_graph.around(graph, inputs, corner.outputs[0], roughness_rows(lut), rows / height)
+    around = roughness_graph.around(graph, inputs, corner.outputs[0], roughness_rows(lut), rows / height,
+                                    rows == 1)
 
-    def strip(index, column, line, label):
-        if around is None:
-            return look_up(corner.outputs[0], index, column, line, label)
+    def strip(name, column, line, label):
+        index = closures.index(name)
+        if around is None or around.share is None:
+            place = corner.outputs[0] if around is None else around.corners[0]
+            return look_up(place, index, column, line, label)
         lower, upper = (look_up(one, index, column, line, label) for one in around.corners)
         return roughness_graph.between(graph, column + 1.6, line, around.share, lower, upper)
 
     gains = {}
     for prefix in ("", METAL):
-        if prefix + THROWN_BACK in closures and BASE_WEIGHT not in closures:
+        if prefix + THROWN_BACK in closures and BASE_WEIGHT not in closures and not covered:
             graph.begin_frame("Base color c, thrown back again and again: c / (1 - c r)", BASE_COLOUR)
             line, colour = -6 if prefix else -3, inputs.outputs["Base Color"]
-            thrown_back = strip(closures.index(prefix + THROWN_BACK), 7, line, "r")
+            thrown_back = strip(prefix + THROWN_BACK, 7, line, "r")
             gains[prefix] = _again_and_again(graph, line, "c / (1 - c r)", colour, colour, thrown_back)
+    if covered:
+        graph.begin_frame("Factors of the base below: metallic, and color, again and again", BASE_COLOUR)
+        factors = covered_graph.Factors(graph, lut, inputs, strip)
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
+    widths = covered_graph.Widths(graph, inputs)
     totals = {}
-    for line, (index, recipe) in enumerate(zip(used, recipes, strict=True)):
-        name = closures[index]
+    for line, ((name, names), recipe) in enumerate(zip(strips.items(), recipes, strict=True)):
         prefix = METAL if name.startswith(METAL) else ""
-        weight = strip(index, 7, line, f"weight {name}")
+        weight = factors.total(line, names) if covered else strip(name, 7, line, f"weight {name}")
         if name.removeprefix(prefix).startswith(PREFIX):
             weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gains[prefix])
-        shader = _closure(graph, line, name, recipe, weight, directions)
+        shader = _closure(graph, line, name, recipe, weight, directions, widths)
         before = totals.get(prefix)
         totals[prefix] = shader if before is None else mix_shader.added(graph, 12, line, "", before, shader)
     total = totals[""]
@@ -142,18 +158,18 @@ def _draw(graph, lut, image, recipe_of):
         if METAL in totals:
             metallic = inputs.outputs["Metallic"]
             total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", metallic, total, totals[METAL])
-        weight = strip(closures.index(PRINCIPLED), 7, -2, "w")
+        weight = strip(PRINCIPLED, 7, -2, "w")
         total = principled_graph.beside(graph, lut, inputs, normal, weight, total)
     if BASE_WEIGHT in closures:
         graph.begin_frame("Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
-        thrown_back = strip(closures.index(THROWN_BACK), 7, -3, "r")
-        weight = strip(closures.index(BASE_WEIGHT), 7, -2, "w")
+        thrown_back = strip(THROWN_BACK, 7, -3, "r")
+        weight = strip(BASE_WEIGHT, 7, -2, "w")
         colour = inputs.outputs[shader_base_graph.REFLECTANCE]
         weight = _again_and_again(graph, -3, "w / (1 - c r)", weight, colour, thrown_back)
         total = shader_base_graph.over(graph, inputs, weight, total)
     graph.end_frame()
 
-    output = graph.node("NodeGroupOutput", 14.6, len(used) - 1, folded=False)
+    output = graph.node("NodeGroupOutput", 14.6, len(strips) - 1, folded=False)
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
 
@@ -297,7 +313,7 @@ class _Directions:
         return self.aside
 
 
-def _closure(graph, line, name, recipe, weight, directions):
+def _closure(graph, line, name, recipe, weight, directions, widths):
     try:
         node = graph.node(recipe.type, 10.6, line, name)
         for key, value in recipe.enums.items():
@@ -312,6 +328,8 @@ def _closure(graph, line, name, recipe, weight, directions):
             graph.link(directions.of(wanted), node.inputs[key])
         for key, multiple in recipe.view_angles.items():
             graph.link(directions.view_angle(multiple), node.inputs[key])
+        for key, (factor, power) in recipe.of_width.items():
+            graph.link(widths.of(recipe.width, factor, power), node.inputs[key])
         for socket in node.inputs:
             socket.hide = not socket.is_linked  # a folded node grows with every visible socket
     except (KeyError, TypeError, RuntimeError) as error:

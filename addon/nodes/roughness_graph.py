@@ -2,28 +2,32 @@
 """The roughness axis of a table: places in the two roughnesses around the input, and values between both.
 
 The image interpolates between view angles and thicknesses. Roughness is the third axis, so each strip is read
-twice."""
+twice, unless no layer varies."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Around:
-    """`corners`: the places (u, v) for the roughness below and above, as sockets; `share`: that of the one
-    above."""
+    """`corners`: the places (u, v) for the roughness below and above, as sockets, or one for both; `share`:
+    that of the one above, or None."""
 
     corners: tuple
     share: object
 
 
-def around(graph, inputs, corner, count, step):
+def around(graph, inputs, corner, count, step, is_alone):
     """The places around the group's input Roughness, from the place `corner` at the first of `count`
-    roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one roughness."""
+    roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one roughness. With `is_alone`,
+    no layer varies, and the image itself interpolates between roughnesses: there is only one place."""
     if count < 2:
         return None
-    given = graph.math("MULTIPLY", 0.4, 12.6, "roughness row", inputs.outputs["Roughness"], float(count - 1))
-    least = graph.math("MAXIMUM", 1.4, 12.6, "at least 0", given, 0.0)
-    place = graph.math("MINIMUM", 2.4, 12.6, "at most the last", least, float(count - 1))
+    share = graph.math("ADD", 0.4, 12.6, "from 0 to 1", inputs.outputs["Roughness"], 0.0, clamp=True)
+    place = graph.math("MULTIPLY", 1.4, 12.6, "roughness row", share, float(count - 1))
+    if is_alone:
+        only = graph.node("ShaderNodeCombineXYZ", 6.2, 12.6, "v of the roughness")
+        graph.link(graph.math("MULTIPLY", 5.4, 13.6, "v", place, step), only.inputs[1])
+        return Around((graph.vector("ADD", 6.2, 13.6, "row", corner, only.outputs[0]),), None)
     whole = graph.math("FLOOR", 3.4, 12.6, "whole", place)
     below = graph.math("MINIMUM", 4.4, 12.6, "row below", whole, float(count - 2))
     share = graph.math("SUBTRACT", 5.4, 12.6, "share of the row above", place, below)

@@ -24,24 +24,33 @@ class Shown:
     stack: Stack
 
 
-def baked(addon, name, dust: Medium, base: PrincipledBase, quality):
-    """(material, lut) of dust of varying thickness over the base, made as a user does."""
-    sample = baked_samples.make_sample(addon, name, Stack([dust], base), baked_samples.gauss_views(3), quality)
+def baked(addon, name, layers, base: PrincipledBase, quality):
+    """(material, lut) of layers over the base, made as a user does."""
+    sample = baked_samples.make_sample(addon, name, Stack(layers, base), baked_samples.gauss_views(3), quality)
     return sample.material, sample.lut
 
 
 def at(material, lut, dust: Medium, base: PrincipledBase, tau: float, **values) -> Shown:
-    """The material at a thickness and at `values` of the inputs, by their names in PrincipledBase."""
+    """The material below dust of this thickness, at `values` of the inputs, by their names in PrincipledBase."""
+    return below(material, lut, [dust], base, tau, **values)
+
+
+def below(material, lut, layers, base: PrincipledBase, tau: float | None = None, **values) -> Shown:
+    """The material at `values` of the inputs, by their names in PrincipledBase, and at a thickness of the layer that
+    varies, if one does."""
     values = {**{name: getattr(base, name) for name in base.inputs}, **values}
     copy = material.copy()
     node = baked_samples.group_node(copy, lut)
-    node.inputs["Thickness"].default_value = tau
+    if tau is not None:
+        node.inputs["Thickness"].default_value = tau
     for name, value in values.items():
         node.inputs[SOCKETS[name]].default_value = (*value, 1.0) if name == "color" else value
     shown = replace(base, inputs=(), **values)
-    stack = Stack([replace(dust, tau=tau, varying=False)], shown)
-    words = ", ".join(f"{name} {value}" for name, value in values.items())
-    return Shown(f"{material.name}, tau {tau:g}{', ' + words if words else ''}", copy, shown, stack)
+    stack = Stack([replace(one, tau=tau, varying=False) if getattr(one, "varying", False) else one for one in layers],
+                  shown)
+    words = "".join(f", {name} {value}" for name, value in values.items())
+    thickness = "" if tau is None else f", tau {tau:g}"
+    return Shown(f"{material.name}{thickness}{words}", copy, shown, stack)
 
 
 def slice_errors(shown, views, lights):

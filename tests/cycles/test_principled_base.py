@@ -32,7 +32,7 @@ CLEAN = 1e-5
 
 @pytest.fixture(scope="module")
 def tables(addon):
-    made = {name: principled_samples.baked(addon, name, DUST, base, "preview") for name, base in BASES.items()}
+    made = {name: principled_samples.baked(addon, name, [DUST], base, "preview") for name, base in BASES.items()}
     yield made
     for material, _ in made.values():
         bpy.data.materials.remove(material)

@@ -12,26 +12,26 @@ import numpy as np
 
 from .. import _core
 from ..closures import lobes, narrow_lobes
-from ..closures.closure_table import LightGrid, grid_for
+from ..closures.closure_table import grid_for
 from ..common.arguments import check_choice, check_whole
 from ..common.errors import ArgumentError, StackError, quoted
 from ..common.progress import Progress, portion, portions, stepper
 from ..kinds.bases import Lambert, ShaderBase
 from ..kinds.fields import channel
-from ..kinds.table import COLUMNS, METAL, PREFIX, TAU_BEND, TAU_ROWS, lobe_of
+from ..kinds.table import AGAIN, COLUMNS, DARK, FIRST, METAL, PREFIX, TAU_BEND, TAU_ROWS, lobe_of
 from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
 from ..solver.solve import check_nodes, thread_pool, tolerance_of
-from . import principled_base
+from . import covered_principled, principled_base
 from .base_texture import over_texture
-from .clean_row import mix_rows, without_varying
 from .dropped_weights import folded
 from .fit_report import all_rows, fit_report
 from .lut import Lut
 from .lut_header import SCHEMA
-from .mixture import Effort, FittedMixture, Mixture, mix
+from .mixture import Mixture
 from .shader_base import on_lambert, shader_parts
-from .slices import Slices, SolvedRows, slices, solve_rows
+from .slices import SolvedRows, slices, solve_rows
+from .stack_fit import StackFit
 from .strayed_light import compensated
 from .tau_error import tau_error
 
@@ -39,17 +39,19 @@ from .tau_error import tau_error
 @dataclass(frozen=True)
 class Basis:
     """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together); of
-    a Principled base, beside the BSDF: (for light of the layers, for light that the base's color changes)."""
+    a Principled base, beside the BSDF: (for light of the layers, for light that the base's color changes); of a
+    Principled base below an interface: (for diffuse light of the base, for all its light)."""
 
     reflected: tuple[int, int, int]
     transmitted: tuple[int, int, int]
     textured_base: tuple[int, int, int]
     principled: tuple[int, int]
+    covered: tuple[int, int]
 
 
 CLOSURE_BASES = {
-    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (3, 3)),
-    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (9, 6)),
+    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (3, 3), (2, 9)),
+    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (9, 6), (4, 18)),
 }
 # Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},
@@ -105,10 +107,9 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     step = stepper("the bake", progress, cancel)
     steps = portions(step, shares)
 
-    if principled_base.is_shown(stack):
+    if principled_base.is_shown(stack) or covered_principled.is_covered(stack):
         header, table = _principled(stack, quality, basis, threads, step, row_stride, nodes, given)
         return Lut(header, table, time.perf_counter() - started)
-    principled_base.refuse_inputs(stack)
 
     # Solve the stack for each thickness of its varying layer
     solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), quality, threads, steps["solve"], row_stride, nodes)
@@ -122,7 +123,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
         seen, base = slices(solved, grid, pool, steps["evaluate"]), None
 
     # Choose closures and fit their weights, for each kind of light
-    fit = _Fit(stack, solved, grid, pool, quality)
+    fit = StackFit(stack, solved, grid, pool, SEARCH[quality])
     fitted = {}
     for number, (kind, wanted) in enumerate(seen.items()):
         part = portion(steps["fit"], number / len(seen), (number + 1) / len(seen))
@@ -167,33 +168,15 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     return Lut(header, _weights(parts, solved), time.perf_counter() - started)
 
 
-class _Fit:
-    """Mixtures of closures fitted to slices of one stack."""
-
-    def __init__(self, stack: Stack, solved: SolvedRows, grid: LightGrid, pool, quality: str):
-        self._solved, self._grid, self._pool, self._quality = solved, grid, pool, quality
-        self._varies = stack.varying is not None
-        self._made = narrow_lobes.closures(stack)
-        self._made_clean = narrow_lobes.closures(without_varying(stack)) if self._varies else []
-
-    def __call__(self, kind: str, wanted: Slices, counts: tuple[int, int, int], given: list[str], step: Progress,
-                 at_boundaries: bool) -> FittedMixture:
-        """`counts`: largest numbers of closures, see Basis; `at_boundaries`: with closures made for the stack's
-        boundaries."""
-        effort = Effort(*counts, **SEARCH[self._quality])
-        made, made_clean = (self._made, self._made_clean) if at_boundaries else ((), ())
-        mixed = self._solved.is_sheet
-        if not self._varies:
-            return mix(kind, wanted, self._grid, effort, self._pool, step, made=made, given=given, mixed=mixed)
-        return mix_rows(kind, wanted, self._grid, effort, self._pool, step, made=made, made_clean=made_clean,
-                        given=given, mixed=mixed)
-
-
 def _principled(stack: Stack, quality: str, basis: str, threads: int, step: Progress, row_stride: int,
                 nodes: int | None, given: dict[str, list[str]]) -> tuple[dict, np.ndarray]:
-    """(header, weights) of the table of a Principled base whose BSDF is part of the node group."""
-    parts, seen, solved, rough = principled_base.parts(stack, quality, threads, step, row_stride, nodes, given,
-                                                       CLOSURE_BASES[basis].principled, SEARCH[quality])
+    """(header, weights) of the table of a Principled base with inputs, or whose BSDF is part of the node group."""
+    limits, given_to = CLOSURE_BASES[basis], (quality, threads, step, row_stride, nodes, given)
+    if principled_base.is_shown(stack):
+        parts, seen, solved, rough = principled_base.parts(stack, *given_to, limits.principled, SEARCH[quality])
+    else:
+        parts, seen, solved, rough = covered_principled.parts(stack, *given_to, limits.covered, limits.reflected,
+                                                              SEARCH[quality])
     header = _header(stack, quality, basis, solved, parts, fit_report(parts, seen, solved))
     if rough:
         header["axes"]["roughness"] = {"count": len(rough), "values": rough}
@@ -239,16 +222,18 @@ def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
     ArgumentError for a closure that is unknown or given twice, and for too many."""
     if isinstance(ids, str) or not isinstance(ids, Sequence) or not all(isinstance(name, str) for name in ids):
         raise ArgumentError(f"closures = {quoted(ids)}: must be a list of lobe ids")
-    given: dict[str, list[str]] = {"reflection": [], "transmission": [], "base": [], METAL: [], METAL + PREFIX: []}
+    kinds = ("reflection", "transmission", "base", METAL, METAL + PREFIX, DARK, FIRST, AGAIN, METAL + DARK,
+             METAL + FIRST, METAL + AGAIN)
+    given: dict[str, list[str]] = {kind: [] for kind in kinds}
     for name in ids:
-        if name == "transparent" or not lobe_of(name) or name.startswith("mirror:"):
+        if name == "transparent" or not lobe_of(name) or lobe_of(name).startswith("mirror:"):
             continue  # always in the table
         try:
             lobe = lobes.by_id(lobe_of(name))
-            kind = "base" if name.startswith(PREFIX) else lobe.side
-            given[name.removesuffix(lobe.id) if name.startswith(METAL) else kind].append(lobe.id)
         except KeyError:
             raise ArgumentError(f"closures: {quoted(name)} is not in the dictionary") from None
+        prefix = name.removesuffix(lobe.id)
+        given["base" if prefix == PREFIX else prefix or lobe.side].append(lobe.id)
     for kind, names in given.items():
         if len(set(names)) < len(names):
             raise ArgumentError(f"closures = {quoted(list(ids))}: one is given twice")

@@ -10,7 +10,7 @@ import numpy as np
 from ..closures import lobes
 from ..common.errors import quoted
 from ..kinds.bases import PrincipledBase
-from ..kinds.table import COLUMNS, PRINCIPLED, THROWN_BACK, lobe_of
+from ..kinds.table import COLUMNS, DARK, PRINCIPLED, THROWN_BACK, lobe_of
 from ..material.stack import Stack
 
 SCHEMA = 1
@@ -84,11 +84,12 @@ def _problem_of_closures(header: dict) -> str:
         except (AttributeError, KeyError):
             return f"closure {quoted(name)}: this version of Lamina does not know it"
     if THROWN_BACK in header["closures"]:
-        place = "stack.base.color" if PRINCIPLED in header["closures"] else "stack.base.reflectance"
+        is_principled = _at(header, "stack.base.kind") == PrincipledBase.kind
+        place = "stack.base.color" if is_principled else "stack.base.reflectance"
         colour = _at(header, place)
         if not _is_numbers(colour) or len(colour) not in (1, 3):
             return f"{place}: must be 1 or 3 numbers, for the base has an input"
-    if PRINCIPLED in header["closures"]:
+    if any(name == PRINCIPLED or name.startswith(DARK) for name in header["closures"]):
         for field in PrincipledBase.fields:
             if not _is_numbers(_at(header, f"stack.base.{field.name}")):
                 return f"stack.base.{field.name}: must be a list of numbers from 0"

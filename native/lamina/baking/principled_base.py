@@ -23,7 +23,6 @@ import numpy as np
 
 from ..closures.closure_table import LightGrid, grid_for, light_grid, view_cosines
 from ..closures.lobes import ggx
-from ..common.errors import StackError
 from ..common.progress import Progress, portion
 from ..kinds.bases import PrincipledBase
 from ..kinds.boundaries import Interface
@@ -50,13 +49,6 @@ ROUGH_STRIDE = {"preview": 6, "final": 3}
 def is_shown(stack: Stack) -> bool:
     """True for a Principled base below media of the index of air, where the group holds the BSDF itself."""
     return isinstance(stack.base, PrincipledBase) and not any(isinstance(layer, Interface) for layer in stack.layers)
-
-
-def refuse_inputs(stack: Stack) -> None:
-    """Raises StackError for inputs that the table of this stack cannot have."""
-    inputs = getattr(stack.base, "inputs", ())
-    if inputs:
-        raise StackError(f"base.inputs = {list(inputs)}: must be empty below an interface")
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,11 @@ class Slices:
     lobes: np.ndarray | None
     direct: np.ndarray
 
+    @property
+    def whole(self) -> np.ndarray:
+        """The albedo with specular reflection, shaped like albedo."""
+        return self.albedo + self.direct
+
 
 @dataclass(frozen=True)
 class SolvedRows:

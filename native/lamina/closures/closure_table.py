@@ -98,8 +98,7 @@ def only(grid: LightGrid, mixed: bool, ids: tuple[str, ...]) -> Closures:
 
 def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
                first: Closures | None = None) -> Closures:
-    mu_o = view_cosines()[::stride]
-    values, albedo = _sample(ids, grid, mu_o), column_albedos(tuple(ids), stride)
+    values, albedo = sampled(ids, grid, stride), column_albedos(tuple(ids), stride)
     if mixed:
         available = _available(ids, albedo)
         # Light that strays beyond the horizon counts, so that the sum of both sides is exact.
@@ -145,6 +144,11 @@ def _available(ids: Sequence[str], albedo: np.ndarray) -> np.ndarray:
     most = np.array([(MOST_STRAYED if lobes.by_id(name).strays else MOST_LOST) if lobes.by_id(name).leans else 1.0
                      for name in ids])
     return np.where((albedo < 1.0 - most) | (albedo > 1.0 + most), 0.0, 1.0)
+
+
+def sampled(ids: Sequence[str], grid: LightGrid, stride: int) -> np.ndarray:
+    """Values of closures at every `stride`-th column, [column, closure, light]."""
+    return _sample(ids, grid, view_cosines()[::stride])
 
 
 def _sample(ids: Sequence[str], grid: LightGrid, mu_o: np.ndarray) -> np.ndarray:

@@ -33,6 +33,8 @@ class NodeRecipe:
     that is perpendicular to I, "I aside" the vector I turned by some 1e-5 radians. Cycles renders black if a tangent is
     parallel to the normal; "I aside" is a tangent that is valid also where I is the normal, seen exactly from above.
     `view_angles` are sockets whose value is a multiple of the view angle theta_o, in radians.
+    `width`, (scale, least), belongs to a closure that follows the roughness of the base: its width is
+    following_lobes.width. `of_width` are sockets by (factor, power): their value is factor * width ** power, at most 1.
     """
 
     type: str
@@ -43,6 +45,8 @@ class NodeRecipe:
     normal_input: str = "Normal"
     vectors: Mapping[str, Normal] = field(default_factory=dict)
     view_angles: Mapping[str, float] = field(default_factory=dict)
+    width: tuple[float, float] | None = None
+    of_width: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,12 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from ..common.errors import quoted
+from . import following_lobes
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, mirror
 from .through_lobes import through
@@ -216,14 +218,26 @@ _MADE: dict[str, Callable[..., Lobe]] = {
     "ggx": lambda alpha: ggx(math.sqrt(alpha), name=f"ggx:{alpha:g}"),
     "beckmann": lambda alpha: beckmann(math.sqrt(alpha), name=f"beckmann:{alpha:g}"),
     "fresnel_ggx": lambda ior, alpha: fresnel_ggx(ior, math.sqrt(alpha), name=f"fresnel_ggx:{ior:g}:{alpha:g}"),
+    following_lobes.GGX: lambda scale, least: _following(
+        following_lobes.ggx(scale, least), scale, least, {"Roughness": (1.0, 0.5)}),
+    following_lobes.TOON: lambda scale, least, lean, size, smooth: _following(
+        following_lobes.toon(scale, least, lean, size, smooth), scale, least,
+        {"Size": (size, 1.0), "Smooth": (smooth, 1.0)}),
 }
 
 
-@functools.lru_cache(maxsize=256)
+def _following(name: str, scale: float, least: float, of_width: dict) -> Lobe:
+    """A closure that follows the roughness of the base, with the values that it has at the roughness 1/2."""
+    lobe = by_id(following_lobes.at(name, 0.5))
+    inputs = {socket: value for socket, value in lobe.node.inputs.items() if socket not in of_width}
+    return replace(lobe, id=name, node=replace(lobe.node, inputs=inputs, width=(scale, least), of_width=of_width))
+
+
+@functools.lru_cache(maxsize=512)
 def by_id(lobe_id: str) -> Lobe:
     """The lobe with this id: one of the dictionary, or one made for a stack, such as "ggx:0.1" (alpha), "beckmann:0.1",
-    "fresnel_ggx:1.5:0.1" (index, alpha) or "toon:0.3:0.05:0.2" (lean, size, smooth). Raises KeyError for an unknown
-    id."""
+    "fresnel_ggx:1.5:0.1" (index, alpha), "toon:0.3:0.05:0.2" (lean, size, smooth), or one of following_lobes. Raises
+    KeyError for an unknown id."""
     if lobe_id in _BY_ID:
         return _BY_ID[lobe_id]
     family, *numbers = lobe_id.split(":")

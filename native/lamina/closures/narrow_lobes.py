@@ -101,7 +101,7 @@ def _in_order(stack: Stack) -> list[tuple]:
     """(layer or base, index above, index below), top first, without interfaces between media of one index."""
     found, above = [], 1.0
     for layer in stack.layers:
-        below = _mean(layer.ior) if isinstance(layer, Interface) else above
+        below = mean(layer.ior) if isinstance(layer, Interface) else above
         if not isinstance(layer, Interface) or below != above:
             found.append((layer, above, below))
         above = below
@@ -135,7 +135,7 @@ def _refracted_share(stack: Stack) -> float:
     return min(1.0, math.sqrt(0.5) * min(shares, default=1.0))
 
 
-def _mean(value) -> float:
+def mean(value) -> float:
     """A quantity's mean over channels: all channels share one closure."""
     return value if isinstance(value, int | float) else float(np.mean([channel(value, c) for c in range(len(value))]))
 

@@ -162,7 +162,8 @@ class PrincipledBase(Base):
     their defaults, and the facets are multiscatter GGX. `color` is a number or one per channel, the others are numbers.
     `inputs`: names among INPUTS that are sockets of the baked node group, and whose numbers are the sockets' defaults.
 
-    Below an Interface, the indices are relative to the medium above the base. Source of the law: Cycles 4.5."""
+    Below an Interface, the indices are relative to the medium above the base; a smaller index than that of the medium
+    counts as equal, because the law would reflect more light than it gets. Source of the law: Cycles 4.5."""
 
     color: Channels = 0.8
     metallic: float = 0.0
@@ -203,8 +204,8 @@ class PrincipledBase(Base):
 
     def below(self, ior_above: float, index: int) -> tuple:
         """Like in_channel, below a medium of this index."""
-        return (self.kind, channel(self.color, index), self.metallic, self.roughness, self.ior / ior_above,
-                self.specular, self.coat, self.coat_roughness, self.coat_ior / ior_above, self.alpha)
+        return (self.kind, channel(self.color, index), self.metallic, self.roughness, max(1.0, self.ior / ior_above),
+                self.specular, self.coat, self.coat_roughness, max(1.0, self.coat_ior / ior_above), self.alpha)
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,18 @@ BASE_WEIGHT = "base/weight"
 PRINCIPLED = "principled"
 ROUGHNESS_ROWS = 6  # roughnesses of a table, if roughness is an input
 METAL = "metal/"
+# Strips of a Principled base below an interface, see baking.covered_principled: closures after these prefixes, for
+# light that does not depend on the base's color, for light that the base reflects once, and for light that it reflects
+# repeatedly; and the share of trapped light that a metal keeps in.
+DARK, FIRST, AGAIN = "dark/", "first/", "again/"
+TRAPPED = "metal/trapped"
 
 
 def lobe_of(name: str) -> str:
     """The id of the closure behind a strip, or "" for a strip that holds no weight of a closure of the dictionary."""
+    if name == TRAPPED:
+        return ""
     name = name.removeprefix(METAL)
-    return "" if name in (THROWN_BACK, BASE_WEIGHT, PRINCIPLED) else name.removeprefix(PREFIX)
+    if name in (THROWN_BACK, BASE_WEIGHT, PRINCIPLED):
+        return ""
+    return next((name.removeprefix(one) for one in (PREFIX, DARK, FIRST, AGAIN) if name.startswith(one)), name)

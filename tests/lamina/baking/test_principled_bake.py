@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Lut, Medium, PrincipledBase, Stack, StackError
+from lamina import HenyeyGreenstein, Interface, Lut, Medium, PrincipledBase, Stack
 from lamina.kinds.table import METAL, PRINCIPLED, ROUGHNESS_ROWS, TAU_ROWS, THROWN_BACK
 
 DUST = Medium(albedo=[0.9, 0.8, 0.7], tau=1.0, phase=HenyeyGreenstein(0.5), varying=True)
@@ -45,14 +45,10 @@ def test_the_axes_and_strips_of_inputs(tmp_path):
     assert lamina.bake(Stack([DUST], base), "preview", row_stride=16, closures=lut.closures).closures == lut.closures
 
 
-def test_inputs_below_an_interface_are_refused():
-    stack = Stack([Interface(ior=1.5)], PrincipledBase(inputs=("color",)))
-    with pytest.raises(StackError, match=r"^base.inputs = \['color'\]: must be empty below an interface$"):
-        lamina.bake(stack, "preview")
-
-
-def test_a_table_without_its_numbers_is_refused(tmp_path):
-    lut = lamina.bake(Stack([DUST], PrincipledBase()), "preview", row_stride=32)
+@pytest.mark.parametrize("stack", [Stack([DUST], PrincipledBase()),
+                                   Stack([Interface(ior=1.5)], PrincipledBase(inputs=("color",)))])
+def test_a_table_without_its_numbers_is_refused(tmp_path, stack):
+    lut = lamina.bake(stack, "preview", row_stride=32)
     header = {**lut.header, "stack": {**lut.header["stack"], "base": {"kind": "principled"}}}
     Lut(header, lut.weights).save(tmp_path / "broken.npz")
     with pytest.raises(lamina.LutError, match="stack.base.color: must be a list of numbers from 0"):

@@ -117,3 +117,11 @@ def test_walks_refuse_the_base():
     for call in (lambda: lamina.searchlight(stack), lambda: lamina.estimate_searchlight(stack, samples=10)):
         with pytest.raises(lamina.StackError, match="^base.kind = 'principled': must be 'lambert'"):
             call()
+
+
+@pytest.mark.parametrize("ior", [1.0, 1.3, 1.45])
+def test_a_base_of_a_lower_index_than_varnish_reflects_no_more_than_it_gets(ior):
+    """The law of Cycles would: its diffuse part leaves out the total reflection of the light's direction."""
+    base = PrincipledBase(color=1.0, ior=ior, roughness=0.3, coat=0.5, coat_ior=1.2)
+    found = lamina.solve(Stack([Interface(ior=1.5)], base), "preview").reflectance([1.0, 0.5, 0.2])
+    assert found == pytest.approx(np.ones((3, 1)), abs=1e-3)

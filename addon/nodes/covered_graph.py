@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Principled base below an interface: the weights of its closures, from all strips of each closure and the
+inputs of the base. See lamina.baking.covered_principled for the formulas."""
+
+from ..kinds.table import AGAIN, DARK, FIRST, METAL, THROWN_BACK, TRAPPED, lobe_of
+from . import principled
+from .graph import rgba
+
+
+def is_covered(lut):
+    """True for the table of a Principled base with inputs below an interface."""
+    return any(name.startswith(DARK) for name in lut.header["closures"])
+
+
+def by_closure(names):
+    """{closure: the strips that hold its weight}, from the names of strips."""
+    found = {}
+    for name in names:
+        found.setdefault(lobe_of(name), []).append(name)
+    return found
+
+
+class Factors:
+    """The factors of the strips, by the prefix of their names: sockets, or None for 1.
+
+    `strip(name, column, line, label)` reads a strip and returns a socket."""
+
+    def __init__(self, graph, lut, inputs, strip):
+        self._graph, self._strip = graph, strip
+        self._names = lut.header["closures"]
+        self._base = lut.header["stack"]["base"]
+        self._inputs = inputs
+        shares = {"": None}
+        if METAL + THROWN_BACK in self._names:
+            metallic = graph.math("ADD", 7, -14, "metallic", self._input("metallic"), 0.0, clamp=True)
+            shares = {"": graph.math("SUBTRACT", 8, -14, "1 - m", 1.0, metallic), METAL: metallic}
+        self._of = {}
+        for number, (prefix, share) in enumerate(shares.items()):
+            self._of[prefix + DARK] = share
+            if prefix + THROWN_BACK in self._names:
+                line = -12 + 4 * number
+                color = self._input("color")
+                once = self._once(line, color, share)
+                thrown_back = self._thrown_back(prefix, line, shares)
+                self._of[prefix + FIRST] = once
+                self._of[prefix + AGAIN] = self._repeated(line, color, once, thrown_back)
+
+    def total(self, line, names):
+        """The sum of these strips, each times its factor."""
+        graph, total = self._graph, None
+        for number, name in enumerate(names):
+            weight = self._strip(name, 7, line + 0.2 * number, f"weight {name}")
+            factor = self._of.get(name.removesuffix(lobe_of(name)))
+            if total is not None:
+                total = graph.vector("MULTIPLY_ADD", 9.4, line, "sum", weight, _vector(factor), total)
+            elif factor is not None:
+                total = graph.vector("MULTIPLY", 9.4, line, "part", weight, factor)
+            else:
+                total = weight
+        return total
+
+    def _input(self, name):
+        """The socket of an input, or the number that the stack has."""
+        if name in self._base.get("inputs", ()):
+            return self._inputs.outputs[principled.SOCKETS[name]]
+        value = self._base[name]
+        return rgba(value)[:3] if name == "color" else float(value[0])
+
+    def _once(self, line, color, share):
+        """c times the share of the dielectric or the metal."""
+        if share is None:
+            return color
+        return self._graph.vector("MULTIPLY", 8, line, "once", color, share)
+
+    def _thrown_back(self, prefix, line, shares):
+        """r, or for a dielectric that is mixed with metal r' = (1 - m) r + m t."""
+        graph, own = self._graph, self._strip(prefix + THROWN_BACK, 7, line + 1, "r")
+        if prefix or len(shares) == 1:
+            return own
+        kept = graph.scale(9, line + 2, "m t", self._strip(TRAPPED, 7, line + 2, "t"), shares[METAL])
+        own = graph.scale(9, line + 1, "(1 - m) r", own, shares[""])
+        return graph.vector("ADD", 9.6, line + 1, "r'", own, kept)
+
+    def _repeated(self, line, color, once, thrown_back):
+        """c (1 - r) / (1 - c r) times `once`, the factor of light that is reflected once."""
+        graph = self._graph
+        leaves = graph.vector("SUBTRACT", 10.2, line + 1, "1 - r", (1.0,) * 3, thrown_back)
+        again = graph.vector("MULTIPLY", 10.2, line + 2, "c r", color, thrown_back)
+        rest = graph.vector("SUBTRACT", 10.8, line + 2, "1 - c r", (1.0,) * 3, again)
+        share = graph.vector("DIVIDE", 11.4, line + 1, "(1 - r) / (1 - c r)", leaves, rest)
+        part = graph.vector("MULTIPLY", 11.4, line, "c", share, color)
+        return graph.vector("MULTIPLY", 12, line, "again", part, once)
+
+
+def _vector(factor):
+    return (1.0, 1.0, 1.0) if factor is None else factor
+
+
+class Widths:
+    """Values of sockets that follow the roughness of the base, see lamina.lobes.NodeRecipe."""
+
+    def __init__(self, graph, inputs):
+        self._graph, self._inputs = graph, inputs
+        self._line = 16.0
+        self._known = {}
+
+    def of(self, width, factor, power):
+        """factor * width ** power, at most 1, with `width` as (scale, least)."""
+        width = tuple(width)
+        if (width, 1.0, 1.0) not in self._known:
+            self._known[width, 1.0, 1.0] = self._width(*width)
+        key = (width, factor, power)
+        if key not in self._known:
+            value = self._known[width, 1.0, 1.0]
+            if power != 1.0:
+                value = self._graph.math("POWER", 4.4, self._line, "power", value, power)
+            value = self._graph.math("MULTIPLY", 5.4, self._line, "of width", value, factor, clamp=True)
+            self._known[key] = value
+        return self._known[key]
+
+    def _width(self, scale, least):
+        graph = self._graph
+        self._line += 1
+        if "alpha" not in self._known:
+            given = self._inputs.outputs["Roughness"]
+            rough = graph.math("ADD", -0.6, 16, "roughness", given, 0.0, clamp=True)
+            self._known["alpha"] = graph.math("MULTIPLY", 0.4, 16, "alpha", rough, rough)
+        alpha = self._known["alpha"]
+        scaled = graph.math("MULTIPLY", 1.4, self._line, "scaled", alpha, scale, clamp=not least)
+        if not least:
+            return scaled
+        square = graph.math("MULTIPLY", 2.4, self._line, "square", scaled, scaled)
+        both = graph.math("ADD", 2.8, self._line, "with the interface", square, least * least)
+        return graph.math("SQRT", 3.4, self._line, "width", both, clamp=True)
