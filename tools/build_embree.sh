@@ -98,7 +98,7 @@ esac
 if [ -n "$toolchain" ]; then
     # The toolchain file names the oldest macOS.
     sed -i '/-mmacosx-version-min/d' "$work/source/common/cmake/clang.cmake"
-    set -- "$@" -DCMAKE_TOOLCHAIN_FILE="$toolchain"
+    set -- "$@" -DCMAKE_TOOLCHAIN_FILE="$toolchain" -DEMBREE_IGNORE_CMAKE_CXX_FLAGS=OFF
 fi
 
 cmake "$@" -S "$work/source" -B "$work/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$work/installed" \
