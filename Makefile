@@ -3,7 +3,8 @@
 #   make demo        pictures of the scenes; SCENE=, QUALITY= and OPTIONS= choose
 #   make check       before a commit: lint, the core's tests and a sample of the others
 #   make test        lint, documentation and all tests
-#   make lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
+#   make test-blender lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
+#   make release test-release    wheels and extensions for all platforms, and tests of them: docs/releasing.md
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -20,6 +21,7 @@ RUN := $(VENV)/bin/python
 PIP := -m pip --quiet --disable-pip-version-check
 SCENE ?= all
 QUALITY ?= small
+BLENDER ?= trixie
 # Further options of make_demo.py, such as --turntable 48, or of tests/fuzz/run.py, such as --count 100 --first 500.
 OPTIONS ?=
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
@@ -37,7 +39,8 @@ WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo check test lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel extension clean
+.PHONY: demo check test test-blender lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel \
+	extension release test-release clean
 .DEFAULT_GOAL := demo
 
 # In a fresh clone the slab is rendered as soon as the solver is compiled: the slab needs neither walks nor dust.
@@ -59,6 +62,11 @@ test: lint docs build/stamps/extension
 	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
 	$(RUN) -m pytest tests/cycles
+	@$(MAKE) --no-print-directory test-blender
+
+# In a Blender executable and its window: BLENDER=trixie is Blender 4.3, BLENDER=sid is 5.2. Needs root.
+test-blender: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/wheel-$(p))
+	tools/test_blender.sh $(RUN) $(BLENDER)
 
 # Before a commit, within two minutes once all is built.
 check: build/stamps/wheel build/stamps/develop
@@ -116,6 +124,17 @@ wheel: build/stamps/wheel
 
 extension: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/wheel-$(p))
 	$(RUN) tools/build_extension.py build/wheels/*.whl --output dist
+
+# Wheels for all platforms and Pythons, and an extension for each platform. PLATFORMS= and PYTHONS= choose.
+RELEASE_OPTIONS = $(if $(PLATFORMS),--platforms $(PLATFORMS)) $(if $(PYTHONS),--pythons $(PYTHONS))
+release: build/stamps/release build/stamps/blender
+	$(RELEASE_RUN) release/build.py $(RELEASE_OPTIONS) --output dist/wheels
+	$(RUN) tools/build_extension.py dist/wheels/lamina-$(VERSION)-*.whl --output dist --split-platforms
+
+# Tests with the wheels of `make release`, under wine and qemu.
+test-release: build/stamps/release
+	@tools/install_system_packages.sh $(PYTHON) wine64 qemu-user
+	$(RELEASE_RUN) release/test.py $(RELEASE_OPTIONS) --wheels dist/wheels
 
 clean:
 	rm -rf build dist
@@ -176,6 +195,15 @@ EXTENSION_SOURCES := $(ADDON_SOURCES) tools/build_extension.py LICENSE THIRD_PAR
 build/stamps/extension: build/stamps/wheel build/stamps/blender $(EXTENSION_SOURCES)
 	@echo "Building the Blender extension"
 	@$(RUN) tools/build_extension.py $(WHEEL) --output dist
+	@touch $@
+
+# In a Python of its own: the ordinary build needs none of these tools.
+RELEASE_VENV := build/release-venv
+RELEASE_RUN := $(RELEASE_VENV)/bin/python
+build/stamps/release: requirements/release.txt requirements/build.txt build/stamps/system
+	@tools/install_system_packages.sh $(PYTHON) maven
+	@test -x $(RELEASE_RUN) || $(PYTHON) -m venv $(RELEASE_VENV)
+	@$(RELEASE_RUN) $(PIP) install -r $<
 	@touch $@
 
 build/stamps/docs: build/stamps/wheel build/stamps/develop $(DOCS_SOURCES)

@@ -11,7 +11,16 @@ from .interior import interior_job
 from .properties import dust_properties, material_properties, migration
 from .settling import dust_job
 from .stack_json import solved_colours
-from .ui import dust_panel, interior_panel, lateral_panel, menus, panel, preset_picker, thickness_panel
+from .ui import (
+    dust_panel,
+    interior_panel,
+    lateral_panel,
+    menus,
+    panel,
+    preset_picker,
+    result_picture,
+    thickness_panel,
+)
 
 PARTS = (
     material_properties,
@@ -26,6 +35,7 @@ PARTS = (
     operators,
     menus,
     preset_picker,
+    result_picture,
     panel,
     lateral_panel,
     interior_panel,

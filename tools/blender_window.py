@@ -6,6 +6,8 @@ The environment variable LAMINA_SCREEN names the screen file, in the format of x
 """
 
 import os
+import sys
+import traceback
 from pathlib import Path
 
 import bpy
@@ -139,3 +141,23 @@ def save(path, pixels):
     image.save(filepath=str(path), quality=88)
     bpy.data.images.remove(image)
     print(f"{path.name}: {width} x {height}, {path.stat().st_size / 1000:.0f} kB", flush=True)
+
+
+def perform(story):
+    """Perform the steps of a generator by Blender's timer, and end Blender: with exit code 1 after an exception.
+
+    Each value of the generator is the time in seconds before the next step."""
+    bpy.context.preferences.view.show_splash = bpy.context.preferences.view.show_tooltips = False
+
+    def step():
+        try:
+            with bpy.context.temp_override(window=WINDOW):
+                return next(story)
+        except StopIteration:
+            sys.stdout.flush()
+            os._exit(0)
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+
+    bpy.app.timers.register(step, first_interval=DRAWING, persistent=True)

@@ -5,13 +5,16 @@
 # Our core needs x86-64-v3 anyway, so everything is compiled once, for that: Embree's own build would compile it for
 # several processors and choose at run time, which takes five times as long.
 # LAMINA_CACHE: another folder to keep it in. LAMINA_EMBREE_TARBALL: the source, where apt cannot get it.
+# LAMINA_TOOLCHAIN: a toolchain file of release/, for another platform than this machine.
 set -eu
 
 version=3.13.5
 tarball_sha256=1b7c5b6144230ad81b92ece884a2017fbbb433bf5416a6fca9257e0109501c63
 link="$1"
 
-if [ "$(uname -m)" != x86_64 ]; then
+toolchain="${LAMINA_TOOLCHAIN:-}"
+
+if [ -z "$toolchain" ] && [ "$(uname -m)" != x86_64 ]; then
     echo "lamina: no Embree for $(uname -m): dust will not settle, all else works" >&2
     exit 0
 fi
@@ -21,7 +24,12 @@ if ! mkdir -p "$cache" 2>/dev/null || [ ! -w "$cache" ]; then
     cache="$PWD/build/cache"
     mkdir -p "$cache"
 fi
-key=$({ cat "$0"; c++ -dumpfullversion; c++ -dumpmachine; } | sha256sum | cut -c1-16)
+if [ -n "$toolchain" ]; then
+    compiler() { cat "$toolchain" "$(dirname "$toolchain")/zig.cmake"; "$LAMINA_ZIG" version; }
+else
+    compiler() { c++ -dumpfullversion; c++ -dumpmachine; }
+fi
+key=$({ cat "$0"; compiler; } | sha256sum | cut -c1-16)
 installed="$cache/embree-$key"
 
 place_link() {
@@ -66,19 +74,36 @@ echo "$tarball_sha256  $work/embree.orig.tar.xz" | sha256sum --check --quiet
 mkdir "$work/source"
 tar -xf "$work/embree.orig.tar.xz" -C "$work/source" --strip-components 1
 
-# The lowest processor's files are the only ones, with the two that only wider ones have, and what it leaves to wider
-# ones; curves are left out, for they take half of the time even when they are switched off.
-sed -i -e 's#^  bvh/bvh_intersector1_bvh4.cpp$#&\n  bvh/bvh_intersector1_bvh8.cpp\n  geometry/primitive8.cpp#' \
-    -e '/^ *geometry\/curve_intersector_virtual_[48][vi_mb]*\.cpp$/d' \
+# Curves are left out, for they take half of the time even when they are switched off.
+sed -i -e '/^ *geometry\/curve_intersector_virtual_[48][vi_mb]*\.cpp$/d' \
     -e '/^ *bvh\/bvh_builder_hair[_mb]*\.cpp$/d' "$work/source/kernels/CMakeLists.txt"
-sed -i 's/^#if !defined(__AVX__) || .*EMBREE_TARGET_SSE2.*/#if 1/' \
-    "$work/source/kernels/bvh/bvh.cpp" "$work/source/kernels/bvh/bvh_statistics.cpp"
+# Two functions that print use members that do not exist, which Clang refuses even where nobody calls them.
+sed -i '/"QuadraticBezierCurve ( (" <</s/a.u.lower << ", " << a.u.upper/a.v0/' "$work/source/kernels/subdiv/bezier_curve.h"
+sed -i '/"Line" << M <</s/line.v0 << ", " << //' "$work/source/kernels/geometry/pointi.h"
+case "$toolchain" in
+*arm64.cmake)
+    set -- -DEMBREE_ARM=ON -DEMBREE_MAX_ISA=NEON
+    ;;
+*)
+    # The lowest processor's files are the only ones, with the two that only wider ones have, and what it leaves to
+    # wider ones.
+    sed -i 's#^  bvh/bvh_intersector1_bvh4.cpp$#&\n  bvh/bvh_intersector1_bvh8.cpp\n  geometry/primitive8.cpp#' \
+        "$work/source/kernels/CMakeLists.txt"
+    sed -i 's/^#if !defined(__AVX__) || .*EMBREE_TARGET_SSE2.*/#if 1/' \
+        "$work/source/kernels/bvh/bvh.cpp" "$work/source/kernels/bvh/bvh_statistics.cpp"
+    set -- -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_SSE2=ON -DEMBREE_ISA_SSE42=OFF -DEMBREE_ISA_AVX=OFF \
+        -DEMBREE_ISA_AVX2=OFF -DEMBREE_ISA_AVX512=OFF "-DFLAGS_SSE2=-mf16c -mavx2 -mfma -mlzcnt -mbmi -mbmi2"
+    ;;
+esac
+if [ -n "$toolchain" ]; then
+    # The toolchain file names the oldest macOS.
+    sed -i '/-mmacosx-version-min/d' "$work/source/common/cmake/clang.cmake"
+    set -- "$@" -DCMAKE_TOOLCHAIN_FILE="$toolchain"
+fi
 
-cmake -S "$work/source" -B "$work/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$work/installed" \
+cmake "$@" -S "$work/source" -B "$work/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$work/installed" \
     -DCMAKE_INSTALL_LIBDIR=lib -DEMBREE_STATIC_LIB=ON -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_ISPC_SUPPORT=OFF \
-    -DEMBREE_TUTORIALS=OFF -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_SSE2=ON \
-    -DEMBREE_ISA_SSE42=OFF -DEMBREE_ISA_AVX=OFF -DEMBREE_ISA_AVX2=OFF -DEMBREE_ISA_AVX512=OFF \
-    "-DFLAGS_SSE2=-mf16c -mavx2 -mfma -mlzcnt -mbmi -mbmi2" -DEMBREE_RAY_PACKETS=OFF -DEMBREE_FILTER_FUNCTION=OFF \
+    -DEMBREE_TUTORIALS=OFF -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DEMBREE_RAY_PACKETS=OFF -DEMBREE_FILTER_FUNCTION=OFF \
     -DEMBREE_RAY_MASK=OFF -DEMBREE_GEOMETRY_CURVE=OFF -DEMBREE_GEOMETRY_SUBDIVISION=OFF \
     -DEMBREE_GEOMETRY_POINT=OFF -DEMBREE_GEOMETRY_GRID=OFF -DEMBREE_GEOMETRY_QUAD=OFF -DEMBREE_GEOMETRY_USER=OFF \
     -DEMBREE_GEOMETRY_INSTANCE=OFF >"$work/log" 2>&1 &&
@@ -89,6 +114,16 @@ cmake -S "$work/source" -B "$work/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INST
     echo "lamina: Embree could not be built" >&2
     exit 1
 }
+
+finish() { # keeps what was built; another build may have been quicker
+    mv -T "$work/installed" "$installed" 2>/dev/null || [ -f "$installed/include/embree3/rtcore.h" ]
+    place_link
+}
+
+if [ -n "$toolchain" ]; then # lamina._mesh traces a ray when it is imported there
+    finish
+    exit 0
+fi
 
 # A static library may lack what nobody misses until it is loaded: link it, and trace a ray that must hit.
 cat >"$work/ray.cpp" <<'PROGRAM'
@@ -121,6 +156,4 @@ c++ -I "$work/installed/include" "$work/ray.cpp" -o "$work/ray" -L "$lib" -lembr
     exit 1
 }
 
-# Another build may have been quicker.
-mv -T "$work/installed" "$installed" 2>/dev/null || [ -f "$installed/include/embree3/rtcore.h" ]
-place_link
+finish

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Build the Blender extension from addon/ and wheels: dist/lamina-<version>.zip.
 
-    python tools/build_extension.py WHEEL... [--output dist]
+    python tools/build_extension.py WHEEL... [--output dist] [--split-platforms]
 
 Needs the bpy wheel: Blender's own `blender_ext.py` builds and validates the archive. Wheels for several Pythons and
-platforms may go into one archive; Blender installs the one that fits. The version is that of pyproject.toml.
+platforms may go into one archive; Blender installs the one that fits. With --split-platforms each platform has an
+archive of its own, dist/lamina-<version>-<platform>.zip. Version, website and contact are those of pyproject.toml.
 """
 
 import argparse
@@ -15,9 +16,11 @@ import subprocess
 import sys
 import tempfile
 import tomllib
+import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 LICENCES = ("LICENSE", "THIRD_PARTY.md")  # beside the folder licenses, which THIRD_PARTY.md refers to
 PLATFORMS = (
     # (start of the wheel's platform tag, its end, Blender's name)
@@ -29,6 +32,10 @@ PLATFORMS = (
     ("macosx", "arm64", "macos-arm64"),
     ("macosx", "x86_64", "macos-x64"),
 )
+# Blender's platform of a compiled module, by the number of the processor in the module's header.
+ELF_MACHINES = {62: "linux-x64", 183: "linux-arm64"}
+PE_MACHINES = {0x8664: "windows-x64", 0xAA64: "windows-arm64"}
+MACH_O_MACHINES = {0x01000007: "macos-x64", 0x0100000C: "macos-arm64"}
 
 
 def blender_ext():
@@ -58,11 +65,48 @@ def check(wheel, version):
         raise SystemExit(f"build_extension: {wheel}: not a wheel")
     if parts[0] != "lamina" or parts[1] != version:
         raise SystemExit(f"build_extension: {wheel.name}: must be lamina {version}, as pyproject.toml says")
+    try:
+        with zipfile.ZipFile(wheel) as opened:
+            _check_contents(opened, wheel)
+    except (zipfile.BadZipFile, KeyError):
+        raise SystemExit(f"build_extension: {wheel}: not a wheel") from None
+
+
+def _check_contents(opened, wheel):
+    """Refuse a wheel whose file name says another Python or platform than what is inside."""
+    python, abi, platform = wheel.stem.split("-")[-3:]
+    inside = opened.read(f"lamina-{version()}.dist-info/WHEEL").decode()
+    tags = re.findall(r"(?m)^Tag: *(\S+?)\s*$", inside)
+    named = {f"{python}-{abi}-{one}" for one in platform.split(".")}
+    if set(tags) != named:
+        raise SystemExit(f"build_extension: {wheel.name}: holds a wheel for {', '.join(tags) or 'nothing'}")
+    digits = python.removeprefix("cp")
+    for name in opened.namelist():
+        if name.endswith((".so", ".pyd")):
+            compiled = platform_of_module(opened.read(name))
+            if compiled != platform_of(wheel):
+                raise SystemExit(f"build_extension: {wheel.name}: {name} is compiled for {compiled}")
+            if not re.search(rf"\.(cp|cpython-){digits}-", name):
+                raise SystemExit(f"build_extension: {wheel.name}: {name} is compiled for another Python")
+
+
+def platform_of_module(data):
+    """Blender's platform name for a compiled module, from its first bytes."""
+    if data[:4] == b"\x7fELF":
+        found = ELF_MACHINES.get(int.from_bytes(data[18:20], "little"))
+    elif data[:2] == b"MZ":
+        header = int.from_bytes(data[60:64], "little")
+        found = PE_MACHINES.get(int.from_bytes(data[header + 4:header + 6], "little"))
+    elif data[:4] == b"\xcf\xfa\xed\xfe":
+        found = MACH_O_MACHINES.get(int.from_bytes(data[4:8], "little"))
+    else:
+        found = None
+    return found or "an unknown platform"
 
 
 def version():
     """Lamina's version, which pyproject.toml alone states."""
-    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    return PROJECT["project"]["version"]
 
 
 def manifest_with(text, wheels):
@@ -70,19 +114,25 @@ def manifest_with(text, wheels):
     text, replaced = re.subn(r'(?m)^version = .*$', f'version = "{version()}"', text)
     if replaced != 1:
         raise SystemExit(f"build_extension: the manifest has {replaced} lines of a version: must be 1")
+    release = PROJECT["tool"]["lamina"]
+    if release["contact"]:
+        text = re.sub(r'(?m)^(maintainer = ".*)"$', rf'\1 <{release["contact"]}>"', text)
+    if release["website"]:
+        text = re.sub(r"(?m)^maintainer = .*$", rf'\g<0>\nwebsite = "{release["website"]}"', text)
     names = ", ".join(f'"{name}"' for name in sorted({platform_of(wheel) for wheel in wheels}))
     files = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in sorted(wheels))
     head, bracket, tables = text.partition("[permissions]")
     return f"{head}platforms = [{names}]\nwheels = [\n{files}]\n\n{bracket}{tables}" if wheels else text
 
 
-def build(wheels, output):
-    """Build and validate the archive; returns its path."""
+def build(wheels, output, split=False):
+    """Build and validate the archive, or with `split` one per platform; returns the paths."""
     source = ROOT / "addon"
     text = (source / "blender_manifest.toml").read_text(encoding="utf-8")
     for wheel in wheels:
         check(wheel, version())
-    archive = output / f"lamina-{version()}.zip"
+    if split and not wheels:
+        raise SystemExit("build_extension: --split-platforms needs a wheel")
     output.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="lamina-extension-") as scratch:
         folder = Path(scratch, "lamina")
@@ -94,9 +144,13 @@ def build(wheels, output):
         for name in LICENCES:
             shutil.copy2(ROOT / name, folder)
         shutil.copytree(ROOT / "licenses", folder / "licenses")
-        _run("build", "--source-dir", str(folder), "--output-filepath", str(archive))
-    _run("validate", str(archive))
-    return archive
+        built = Path(scratch, "built")
+        built.mkdir()
+        _run("build", "--source-dir", str(folder), "--output-dir", str(built), *["--split-platforms"][:split])
+        archives = sorted(built.glob("*.zip"))
+        for archive in archives:
+            _run("validate", str(archive))
+        return [Path(shutil.move(archive, output / archive.name)) for archive in archives]
 
 
 def _run(*arguments):
@@ -110,8 +164,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("wheels", nargs="*", type=Path, help="wheels of lamina, one per Python and platform")
     parser.add_argument("--output", type=Path, default=ROOT / "dist", help="folder of the archive")
+    parser.add_argument("--split-platforms", action="store_true", help="one archive per platform, sizes printed")
     arguments = parser.parse_args()
-    print(build(arguments.wheels, arguments.output))
+    for archive in build(arguments.wheels, arguments.output, arguments.split_platforms):
+        print(f"{archive}: {archive.stat().st_size / 1e6:.1f} MB" if arguments.split_platforms else archive)
 
 
 if __name__ == "__main__":

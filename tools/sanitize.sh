@@ -24,7 +24,7 @@ build="build/sanitize-$kind"
 echo "Building the core with $flags"
 # -w: instrumented code causes false warnings (GCC's manual), and the usual build has checked for true ones.
 cmake -S . -B "$build" -G Ninja -DCMAKE_MAKE_PROGRAM="$("$python" -c 'import ninja; print(ninja.BIN_DIR)')/ninja" \
-    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1 -w -fno-omit-frame-pointer $flags" \
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O2 -g1 -w -fno-omit-frame-pointer $flags" \
     -DSKBUILD=ON -DCMAKE_STRIP= \
     -DPython_EXECUTABLE="$python" -Dpybind11_DIR="$("$python" -m pybind11 --cmakedir)" >"$build.log" 2>&1 &&
     cmake --build "$build" >>"$build.log" 2>&1 || {

@@ -8,9 +8,7 @@ draw before the next step.
 """
 
 import importlib
-import os
 import sys
-import traceback
 from pathlib import Path
 
 import bpy
@@ -149,19 +147,4 @@ def dust_map():
     return image
 
 
-def step():
-    """Performs one step; called by Blender's timer."""
-    try:
-        with bpy.context.temp_override(window=screen.WINDOW):
-            return next(STEPS)
-    except StopIteration:
-        sys.stdout.flush()
-        os._exit(0)
-    except BaseException:
-        traceback.print_exc()
-        os._exit(1)
-
-
-STEPS = story()
-bpy.context.preferences.view.show_splash = bpy.context.preferences.view.show_tooltips = False
-bpy.app.timers.register(step, first_interval=DRAWING)
+screen.perform(story())

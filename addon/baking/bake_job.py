@@ -30,14 +30,18 @@ _failures = {}
 
 class Job(Worker):
     """One bake in a worker thread. `stack`: a stack, or a function that the thread calls for one.
-    `more`: further arguments of lamina.bake."""
+    `more`: further arguments of lamina.bake. `drawn`: also make the curves of the result's picture.
+    At the end, `stack` is the baked one, and `curves` is the text for apply()."""
 
-    def __init__(self, stack, quality, threads, **more):
+    def __init__(self, stack, quality, threads, drawn=True, **more):
         bake = native.require().bake
+        self.stack, self.curves = None, None
 
         def work(progress, cancel):
-            known = stack() if callable(stack) else stack
-            return bake(known, quality=quality, progress=progress, cancel=cancel, threads=threads, **more)
+            self.stack = stack() if callable(stack) else stack
+            lut = bake(self.stack, quality=quality, progress=progress, cancel=cancel, threads=threads, **more)
+            self.curves = curves_of(self.stack, lut, threads) if drawn else None
+            return lut
 
         super().__init__(work, "lamina bake")
 
@@ -55,7 +59,7 @@ class MaterialJob(OfMaterial, Job):
         super().__init__(stack or stack_io.to_stack(material), quality, threads, **more)
 
     def apply(self, material):
-        apply(material, self.lut)
+        apply(material, self.lut, self.curves)
 
 
 def bake_material(material, quality=None, threads=None, progress=None, cancel=None, basis=None):
@@ -66,23 +70,35 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
     UnknownClosureError.
     """
     lamina = native.require()
+    stack = stack_io.to_stack(material)
+    threads = preferences.threads() if threads is None else threads
     lut = lamina.bake(
-        stack_io.to_stack(material),
+        stack,
         quality=quality or material.lamina.quality,
         progress=progress,
         cancel=cancel,
-        threads=preferences.threads() if threads is None else threads,
+        threads=threads,
         basis=basis or material.lamina.basis,
     )
-    apply(material, lut)
+    apply(material, lut, curves_of(stack, lut, threads))
     return lut
 
 
-def apply(material, lut, in_place=False, coarse=False):
+def curves_of(stack, lut, threads=0):
+    """The curves of the result's picture as JSON, or "" if they cannot be computed."""
+    try:
+        return json.dumps(native.part("baking.result_curves").result_curves(stack, lut, threads))
+    except native.require().SolveError as error:  # the bake itself is complete
+        log.warning("no picture of the result: %s", error)
+        return ""
+
+
+def apply(material, lut, curves=None, in_place=False, coarse=False):
     """Build the material's node group from a finished LUT and note its report.
 
-    With `in_place`, a group of the same layout gets a new image only. `coarse`: the LUT has fewer rows or
-    nodes, and its quality is stored as COARSE.
+    `curves`: of the result's picture, see curves_of; None keeps the last picture. With `in_place`, a group of
+    the same layout gets a new image only. `coarse`: the LUT has fewer rows or nodes, and its quality is
+    stored as COARSE.
     """
     if not (in_place and node_group.update(material, lut)):
         had_input = thickness.has_input(material)
@@ -90,6 +106,8 @@ def apply(material, lut, in_place=False, coarse=False):
         if not had_input:
             thickness.reconnect(material)
     _note_report(material.lamina.result, lut)
+    if curves is not None:
+        material.lamina.result.curves = curves
     if coarse:
         material.lamina.result.quality = COARSE
     clear_failure(material)
@@ -119,13 +137,15 @@ def clear_failure(material):
     _failures.pop(material.session_uid, None)
 
 
-def state(material):
-    """The state of the material's bake relative to its layers and settings:
+def state(material, quality=None, basis=None):
+    """The state of the material's bake relative to its layers and to a quality and basis, by default the
+    chosen ones:
 
     'none' before the first bake; 'invalid', the layers cannot be baked; 'stale', the layers have changed
-    since; 'fresh', a bake of these layers at the chosen quality and basis; 'live', live editing's preview of
-    these layers, where another quality or basis is chosen; 'other', any other bake of these layers at another
-    quality or basis than the chosen ones, see `difference`.
+    since; 'fresh', a bake of these layers at that quality and basis; 'live', live editing's preview of
+    these layers, where another quality or basis is wanted; 'other', any other bake of these layers at another
+    quality or basis, see `difference`; 'older', a bake by a version of Lamina whose results for these layers
+    have changed since, see `version_difference`.
     """
     settings, result = material.lamina, material.lamina.result
     if not result.stack_hash or settings.node_group is None:
@@ -135,30 +155,39 @@ def state(material):
         return "invalid"
     if stack.hash != result.stack_hash:
         return "stale"
-    if not difference(material):
-        return "fresh"
+    if not difference(material, quality, basis):
+        return "older" if version_difference(material) else "fresh"
     is_preview = result.quality in (LIVE_QUALITY, COARSE) and (result.basis or "standard") == LIVE_BASIS
     return "live" if settings.live and is_preview else "other"
 
 
-def difference(material):
-    """Which settings the last bake was made with and which are chosen, as 'quality Preview instead of Final',
-    or '' when they are the same."""
+def difference(material, quality=None, basis=None):
+    """Which settings the last bake was made with and which are wanted, by default the chosen ones, as
+    'quality Preview instead of Final', or '' when they are the same."""
     settings, result = material.lamina, material.lamina.result
     # Older files do not name a basis; theirs is the standard one.
-    basis = result.basis or "standard"
-    pairs = (("quality", result.quality, settings.quality), ("fit", basis, settings.basis))
+    baked_basis = result.basis or "standard"
+    wanted_quality, wanted_basis = quality or settings.quality, basis or settings.basis
+    pairs = (("quality", result.quality, wanted_quality), ("fit", baked_basis, wanted_basis))
     return ", ".join(
-        f"{name} {baked.capitalize()} instead of {chosen.capitalize()}"
-        for name, baked, chosen in pairs
-        if baked and baked != chosen
+        f"{name} {baked.capitalize()} instead of {wanted.capitalize()}"
+        for name, baked, wanted in pairs
+        if baked and baked != wanted
     )
+
+
+def version_difference(material):
+    """Which version made the last bake, and which later ones changed the results for such layers, or ''.
+    Raises lamina.StackError, NativeMissingError."""
+    told = native.part("baking.result_changes").told
+    return told(material.lamina.result.version, stack_io.to_stack(material))
 
 
 def _note_report(result, lut):
     header, report = lut.header, lut.report
     transmission = report.get("fit_error_transmission")
     result.stack_hash = header["stack_hash"]
+    result.version = header.get("version", "")
     result.quality = header["quality"]
     result.basis = header["basis"]
     result.fit_error = report["fit_error"]

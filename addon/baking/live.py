@@ -13,6 +13,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..base import changes, native, preferences, redraw
+from ..base.worker import OfMaterial, Worker
 from ..editing import stack_io
 from ..nodes import node_group
 from ..properties import migration
@@ -43,7 +44,7 @@ class _Material:
         self.coarse = False  # the shown bake is coarse
         self.error = 0.0  # the fit error now, and when the closures were chosen
         self.chosen_error = material.lamina.result.fit_error
-
+        self.undrawn = None  # (stack, LUT) of a whole bake that the result's picture does not show
 
     def coarse_options(self, material):
         """Options for a coarser bake of this material while it is edited; none if its bakes are quick."""
@@ -65,7 +66,35 @@ class LiveJob(bake_job.MaterialJob):
         text = stack_io.to_text(material)
         # A colour needs a solve, so the thread makes the stack.
         super().__init__(material, bake_job.LIVE_QUALITY, preferences.threads(), lambda: _stack(text),
-                         basis=bake_job.LIVE_BASIS, **more, **coarse)
+                         drawn=False, basis=bake_job.LIVE_BASIS, **more, **coarse)
+
+    def show(self, material, followed):
+        if self.error is not None:
+            raise self.error
+        bake_job.apply(material, self.lut, in_place=True, coarse=self.coarse)
+        followed.error, followed.coarse = self.lut.report["fit_error"], self.coarse
+        if not self.coarse:
+            report = self.lut.report
+            followed.seconds, followed.nodes = report["seconds"], report["solver"]["nodes"]
+            followed.undrawn = self.stack, self.lut
+        if not self.kept:
+            followed.chosen_error = followed.error
+
+
+class CurvesJob(OfMaterial, Worker):
+    """The curves of the result's picture, which are left out while layers change."""
+
+    coarse = True  # its time says nothing on the next bake's
+
+    def __init__(self, material, stack, lut):
+        self.uid, self.started = material.session_uid, time.monotonic()
+        threads = preferences.threads()
+        super().__init__(lambda _progress, _cancel: bake_job.curves_of(stack, lut, threads), "lamina curves")
+
+    def show(self, material, _followed):
+        if self.error is not None:
+            raise self.error
+        material.lamina.result.curves = self.result
 
 
 def mark(material):
@@ -155,23 +184,11 @@ def _finish_job():
         return
     followed.touched = time.monotonic()
     try:
-        _show(job, material, followed)
+        job.show(material, followed)
     except Exception as error:  # The panel shows one sentence; the last good bake is kept.
         if not followed.changed:
             bake_job.note_failure(material, error)
     redraw.properties()
-
-
-def _show(job, material, followed):
-    if job.error is not None:
-        raise job.error
-    bake_job.apply(material, job.lut, in_place=True, coarse=job.coarse)
-    followed.error, followed.coarse = job.lut.report["fit_error"], job.coarse
-    if not job.coarse:
-        report = job.lut.report
-        followed.seconds, followed.nodes = report["seconds"], report["solver"]["nodes"]
-    if not job.kept:
-        followed.chosen_error = followed.error
 
 
 def _start_next():
@@ -206,7 +223,9 @@ def _start(material, closures, coarse=None):
 
 
 def _tidy():
-    """At rest: bake with all rows, and with new closures where the kept ones fit badly."""
+    """At rest: bake with all rows, and with new closures where the kept ones fit badly; then make the curves
+    of the result's picture."""
+    global _job
     resting = True
     for uid, followed in list(_followed.items()):
         material = _material(uid)
@@ -214,9 +233,13 @@ def _tidy():
             del _followed[uid]
             continue
         worse = followed.error > max(NOTICED, WORSE * followed.chosen_error)
-        if not (followed.changed or followed.coarse or worse):
+        if not (followed.changed or followed.coarse or worse or followed.undrawn):
             continue
         if not followed.changed and followed.touched + REST < time.monotonic() and bake_job.running() is None:
+            if not (followed.coarse or worse):
+                undrawn, followed.undrawn = followed.undrawn, None
+                _job = CurvesJob(material, *undrawn)
+                return WORKING
             followed.coarse, followed.chosen_error = False, max(followed.chosen_error, followed.error)
             if _start(material, None if worse else _kept(material)):
                 return WORKING

@@ -1,54 +1,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Saving a .blend after a long bake without loss of other people's work.
 
-Before the bake, the code checks whether the file can be written. During the bake, a lock file beside the
-.blend keeps other bakes of the same file away. A file that has changed meanwhile is not overwritten: the bake
-is then saved under another name.
+Before the bake, the code checks whether the file can be written. A file that has changed meanwhile is not
+overwritten: the bake is then saved under another name.
 """
 
-import json
 import os
 import shutil
-import socket
 import tempfile
 from pathlib import Path
 
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import messages
+from .file_lock import SaveError
 
 PROBE = 1 << 16  # bytes that must fit into a folder
 
 _stamps = {}  # real path -> the file's stamp when it was last read or written here
 
 
-class SaveError(messages.RefusedError):
-    """Nothing was saved in the requested place; str() is one sentence with the reason."""
-
-
 class Saving:
-    """A context around a bake whose result is saved to `target`, a Path; the lock file exists inside `with`.
-
-    Entering raises SaveError when the target cannot be written, or is being baked by another process.
-    """
+    """The save of the open file to `target`, a Path, after a bake. Made when the file has been opened, before
+    the bake."""
 
     def __init__(self, target):
         self.target = target
-        self._lock = target.with_name(f".{target.name}.lamina-lock")
         self._is_open_file = bool(bpy.data.filepath) and _real(bpy.data.filepath) == _real(target)
         self._expected = _stamps.get(_real(target)) if self._is_open_file else None
         self._expected = self._expected or _stamp(target)
 
-    def __enter__(self):
-        problem = _problem(self.target, _bytes_before())
+    def check_space(self, growth):
+        """Raises SaveError if the disk has no room for the open file and `growth` more bytes."""
+        problem = _full(self.target, _bytes_before() + growth)
         if problem:
             raise SaveError(f"{self.target} cannot be saved: {problem}")
-        self._take_lock()
-        return self
-
-    def __exit__(self, *_):
-        self._lock.unlink(missing_ok=True)
 
     def save(self):
         """Save the open file. Raises SaveError when that fails, and when the target has changed since it was
@@ -62,61 +48,16 @@ class Saving:
                             f"alone: this bake is saved as {aside}")
         _write(self.target, copy=False)
 
-    def _take_lock(self):
-        try:
-            if not self._create_lock():
-                owner = self._owner()
-                if not _has_ended(owner):
-                    raise SaveError(f"{self.target} is being baked by {_words(owner)}: wait for its end, "
-                                    f"or delete {self._lock} if there is no such process")
-                self._lock.unlink(missing_ok=True)
-                if not self._create_lock():
-                    owner = self._owner()
-                    raise SaveError(f"{self.target} is being baked by {_words(owner)}: wait for its end")
-        except OSError as error:
-            raise SaveError(f"{self.target} cannot be saved: {error.strerror}") from error
 
-    def _create_lock(self):
-        """Creates the lock file. Returns False if it exists already."""
-        try:
-            descriptor = os.open(self._lock, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o644)
-        except FileExistsError:
-            return False
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            json.dump({"pid": os.getpid(), "host": socket.gethostname()}, file)
-        return True
-
-    def _owner(self):
-        """(process id, host) of the lock's owner; None for unknown parts."""
-        try:
-            owner = json.loads(self._lock.read_text(encoding="utf-8"))
-            return int(owner["pid"]), str(owner["host"])
-        except (OSError, ValueError, KeyError, TypeError):
-            return None, None
+def check_writable(target):
+    """Raises SaveError if no file can be written there."""
+    problem = _unwritable(target)
+    if problem:
+        raise SaveError(f"{target} cannot be saved: {problem}")
 
 
-def _has_ended(owner):
-    """True if the process has certainly ended: it ran on this machine, and does not exist any more."""
-    pid, host = owner
-    if pid is None or host != socket.gethostname() or os.name == "nt":  # there, signal 0 is Ctrl-C
-        return False
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return True
-    except (OSError, OverflowError):
-        return False
-    return False
-
-
-def _words(owner):
-    pid, host = owner
-    return "another process" if pid is None else f"process {pid} on {host}"
-
-
-def _problem(target, needed):
-    """The reason why `needed` bytes cannot be written to the target, or ''. Blender writes a complete new
-    file before it removes the old one."""
+def _unwritable(target):
+    """The reason why the target cannot be written, or ''."""
     if target.is_dir():
         return "it is a folder"
     if target.exists() and not os.access(target, os.W_OK):
@@ -128,6 +69,12 @@ def _problem(target, needed):
             os.fsync(probe.fileno())
     except OSError as error:
         return f"{target.parent}: {error.strerror}"
+    return ""
+
+
+def _full(target, needed):
+    """The sentence about a disk without room for `needed` bytes, or ''. Blender writes a complete new file
+    before it removes the old one."""
     free = shutil.disk_usage(target.parent).free
     if free < needed:
         amounts = f"{_megabytes(free)} free, about {_megabytes(needed)} needed"
@@ -161,7 +108,7 @@ def _write(path, copy):
     if words:
         # Blender reads errno too late: on a full disk it says "Success".
         free = f"Blender names no reason, {_megabytes(shutil.disk_usage(path.parent).free)} are free"
-        reason = _problem(path, _bytes_now()) or (free if words == "Success" else words)
+        reason = _unwritable(path) or _full(path, _bytes_now()) or (free if words == "Success" else words)
         raise SaveError(f"{path} could not be saved: {reason}")
 
 

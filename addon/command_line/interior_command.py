@@ -2,12 +2,17 @@
 """`--command lamina interior OBJECT ...`: the light inside objects, as the panel Interior computes it."""
 
 import fnmatch
+import sys
 import time
+from contextlib import nullcontext
 
 import bpy
 
-from ..base import messages
+from ..base import messages, native
 from ..interior import interior_job
+from . import blend_saving, selection, waiting
+from .exit_codes import FAILED, OK, UsageError
+from .file_lock import FileLock
 
 KINDS = {"relightable": "RELIGHTABLE", "lit": "LIT"}
 
@@ -22,21 +27,48 @@ def add(commands):
     return command
 
 
-def selected(names):
-    """The mesh objects that the names or patterns select, without duplicates. Raises RefusedError."""
+def run(arguments):
+    """Compute the objects' light, print one line for each, and save. Returns the exit code. Raises
+    UsageError, SaveError, NativeMissingError, KeyboardInterrupt."""
+    lamina, failed = native.require(), False
+    target = selection.targets([None], arguments).get(None)
+    objects = _selected(arguments.objects)
+    if target is not None:
+        blend_saving.check_writable(target)
+    with waiting.Interruptible(), FileLock(target) if target is not None else nullcontext():
+        saving = blend_saving.Saving(target) if target is not None else None
+        if saving is not None:
+            saving.check_space(0)
+        for obj in objects:
+            try:
+                print(f"{obj.name}: {_compute(obj, arguments)}", flush=True)
+            except lamina.Cancelled:
+                raise KeyboardInterrupt from None
+            except Exception as error:  # the other objects go on
+                failed = True
+                print(f"{obj.name}: failed: {messages.sentence(error, obj.active_material)}", flush=True)
+        if saving is not None:
+            saving.save()
+        else:
+            print("lamina: nothing was saved (give --save or --output FILE.blend)", file=sys.stderr)
+    return FAILED if failed else OK
+
+
+def _selected(names):
+    """The mesh objects that the names or patterns select, without duplicates. Raises UsageError."""
     chosen = []
     for name in names:
         meshes = [one for one in bpy.context.scene.objects if one.type == "MESH"]
         exact = [one for one in meshes if one.name == name]
         found = exact or [one for one in meshes if fnmatch.fnmatchcase(one.name, name)]
         if not found:
-            raise messages.RefusedError(f"no mesh object of the scene matches {name!r}")
+            raise UsageError(f"no mesh object of the scene matches {name!r}")
         chosen += [one for one in found if one not in chosen]
     return chosen
 
 
-def compute(obj, arguments, wait):
-    """The light inside one object, in a worker that `wait(job)` waits for. Returns the line to print.
+def _compute(obj, arguments):
+    """The light inside one object, in a worker, so that Ctrl-C is noticed at once. Returns the line to print.
     Finished parts are kept: after an interruption the same command continues there."""
     material, began = obj.active_material, time.perf_counter()
     if material is None:
@@ -48,7 +80,7 @@ def compute(obj, arguments, wait):
         _set(settings, "size", arguments.size)
         _set(settings, "noise", arguments.noise)
         job = interior_job.InteriorJob(interior_job.gather(bpy.context, obj, material))
-        wait(job)
+        waiting.for_job(job)
         job.finish()
     except BaseException:
         for name, value in before.items():

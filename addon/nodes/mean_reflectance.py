@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An estimate of the mean reflectance of a shader, from the colors of its nodes.
 
-Layers throw light back to the shader below, and the shader reflects it again: how much of it is what this
-estimate is for. The artist may correct it. Textured and unknown shaders count as half reflecting.
+Layers throw light back to the shader below, and the shader reflects a share of this light again. The estimate
+is that share. The artist may correct it. Textured and unknown shaders count as half reflecting.
 """
 
 from ..kinds import metals

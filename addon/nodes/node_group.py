@@ -55,7 +55,7 @@ def build(material, lut):
         group.nodes.remove(node)
     group_sockets.settle(group, tau, base)
     _replace_images(old_images, image)
-    group["lamina_stack_hash"] = lut.header["stack_hash"]
+    _note_origin(group, lut)
     group["lamina_layout"] = _layout(lut)
     group["lamina_largest_tau"] = -1.0 if tau is None else min(tau, LARGEST)
     group["lamina_shows_back"] = side_graph.shows_back(lut)
@@ -100,8 +100,23 @@ def update(material, lut):
         group_sockets.follow_thickness(group, old_tau, tau)
     group_sockets.follow_base(group, group_sockets.of_base(lut))
     _replace_images(images, lut_image.create(f"Lamina {material.name}", lut))
-    group["lamina_stack_hash"] = lut.header["stack_hash"]
+    _note_origin(group, lut)
     return True
+
+
+def _note_origin(group, lut):
+    """Note on the group which stack it shows and which Lamina baked it, readable without the add-on."""
+    group["lamina_stack_hash"] = lut.header["stack_hash"]
+    group["lamina_version"] = lut.header.get("version", "")
+
+
+def is_whole(material):
+    """True if the material's tree has the group of the last bake, and the group's tables are packed."""
+    group = material.lamina.node_group
+    if group is None or not group_nodes(material):
+        return False
+    images = images_of(group.nodes)
+    return bool(images) and all(image.packed_file is not None for image in images)
 
 
 def closures(material):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Principled BSDF of a base, inside the group: with the values of the stack or of the group's inputs, and
-the weight that the layers leave it."""
+"""The Principled BSDF of a base, inside the group. Its values come from the stack or from the group's inputs;
+its weight is the share of its light that the layers neither scatter nor absorb."""
 
 from . import mix_shader, principled
 from .graph import rgba

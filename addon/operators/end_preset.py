@@ -14,7 +14,7 @@ class LAMINA_OT_end_preset(bpy.types.Operator):
     bl_description = "Take the coefficients per mm of a preset of the library"
     bl_options = {"REGISTER", "UNDO"}
 
-    preset: bpy.props.StringProperty(name="Preset")
+    preset: bpy.props.StringProperty(name="Preset", description="Id of the preset")
     second: bpy.props.BoolProperty(name="Veins", description="The second of the two materials")
 
     @classmethod

@@ -14,7 +14,9 @@ class LAMINA_OT_layer_add(bpy.types.Operator):
     bl_description = "Add a layer above the selected one"
     bl_options = {"REGISTER", "UNDO"}
 
-    kind: bpy.props.EnumProperty(name="Kind", items=LAYER_KINDS, default="medium")
+    kind: bpy.props.EnumProperty(
+        name="Kind", description="What the new layer is", items=LAYER_KINDS, default="medium"
+    )
 
     @classmethod
     def poll(cls, context):

@@ -14,6 +14,7 @@ class LAMINA_OT_layer_move(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     direction: bpy.props.EnumProperty(
+        description="Towards the light, or towards the base",
         name="Direction",
         items=(("UP", "Up", "Towards the light"), ("DOWN", "Down", "Towards the base")),
         default="UP",

@@ -14,7 +14,7 @@ class LAMINA_OT_metal(bpy.types.Operator):
     bl_description = "Give the base the colors of this metal; its roughness stays"
     bl_options = {"REGISTER", "UNDO"}
 
-    metal: bpy.props.StringProperty(name="Metal")
+    metal: bpy.props.StringProperty(name="Metal", description="Name of the metal in the table")
 
     @classmethod
     def description(cls, _context, properties):

@@ -14,8 +14,12 @@ class LAMINA_OT_phase_replace(bpy.types.Operator):
     bl_description = "Discard the imported phase function and choose another one here"
     bl_options = {"REGISTER", "UNDO"}
 
-    base: bpy.props.BoolProperty(name="Of the Base", options={"SKIP_SAVE"})
-    bottom: bpy.props.BoolProperty(name="Of the Layer's Bottom", options={"SKIP_SAVE"})
+    base: bpy.props.BoolProperty(
+        name="Of the Base", description="Replace that of the base", options={"SKIP_SAVE"}
+    )
+    bottom: bpy.props.BoolProperty(
+        name="Of the Layer's Bottom", description="Replace that of the layer's bottom", options={"SKIP_SAVE"}
+    )
 
     @classmethod
     def poll(cls, context):

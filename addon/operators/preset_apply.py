@@ -18,7 +18,9 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     preset: bpy.props.StringProperty(name="Preset", description="Its id, or its name if it is your own")
-    user: bpy.props.BoolProperty(name="My Preset", options={"SKIP_SAVE"})
+    user: bpy.props.BoolProperty(
+        name="My Preset", description="One of your own, not of the library", options={"SKIP_SAVE"}
+    )
 
     @classmethod
     def poll(cls, context):

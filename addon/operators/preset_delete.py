@@ -13,7 +13,7 @@ class LAMINA_OT_preset_delete(bpy.types.Operator):
     bl_description = "Delete this preset of yours. Materials that were made from it stay as they are"
     bl_options = {"REGISTER"}
 
-    name: bpy.props.StringProperty(name="Name")
+    name: bpy.props.StringProperty(name="Name", description="Name of the preset")
 
     def invoke(self, context, event):
         return context.window_manager.invoke_confirm(

@@ -15,7 +15,9 @@ class LAMINA_OT_preset_save(bpy.types.Operator):
     bl_description = "Keep the layers and base of this material under a name, for all files"
     bl_options = {"REGISTER"}
 
-    name: bpy.props.StringProperty(name="Name", maxlen=LONGEST)
+    name: bpy.props.StringProperty(
+        name="Name", description="Name of the new preset", maxlen=LONGEST
+    )
     replace: bpy.props.BoolProperty(
         name="Replace", description="Replace a preset of the same name", options={"SKIP_SAVE"}
     )

@@ -16,7 +16,9 @@ class LAMINA_OT_stack_export(bpy.types.Operator, ExportHelper):
     bl_options = {"REGISTER"}
 
     filename_ext = ".json"
-    filter_glob: bpy.props.StringProperty(default="*.json", options={"HIDDEN"})
+    filter_glob: bpy.props.StringProperty(
+        description="Files that the browser lists", default="*.json", options={"HIDDEN"}
+    )
 
     @classmethod
     def poll(cls, context):

@@ -15,7 +15,9 @@ class LAMINA_OT_stack_import(bpy.types.Operator, ImportHelper):
     bl_options = {"REGISTER", "UNDO"}
 
     filename_ext = ".json"
-    filter_glob: bpy.props.StringProperty(default="*.json", options={"HIDDEN"})
+    filter_glob: bpy.props.StringProperty(
+        description="Files that the browser lists", default="*.json", options={"HIDDEN"}
+    )
 
     @classmethod
     def poll(cls, context):

@@ -20,7 +20,9 @@ class LAMINA_OT_thickness_wire(bpy.types.Operator):
     bl_description = "Choose the source of the varying layer's thickness; your own nodes stay"
     bl_options = {"REGISTER", "UNDO"}
 
-    source: bpy.props.EnumProperty(name="Source", items=ITEMS, options={"SKIP_SAVE"})
+    source: bpy.props.EnumProperty(
+        name="Source", description="What feeds the thickness", items=ITEMS, options={"SKIP_SAVE"}
+    )
     name: bpy.props.StringProperty(
         name="Name", description="Name of the attribute or image; empty: the usual attribute, a new image",
         options={"SKIP_SAVE"},

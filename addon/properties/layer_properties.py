@@ -115,7 +115,7 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     ior_rgb: per_channel(boundaries.IOR, "Refractive index in red, green and blue")
     # A medium
     mode: choice("Described By", MODES, "Which numbers describe the medium", media.USUAL_FORM.item.id)
-    over_given: switch("Over", "The color is what this layer, as thick as it is, shows over a base")
+    over_given: switch("Seen Over", "The color is what this layer, as thick as it is, shows over a base")
     over: number(media.OVER)
     graded: switch(
         "Changes with Depth",

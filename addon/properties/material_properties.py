@@ -42,6 +42,7 @@ class LaminaResult(bpy.types.PropertyGroup):
     """The last finished bake, copied from the LUT's report."""
 
     stack_hash: StringProperty(description="Hash of the stack that was baked; empty before the first bake")
+    version: StringProperty(description="Of the Lamina that made the bake; empty in files of 0.1.0")
     quality: StringProperty()
     basis: StringProperty(description="Empty in older files, whose basis is standard")
     fit_error: FloatProperty(description="Mean over slices of the relative L2 error, reflection")
@@ -75,6 +76,9 @@ class LaminaResult(bpy.types.PropertyGroup):
     energy_error: FloatProperty()
     closures: IntProperty()
     seconds: FloatProperty()
+    curves: StringProperty(
+        description="JSON: curves of the result's picture, see result_curves; empty without a picture"
+    )
 
 
 class LaminaMaterial(bpy.types.PropertyGroup):

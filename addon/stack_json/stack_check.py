@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks of a stack's JSON by `lamina`: a stack, or an error.
+"""Checks of a stack's JSON by `lamina`: the result is a stack or an error.
 
 The panel asks about the same stack many times a second, and a colour needs a solve, so the latest answers are
 cached. Threads may ask too.

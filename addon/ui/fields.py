@@ -11,6 +11,8 @@ from ..kinds import boundaries, media
 from ..kinds.bases import BASES, Conductor
 from ..stack_json import phases, profiles, solved_colours
 
+NO_ALBEDO = "No albedo gives this color"
+
 
 def draw_layer(layout, layer):
     """`layout`: of the panel, because a folded part needs its full width."""
@@ -111,22 +113,42 @@ def _draw_medium(layout, layer):
         row.operator("lamina.profile_replace", text="", icon="X")
     else:
         _draw_medium_at(column, layer, layer)
-    amount = "Largest" if layer.varying else "Thickness"
+    amount = "Largest Thickness" if layer.varying else "Thickness"
     if layer.mode == "coefficients":
         _with_infinity(column, layer, "thickness", f"{amount} (mm)")
     else:
-        _draw_over(column, layer)
         _draw_tau(column, layer, amount)
     column.prop(layer, "varying", text="Varying")
+    if not imported:
+        _draw_phase(column, layer)
+    _draw_more_of_medium(layout, layer, imported)
+
+
+def _draw_more_of_medium(layout, layer, imported):
+    """The folded part of a medium: a color over a ground, channels, and what changes with depth."""
+    has_tau = layer.mode != "coefficients" and not _is_infinite(layer)
+    if imported and not has_tau:
+        return
+    header, body = layout.panel("lamina_medium_advanced", default_closed=True)
+    header.label(text="Advanced")
+    if body is None:
+        return
+    column = split(body.column())
+    if not imported and layer.mode == "colour":
+        _draw_albedo(column, layer)
+        _draw_over(column, layer)
+    if has_tau:
+        column.prop(layer, "tau_per_channel")
     if imported:
         return
-    _draw_phase(column, layer)
     column.prop(layer, "graded")
     if layer.graded:
-        box = layout.box()
+        box = body.box()
         box.label(text="At the Bottom", icon="TRIA_DOWN_BAR")
         bottom = split(box.column())
         _draw_medium_at(bottom, layer, layer.bottom)
+        if layer.mode == "colour":
+            _draw_albedo(bottom, layer.bottom)
         _draw_phase(bottom, layer.bottom, is_bottom=True)
 
 
@@ -134,9 +156,8 @@ def _draw_medium_at(column, layer, end):
     """The scattering properties at the top, the layer itself, or at its bottom."""
     if layer.mode == "colour":
         column.prop(end, "colour")
-        albedo = solved_colours.albedo(end)
-        waiting = "…" if albedo is None else "No albedo gives this color"
-        _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else waiting)
+        if solved_colours.albedo(end) == ():
+            _labelled(column, "Albedo", NO_ALBEDO)
         return
     form = next(form for form in media.FORMS if form.item.id == layer.mode)
     for field in form.local:
@@ -144,9 +165,16 @@ def _draw_medium_at(column, layer, end):
     column.prop(end, "shown_colour", text="As Thick Layer")
 
 
+def _draw_albedo(column, end):
+    """The albedo that gives the layer's color."""
+    albedo = solved_colours.albedo(end)
+    waiting = "…" if albedo is None else NO_ALBEDO
+    _labelled(column, "Albedo", "  ".join(f"{value:.3g}" for value in albedo) if albedo else waiting)
+
+
 def _draw_over(column, layer):
     if layer.mode == "colour" and not _is_infinite(layer):
-        row = column.row(heading="Over")
+        row = column.row(heading="Seen Over")
         row.prop(layer, "over_given", text="")
         swatch = row.row()
         swatch.active = layer.over_given
@@ -158,8 +186,6 @@ def _draw_tau(column, layer, text):
         _rgb_column(column, layer, "tau_rgb", text)
     else:
         _with_infinity(column, layer, "tau", text)
-    if not _is_infinite(layer):
-        column.prop(layer, "tau_per_channel")
 
 
 def _draw_phase(column, owner, is_base=False, is_bottom=False):

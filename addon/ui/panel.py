@@ -13,7 +13,7 @@ from ..nodes import node_group
 from ..properties import migration
 from ..properties.layer_properties import LAYER_KINDS
 from ..stack_json import solved_colours, stack_check
-from . import fields, preset_picker
+from . import fields, preset_picker, result_picture
 
 CHANNELS = ("red", "green", "blue")
 SWATCHES = {"optical": "albedo", "colour": "colour"}
@@ -58,6 +58,7 @@ class MaterialPanel:
 
 class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
     bl_label = "Lamina"
+    bl_order = -1  # below the list of materials, above Surface: visible without scrolling
 
     @classmethod
     def wanted(cls, material):
@@ -154,17 +155,43 @@ class LAMINA_PT_result(MaterialPanel, bpy.types.Panel):
             row = layout.row()
             row.label(text="Not connected to the output", icon="UNLINKED")
             row.operator("lamina.connect", text="Connect")
-        column = layout.column(align=True)
-        for name, value in result_lines(material.lamina.result):
-            split = column.split(factor=0.4)
-            label = split.row()
-            label.alignment = "RIGHT"
-            label.label(text=name)
-            split.label(text=value)
+        result = material.lamina.result
+        if not result_picture.draw(layout, context, material):  # a bake of an earlier version
+            draw_lines(layout, [*result_lines(result), *below_lines(result)])
+            return
+        draw_lines(layout, below_lines(result))
+        header, body = layout.panel("lamina_numbers", default_closed=True)
+        header.label(text=f"Numbers (fit error {percent(result.fit_error)})")
+        if body is not None:
+            draw_lines(body, result_lines(result))
+
+
+def draw_lines(layout, lines):
+    """A column of (name, value)."""
+    column = layout.column(align=True)
+    for name, value in lines:
+        split = column.split(factor=0.4)
+        label = split.row()
+        label.alignment = "RIGHT"
+        label.label(text=name)
+        split.label(text=value)
+
+
+def below_lines(result):
+    """(name, value) of the lines on a base that another shader renders, whose light is approximate."""
+    if result.base_matte < 0.0:
+        return []
+    return [
+        ("Shader Below", "Approximate. Error of the energy:"),
+        ("If Matte", percent(result.base_matte)),
+        ("If Rough Metal", percent(result.base_metal)),
+        ("In One Channel", percent(result.base_color)),
+        ("Without Reflectance", percent(result.base_unknown)),
+    ]
 
 
 def result_lines(result):
-    """(name, value) for each line of the result box."""
+    """(name, value) for each of the result's numbers."""
     lines = [("Fit Error", f"{percent(result.fit_error)} mean, {percent(result.worst_error)} worst")]
     lines.append(("Worst At", _place(result, "worst")))
     if result.fit_error_transmission >= 0.0:
@@ -176,12 +203,6 @@ def result_lines(result):
         lines.append(("Worst At", _place(result, "through_worst")))
     lines.append(("Albedo Error", percent(result.albedo_error, 2)))
     lines.append(("Energy Error", percent(result.energy_error, 2)))
-    if result.base_matte >= 0.0:
-        lines.append(("Shader Below", "Approximate. Error of the energy:"))
-        lines.append(("If Matte", percent(result.base_matte)))
-        lines.append(("If Rough Metal", percent(result.base_metal)))
-        lines.append(("In One Channel", percent(result.base_color)))
-        lines.append(("Without Reflectance", percent(result.base_unknown)))
     lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} fit"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
     return lines
@@ -246,6 +267,9 @@ def _draw_state(layout, context, material):
         draw_sentence(context, layout, f"Live preview of these layers; Bake makes {chosen}", "PLAY")
     elif state == "other":
         text = f"Out of date: baked with {bake_job.difference(material)}"
+        draw_sentence(context, layout, text, "FILE_REFRESH")
+    elif state == "older":
+        text = f"Out of date: {bake_job.version_difference(material)}"
         draw_sentence(context, layout, text, "FILE_REFRESH")
     elif state == "invalid":
         draw_sentence(context, layout, "Out of date: the layers cannot be baked as they are", "ERROR")

@@ -8,7 +8,7 @@ import bpy
 from ..base.messages import percent
 from ..nodes import detail_wiring, dust_detail, thickness
 from .fields import split
-from .panel import MaterialPanel, draw_sentence
+from .panel import MaterialPanel, draw_lines, draw_sentence
 from .uv_map_field import draw_uv_map
 
 SHOWN_ROWS = 5
@@ -35,12 +35,7 @@ class LAMINA_PT_thickness(MaterialPanel, bpy.types.Panel):
             button.replace = False
         _draw_source(context, layout, now)
         _draw_detail(layout, material)
-        for name, value in error_lines(material.lamina.result, now):
-            parts = layout.split(factor=0.4)
-            label = parts.row()
-            label.alignment = "RIGHT"
-            label.label(text=name)
-            parts.label(text=value)
+        draw_lines(layout, error_lines(material.lamina.result, now))
 
 
 def _draw_source(context, layout, now):

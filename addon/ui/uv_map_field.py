@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The field that names a UV map, with a sentence where it is empty or names a missing map."""
+"""The field that names a UV map, with a message if the field is empty or names a missing map."""
 
 from ..base import uv_maps
 from .panel import draw_sentence

@@ -26,7 +26,8 @@ from . import surfaces, veins, view
 LENS = 90.0
 INDEX, ROUGHNESS = 1.5, 0.28  # of the polished surface; Blender's Roughness
 VOXEL = 1.2  # mm
-COLOUR_TIMES, OUTLIER = 6, 2.5
+COLOUR_TIMES = 6
+OUTLIER, OUTLIER_TIMES = 2.5, 4
 FLOOR = (0.012, 0.013, 0.016)
 
 
@@ -122,13 +123,23 @@ def _interior(stone, thing, vertices):
 
 def without_noise(radiance, used, triangles, count, times):
     """`radiance` (k, 3) at the vertices `used` of `count`, averaged over neighbours: the brightness `times`, the colour
-    COLOUR_TIMES as often, since the colour of light inside stone changes slowly. Before, values far above those of the
-    neighbours are reduced. Nothing is measured from the result."""
-    radiance = np.minimum(radiance, OUTLIER * averaged(radiance, used, triangles, count, 2))
+    COLOUR_TIMES as often, since the colour of light inside stone changes slowly. Before, vertices that are much
+    brighter than their neighbours are dimmed. Nothing is measured from the result."""
+    radiance = without_outliers(radiance, used, triangles, count)
     brightness = radiance.mean(axis=1, keepdims=True)
     both = averaged(np.hstack([radiance, brightness]), used, triangles, count, COLOUR_TIMES * times)
     colour = both[:, :3] / np.maximum(both[:, 3:], 1e-12)
     return colour * averaged(brightness, used, triangles, count, times)
+
+
+def without_outliers(radiance, used, triangles, count):
+    """`radiance` (k, 3) with a brightness of at most OUTLIER times the typical brightness of the neighbours, which is
+    the square of their mean root. A very bright vertex raises that value, hence a second pass."""
+    for _ in range(2):
+        brightness = radiance.mean(axis=1, keepdims=True)
+        typical = averaged(np.sqrt(brightness), used, triangles, count, OUTLIER_TIMES) ** 2
+        radiance = radiance * np.minimum(1.0, OUTLIER * typical / np.maximum(brightness, 1e-12))
+    return radiance
 
 
 def averaged(values, used, triangles, count, times):

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Binds the searchlight.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 

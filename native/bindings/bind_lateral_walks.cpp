@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Binds the walks that carry positions.
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What takes the place of the walks and of the searchlight in the module of the demo's first picture.
+// Takes the place of the walks and the searchlight in a module built without them (LAMINA_WALKS=OFF).
 #include <Python.h>
 
 namespace lamina {

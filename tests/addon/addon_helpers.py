@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Helpers that several add-on tests share."""
 
+import time
+
+import bmesh
 import bpy
 import numpy as np
 
@@ -19,6 +22,23 @@ def pixels(image):
     return values.reshape(image.size[1], image.size[0], 4)
 
 
+def built_mesh(name, build, smooth=False):
+    """A mesh that build(bm) makes by bmesh."""
+    mesh, bm = bpy.data.meshes.new(name), bmesh.new()
+    build(bm)
+    for face in bm.faces:
+        face.smooth = smooth
+    bm.normal_update()
+    bm.to_mesh(mesh)
+    bm.free()
+    return mesh
+
+
+def icosphere(name, radius, smooth=False):
+    """The mesh of a ball of 80 triangles."""
+    return built_mesh(name, lambda bm: bmesh.ops.create_icosphere(bm, subdivisions=2, radius=radius), smooth)
+
+
 def surface_source(material):
     """The node that feeds the Surface of the material's output."""
     return material.node_tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node
@@ -28,6 +48,17 @@ def snapshot(material):
     """All that a bake could change in the material's group."""
     group = material.lamina.node_group
     return sorted(node.name for node in group.nodes), pixels(image_of(group)).tobytes()
+
+
+def look_until_rest(live, seconds=60.0):
+    """The return values of the timer's function of live editing, called until nothing is left to do."""
+    seen, end = [], time.monotonic() + seconds
+    while time.monotonic() < end:
+        seen.append(live.poll())
+        if seen[-1] is None:
+            return seen
+        time.sleep(seen[-1])
+    raise AssertionError("live editing does not come to rest")
 
 
 class Layout:
@@ -55,6 +86,10 @@ class Layout:
 
     def template_icon_view(self, owner, name, **_options):
         self.prop(owner, name)
+
+    def template_icon(self, icon_value, scale=1.0):
+        assert isinstance(icon_value, int) and scale > 0.0
+        self.lines.append("(picture)")
 
     def prop_search(self, owner, name, container, items, text=None, **_options):
         assert items in container.bl_rna.properties, items

@@ -2,7 +2,7 @@
 """A small scene to render: a tilted plane under a sun and sky."""
 
 import bpy
-import numpy as np
+from addon_helpers import pixels
 
 SIZE = 24
 
@@ -37,12 +37,11 @@ def add_plane(material):
 
 
 def render(path):
-    """float32 pixels of the present scene."""
+    """float32 (height, width, 4) of the present scene, bottom row first."""
     bpy.context.scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
     image = bpy.data.images.load(str(path))
     image.colorspace_settings.name = "Non-Color"
-    values = np.empty(SIZE * SIZE * 4, dtype=np.float32)
-    image.pixels.foreach_get(values)
+    values = pixels(image)
     bpy.data.images.remove(image)
     return values

@@ -13,11 +13,11 @@ import tomllib
 import zipfile
 from pathlib import Path
 
-import conftest
+import own_blender
 import pytest
 
-TOOL = conftest.ROOT / "tools" / "build_extension.py"
-VERSION = tomllib.loads((conftest.ROOT / "pyproject.toml").read_text())["project"]["version"]
+TOOL = own_blender.ROOT / "tools" / "build_extension.py"
+VERSION = tomllib.loads((own_blender.ROOT / "pyproject.toml").read_text())["project"]["version"]
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
 
 # Facts about the installed extension, printed by a separate process.
@@ -67,15 +67,21 @@ def install(archive, resources, how="alone"):
     return json.loads(lines[0][6:]), finished.stderr
 
 
-def stub_wheel(folder, python=TAG, platform="manylinux_2_34_x86_64", version=VERSION, name="lamina"):
-    """A wheel that Blender installs: an empty package with the right names around it."""
+def stub_wheel(folder, python=TAG, platform="manylinux_2_34_x86_64", version=VERSION, name="lamina", tag=None,
+               modules=()):
+    """A wheel that Blender installs: an empty package with the right names around it.
+
+    `tag`: what the file WHEEL says, if that is not the name's. `modules`: names and contents of compiled modules.
+    """
     path = folder / f"{name}-{version}-{python}-{python}-{platform}.whl"
     info = f"{name}-{version}.dist-info"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("lamina/__init__.py", "")
         archive.writestr("lamina/from_the_wheel.txt", "")
         archive.writestr(f"{info}/METADATA", f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
-        archive.writestr(f"{info}/WHEEL", f"Wheel-Version: 1.0\nTag: {python}-{python}-{platform}\n")
+        archive.writestr(f"{info}/WHEEL", f"Wheel-Version: 1.0\nTag: {tag or f'{python}-{python}-{platform}'}\n")
+        for module, data in modules:
+            archive.writestr(f"lamina/{module}", data)
         archive.writestr(f"{info}/RECORD", "")
     return path
 
@@ -98,8 +104,9 @@ def test_the_archive_holds_the_addon_and_the_wheels(tmp_path):
     assert manifest["platforms"] == ["linux-x64", "windows-x64"]
     assert manifest["version"] == VERSION
     assert manifest["id"] == "lamina" and manifest["license"] == ["SPDX:GPL-3.0-or-later"]
+    assert manifest["copyright"] and manifest["maintainer"]
     assert manifest["blender_version_min"] == "4.2.0" and manifest["permissions"]["files"]
-    sources = {file.name for file in (conftest.ROOT / "addon").glob("*.py")}
+    sources = {file.name for file in (own_blender.ROOT / "addon").glob("*.py")}
     assert sources <= {Path(name).name for name in names}
     assert not [name for name in names if "__pycache__" in name or name.endswith(".pyc")]
 
@@ -112,9 +119,9 @@ def test_the_archive_holds_the_licences(tmp_path):
         third_party = opened.read("THIRD_PARTY.md").decode()
         assert "GNU GENERAL PUBLIC LICENSE" in licence and "END OF TERMS AND CONDITIONS" in licence
         texts = re.findall(r"\]\((licenses/[^)]+)\)", third_party)
-        assert len(texts) == 3, "of Eigen, Embree and pybind11"
+        assert len(texts) == 4, "of Eigen, Embree, pybind11 and the presets"
         for name in texts:
-            assert opened.read(name) == (conftest.ROOT / name).read_bytes()
+            assert opened.read(name) == (own_blender.ROOT / name).read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -130,6 +137,75 @@ def test_wrong_wheels_do_not_slip_in(tmp_path, changes, sentence):
     finished = build(tmp_path / "dist", stub_wheel(tmp_path, **changes))
     assert finished.returncode != 0 and sentence in finished.stderr
     assert "Traceback" not in finished.stderr and not list(tmp_path.glob("dist/*.zip"))
+
+
+def elf(machine):
+    return b"\x7fELF\x02\x01\x01".ljust(18, b"\0") + machine.to_bytes(2, "little")
+
+
+def windows(machine):
+    return b"MZ".ljust(60, b"\0") + (64).to_bytes(4, "little") + b"PE\0\0" + machine.to_bytes(2, "little")
+
+
+def mach_o(machine):
+    return b"\xcf\xfa\xed\xfe" + machine.to_bytes(4, "little")
+
+
+X86, ARM, WINDOWS_X86, APPLE = elf(62), elf(183), windows(0x8664), mach_o(0x0100000C)
+
+
+@pytest.mark.parametrize(
+    ("platform", "changes", "sentence"),
+    [
+        ("win_amd64", {"tag": "cp311-cp311-linux_x86_64"}, "holds a wheel for cp311-cp311-linux_x86_64"),
+        ("win_amd64", {"tag": "cp313-cp313-win_amd64"}, "holds a wheel for cp313-cp313-win_amd64"),
+        ("win_amd64", {"modules": [("_core.cp311-win_amd64.pyd", X86)]}, "is compiled for linux-x64"),
+        ("manylinux_2_28_x86_64", {"modules": [("_core.cpython-311-x86_64-linux-gnu.so", ARM)]},
+         "is compiled for linux-arm64"),
+        ("macosx_11_0_arm64", {"modules": [("_core.cpython-311-darwin.so", WINDOWS_X86)]}, "compiled for windows-x64"),
+        ("manylinux_2_28_aarch64", {"modules": [("_core.cpython-311-aarch64-linux-gnu.so", APPLE)]},
+         "is compiled for macos-arm64"),
+        ("manylinux_2_28_aarch64", {"modules": [("_core.cpython-313-aarch64-linux-gnu.so", ARM)]},
+         "is compiled for another Python"),
+        ("win_amd64", {"modules": [("_core.cp311-win_amd64.pyd", b"text")]}, "compiled for an unknown platform"),
+    ],
+)
+def test_a_wheel_is_what_its_name_says(tmp_path, platform, changes, sentence):
+    finished = build(tmp_path / "dist", stub_wheel(tmp_path, "cp311", platform, **changes))
+    assert finished.returncode == 1 and sentence in finished.stderr
+    assert "Traceback" not in finished.stderr and not list(tmp_path.glob("dist/*.zip"))
+
+
+def test_a_file_that_is_no_wheel_is_refused(tmp_path):
+    path = tmp_path / f"lamina-{VERSION}-cp311-cp311-win_amd64.whl"
+    path.write_bytes(b"not a wheel")
+    finished = build(tmp_path / "dist", path)
+    assert finished.returncode == 1 and "not a wheel" in finished.stderr and "Traceback" not in finished.stderr
+
+
+def test_one_archive_per_platform_with_its_wheels_alone(tmp_path):
+    compiled = {
+        "manylinux_2_28_x86_64": ("linux_x64", [("_core.cpython-{}-x86_64-linux-gnu.so", X86)]),
+        "manylinux_2_28_aarch64": ("linux_arm64", [("_core.cpython-{}-aarch64-linux-gnu.so", ARM)]),
+        "win_amd64": ("windows_x64", [("_core.cp{}-win_amd64.pyd", WINDOWS_X86)]),
+        "macosx_11_0_arm64": ("macos_arm64", [("_core.cpython-{}-darwin.so", APPLE)]),
+    }
+    wheels = {}
+    for tag, (_, modules) in compiled.items():
+        wheels[tag] = [stub_wheel(tmp_path, f"cp{digits}", tag, modules=[(name.format(digits), data)
+                                                                         for name, data in modules])
+                       for digits in (311, 313)]
+    finished = build(tmp_path / "dist", *sum(wheels.values(), []), "--split-platforms")
+    assert finished.returncode == 0, finished.stderr
+    archives = sorted(path.name for path in (tmp_path / "dist").iterdir())
+    assert archives == sorted(f"lamina-{VERSION}-{platform}.zip" for platform, _ in compiled.values())
+    assert finished.stdout.count(" MB\n") == 4
+    for tag, (platform, _) in compiled.items():
+        manifest, names = manifest_of(tmp_path / "dist" / f"lamina-{VERSION}-{platform}.zip")
+        assert manifest["build"]["generated"]["platforms"] == [platform.replace("_", "-")]
+        held = sorted(Path(name).name for name in names if name.endswith(".whl"))
+        assert held == sorted(wheel.name for wheel in wheels[tag])
+        assert "LICENSE" in {Path(name).name for name in names}
 
 
 def test_blender_installs_enables_and_disables_it(tmp_path):

@@ -3,7 +3,7 @@
 
 import ast
 
-from conftest import ROOT
+from own_blender import ROOT
 
 SWITCH = "addon/nodes/node_tree.py"  # reads the version first; demo_scenes/node_tree.py is a link to it
 

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on of this clone, for the tests that bake as a user does."""
+"""The add-on of this clone, for the tests that bake as a user does, and fixtures that several tests share."""
 
+import json
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
+import baked_samples
 import bpy
 import pytest
 
@@ -31,3 +34,24 @@ def addon(tmp_path_factory):
     if hasattr(bpy.types.Material, "lamina"):  # a class left at interpreter exit hangs Blender
         package.unregister()
     repositories.remove(repository)
+
+
+@pytest.fixture
+def demo(tmp_path):
+    """demo(name) -> (its JSON, what it prints): a demo at the tiny quality, whose files are in tmp_path."""
+
+    def demo(name):
+        if not list((ROOT / "dist").glob("lamina-[0-9]*.zip")):
+            pytest.skip("dist/ holds no extension: run `make extension`")
+        command = [sys.executable, ROOT / "demo_scenes/make_demo.py", name, "--quality", "tiny", "--out", tmp_path]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return json.loads((tmp_path / f"{name}.json").read_text()), done.stdout
+
+    return demo
+
+
+@pytest.fixture(scope="module")
+def furnace(samples):
+    """The readings of the module's samples in a white furnace."""
+    return baked_samples.in_the_furnace(samples)

@@ -68,11 +68,6 @@ def readings(samples):
     return found
 
 
-@pytest.fixture(scope="module")
-def furnace(samples):
-    return baked_samples.in_the_furnace(samples)
-
-
 @pytest.fixture(params=NAMES)
 def sample(request, samples):
     return samples[NAMES.index(request.param)]

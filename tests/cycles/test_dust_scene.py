@@ -2,7 +2,6 @@
 """The dust demo: its shell has the stated thickness, and the baked dust agrees with it."""
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -52,13 +51,8 @@ def test_a_stack_that_cannot_be_shown_is_refused_in_a_sentence(tmp_path, change)
         scene.load_stack(path)
 
 
-def test_the_demo_makes_its_files_and_the_shell_agrees(tmp_path):
-    if not list((ROOT / "dist").glob("lamina-[0-9]*.zip")):
-        pytest.skip("dist/ holds no extension: run `make extension`")
-    command = [sys.executable, ROOT / "demo_scenes/make_demo.py", "dust", "--quality", "tiny", "--out", tmp_path]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stdout + done.stderr
-    facts = json.loads((tmp_path / "dust.json").read_text())
+def test_the_demo_makes_its_files_and_the_shell_agrees(demo, tmp_path):
+    facts, _ = demo("dust")
     for body in facts["bodies"].values():
         noise = np.hypot(body["sigma_truth"], body["sigma_baked"])
         allowed = 3.0 * noise + (body["fit_error"] + body["geometry_error"]) * body["mean_truth"]

@@ -167,6 +167,19 @@ def test_averages_on_a_mesh():
     assert still[20:-20] == pytest.approx(coloured[20:-20], rel=1e-3)
 
 
+def test_a_single_bright_vertex_leaves_no_spot():
+    """One vertex of a net is 300 times as bright as the others, in one channel."""
+    side = 31
+    corner = (side * np.arange(side - 1)[:, None] + np.arange(side - 1)).ravel()
+    triangles = np.concatenate([corner[:, None] + (0, 1, side), corner[:, None] + (1, side, side + 1)])
+    radiance = np.full((side**2, 3), 0.5)
+    radiance[side**2 // 2] = (0.5, 450.0, 0.5)
+    clean = portrait.without_noise(radiance, np.arange(side**2), triangles, side**2, 4)
+    brightness = clean.mean(axis=1, keepdims=True)
+    assert brightness == pytest.approx(np.full_like(brightness, 0.5), rel=0.2)
+    assert clean / brightness == pytest.approx(np.ones_like(clean), rel=0.1)
+
+
 def test_the_verdict_follows_the_numbers():
     def numbers(rms, error=1e-4):
         return {"square": rms**2, "square_error": error}

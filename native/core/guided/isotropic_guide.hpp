@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guiding tables for isotropic scattering, where the two directions of a vertex separate.
+// Guiding tables for isotropic scattering, where the two directions at a vertex are independent of each other.
 #pragma once
 #include <vector>
 

@@ -63,7 +63,7 @@ class ScatteringGuide {
       }
       return sum;
     }
-    /// The term whose vertex scatters into a (`of_a`) or into b light from S: at `up` of the cell of heights j.
+    /// The term in which light from S is scattered into a (`of_a`) or into b, at `up` of the cell of heights j.
     double one_side(std::size_t j, double up, bool of_a) const {
       float low = 0.0F;
       float high = 0.0F;

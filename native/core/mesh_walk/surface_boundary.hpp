@@ -38,7 +38,7 @@ class SurfaceBoundary {
 
   /// The direction of travel inside of light from `towards`, outside, refracted by a smooth face with this normal.
   Ray inside(const Ray& towards, const Ray& normal) const { return enter(-towards, normal).direction; }
-  /// About the angle in radians inside by which the refraction of one direction varies over the facets.
+  /// The approximate angle, in radians, over which the facets spread light that is refracted into the solid.
   double blur() const;
 
  private:

@@ -50,7 +50,7 @@ class DirectionSet {
 
   /// The same ranges with a multiple of the nodes.
   DirectionSet finer_by(double factor) const;
-  /// The same set with the cosines in the least dense medium above `division` as a range of their own, with `nodes`.
+  /// The same set, with a separate range of `nodes` nodes for cosines above `division` in the least dense medium.
   DirectionSet divided(double division, int nodes) const;
   /// Interpolates scaled radiance from this set's nodes to those of a finer set, by polynomials that conserve scalar
   /// products and fluxes. [finer node, node].

@@ -8,8 +8,8 @@ namespace lamina {
 /// Largest number of moments: twice the nodes of the finest resolution, and a margin.
 inline constexpr int kMostMoments = 512;
 
-/// peak() of a phase function whose moments do not decay as a single power: the q whose powers fall below the
-/// noticeable size at the same order as the moments. Ignores a peak that is too weak to be noticed.
+/// peak() of a phase function whose moments do not decay as a single power: the q for which q^l falls below the
+/// noticeable size at the same l as the moments. Ignores a peak that is too weak to be noticed.
 template <typename Phase>
 double measured_peak(const Phase& phase) {
   // Measured: truncating moments of this size (delta-M) changes no solved value by more than 1e-4.

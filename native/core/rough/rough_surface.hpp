@@ -80,7 +80,7 @@ class RoughSurface {
   /// True if light that arrives at one face can leave at the other.
   bool exists(Face from, Face to) const { return !base_ || (from == Face::kTop && to == Face::kTop); }
   bool is_reciprocal() const { return !base_ || base_->is_reciprocal(); }
-  /// A lobe that exists, towards one or many directions, with the arguments of the functions in microfacet.hpp.
+  /// The lobe between two faces for which exists() is true; `towards`: as the functions of microfacet.hpp take them.
   template <typename... Towards>
   auto lobe(Face from, Face to, double mu_from, const Towards&... towards) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Light that facets of rough boundaries scatter twice, integrated along the rays of both lobes.
+// Light that the facets of rough boundaries scatter twice, integrated over the rays of both lobes.
 #pragma once
 #include <Eigen/Core>
 #include <map>

@@ -21,9 +21,9 @@ struct Resolution {
 /// Thinner layers scatter light only once.
 inline constexpr double kThinnestRepeated = 1e-9;
 
-/// The largest optical thickness of a layer that needs no nodes of its own, where multiple scattering may be coarse.
-/// The share of multiple scattering in the light that the layer scatters is about thickness * |log(thickness)|: a tenth
-/// of the tolerance. Single scattering is always exact.
+/// Layers up to this optical thickness need no nodes of their own: their multiple scattering may be coarse, because its
+/// share in the light that the layer scatters, about thickness * |log(thickness)|, is at most a tenth of the tolerance.
+/// Single scattering is always exact.
 inline double thickest_unresolved(double tolerance) { return 1e-2 * std::min(tolerance, 1e-2); }
 
 /// The node ranges are divided down to cosines about equal to the thickness, but not below this value. In thinner

@@ -212,6 +212,7 @@ def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: d
             report: dict) -> dict:
     return {
         "schema": SCHEMA,
+        "version": _core.__version__,
         "stack": json.loads(stack.canonical()),
         "stack_hash": stack.hash,
         "quality": quality,

@@ -20,8 +20,8 @@ def dataset(header: dict, weights: np.ndarray):
     sides, closures, _, columns, _ = weights.shape
     shape = (sides, closures, len(roughness), len(tau), columns, 3)
     names = ("side", "closure", "roughness", "tau", "view_angle", "color")
-    attributes = {"units": "1", "long_name": "weight of a closure"}
-    found: dict[str, tuple] = {"weights": (names, weights.reshape(shape), attributes)}
+    about = {"units": "1", "long_name": "weight of a closure"}
+    found: dict[str, tuple] = {"weights": (names, weights.reshape(shape), about)}
     for kind in ("", "_transmission"):
         errors = report.get(f"slice_errors{kind}")
         if errors is not None:

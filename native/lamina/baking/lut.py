@@ -27,8 +27,8 @@ class Lut(ByContent):
     """Closure weights over the view angle, and the header that describes them.
 
     `weights`: float32, shape (sides, closures, tau rows, 64 columns, 3). `header`: a JSON object with
-    schema, stack, stack_hash, quality, basis, seed, sides, axes, closures (lobe ids, see lamina.lobes, and
-    "transparent" for the unscattered light of a sheet) and report."""
+    schema, version (of the Lamina that made the table), stack, stack_hash, quality, basis, seed, sides, axes, closures
+    (lobe ids, see lamina.lobes, and "transparent" for the unscattered light of a sheet) and report."""
 
     header: dict
     weights: np.ndarray

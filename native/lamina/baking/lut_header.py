@@ -30,6 +30,7 @@ _ALWAYS = {
 _OR_NONE = {"report.fit_error_transmission": _NUMBER, "report.worst_slice.tau": _NUMBER}
 _IF_ANY = {
     "basis": {"basis": _TEXT},
+    "version": {"version": _TEXT},
     "axes.roughness": {"axes.roughness.count": _COUNT, "axes.roughness.values": _NUMBERS},
     "report.row_errors": {f"report.row_errors.{name}": _NUMBERS for name in ("tau", "mean", "worst")},
     "report.tau_error": {

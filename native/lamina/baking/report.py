@@ -14,6 +14,7 @@ def describe(lut: Lut) -> str:
     solver = report["solver"]
     lines = [
         f"stack         {header['stack_hash'][:16]}, {len(header['stack']['layers'])} layer(s)",
+        f"baked by      Lamina {header.get('version', 'of a version that it does not name')}",
         f"quality       {header['quality']}, {solver['nodes']} nodes per hemisphere, {solver['orders']} azimuth orders",
         f"basis         {header.get('basis', 'standard')}, {report['closures']} fitted",
         f"closures      {', '.join(header['closures'])}",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands `bake` and `report`: a stack in, a lookup table out; and what such a table says of itself."""
+"""The commands `bake` and `report`: from a stack to a lookup table, and the report that a table holds."""
 
 from __future__ import annotations
 

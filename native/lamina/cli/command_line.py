@@ -8,6 +8,7 @@ import argparse
 import errno
 import sys
 
+from .. import _core
 from ..common.errors import (
     ArgumentError,
     Cancelled,
@@ -69,6 +70,7 @@ class _Parser(argparse.ArgumentParser):
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="python -m lamina", description="Layered materials as lookup tables.")
+    parser.add_argument("--version", action="version", version=f"lamina {_core.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in COMMANDS:
         command.add(commands)

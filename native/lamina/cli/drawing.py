@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The run of a command that draws samples: an estimate that it prints, or a part of one that it writes."""
+"""Runs a command that draws samples and prints an estimate, or writes a part of an estimate to a file."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What commands share that write a file and show their progress."""
+"""Shared by the commands that write a file and show their progress."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Narrow lobes of rough boundaries and metals, and the closures made for those of one stack."""
+"""Narrow lobes of rough boundaries and metals, and the closures made for the lobes of one stack."""
 
 from __future__ import annotations
 

@@ -63,7 +63,8 @@ OPTIONS = (
         "Mass", "Grams on a square metre of an open horizontal plate", 2.0, soft_high=50.0, step=10,
         text="Mass (g/m²)"), optional=True, group="amount"),
     DustOption("time", 0.0, 1e6, Panel(
-        "Time", "For how long it falls: so many times the amount", soft_high=10.0, step=10), group="amount"),
+        "Time", "For how long it falls: so many times the amount", soft_high=10.0, step=10,
+        text="Time (x Amount)"), group="amount"),
     DustOption("spread", 0.0, MOST_SPREAD, Panel(
         "Spread", "Half-angle of the cone from which grains fall", high=math.radians(85.0),
         subtype="ANGLE"), unit="rad", help="half-angle of the fall", group="from"),
@@ -84,7 +85,8 @@ OPTIONS = (
         "Two-Sided", "Dust lies on either side of a face: leaves, cloth. Each side shows its own"), switch=True,
         help="dust lies on either side of faces", group="stay"),
     DustOption("rays", 1, 65536, Panel(
-        "Rays", "Rays a point: more are slower and smoother", soft_low=16, soft_high=4096), whole=True,
+        "Rays", "Rays per point: more are slower and smoother", soft_low=16, soft_high=4096,
+        text="Rays per Point"), whole=True,
         help="rays a vertex", group="to"),
 )  # fmt: skip
 

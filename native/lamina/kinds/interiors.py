@@ -21,8 +21,8 @@ def _end(sigma_s: tuple[float, float, float], sigma_a: tuple[float, float, float
 
 def _coefficient(name: str, label: str, default: tuple[float, float, float]) -> Field:
     return Field(name, 0.0, MOST_COEFFICIENT, unit="1/mm", panel=Panel(
-        label, f"{label} coefficient of red, green and blue, per mm", default, soft_high=10.0, step=1, precision=4,
-        rgb=True))
+        f"{label} (1/mm)", f"{label} coefficient of red, green and blue, per mm", default, soft_high=10.0, step=1,
+        precision=4, rgb=True))
 
 
 # White marble: Jensen, Marschner, Levoy and Hanrahan 2001, measured; reduced scattering, so that g is 0. The veins'
@@ -34,7 +34,7 @@ SIGMA_S, SIGMA_A, G = GROUND  # their names and ranges, which VEINS shares
 
 def _length(name: str, label: str, tip: str, default: float) -> Field:
     return Field(name, 1e-6, 1e6, unit="mm", panel=Panel(
-        label, tip, default, low=1e-3, soft_high=100.0, precision=3))
+        f"{label} (mm)", tip, default, low=1e-3, soft_high=100.0, precision=3))
 
 
 # In the panel's order.

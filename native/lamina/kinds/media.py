@@ -14,16 +14,16 @@ COLOR = Field("color", 0.0, 1.0, panel=Panel(
     "Color", "What the layer shows under diffuse light: infinitely thick, or over the given base", 0.8, rgb=True,
     subtype="COLOR", prop="colour", words="color"))
 SIGMA_S = Field("sigma_s", 0.0, 1e12, unit="1/mm", panel=Panel(
-    "Scattering", "Scattering coefficient in 1/mm, per channel", 1.0, high=1e6, soft_high=20.0, precision=4, step=10,
-    rgb=True, words="scattering"))
+    "Scattering (1/mm)", "Scattering coefficient in 1/mm, per channel", 1.0, high=1e6, soft_high=20.0, precision=4,
+    step=10, rgb=True, words="scattering"))
 SIGMA_A = Field("sigma_a", 0.0, 1e12, unit="1/mm", panel=Panel(
-    "Absorption", "Absorption coefficient in 1/mm, per channel", 0.1, high=1e6, soft_high=20.0, precision=4, step=10,
-    rgb=True, words="absorption"))
+    "Absorption (1/mm)", "Absorption coefficient in 1/mm, per channel", 0.1, high=1e6, soft_high=20.0, precision=4,
+    step=10, rgb=True, words="absorption"))
 TAU = Field("tau", 0.0, math.inf, infinite=True, panel=Panel(
     "Optical Thickness", "Mean number of events straight through: 0.1 is a veil, 1 is dusty, 10 hides the base", 1.0,
     high=1e6, soft_high=20.0, step=10, precision=3, words="optical thickness"))
 THICKNESS = Field("thickness", 0.0, math.inf, unit="mm", infinite=True, panel=Panel(
-    "Thickness", "Thickness of the layer in millimetres", 1.0, high=1e6, soft_high=10.0, step=10, precision=4))
+    "Thickness (mm)", "Thickness of the layer in millimetres", 1.0, high=1e6, soft_high=10.0, step=10, precision=4))
 OVER = Field("over", 0.0, 1.0, optional=True, panel=Panel(
     "Over", "Reflectance of the base over which the color is meant", 0.5, rgb=True, subtype="COLOR",
     words="color of the base below"))

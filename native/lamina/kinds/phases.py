@@ -138,7 +138,7 @@ class Draine(PhaseFunction):
 
     kind = "draine"
     fields = (G, Field("alpha", 0.0, 1000.0, panel=Panel(
-        "Alpha", "0 is Henyey-Greenstein, 1 is Cornette-Shanks", 1.0, soft_high=10.0, step=10, precision=3,
+        "Draine Alpha", "0 is Henyey-Greenstein, 1 is Cornette-Shanks", 1.0, soft_high=10.0, step=10, precision=3,
         slider=False, prop="draine_alpha")))
     item = Item(kind, "Draine", "Henyey-Greenstein with more light forward and back: dust, droplets", 4)
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light that travels sideways, deterministic: the response of a stack with lengths to a pencil beam."""
+"""Light that travels sideways: the response of a stack with lengths to a pencil beam, by deterministic methods."""

@@ -2,9 +2,10 @@
 """Targets for Cycles' node in a body of finite size.
 
 The inversion of subsurface_inputs assumes a flat and infinitely thick body. In a thin part, more light leaves, and it
-leaves farther away. So walks in two uniform media in the same mesh tell what the inversion would take each medium for,
-at points of the surface. Between the two media, the relation of the true to the apparent medium is linear in the
-coordinate u of node_response. For a uniform interior with a matched boundary the result is the interior itself."""
+leaves farther away. Therefore two uniform media are walked in the same mesh. At points of the surface, the inversion of
+their exit albedo and exit distance gives an apparent medium for each. Between the two media, the relation of the true
+to the apparent medium is linear in the coordinate u of node_response. For a uniform interior with a matched boundary
+the result is the interior itself."""
 
 from __future__ import annotations
 

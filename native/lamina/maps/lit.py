@@ -32,7 +32,7 @@ class LitImages:
     their rows from the bottom, as in Blender. The picture under lamps of other strengths is the sum of these arrays,
     each times its strength and colour. The boundary's reflection is not included.
 
-    `mask`: the texels, or the vertices, with a value of their own; texels of the margin have copies. `estimate`: values
+    `mask`: the texels, or the vertices, with a value of their own; those of the margin have copies. `estimate`: values
     and standard errors at the points of the mask, in sequence. `noise`: standard error relative to the mean, of the
     worst lamp or the sky. `notes`: parts of the surface without texels."""
 
@@ -59,10 +59,11 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
     """The light that leaves an interior at each texel of a UV map, or at each vertex, under each of the `lamps` and
     under the `surroundings`, by default a sky of radiance 1 from all directions.
 
-    `view`: direction to the eye, (3,), or `eye`: its position in mm, (3,); points that face away are black. By default
-    the light is the cosine-weighted mean over directions. The images have less noise than the estimates, see
-    lamina.maps.smoothing. Other arguments and errors are those of relightable_images; `noise` is that of the estimates
-    and concerns the worst lamp or the sky. Lamps are those of light_in_mesh."""
+    `view`: direction to the eye, (3,), or `eye`: its position in mm, (3,). Points that face away are not in the mask;
+    within the margin they have copies, beyond it they are black. By default the light is the cosine-weighted mean over
+    directions. The images have less noise than the estimates, see lamina.maps.smoothing. Other arguments and errors are
+    those of relightable_images; `noise` is that of the estimates and concerns the worst lamp or the sky. Lamps are
+    those of light_in_mesh."""
     check_whole(margin, "margin", 0, MOST_MARGIN)
     job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel)
     walked = walk_map(job, "light", lamps, surroundings, view, eye)

@@ -71,10 +71,12 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
         raise ArgumentError(f"surface = {type(surface).__name__}: must be a lamina.Surface")
     used = checked_lit(lamps, surroundings, surface) if kind == "light" else Lit()
     places = places_of(job.solid, job.uvs, job.size, job.normals)
+    directions = _directions(places.points.positions, view, eye)
+    if directions is not None:
+        places, directions = places.facing(directions)
     points = places.points
-    walker = Walker(job.solid, job.interior, surface, points.positions, points.normals,
-                    _directions(points.positions, view, eye), job.samples or 1, job.seed, job.threads,
-                    portion(step, 0.0, 0.5 * SETTING_UP))
+    walker = Walker(job.solid, job.interior, surface, points.positions, points.normals, directions, job.samples or 1,
+                    job.seed, job.threads, portion(step, 0.0, 0.5 * SETTING_UP))
     described = job_of(kind, walker, used)
     wanted = {"noise": job.noise} if job.samples is None else {"samples": job.samples}
     parts = PartFolder(job.folder, {**{key: described[key] for key in described if key != "samples"}, **wanted})

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,30 +15,62 @@ from ..settling.texels import TexelMap, spread
 
 FAR_APART = 4.0  # in texels: two triangles that cover one texel at points farther apart overlap
 MOST_OVERLAP = 0.002  # share of the texels
+GRAZING = 1e-6  # cosines up to this one face away
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
     """`points`: where light is wanted. `mask`: which texels (height, width), rows from the bottom, or which vertices
-    (n,) they are, in sequence. `notes`: parts of the surface that the UV map leaves out."""
+    (n,) they are, in sequence. `triangles`: of the mesh. `notes`: parts of the surface that the UV map leaves out."""
 
     points: Points
     mask: np.ndarray
+    triangles: np.ndarray
     notes: tuple[str, ...] = ()
 
     @property
     def is_image(self) -> bool:
         return self.mask.ndim == 2
 
+    def facing(self, directions: np.ndarray) -> tuple[Places, np.ndarray]:
+        """The places that face `directions`, (points, 3), of any length, and the directions of these places. The other
+        places have no value of their own: with black there, interpolation would darken places next to a silhouette,
+        and at the edge of an island in the UV map. Raises InteriorError if no place is left."""
+        along = np.einsum("ij,ij->i", self.points.normals, directions)
+        faces = along > GRAZING * np.linalg.norm(self.points.normals, axis=1) * np.linalg.norm(directions, axis=1)
+        if not faces.any():
+            raise InteriorError("no point of the map faces the eye: must be a view of the mapped faces from outside")
+        mask = self.mask.copy()
+        mask[mask] = faces
+        points = Points(self.points.positions[faces], self.points.normals[faces])
+        return dataclasses.replace(self, points=points, mask=mask), directions[faces]
+
     def filled(self, values: np.ndarray, margin: int) -> np.ndarray:
-        """float32: `values` (points, ...) at their texels or vertices, 0 elsewhere. Islands of an image are extended
-        over `margin` texels. Shape: that of the mask, then the further axes of the values."""
+        """float32: `values` (points, ...) at their texels or vertices, extended over `margin` texels, or edges of the
+        mesh, 0 elsewhere. Shape: that of the mask, then the further axes of the values."""
         found = np.zeros((*self.mask.shape, *values.shape[1:]), np.float32)
         found[self.mask] = values
-        if self.is_image and margin:
+        if not self.is_image:
+            return self._along_edges(found, margin)
+        if margin:
             for place in np.ndindex(values.shape[1:]):
                 layer = found[(..., *place)]  # type: ignore[arg-type]  # numpy's stubs know no mixed tuples
                 layer[...] = spread(np.ascontiguousarray(layer), self.mask, margin)
+        return found
+
+    def _along_edges(self, found: np.ndarray, margin: int) -> np.ndarray:
+        """Vertices without a value get the mean of their neighbours, `margin` times."""
+        filled = self.mask.copy()
+        first, second = self.triangles.ravel(), np.roll(self.triangles, 1, axis=1).ravel()
+        for _ in range(margin if not filled.all() else 0):
+            total, count = np.zeros(found.shape), np.zeros(len(filled))
+            for one, other in ((first, second), (second, first)):
+                known = filled[other]
+                np.add.at(total, one[known], found[other[known]])
+                np.add.at(count, one[known], 1.0)
+            new = (count > 0.0) & ~filled
+            found[new] = total[new] / count[new].reshape(-1, *(1,) * (found.ndim - 1))
+            filled |= new
         return found
 
 
@@ -62,7 +95,7 @@ def _vertices(mesh: Mesh) -> Places:
     mask = np.linalg.norm(points.normals, axis=1) > 0.0
     if not mask.any():
         raise InteriorError(f"{mesh.name} has no vertices with a normal: must have faces with an area")
-    return Places(Points(points.positions[mask], points.normals[mask]), mask)
+    return Places(Points(points.positions[mask], points.normals[mask]), mask, mesh.triangles)
 
 
 def _texels(mesh: Mesh, uvs, size) -> Places:
@@ -84,5 +117,4 @@ def _texels(mesh: Mesh, uvs, size) -> Places:
     lengths = np.linalg.norm(points.normals, axis=1)
     mask[mask] = lengths > 0.0
     points = Points(points.positions[lengths > 0.0], points.normals[lengths > 0.0])
-    return Places(points, mask, notes)
-
+    return Places(points, mask, mesh.triangles, notes)

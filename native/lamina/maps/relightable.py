@@ -70,7 +70,7 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
     `normals`: shading normals, (vertices, 3) or (triangles, 3, 3); by default of the faces, smooth across edges up to
     30 degrees. `version`: the release of Blender. `noise`: wanted standard error of the exit albedo relative to its
     mean, (0, 1]; a short trial finds the number of samples. `samples`: samples per point instead. `margin`: texels by
-    which islands are extended, 0 to 64.
+    which islands are extended, 0 to 64; on vertices, edges.
 
     `folder`: keeps finished parts of the walks, so that the same call after an interruption continues, and returns the
     same bytes. A folder with parts of another call is refused; damaged parts are computed again. The folder is not

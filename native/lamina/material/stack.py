@@ -15,9 +15,9 @@ from pathlib import Path
 from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
-from ..kinds.bases import BASES, Base, Conductor, HalfSpace, PrincipledBase
+from ..kinds.bases import Base, Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface
-from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, read_kind, to_plain
+from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, to_plain
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from .colours import albedos_of
 from .layers import Medium
@@ -25,7 +25,7 @@ from .metals import indices_of
 from .phase import check_phase
 from .picture import stack_picture
 from .profile import optical_knots
-from .reading import read_base, read_medium, read_part
+from .stack_entries import read_parts
 
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
@@ -218,27 +218,9 @@ class Stack:
             raise StackError(f"schema = {quoted(schema)}: must be at most {SCHEMA}; this stack needs a newer Lamina")
         if not isinstance(data["layers"], list):
             raise StackError(f"layers = {quoted(data['layers'])}: must be a list, top layer first")
-        layers = []
-        for index, entry in enumerate(data["layers"]):
-            path = f"layers[{index}]"
-            kind = read_kind(entry, path)
-            is_text = isinstance(kind, str)
-            is_base = is_text and kind in BASES
-            last = index == len(data["layers"]) - 1
-            if is_base and last and data.get("base") is None:
-                layers.append(read_base(entry, path))
-            elif is_base:
-                raise StackError(f"{path}.kind = '{kind}': a base can only stand at the bottom")
-            elif is_text and kind == Medium.kind:
-                layers.append(read_medium(entry, path))
-            elif is_text and kind == Interface.kind:
-                layers.append(read_part(Interface, entry, path, {"name"}))
-            else:
-                raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', or a base at the "
-                                 "bottom")
-        base = data.get("base")
+        layers, base = read_parts(data["layers"], data.get("base"))
         texts = {text: data[text] for text in cls.texts if text in data}
-        return cls(layers, None if base is None else read_base(base, "base"), **texts)
+        return cls(layers, base, **texts)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Stack:

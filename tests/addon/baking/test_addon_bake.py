@@ -6,7 +6,7 @@ import threading
 from types import SimpleNamespace
 
 import bpy
-import conftest
+import own_blender
 import pytest
 from addon_helpers import detached, snapshot
 
@@ -227,22 +227,15 @@ def test_the_basis_reaches_the_bake(addon, lamina, material):
     )
 
 
-def test_default_basis_comes_from_the_preferences(addon):
+@pytest.mark.parametrize(("name", "chosen", "usual"),
+                         [("basis", "accurate", "standard"), ("quality", "preview", "final")])
+def test_defaults_come_from_the_preferences(addon, name, chosen, usual):
     settings = bpy.context.preferences.addons[addon.__package__].preferences
-    settings.default_basis = "accurate"
+    setattr(settings, f"default_{name}", chosen)
     material = bpy.data.materials.new("New")
     addon.editing.layer_list.add_stack(material)
-    settings.default_basis = "standard"
-    assert material.lamina.basis == "accurate"
-
-
-def test_default_quality_comes_from_the_preferences(addon):
-    settings = bpy.context.preferences.addons[addon.__package__].preferences
-    settings.default_quality = "preview"
-    material = bpy.data.materials.new("New")
-    addon.editing.layer_list.add_stack(material)
-    settings.default_quality = "final"
-    assert material.lamina.quality == "preview"
+    setattr(settings, f"default_{name}", usual)
+    assert getattr(material.lamina, name) == chosen
 
 
 def test_run_state_is_never_in_the_blend(addon, lamina, material, monkeypatch):
@@ -308,8 +301,8 @@ def test_the_status_line_goes_with_the_operator(addon, lamina, material, monkeyp
     assert operator.follow(window, addon.baking.bake_job.start(material), "Lamina bakes Bronze") == {"RUNNING_MODAL"}
     assert begun.wait(10.0) and window.text == "Lamina bakes Bronze | ESC: Cancel" and len(window.timers) == 1
     if end == "disabled":
-        conftest.disable()
-        conftest.enable()
+        own_blender.disable()
+        own_blender.enable()
     elif end == "cancelled":
         operator.cancel(window)
     else:

@@ -64,11 +64,33 @@ def test_a_bake_without_a_word_of_its_basis_was_of_the_standard_one(addon, lamin
     assert addon.baking.bake_job.state(material) == "other"
 
 
+def test_a_bake_by_a_version_whose_results_have_changed_is_out_of_date(
+    addon, lamina, material, told, listed, monkeypatch
+):
+    changes = addon.base.native.part("baking.result_changes")
+    addon.baking.bake_job.bake_material(material)
+    assert material.lamina.result.version == lamina.__version__
+    monkeypatch.setattr(changes._core, "__version__", "0.3.0")
+    table = [changes.Change("0.2.0", "dust", lambda stack: stack.varying is not None)]
+    monkeypatch.setattr(changes, "CHANGES", table)
+    material.lamina.layers[0].varying = False
+    addon.baking.bake_job.bake_material(material)
+    material.lamina.result.version = "0.1.0"
+    assert addon.baking.bake_job.state(material) == "fresh", "the change does not concern this stack"
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    assert addon.baking.bake_job.state(material) == "fresh", "baked by the version that runs"
+    material.lamina.result.version = "0.1.0"
+    assert addon.baking.bake_job.state(material) == "older"
+    assert told(material) == "Out of date: baked by 0.1.0; 0.2.0 changed dust"
+    assert listed() == "Bronze: 1 layer, out of date, baked by 0.1.0; 0.2.0 changed dust"
+
+
 def live_bake(addon, material, coarse=None):
     """One bake as live editing makes it, without its timer."""
     job = addon.baking.live.LiveJob(material, None, coarse or {})
     job.wait(60.0)
-    addon.baking.live._show(job, material, addon.baking.live._follow(material))
+    job.show(material, addon.baking.live._follow(material))
 
 
 def test_live_editing_shows_a_preview_and_says_so(addon, lamina, material, told, listed):

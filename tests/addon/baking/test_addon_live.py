@@ -7,7 +7,7 @@ import time
 import bpy
 import numpy as np
 import pytest
-from addon_helpers import image_of, pixels, snapshot
+from addon_helpers import image_of, look_until_rest, pixels, snapshot
 
 
 @pytest.fixture
@@ -19,17 +19,6 @@ def live(addon, lamina, material, monkeypatch):
     material.lamina.live = True
     yield addon.baking.live
     addon.baking.live.stop()
-
-
-def look_until_rest(live, seconds=60.0):
-    """The return values of the timer's function."""
-    seen, end = [], time.monotonic() + seconds
-    while time.monotonic() < end:
-        seen.append(live.poll())
-        if seen[-1] is None:
-            return seen
-        time.sleep(seen[-1])
-    raise AssertionError("live editing does not come to rest")
 
 
 def shown(material):

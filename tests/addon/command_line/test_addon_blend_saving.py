@@ -12,7 +12,7 @@ import textwrap
 from types import SimpleNamespace
 
 import bpy
-import conftest
+import own_blender
 import pytest
 
 
@@ -58,7 +58,7 @@ def in_another_process(blend, *arguments):
     script = textwrap.dedent(f"""
         import os, sys
         import bpy, addon_utils
-        addon = addon_utils.enable({conftest.MODULE!r}, default_set=True)
+        addon = addon_utils.enable({own_blender.MODULE!r}, default_set=True)
         bpy.ops.wm.open_mainfile(filepath={str(blend)!r})
         code = addon.command_line.command.main({list(arguments)!r})
         sys.stdout.flush(); sys.stderr.flush()
@@ -82,15 +82,15 @@ def test_two_batches_on_one_file_lose_nothing(run, blend):
 
 
 def test_an_output_that_changes_during_the_bake_is_left_alone(run, addon, blend, monkeypatch, tmp_path):
-    target, real = tmp_path / "out.blend", addon.command_line.command._bake_one
+    target, real = tmp_path / "out.blend", addon.baking.bake_job.apply
 
-    def bake_one(*arguments):
+    def apply(*arguments):
         shutil.copy(blend, target)
         return real(*arguments)
 
     shutil.copy(blend, target)
     os.utime(target, ns=(1, 1))
-    monkeypatch.setattr(addon.command_line.command, "_bake_one", bake_one)
+    monkeypatch.setattr(addon.baking.bake_job, "apply", apply)
     code, _, error = run("bake", "first", "--output", target)
     assert code == 1 and "since the bake began" in one_sentence(error) and target.read_bytes() == blend.read_bytes()
     assert baked(tmp_path / "out.lamina-1.blend") == {"first"}

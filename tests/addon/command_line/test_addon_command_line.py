@@ -11,7 +11,7 @@ import textwrap
 import time
 
 import bpy
-import conftest
+import own_blender
 import pytest
 
 LINE = re.compile(
@@ -20,20 +20,6 @@ LINE = re.compile(
 )
 STACK = {"schema": 1, "layers": [{"kind": "medium", "name": "ash", "albedo": 0.4, "tau": 0.7,
          "phase": {"kind": "isotropic"}}], "base": {"kind": "black"}}  # fmt: skip
-
-
-@pytest.fixture
-def run(addon, lamina, capsys):
-    """run(*arguments) -> (exit code, lines of stdout, stderr)"""
-
-    def run(*arguments):
-        capsys.readouterr()
-        code = addon.command_line.command.main([str(one) for one in arguments])
-        printed = capsys.readouterr()
-        lines = [line for line in printed.out.splitlines() if not line.startswith(("Info: ", "Saved "))]
-        return code, lines, printed.err
-
-    return run
 
 
 @pytest.fixture
@@ -103,6 +89,7 @@ def test_stack_from_a_file(run, addon, materials, tmp_path):
 
 def test_one_fails_and_the_others_finish(run, addon, lamina, materials, monkeypatch, tmp_path):
     materials["wall_a"].lamina.layers[0].name = "bad"
+    materials["wall_a"].lamina.layers[0].tau = 0.7  # the other two share one bake
     real = lamina.bake
 
     def bake(stack, **arguments):
@@ -264,7 +251,7 @@ def test_control_c_leaves_nothing_half_done(addon, lamina, materials, tmp_path):
     script = textwrap.dedent(f"""
         import os, sys, time
         import bpy, addon_utils
-        addon = addon_utils.enable({conftest.MODULE!r}, default_set=True)
+        addon = addon_utils.enable({own_blender.MODULE!r}, default_set=True)
         lamina = addon.base.native.require()
         def bake(stack, cancel=None, **arguments):
             print("BAKING", flush=True)

@@ -1,31 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`--command lamina interior ...`: images, settings, parts after an interruption, and exit codes."""
 
-import bmesh
+from functools import partial
+
 import bpy
 import pytest
+from addon_helpers import icosphere
 
 
 @pytest.fixture
-def run(addon, lamina, capsys):
-    """run(*arguments) -> (exit code, lines of stdout, stderr)"""
-
-    def run(*arguments):
-        capsys.readouterr()
-        code = addon.command_line.command.main(["interior", *map(str, arguments)])
-        printed = capsys.readouterr()
-        lines = [line for line in printed.out.splitlines() if not line.startswith(("Info: ", "Saved "))]
-        return code, lines, printed.err
-
-    return run
+def run(run):
+    """run(*arguments) -> (exit code, lines of stdout, stderr) of `interior`"""
+    return partial(run, "interior")
 
 
 @pytest.fixture
 def ball(addon):
-    mesh, made = bpy.data.meshes.new("Ball"), bmesh.new()
-    bmesh.ops.create_icosphere(made, subdivisions=2, radius=0.01)
-    made.to_mesh(mesh)
-    made.free()
+    mesh = icosphere("Ball", 0.01)
     obj = bpy.data.objects.new("Ball", mesh)
     bpy.context.scene.collection.objects.link(obj)
     material = bpy.data.materials.new("Marble")

@@ -34,7 +34,7 @@ def test_the_operator_bakes_and_remove_restores(addon, lamina, glossy, call):
     assert addon.baking.bake_job.state(glossy) == "fresh"
     assert glossy.lamina.layers[0].tau == pytest.approx(0.3), "the material stays visible"
     assert 0.0 <= result.base_matte < 0.05 and 0.0 <= result.base_metal < 0.05
-    lines = dict(addon.ui.panel.result_lines(result))
+    lines = dict(addon.ui.panel.below_lines(result))
     assert lines["If Matte"].endswith("%") and lines["If Rough Metal"].endswith("%")
     assert call(bpy.ops.lamina.remove_stack, glossy) == {"FINISHED"}
     assert surface_source(glossy) == shader

@@ -2,46 +2,7 @@
 """Materials as artists and importers make them: TREES has a function for each, which fills a new material."""
 
 import bpy
-import numpy as np
-
-
-class Tree:
-    """Short words for making nodes. A new material has a Principled BSDF and an output."""
-
-    def __init__(self, material):
-        self.material = material
-        material.use_fake_user = True
-        self.nodes, self.links = material.node_tree.nodes, material.node_tree.links
-        self.output = self.nodes.get("Material Output")
-        self.principled = self.nodes.get("Principled BSDF")
-
-    def add(self, kind, x=0.0, y=0.0, label="", parent=None, **settings):
-        node = self.nodes.new(kind)
-        node.location, node.label, node.parent = (x, y), label, parent
-        for name, value in settings.items():
-            setattr(node, name, value)
-        return node
-
-    def link(self, given, target, muted=False):
-        link = self.links.new(given, target)
-        link.is_muted = muted
-        return link
-
-    def image(self, name, data=False, packed=False, x=-600.0, y=300.0):
-        image = bpy.data.images.new(name, 4, 4, float_buffer=data, is_data=data)
-        image.pixels.foreach_set(np.linspace(0.0, 1.0, 64, dtype=np.float32))
-        if packed:
-            image.pack()
-        return self.add("ShaderNodeTexImage", x, y, image=image)
-
-    def set(self, **values):
-        for name, value in values.items():
-            self.principled.inputs[name.replace("_", " ")].default_value = value
-
-    def only_output(self):
-        self.nodes.remove(self.principled)
-        self.principled = None
-        return self.output.inputs["Surface"]
+from tree_words import Tree, new_group
 
 
 def _default(t):
@@ -117,7 +78,7 @@ def _gltf(t):
     t.link(channels.outputs["Blue"], t.principled.inputs["Metallic"])
     t.link(glow.outputs[0], t.principled.inputs["Emission Color"])
     t.set(Emission_Strength=1.0)
-    group = _group("glTF Material Output", [("Occlusion", "NodeSocketFloat", 1.0)])
+    group = new_group("glTF Material Output", [("Occlusion", "NodeSocketFloat", 1.0)])
     occlusion = t.add("ShaderNodeGroup", 300, -300, node_tree=group)
     t.link(channels.outputs["Red"], occlusion.inputs["Occlusion"])
 
@@ -200,7 +161,7 @@ def _classic(t):
 def _own_group(t):
     """The whole shader in a group of the artist's."""
     surface = t.only_output()
-    group = _group("Bronze shader", [("Tint", "NodeSocketColor", (0.5, 0.3, 0.1, 1.0))], "NodeSocketShader")
+    group = new_group("Bronze shader", [("Tint", "NodeSocketColor", (0.5, 0.3, 0.1, 1.0))], "NodeSocketShader")
     shader = group.nodes.new("ShaderNodeBsdfPrincipled")
     given, result = (next(n for n in group.nodes if n.type == kind) for kind in ("GROUP_INPUT", "GROUP_OUTPUT"))
     group.links.new(given.outputs["Tint"], shader.inputs["Base Color"])
@@ -210,12 +171,12 @@ def _own_group(t):
 
 def _group_of_maps(t):
     """Textures from nested groups."""
-    inner = _group("Grain", [("Scale", "NodeSocketFloat", 3.0)], "NodeSocketFloat")
+    inner = new_group("Grain", [("Scale", "NodeSocketFloat", 3.0)], "NodeSocketFloat")
     noise = inner.nodes.new("ShaderNodeTexNoise")
     given, result = (next(n for n in inner.nodes if n.type == kind) for kind in ("GROUP_INPUT", "GROUP_OUTPUT"))
     inner.links.new(given.outputs["Scale"], noise.inputs["Scale"])
     inner.links.new(noise.outputs[0], result.inputs["Out"])
-    outer = _group("Maps", [("Scale", "NodeSocketFloat", 7.0)], "NodeSocketColor")
+    outer = new_group("Maps", [("Scale", "NodeSocketFloat", 7.0)], "NodeSocketColor")
     nested = outer.nodes.new("ShaderNodeGroup")
     nested.node_tree = inner
     outer.links.new(nested.outputs[0], next(n for n in outer.nodes if n.type == "GROUP_OUTPUT").inputs["Out"])
@@ -399,17 +360,6 @@ def _geometry(t):
 
 def _coated(t):
     t.set(Base_Color=(0.02, 0.05, 0.3, 1.0), Coat_Weight=1.0, Coat_Roughness=0.05, Metallic=0.4)
-
-
-def _group(name, inputs, output=None):
-    group = bpy.data.node_groups.new(name, "ShaderNodeTree")
-    for label, kind, value in inputs:
-        group.interface.new_socket(label, in_out="INPUT", socket_type=kind).default_value = value
-    if output:
-        group.interface.new_socket("Out", in_out="OUTPUT", socket_type=output)
-    group.nodes.new("NodeGroupInput")
-    group.nodes.new("NodeGroupOutput").location = (400.0, 0.0)
-    return group
 
 
 TREES = {

@@ -8,12 +8,6 @@ from addon_helpers import surface_source
 from artists_trees import TREES, make
 
 
-@pytest.fixture(scope="module")
-def tables():
-    """Finished bakes by kind of base: a build needs one, and its numbers do not matter here."""
-    return {}
-
-
 @pytest.fixture
 def add(addon, lamina, tables):
     """add(material): layers with their baked node group, as the panel's plain Add and Bake make."""

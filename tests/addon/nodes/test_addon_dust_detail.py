@@ -59,14 +59,7 @@ def shown(material, socket, path):
     scene.render.resolution_x = scene.render.resolution_y = SIDE
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(str(path))
-    image.colorspace_settings.name = "Non-Color"
-    values = np.empty(SIDE * SIDE * 4, np.float32)
-    image.pixels.foreach_get(values)
-    bpy.data.images.remove(image)
-    return values.reshape(SIDE, SIDE, 4)[..., 0]
+    return render(path)[..., 0]
 
 
 @pytest.mark.parametrize("strength", ["Clouds", "Grain"])

@@ -11,12 +11,6 @@ SOCKETS = ("Base Color", "Metallic", "Roughness", "Normal")
 INPUTS = ("color", "metallic", "roughness")
 
 
-@pytest.fixture(scope="module")
-def tables():
-    """Finished bakes by kind of base: a build needs one, and its numbers do not matter here."""
-    return {}
-
-
 @pytest.fixture
 def add_over(addon, lamina, tables):
     """add_over(material): layers over the material, with a baked node group."""

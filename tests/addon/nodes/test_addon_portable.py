@@ -3,8 +3,8 @@
 
 import addon_utils
 import bpy
-import conftest
 import numpy as np
+import own_blender
 import pytest
 from rendered_plane import add_plane, render
 
@@ -23,8 +23,8 @@ def test_same_pixels_everywhere(addon, lamina, material, tmp_path, disabled_afte
     blend = str(tmp_path / "saved.blend")
     bpy.ops.wm.save_as_mainfile(filepath=blend)
 
-    conftest.disable()
-    assert addon_utils.check(conftest.MODULE) == (False, False)
+    own_blender.disable()
+    assert addon_utils.check(own_blender.MODULE) == (False, False)
     bpy.ops.wm.open_mainfile(filepath=blend)
     assert np.array_equal(render(tmp_path / "reopened.exr"), expected)
 
@@ -35,7 +35,7 @@ def test_same_pixels_everywhere(addon, lamina, material, tmp_path, disabled_afte
     add_plane(bpy.data.materials["Bronze"])
     assert np.array_equal(render(tmp_path / "appended.exr"), expected)
 
-    conftest.enable()
+    own_blender.enable()
     appended = bpy.data.materials["Bronze"]
     assert addon.baking.bake_job.state(appended) == "fresh"
     assert appended.lamina.node_group is not None and addon.nodes.node_group.is_connected(appended)

@@ -5,8 +5,8 @@ import json
 
 import addon_utils
 import bpy
-import conftest
 import numpy as np
+import own_blender
 import pytest
 from rendered_plane import add_plane, render
 
@@ -253,8 +253,8 @@ def test_the_file_renders_alike_without_the_addon(addon, dusty, tmp_path, disabl
     assert render(tmp_path / "wired.exr") == pytest.approx(expected, rel=1e-5)
     blend = str(tmp_path / "saved.blend")
     bpy.ops.wm.save_as_mainfile(filepath=blend)
-    conftest.disable()
-    assert addon_utils.check(conftest.MODULE) == (False, False)
+    own_blender.disable()
+    assert addon_utils.check(own_blender.MODULE) == (False, False)
     bpy.ops.wm.open_mainfile(filepath=blend)
     assert render(tmp_path / "reopened.exr") == pytest.approx(expected, rel=1e-5)
 

@@ -1,65 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dust on Blender objects: where it lands, how it is stored, and mass balance."""
+"""Where dust lands on Blender objects: amounts, roofs, transforms, modifiers, images and animated roofs."""
 
-from types import SimpleNamespace
-
-import bmesh
 import bpy
 import numpy as np
 import pytest
-from addon_helpers import drawn
-
-NAME = "lamina_dust"
-
-
-@pytest.fixture
-def dust(addon, lamina):
-    reason = addon.settling.object_dust.unavailable()
-    assert not reason, reason
-    return addon.settling.object_dust
-
-
-def grid(name="Plate", size=1.0, z=0.0, cells=8, material=None):
-    """A horizontal square with a UV map, linked to the scene."""
-    mesh = bpy.data.meshes.new(name)
-    made = bmesh.new()
-    bmesh.ops.create_grid(made, x_segments=cells, y_segments=cells, size=size, calc_uvs=False)
-    uv = made.loops.layers.uv.new("UVMap")
-    for face in made.faces:
-        for loop in face.loops:
-            loop[uv].uv = [0.5 + 0.5 * loop.vert.co[axis] / size for axis in range(2)]
-    made.to_mesh(mesh)
-    made.free()
-    return placed(mesh, name, z, material)
-
-
-def placed(mesh, name, z=0.0, material=None):
-    obj = bpy.data.objects.new(name, mesh)
-    obj.location.z = z
-    bpy.context.scene.collection.objects.link(obj)
-    if material is not None:
-        mesh.materials.append(material)
-    obj.lamina_dust.rays = 64
-    return obj
-
-
-def ball(name="Ball", radius=1.0, smooth=False):
-    mesh = bpy.data.meshes.new(name)
-    made = bmesh.new()
-    bmesh.ops.create_icosphere(made, subdivisions=2, radius=radius)
-    for face in made.faces:
-        face.smooth = smooth
-    made.to_mesh(mesh)
-    made.free()
-    return placed(mesh, name)
-
-
-def values(obj):
-    attribute = obj.data.attributes[NAME]
-    assert attribute.data_type == "FLOAT" and attribute.domain in ("POINT", "CORNER")
-    found = np.empty(len(attribute.data), np.float32)
-    attribute.data.foreach_get("value", found)
-    return found
+from addon_helpers import pixels
+from dusty_objects import NAME, ball, grid, placed, values
 
 
 def test_an_open_plate_gets_the_amount(dust, addon):
@@ -204,12 +150,6 @@ def test_objects_that_share_a_mesh(dust):
     assert roof.lamina_dust.told == ""
 
 
-def pixels(image):
-    found = np.empty(image.size[0] * image.size[1] * 4, np.float32)
-    image.pixels.foreach_get(found)
-    return found.reshape(image.size[1], image.size[0], 4)[..., 0]
-
-
 def test_an_image_holds_what_the_vertices_would(dust):
     plate, roof = grid(size=1.0), grid("Roof", size=2.0, z=0.2)
     roof.location.x = -2.0  # over the half with u < .5
@@ -218,42 +158,14 @@ def test_an_image_holds_what_the_vertices_would(dust):
     dust.settle(bpy.context, plate)
     image = settings.image
     assert image.packed_file is not None and image.colorspace_settings.name == "Non-Color" and image.is_float
-    found = pixels(image)
+    found = pixels(image)[..., 0]
     assert np.allclose(found[:, :8], 0.0, atol=1e-3) and np.allclose(found[:, -8:], 1.0, rtol=1e-3)
     first, name = image, image.name
     settings.amount = 2.0
     dust.settle(bpy.context, plate)
     assert settings.image != first and settings.image.name == name
-    assert np.allclose(pixels(settings.image)[:, -8:], 2.0, rtol=1e-3)
+    assert np.allclose(pixels(settings.image)[:, -8:, 0], 2.0, rtol=1e-3)
     assert len([one for one in bpy.data.images if "dust" in one.name]) == 1
-
-
-def test_without_a_uv_map_there_is_no_image(dust, addon):
-    obj = ball()
-    obj.lamina_dust.target = "image"
-    with pytest.raises(addon.base.messages.RefusedError, match="Ball has no UV map"):
-        dust.settle(bpy.context, obj)
-
-
-def test_the_operator_does_what_the_function_does(dust):
-    one, other = grid("One"), grid("Other", z=-50.0)
-    one.lamina_dust.others = other.lamina_dust.others = False
-    dust.settle(bpy.context, one)
-    with bpy.context.temp_override(object=other):
-        assert bpy.ops.lamina.dust_settle() == {"FINISHED"}
-    assert np.allclose(values(one), values(other), rtol=1e-6)
-    with bpy.context.temp_override(object=other):
-        assert bpy.ops.lamina.dust_clear() == {"FINISHED"}
-        assert not bpy.ops.lamina.dust_clear.poll()
-    assert NAME not in other.data.attributes and other.lamina_dust.told == ""
-
-
-def test_all_selected(dust):
-    one, other, third = grid("One"), grid("Other", z=-1.0), grid("Third", z=-2.0)
-    with bpy.context.temp_override(object=one, selected_objects=[one, other]):
-        bpy.ops.lamina.dust_settle(selected=True)
-    assert np.allclose(values(one), 1.0, rtol=1e-3) and values(other).max() < 1.0
-    assert NAME not in third.data.attributes
 
 
 def test_the_same_seed_gives_the_same_dust(dust):
@@ -267,187 +179,11 @@ def test_the_same_seed_gives_the_same_dust(dust):
     assert found[0] == found[1] != found[2]
 
 
-def finish(addon):
-    job = addon.settling.dust_job.running()
-    job.wait(60.0)
-    addon.settling.dust_job.forget()
-    return job
-
-
-def test_in_the_background(dust, addon):
-    one, other = grid("One"), grid("Other", z=-1.0)
-    told = []
-    job = addon.settling.dust_job.start(bpy.context, [one, other])
-    job._progress = lambda fraction, text="": told.append(fraction)
-    assert finish(addon).finish() == [one, other]
-    assert told == sorted(told)
-    assert np.allclose(values(one), 1.0, rtol=1e-3) and values(other).max() < 1.0
-
-
-def test_a_cancelled_run_leaves_the_last_dust(dust, addon, lamina):
-    plate = grid()
-    dust.settle(bpy.context, plate)
-    last, said = values(plate), plate.lamina_dust.told
-    plate.lamina_dust.amount, plate.lamina_dust.rays = 5.0, 65536
-    addon.settling.dust_job.start(bpy.context, [plate])
-    addon.settling.dust_job.running().cancel()
-    job = finish(addon)
-    with pytest.raises(lamina.Cancelled):
-        job.finish()
-    assert np.array_equal(values(plate), last) and plate.lamina_dust.told == said
-
-
-def test_a_mesh_that_was_edited_meanwhile_is_left_alone(dust, addon):
-    plate = grid()
-    addon.settling.dust_job.start(bpy.context, [plate])
-    plate.data.vertices.add(1)
-    with pytest.raises(addon.base.messages.RefusedError, match="Plate has been edited"):
-        finish(addon).finish()
-    assert NAME not in plate.data.attributes
-
-
-def test_an_object_that_is_gone_is_passed_over(dust, addon):
-    plate = grid()
-    addon.settling.dust_job.start(bpy.context, [plate])
-    bpy.data.objects.remove(plate)
-    assert finish(addon).finish() == []
-
-
-def test_bad_meshes_are_one_sentence(dust, addon, lamina):
-    empty = placed(bpy.data.meshes.new("Empty"), "Empty")
-    with pytest.raises(addon.base.messages.RefusedError, match="Empty has no faces"):
-        dust.settle(bpy.context, empty)
-    plate = grid()
-    plate.data.vertices[3].co.x = float("nan")
-    with pytest.raises(lamina.DustError) as caught:
-        dust.settle(bpy.context, plate)
-    assert "\n" not in addon.base.messages.sentence(caught.value)
-    light = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
-    with pytest.raises(addon.base.messages.RefusedError, match="mesh objects"):
-        dust.settle(bpy.context, light)
-
-
-def test_another_attribute_of_that_name_is_kept(dust, addon):
-    plate = grid()
-    plate.data.attributes.new(NAME, "FLOAT_COLOR", "CORNER")
-    with pytest.raises(addon.base.messages.RefusedError, match="another kind of attribute"):
-        dust.settle(bpy.context, plate)
-    assert plate.data.attributes[NAME].data_type == "FLOAT_COLOR" and plate.lamina_dust.told == ""
-
-
-def test_the_material_reads_the_dust(dust, addon, material):
-    layer = material.lamina.layers[0]
-    layer.varying, layer.tau = True, 2.0
-    addon.baking.bake_job.bake_material(material)
-    plate = grid(material=material)
-    assert addon.nodes.thickness.wiring(material).source == "value"
-    dust.settle(bpy.context, plate)
-    found = addon.nodes.thickness.wiring(material)
-    assert (found.source, found.name) == ("attribute", NAME)
-    assert addon.ui.dust_panel.mismatch(material, plate.lamina_dust) == ""
-    plate.lamina_dust.amount = 3.0
-    dust.settle(bpy.context, plate)
-    assert "above thickness 2 nothing changes" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
-    plate.lamina_dust.target = "image"
-    assert "does not read it" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
-    dust.settle(bpy.context, plate)
-    assert addon.nodes.thickness.wiring(material).source == "image"
-
-
-def test_the_first_dust_of_a_material_gets_grain_and_clouds(dust, addon, material):
-    material.lamina.layers[0].varying = True
-    addon.baking.bake_job.bake_material(material)
-    plate = grid(size=3.0, material=material)
-    dust.settle(bpy.context, plate)
-    node = addon.nodes.detail_wiring.detail(material)
-    assert node.inputs["Cloud Size"].default_value == pytest.approx(0.2 * 6.0)
-    addon.nodes.detail_wiring.remove_detail(material)
-    dust.settle(bpy.context, plate)
-    assert addon.nodes.detail_wiring.detail(material) is None
-    assert addon.nodes.thickness.wiring(material).source == "attribute"
-
-
-def test_an_artists_own_node_stays(dust, addon, material):
-    material.lamina.layers[0].varying = True
-    addon.baking.bake_job.bake_material(material)
-    socket = addon.nodes.node_group.group_nodes(material)[0].inputs["Thickness"]
-    mine = material.node_tree.nodes.new("ShaderNodeValue")
-    material.node_tree.links.new(mine.outputs[0], socket)
-    dust.settle(bpy.context, grid(material=material))
-    assert socket.links[0].from_node == mine
-
-
-def test_without_embree_dust_says_why_and_baking_works(addon, lamina, material, monkeypatch):
-    module = addon.base.native.part("dust")
-    monkeypatch.setattr(module, "available", lambda: "dust needs the module lamina._mesh, which is not there")
-    plate = grid(material=material)
-    with pytest.raises(addon.base.messages.RefusedError, match="lamina._mesh"):
-        addon.settling.object_dust.settle(bpy.context, plate)
-    with bpy.context.temp_override(object=plate):
-        assert not bpy.ops.lamina.dust_settle.poll()
-    addon.baking.bake_job.bake_material(material)
-    assert addon.baking.bake_job.state(material) == "fresh"
-
-
-def test_what_keeps_dust_off_or_is_broken_is_named(dust, lamina):
-    plate, dome = grid(size=0.1), ball("Sky", radius=50.0)
-    dust.settle(bpy.context, plate)
-    assert np.allclose(values(plate), 0.0)
-    assert "Sky keeps nearly all dust off" in plate.lamina_dust.told
-    assert "switch off Keeps Dust Off Others in the panel of Sky" in plate.lamina_dust.told
-    dome.lamina_dust.stops = False
-    dust.settle(bpy.context, plate)
-    assert np.allclose(values(plate), 1.0, rtol=1e-3) and "Sky" not in plate.lamina_dust.told
-    broken = grid("Broken", z=3.0)
-    broken.data.vertices[3].co.x = float("nan")
-    with pytest.raises(lamina.DustError, match=r"^Broken.vertices\[3\] has the coordinate nan"):
-        dust.settle(bpy.context, plate)
-
-
-def test_a_uv_map_beyond_the_image_is_told(dust, lamina):
-    plate = grid()
-    plate.lamina_dust.target, plate.lamina_dust.size = "image", 16
-    for loop in plate.data.uv_layers[0].uv:
-        loop.vector = (loop.vector[0] + 1.0, loop.vector[1])
-    with pytest.raises(lamina.DustError, match="^Plate: the UV map lies outside the image, with u from 1 to 2"):
-        dust.settle(bpy.context, plate)
-    assert plate.lamina_dust.image is None and plate.lamina_dust.told == ""
-    for loop in plate.data.uv_layers[0].uv:
-        loop.vector = (2.0 * loop.vector[0] - 2.0, loop.vector[1])
-    dust.settle(bpy.context, plate)
-    assert "50 % of the surface is unwrapped beyond the image (u from 0 to 2" in plate.lamina_dust.told
-
-
 def test_a_slope_of_180_degrees_is_one(dust):
     plate = grid()
     plate.lamina_dust.repose = 4.0  # single precision rounds the panel's largest value up
     dust.settle(bpy.context, plate)
     assert np.allclose(values(plate), 1.0, rtol=1e-3)
-
-
-def test_the_panels_of_dust_and_of_its_detail(dust, addon, material):
-    layer = material.lamina.layers[0]
-    layer.varying, layer.tau = True, 2.0
-    addon.baking.bake_job.bake_material(material)
-    plate = grid(material=material)
-    context = SimpleNamespace(
-        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=600),
-        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=plate, material=material,
-        scene=bpy.context.scene,
-    )  # fmt: skip
-
-    def lines(panel):
-        return drawn(lambda layout: panel.draw(SimpleNamespace(layout=layout), context))
-
-    settling, thickness = addon.ui.dust_panel.LAMINA_PT_dust, addon.ui.thickness_panel.LAMINA_PT_thickness
-    before = lines(settling)
-    assert [line for line in before if line in ("How Much", "Where From", "Where It Stays", "Where To")] == [
-        "How Much", "Where From", "Where It Stays", "Where To"]
-    assert "Settle Dust" in before and "Grain and Clouds" in lines(thickness)
-    dust.settle(bpy.context, plate)
-    assert "Settle Again" in lines(settling)
-    after = lines(thickness)
-    assert "Cloud Size" in after and "Remove Grain and Clouds" in after and "Wipe by Hand" in after
 
 
 def test_dust_falls_over_the_frames_of_an_animation(dust, addon):

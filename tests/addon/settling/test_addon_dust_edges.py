@@ -7,35 +7,14 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from test_addon_dust import NAME, ball, dust, grid, placed  # noqa: F401 (a fixture)
+from addon_helpers import pixels
+from dusty_objects import NAME, alone, ball, cube, grid
 
 UP = (0.0, 0.0, 1.0)
 
 
-def made(name, build, smooth=False):
-    mesh = bpy.data.meshes.new(name)
-    bm = bmesh.new()
-    build(bm)
-    for face in bm.faces:
-        face.smooth = smooth
-    bm.normal_update()
-    bm.to_mesh(mesh)
-    bm.free()
-    obj = placed(mesh, name)
-    obj.lamina_dust.others = False
-    return obj
-
-
-def cube(name="Cube", size=(2.0, 2.0, 2.0)):
-    def build(bm):
-        bmesh.ops.create_cube(bm, size=1.0)
-        bmesh.ops.scale(bm, vec=size, verts=bm.verts)
-
-    return made(name, build)
-
-
 def cylinder(smooth=False, sides=32):
-    return made("Cylinder", lambda bm: bmesh.ops.create_cone(
+    return alone("Cylinder", lambda bm: bmesh.ops.create_cone(
         bm, cap_ends=True, segments=sides, radius1=1.0, radius2=1.0, depth=2.0), smooth)
 
 
@@ -44,7 +23,7 @@ def bevelled():
         bmesh.ops.create_cube(bm, size=2.0)
         bmesh.ops.bevel(bm, geom=[*bm.edges, *bm.verts], offset=0.1, segments=2, profile=0.5, affect="EDGES")
 
-    return made("Bevelled", build)
+    return alone("Bevelled", build)
 
 
 def attribute(mesh, domain):
@@ -57,13 +36,11 @@ def attribute(mesh, domain):
 
 def on_faces(mesh, wanted):
     """Values of the corners of all faces whose normal is near `wanted`."""
-    found = mesh.attributes[NAME]
-    values = np.empty(len(found.data), np.float32)
-    found.data.foreach_get("value", values)
-    chosen = []
+    domain = mesh.attributes[NAME].domain
+    values, chosen = attribute(mesh, domain), []
     for polygon in mesh.polygons:
         if polygon.normal.dot(wanted) > 0.999:
-            chosen += [values[loop if found.domain == "CORNER" else mesh.loops[loop].vertex_index]
+            chosen += [values[loop if domain == "CORNER" else mesh.loops[loop].vertex_index]
                        for loop in polygon.loop_indices]
     assert chosen
     return np.array(chosen)
@@ -82,7 +59,7 @@ OPEN_TOPS = {
 
 
 @pytest.mark.parametrize("name", OPEN_TOPS)
-def test_the_top_has_the_amount(dust, name):  # noqa: F811
+def test_the_top_has_the_amount(dust, name):
     obj = OPEN_TOPS[name]()
     dust.settle(bpy.context, obj)
     assert np.allclose(on_faces(obj.data, UP), 1.0, rtol=1e-5)
@@ -91,7 +68,7 @@ def test_the_top_has_the_amount(dust, name):  # noqa: F811
     assert "mesh is coarse" not in obj.lamina_dust.told
 
 
-def test_a_side_has_what_slides_not_off(dust):  # noqa: F811
+def test_a_side_has_what_slides_not_off(dust):
     """The wall of a cube is hit by grains from the flank of the cone. They slide off because of its slope, except for
     the share that concavity keeps. With an angle of repose of 180 degrees all stay: the mean of max(0, n.d) over the
     cone.
@@ -115,10 +92,10 @@ def groove(slope=50.0):
             for k in range(2):
                 bm.faces.new((first[k], first[k + 1], second[k + 1], second[k]))
 
-    return made("Groove", build)
+    return alone("Groove", build)
 
 
-def test_the_bottom_of_a_groove(dust):  # noqa: F811
+def test_the_bottom_of_a_groove(dust):
     """The dust of each wall: n.up = cos 50 arrives; by the cubic at (50 - 45) / 20 + 1/2 = .75, the share .156 of it
     does not slide. Of the rest, concavity keeps one half of the share of the cosine-weighted hemisphere that the other
     wall hides: (1 + cos 80) / 2 in the middle, between this and half of it at the ends. The other wall stops no grain
@@ -140,7 +117,7 @@ def test_the_bottom_of_a_groove(dust):  # noqa: F811
                 assert end + 0.02 < value < middle - 0.02
 
 
-def test_sharp_edges_and_custom_normals_are_the_meshs_own(dust):  # noqa: F811
+def test_sharp_edges_and_custom_normals_are_the_meshs_own(dust):
     smooth, sharp, custom = cylinder(smooth=True), cylinder(smooth=True), cylinder(smooth=True)
     for edge in sharp.data.edges:
         ends = [sharp.data.vertices[vertex].co for vertex in edge.vertices]
@@ -164,13 +141,13 @@ def test_sharp_edges_and_custom_normals_are_the_meshs_own(dust):  # noqa: F811
     assert all(len(found) == 1 for found in by_vertex.values())
 
 
-def test_smooth_and_flat_meshes_have_a_value_a_vertex(dust):  # noqa: F811
+def test_smooth_and_flat_meshes_have_a_value_a_vertex(dust):
     for obj in (ball(smooth=True), grid()):
         dust.settle(bpy.context, obj)
         attribute(obj.data, "POINT")
 
 
-def test_a_mesh_may_change_from_one_kind_to_the_other(dust):  # noqa: F811
+def test_a_mesh_may_change_from_one_kind_to_the_other(dust):
     obj = cube()
     for smooth, domain in ((False, "CORNER"), (True, "POINT"), (False, "CORNER")):
         for polygon in obj.data.polygons:
@@ -192,7 +169,7 @@ MODIFIERS = {
 
 @pytest.mark.parametrize("name", MODIFIERS)
 @pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-1.0, 1.0, 2.0)], ids=["plain", "mirrored"])
-def test_modifiers_carry_it(dust, name, scale):  # noqa: F811
+def test_modifiers_carry_it(dust, name, scale):
     obj = cube()
     obj.scale = scale
     kind, settings = MODIFIERS[name]
@@ -213,7 +190,7 @@ def test_modifiers_carry_it(dust, name, scale):  # noqa: F811
             assert np.allclose(corners, 0.0, atol=1e-5)
 
 
-def test_the_border_of_a_solidified_plane(dust):  # noqa: F811
+def test_the_border_of_a_solidified_plane(dust):
     plate = grid(cells=4)
     modifier = plate.modifiers.new("Solid", "SOLIDIFY")
     modifier.thickness = 0.05
@@ -221,7 +198,7 @@ def test_the_border_of_a_solidified_plane(dust):  # noqa: F811
     assert np.allclose(attribute(plate.data, "POINT"), 1.0, rtol=1e-5)
 
 
-def test_images_know_hard_edges(dust):  # noqa: F811
+def test_images_know_hard_edges(dust):
     obj = cube()
     layer = obj.data.uv_layers.new(name="UVMap")
     for polygon in obj.data.polygons:  # six squares in rows of three
@@ -229,9 +206,7 @@ def test_images_know_hard_edges(dust):  # noqa: F811
             layer.uv[loop].vector = ((polygon.index % 3 + place[0]) / 3.0, (polygon.index // 3 + place[1]) / 2.0)
     obj.lamina_dust.target, obj.lamina_dust.size = "image", 48
     dust.settle(bpy.context, obj)
-    texels = np.empty(48 * 48 * 4, np.float32)
-    obj.lamina_dust.image.pixels.foreach_get(texels)
-    texels = texels.reshape(48, 48, 4)[..., 0]
+    texels = pixels(obj.lamina_dust.image)[..., 0]
     for polygon in obj.data.polygons:
         row, column = 24 * (polygon.index // 3), 16 * (polygon.index % 3)
         inside = texels[row:row + 24, column:column + 16]

@@ -9,9 +9,8 @@ import math
 import bpy
 import numpy as np
 import pytest
+from dusty_objects import cube, grid
 from rendered_plane import render
-from test_addon_dust import dust, grid  # noqa: F401 (a fixture)
-from test_addon_dust_edges import cube
 
 DUST = {"kind": "medium", "albedo": 0.9, "tau": 2.0, "varying": True, "phase": {"kind": "hg", "g": 0.3}}
 LEAF = {"kind": "medium", "albedo": 0.5, "tau": 1.5, "phase": {"kind": "isotropic"}}
@@ -79,7 +78,7 @@ def plane(material, turned):
 @pytest.mark.parametrize("target", ["attribute", "image"])
 @pytest.mark.parametrize("turned", [False, True], ids=["normals up", "normals down"])
 @pytest.mark.parametrize("name", ["opaque", "leaf"])
-def test_dust_shows_on_the_side_that_it_lies_on(dust, addon, lamina, material, tmp_path, name, turned, target):  # noqa: F811
+def test_dust_shows_on_the_side_that_it_lies_on(dust, addon, lamina, material, tmp_path, name, turned, target):
     exact = shown_by(addon, lamina, material, name)
     plate = plane(material, turned)
     plate.lamina_dust.target, plate.lamina_dust.size = target, 16
@@ -93,7 +92,7 @@ def test_dust_shows_on_the_side_that_it_lies_on(dust, addon, lamina, material, t
 
 
 @pytest.mark.parametrize("modifier", [None, "SUBSURF"])
-def test_cycles_reads_dust_of_face_corners(dust, addon, lamina, material, tmp_path, modifier):  # noqa: F811
+def test_cycles_reads_dust_of_face_corners(dust, addon, lamina, material, tmp_path, modifier):
     exact = shown_by(addon, lamina, material, "opaque")
     body = cube()
     body.data.materials.append(material)
@@ -108,7 +107,7 @@ def test_cycles_reads_dust_of_face_corners(dust, addon, lamina, material, tmp_pa
     assert seen(addon, tmp_path, below=True) == pytest.approx(0.05, rel=0.015)
 
 
-def test_a_sheet_of_two_different_sides_is_not_turned_over(dust, addon, lamina, material, tmp_path):  # noqa: F811
+def test_a_sheet_of_two_different_sides_is_not_turned_over(dust, addon, lamina, material, tmp_path):
     """If turned over, it would show its other colour; its table has dust on the front only."""
     exact = shown_by(addon, lamina, material, "leaf on paper")
     plate = plane(material, True)

@@ -51,6 +51,12 @@ def test_bake_and_report(folder):
     assert Path("direct.npz").read_bytes() == Path("out.npz").read_bytes()
 
 
+def test_version(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["--version"])
+    assert end.value.code == 0 and capsys.readouterr().out == f"lamina {lamina.__version__}\n"
+
+
 def test_the_basis_reaches_the_table(folder):
     stack = lamina.Stack([lamina.Medium(albedo=0.9, tau=2.0, phase=lamina.HenyeyGreenstein(0.75))], lamina.Black())
     stack.save("good.json")

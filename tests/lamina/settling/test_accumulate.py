@@ -3,20 +3,11 @@
 
 import numpy as np
 import pytest
+from dust_meshes import plate
 
 from lamina import dust
 
 pytestmark = pytest.mark.skipif(bool(dust.available()), reason=dust.available())
-
-
-def plate(height=0.0, side=1.0, name="plate", cells=8):
-    """A horizontal square around the z axis."""
-    ticks = np.linspace(-0.5 * side, 0.5 * side, cells + 1)
-    x, y = np.meshgrid(ticks, ticks, indexing="ij")
-    number = np.arange(x.size).reshape(x.shape)
-    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
-    triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
-    return dust.Mesh(np.stack([x.ravel(), y.ravel(), np.full(x.size, height)], axis=-1), triangles, name=name)
 
 
 def settled(amount, roof=None, **more):
@@ -26,11 +17,7 @@ def settled(amount, roof=None, **more):
 
 def test_dust_of_two_moments_adds_up():
     """A roof covers one half in the first moment, the other half in the second: both halves get one moment's dust."""
-    roofs = []
-    for shift in (-0.62, 0.62):
-        roof = plate(0.4, 1.2, "roof")
-        roofs.append(dust.Mesh(roof.vertices + np.array([shift, 0.0, 0.0]), roof.triangles, name="roof"))
-    parts = [settled(0.5, roof) for roof in roofs]
+    parts = [settled(0.5, plate(size=1.2, height=0.4, centre=(shift, 0.0))) for shift in (-0.62, 0.62)]
     both = dust.accumulate(parts)
     aside = np.abs(plate().vertices[:, 0]) > 0.1
     assert parts[0].tau[aside].min() == 0.0 and parts[0].tau[aside].max() == pytest.approx(0.5)
@@ -44,8 +31,9 @@ def test_dust_of_two_moments_adds_up():
 
 
 def test_equal_parts_equal_one_settling_of_the_sum():
-    parts = [settled(0.25, plate(0.3, 0.4, "table")) for _ in range(4)]
-    whole = settled(1.0, plate(0.3, 0.4, "table"))
+    table = plate(size=0.4, height=0.3)
+    parts = [settled(0.25, table) for _ in range(4)]
+    whole = settled(1.0, table)
     assert dust.accumulate(parts).tau == pytest.approx(whole.tau, rel=1e-6)
     assert dust.accumulate(parts[:1]).tau.tobytes() == parts[0].tau.tobytes()
 

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a wheel of another platform is run on this machine: its Python, the emulator and the packages of the tests."""
+
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+import pythons
+from platforms import classifier_of
+
+ROOT = Path(__file__).resolve().parent.parent
+WINE = Path("/usr/lib/wine/wine64")
+# numpy is Blender's on Python 3.11, and the first for the newer ones that Blender's use.
+NUMPY = {"3.11": "1.26.4", "3.13": "2.3.5", "3.14": "2.3.5"}
+PIP_TAGS = {"windows-x64": ["win_amd64"], "linux-x64": ["manylinux_2_28_x86_64", "manylinux2014_x86_64"],
+            "linux-arm64": ["manylinux_2_28_aarch64", "manylinux2014_aarch64"]}
+
+
+class Runner:
+    """Runs a platform's Python with one wheel of lamina and nothing else of this machine."""
+
+    def __init__(self, platform, python, wheel):
+        self.platform, self.python = platform, python
+        classifier = classifier_of(platform, python)
+        if classifier != platform.classifier:
+            raise SystemExit(f"release: there is no Python {python} of {platform.name} to run")
+        pythons.fetch({(python, classifier)})
+        self.interpreter = pythons.folder_of(python, classifier)
+        self.site = self._site(wheel)
+
+    def _site(self, wheel):
+        """A folder with numpy, pytest, hypothesis and the wheel."""
+        folder = ROOT / "build" / "release" / f"site-{self.platform.name}-{self.python}"
+        if not folder.exists():
+            with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
+                tags = [x for tag in PIP_TAGS[self.platform.name] for x in ("--platform", tag)]
+                command = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", *tags,
+                           "--target", f"{scratch}/site", "--python-version", self.python, "--only-binary=:all:",
+                           f"numpy=={NUMPY[self.python]}", "pytest==9.2.0", "hypothesis==6.170.15"]
+                if self.platform.name.startswith("windows"):
+                    command.append("colorama")  # pytest asks for it on Windows, which pip does not see from here
+                subprocess.run(command, check=True)
+                Path(scratch, "site").rename(folder)
+        for old in folder.glob("lamina/_*"):
+            old.unlink()
+        with zipfile.ZipFile(wheel) as opened:
+            opened.extractall(folder)
+        return folder
+
+    def run(self, *arguments, **options):
+        """subprocess.run of the Python with `arguments`."""
+        command, variables = getattr(self, "_" + self.platform.name.replace("-", "_"))()
+        variables = {"PATH": "/usr/bin:/bin", "HOME": "/tmp", "PYTHONDONTWRITEBYTECODE": "1", "PYTHONUTF8": "1",
+                     "OPENBLAS_NUM_THREADS": "1", **variables}
+        return subprocess.run([*command, *map(str, arguments)], env=variables, cwd=ROOT, stdin=subprocess.DEVNULL,
+                              **options)
+
+    def _windows_x64(self):
+        if not WINE.exists():
+            raise SystemExit("release: the Debian package wine64 is missing")
+        prefix = ROOT / "build" / "release" / "wine"
+        return [WINE, self.interpreter / "python.exe"], {
+            "WINEPREFIX": str(prefix), "WINEDEBUG": "-all", "PYTHONPATH": _of_windows(self.site)}
+
+    def _libraries(self, architecture):
+        """(folder of Debian 11, library path): glibc 2.31, the oldest that the Pythons here are at hand for."""
+        root = pythons.cache() / f"glibc-2.31-{architecture}"
+        subprocess.run([ROOT / "release" / "glibc_root.sh", architecture, root], check=True)
+        folders = [self.interpreter, *sorted(root.glob("lib/*-linux-gnu")), *sorted(root.glob("usr/lib/*-linux-gnu"))]
+        return root, ":".join(map(str, folders))
+
+    def _linux_x64(self):
+        variables = {"PYTHONHOME": str(self.interpreter), "PYTHONPATH": str(self.site)}
+        program = self.interpreter / "bin" / f"python{self.python}"
+        if self.python != "3.11":  # those Pythons need glibc 2.35: the machine's own
+            return [program], {**variables, "LD_LIBRARY_PATH": str(self.interpreter)}
+        root, path = self._libraries("amd64")
+        return [root / "lib/x86_64-linux-gnu/ld-2.31.so", "--library-path", path, program], variables
+
+    def _linux_arm64(self):
+        if self.python != "3.11":
+            raise SystemExit(f"release: Python {self.python} of {self.platform.name} needs glibc 2.35: not run")
+        root, path = self._libraries("arm64")
+        return ["qemu-aarch64", "-L", root, "-E", f"LD_LIBRARY_PATH={path}",
+                self.interpreter / "bin" / f"python{self.python}"], {
+            "PYTHONHOME": str(self.interpreter), "PYTHONPATH": str(self.site)}
+
+
+def _of_windows(path):
+    """The name of a path of this machine inside wine."""
+    return "Z:" + str(path).replace("/", "\\")

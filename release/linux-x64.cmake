@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Linux on x86-64 with glibc 2.28 or newer.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR x86_64)
+set(zig_target x86_64-linux-gnu.2.28)
+include(${CMAKE_CURRENT_LIST_DIR}/zig.cmake)

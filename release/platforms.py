@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The platforms and Pythons that wheels are released for: those of Blender 4.2 to 5.2."""
+
+from dataclasses import dataclass
+
+# Python's version, and the version of the Maven artifact org.bytedeco:cpython that has the headers.
+PYTHONS = {"3.11": "3.11.3-1.5.9", "3.13": "3.13.5-1.5.12", "3.14": "3.14.3-1.5.13"}
+
+
+@dataclass(frozen=True)
+class Platform:
+    name: str  # Blender's name; release/NAME.cmake is the toolchain file
+    tag: str  # the wheel's platform tag
+    module: str  # end of a compiled module's file name, with the digits of Python's version for {}
+    classifier: str  # the artifact's name of the platform
+
+    def module_end(self, python):
+        return self.module.format(python.replace(".", ""))
+
+
+PLATFORMS = (
+    Platform("windows-x64", "win_amd64", ".cp{}-win_amd64.pyd", "windows-x86_64"),
+    Platform("linux-x64", "manylinux_2_28_x86_64", ".cpython-{}-x86_64-linux-gnu.so", "linux-x86_64"),
+    Platform("linux-arm64", "manylinux_2_28_aarch64", ".cpython-{}-aarch64-linux-gnu.so", "linux-arm64"),
+    Platform("macos-arm64", "macosx_11_0_arm64", ".cpython-{}-darwin.so", "macosx-arm64"),
+)
+
+# Pythons that the artifact lacks on a platform, and another one with the same headers: pyconfig.h has the same sizes
+# and alignments on both 64-bit processors.
+SAME_HEADERS = {("3.13", "linux-arm64"): "linux-x86_64", ("3.11", "macosx-arm64"): "macosx-x86_64"}
+
+
+def classifier_of(platform, python):
+    """The artifact's name of the platform whose headers serve `python` on `platform`."""
+    return SAME_HEADERS.get((python, platform.classifier), platform.classifier)
+
+
+def python_tag(python):
+    return "cp" + python.replace(".", "")
+
+
+def wheel_name(version, platform, python):
+    tag = python_tag(python)
+    return f"lamina-{version}-{tag}-{tag}-{platform.tag}.whl"

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Run tests with the wheels of `make release`: Windows' under wine, ARM's under qemu, Linux's with glibc 2.31.
+
+    python release/test.py [--platforms NAME...] [--pythons VERSION...] [--wheels dist/wheels]
+
+On Python 3.11 the selection below runs with the tolerances of the ordinary tests; on the other Pythons TASTE runs, for
+the core's code is the same. Left out everywhere: tests whose oracles (SciPy, PythonicDISORT, Mitsuba) are not installed
+there, and Blender's. Left out under qemu, which takes thirty times as long: everything but QUICK. macOS is not run.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import check_wheel
+from foreign import Runner
+from platforms import PLATFORMS, PYTHONS, wheel_name
+
+ROOT = Path(__file__).resolve().parent.parent
+QUICK = (
+    "tests/core/test_quadrature.py",
+    "tests/core/test_thread_pool.py",
+    "tests/core/test_mesh.py",
+    "tests/lamina/solver/test_reference_cases.py",
+    "tests/lamina/baking/test_lut.py",
+)
+SELECTION = (
+    *QUICK,
+    "tests/core/test_accuracy.py",
+    "tests/core/test_base_kinds.py",
+    "tests/core/test_doubling.py",
+    "tests/core/test_graded_sublayers.py",
+    "tests/core/test_scattering_ode.py",
+    "tests/core/test_solid.py",
+    "tests/lamina/cli/test_command_line.py",
+    "tests/lamina/material",
+    "tests/lamina/settling/test_dust_texels.py",
+    "tests/lamina/settling/test_ply.py",
+    "tests/lamina/solver/test_boundaries.py",
+    "tests/lamina/solver/test_symmetries.py",
+    "tests/lamina/walks/test_shards.py",
+)
+# Imports both modules, solves a case of tests/data/reference_cases.json, bakes, and traces rays.
+TASTE = ("tests/lamina/solver/test_reference_cases.py", "tests/core/test_mesh.py")
+NEEDS_MORE = "not metal_colours"  # SciPy, or this machine's files
+
+
+def tests_of(platform, python):
+    if python != "3.11":
+        return TASTE
+    return QUICK if platform.name == "linux-arm64" else SELECTION
+
+
+def can_run(platform, python):
+    return platform.name != "macos-arm64" and (platform.name != "linux-arm64" or python == "3.11")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    names = [platform.name for platform in PLATFORMS]
+    parser.add_argument("--platforms", nargs="+", choices=names, default=names)
+    parser.add_argument("--pythons", nargs="+", choices=list(PYTHONS), default=list(PYTHONS))
+    parser.add_argument("--wheels", type=Path, default=ROOT / "dist" / "wheels")
+    arguments = parser.parse_args()
+    failed = []
+    for platform in PLATFORMS:
+        for python in arguments.pythons:
+            if platform.name not in arguments.platforms:
+                continue
+            name = wheel_name(check_wheel.VERSION, platform, python)
+            wheel = arguments.wheels.resolve() / name
+            faults = check_wheel.wheel_faults(wheel) if wheel.exists() else ["is not there: run make release"]
+            if faults:
+                failed.append(name)
+                print(f"{name}: " + "; ".join(faults), flush=True)
+            elif can_run(platform, python):
+                print(f"{name}: running", flush=True)
+                finished = Runner(platform, python, wheel).run(
+                    "-m", "pytest", "-p", "no:cacheprovider", "-k", NEEDS_MORE, *tests_of(platform, python))
+                failed += [name] * (finished.returncode != 0)
+            else:
+                print(f"{name}: checked, not run: this machine has no way to run it", flush=True)
+    print("failed: " + ", ".join(failed) if failed else "all wheels are right")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

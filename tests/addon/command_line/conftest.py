@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fixtures for the tests of `--command lamina ...`."""
+
+import pytest
+
+
+@pytest.fixture
+def run(addon, lamina, capsys):
+    """run(*arguments) -> (exit code, lines of stdout, stderr)"""
+
+    def run(*arguments):
+        capsys.readouterr()
+        code = addon.command_line.command.main([str(one) for one in arguments])
+        printed = capsys.readouterr()
+        lines = [line for line in printed.out.splitlines() if not line.startswith(("Info: ", "Saved "))]
+        return code, lines, printed.err
+
+    return run

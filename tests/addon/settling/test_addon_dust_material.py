@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settled dust and the material: the thickness that the material reads, grain and clouds, and the panels."""
+
+from types import SimpleNamespace
+
+import bpy
+import pytest
+from addon_helpers import drawn
+from dusty_objects import NAME, grid
+
+
+def test_the_material_reads_the_dust(dust, addon, material):
+    layer = material.lamina.layers[0]
+    layer.varying, layer.tau = True, 2.0
+    addon.baking.bake_job.bake_material(material)
+    plate = grid(material=material)
+    assert addon.nodes.thickness.wiring(material).source == "value"
+    dust.settle(bpy.context, plate)
+    found = addon.nodes.thickness.wiring(material)
+    assert (found.source, found.name) == ("attribute", NAME)
+    assert addon.ui.dust_panel.mismatch(material, plate.lamina_dust) == ""
+    plate.lamina_dust.amount = 3.0
+    dust.settle(bpy.context, plate)
+    assert "above thickness 2 nothing changes" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
+    plate.lamina_dust.target = "image"
+    assert "does not read it" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
+    dust.settle(bpy.context, plate)
+    assert addon.nodes.thickness.wiring(material).source == "image"
+
+
+def test_the_first_dust_of_a_material_gets_grain_and_clouds(dust, addon, material):
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    plate = grid(size=3.0, material=material)
+    dust.settle(bpy.context, plate)
+    node = addon.nodes.detail_wiring.detail(material)
+    assert node.inputs["Cloud Size"].default_value == pytest.approx(0.2 * 6.0)
+    addon.nodes.detail_wiring.remove_detail(material)
+    dust.settle(bpy.context, plate)
+    assert addon.nodes.detail_wiring.detail(material) is None
+    assert addon.nodes.thickness.wiring(material).source == "attribute"
+
+
+def test_an_artists_own_node_stays(dust, addon, material):
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    socket = addon.nodes.node_group.group_nodes(material)[0].inputs["Thickness"]
+    mine = material.node_tree.nodes.new("ShaderNodeValue")
+    material.node_tree.links.new(mine.outputs[0], socket)
+    dust.settle(bpy.context, grid(material=material))
+    assert socket.links[0].from_node == mine
+
+
+def test_the_panels_of_dust_and_of_its_detail(dust, addon, material):
+    layer = material.lamina.layers[0]
+    layer.varying, layer.tau = True, 2.0
+    addon.baking.bake_job.bake_material(material)
+    plate = grid(material=material)
+    context = SimpleNamespace(
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=600),
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=plate, material=material,
+        scene=bpy.context.scene,
+    )  # fmt: skip
+
+    def lines(panel):
+        return drawn(lambda layout: panel.draw(SimpleNamespace(layout=layout), context))
+
+    settling, thickness = addon.ui.dust_panel.LAMINA_PT_dust, addon.ui.thickness_panel.LAMINA_PT_thickness
+    before = lines(settling)
+    assert [line for line in before if line in ("How Much", "Where From", "Where It Stays", "Where To")] == [
+        "How Much", "Where From", "Where It Stays", "Where To"]
+    assert "Settle Dust" in before and "Grain and Clouds" in lines(thickness)
+    dust.settle(bpy.context, plate)
+    assert "Settle Again" in lines(settling)
+    after = lines(thickness)
+    assert "Cloud Size" in after and "Remove Grain and Clouds" in after and "Wipe by Hand" in after

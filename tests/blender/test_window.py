@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The extension in a Blender window on a virtual screen, with software OpenGL (inside/stories.py)."""
+
+import os
+
+import pytest
+from chroot_blender import INSIDE
+
+SEEDS = range(1, 1 + int(os.environ.get("LAMINA_SEEDS", "1")))
+
+
+def perform(blender, *story):
+    """Perform a story of inside/stories.py; returns what Blender printed."""
+    finished = blender.run("--python-exit-code", "1", "--python", f"{INSIDE}/stories.py", "--", *map(str, story),
+                           window=True, timeout=600)
+    printed = finished.stdout + finished.stderr
+    assert finished.returncode == 0 and "Traceback" not in printed and "Error:" not in finished.stderr, printed[-3000:]
+    return printed
+
+
+@pytest.mark.parametrize("story", ["panel_drawn", "bake", "cancel", "live", "another_file", "disabled"])
+def test_story(blender, story):
+    assert f"story ended: {story}" in perform(blender, story)
+
+
+def test_quit_while_baking(blender):
+    perform(blender, "quit_while_baking")
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_actions(blender, seed):
+    assert "story ended" in perform(blender, "random_actions", seed)
