@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A stack, wherever one is taken: as an object, as the path of a JSON file, or as the id or name of a preset."""
+"""Arguments that take a stack: an object, the path of a JSON file, or the id or name of a preset."""
 
 from __future__ import annotations
 
