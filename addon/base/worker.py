@@ -23,6 +23,9 @@ class Worker:
     def cancel(self):
         self._stop.set()
 
+    def tick(self):
+        """Called on the main thread from time to time while the work runs."""
+
     @property
     def cancelling(self):
         return self._stop.is_set()

@@ -33,6 +33,7 @@ running_for, register, unregister = _place.running_for, _place.register, _place.
 
 FILLING = 0.1  # share of the progress: the voxels
 MARGIN = 4  # texels
+STOPPED = "Stopped early: the next start continues."
 
 
 @dataclass(frozen=True)
@@ -61,15 +62,41 @@ class Task:
 
 
 class InteriorJob(OfMaterial, Worker):
-    """The computation for one material on one object."""
+    """The computation for one material on one object. While it runs, `tick` shows previews. After a cancel or
+    an error the last preview stays. `shows`: whether the material's nodes show images of this job."""
 
     def __init__(self, task):
         self.task, self.uid = task, task.material
-        super().__init__(lambda progress, cancel: compute(task, progress, cancel), "lamina interior")
+        self._preview, self.shows = None, False
+        super().__init__(
+            lambda progress, cancel: compute(task, progress, cancel, self._keep), "lamina interior"
+        )
+
+    def _keep(self, images):
+        self._preview = images
+
+    def tick(self):
+        """Show the latest preview, if there is a new one."""
+        images, self._preview = self._preview, None
+        material = self.material()
+        if images is None or material is None or self.cancelling:
+            return
+        apply(material, self.task, images, again=self.shows)
+        self.shows = True
+
+    def finish(self):
+        """Like OfMaterial.finish. After a cancel with a preview on show, returns the material, whose report
+        then tells how far the work had come."""
+        if not (self.cancelling and self.shows):
+            return super().finish()
+        material = self.material()
+        if material is not None:
+            material.lamina.interior.report += f" {STOPPED}"
+        return material
 
     def apply(self, material):
         """Build the nodes."""
-        apply(material, self.task, self.result)
+        apply(material, self.task, self.result, again=self.shows)
 
 
 def make(context, obj, material, progress=None, cancel=None, folder=None):
@@ -141,8 +168,8 @@ def gather(context, obj, material, folder=None):
     return replace(task, folder=base / _key(task, filled.identity))
 
 
-def compute(task, progress=None, cancel=None):
-    """The images of a Task. Raises as lamina.relightable_images does."""
+def compute(task, progress=None, cancel=None, preview=None):
+    """The images of a Task. `preview(images)` gets those so far. Raises as lamina.relightable_images does."""
     lamina = native.require()
     told = progress or (lambda _fraction, _text="": None)
     interior = task.fill(lambda fraction, text="": told(FILLING * fraction, text), cancel)
@@ -157,6 +184,8 @@ def compute(task, progress=None, cancel=None):
         "threads": task.threads,
         "progress": lambda fraction, text="": told(FILLING + (1.0 - FILLING) * fraction, text),
         "cancel": cancel,
+        # Runs with and without previews have different parts: the panel and a batch continue each other's.
+        "preview": preview or (lambda _images: None),
     }
     if task.output == "LIT":
         lamps, radiance = _lit_by(task, lamina)
@@ -171,8 +200,9 @@ def _lit_by(task, lamina):
     return lamps, next((one.radiance for one in task.sources if not one.kind), None)
 
 
-def apply(material, task, found):
-    """Build the nodes of a Task's images. The folder of parts is removed."""
+def apply(material, task, found, again=False):
+    """Build the nodes of a Task's images. The folder of parts is removed, except for a preview. `again`: the
+    nodes show a preview of this task, so the numbers that an artist has set there are kept."""
     settings = material.lamina.interior
     if task.output == "LIT":
         inputs = interior_graph.lit_inputs(task.sources)
@@ -187,14 +217,15 @@ def apply(material, task, found):
         def draw(graph, length, _sockets):
             return interior_graph.draw_relightable(graph, found.inputs, length, task.uv_map, task.name)
 
-    lateral_group.build(material, task.output.capitalize(), draw, task.millimetre, inputs)
+    lateral_group.build(material, task.output.capitalize(), draw, task.millimetre, inputs, again)
     if hasattr(material, "cycles"):
         # A lit surface shines on others as a diffuse one would: Cycles need not aim at its texels.
         material.cycles.emission_sampling = "NONE" if task.output == "LIT" else "AUTO"
     settings.node, settings.socket = task.node
     settings.suns, settings.shown_on = lights.kept(task.sources), task.object
     settings.report = " ".join([found.report, *(f"{note[0].upper()}{note[1:]}." for note in found.notes)])
-    shutil.rmtree(task.folder, ignore_errors=True)
+    if found.done == 1.0:
+        shutil.rmtree(task.folder, ignore_errors=True)
 
 
 def stale(context, obj, material):
@@ -240,6 +271,8 @@ def _key(task, identity):
             digest.update(one.radiance.tobytes())
     surface = [task.surface.ior, task.surface.alpha, task.surface.distribution]
     digest.update(
-        json.dumps([identity, task.output, task.size, task.noise, lamps, task.view, surface]).encode()
+        json.dumps(
+            [identity, task.output, task.size, task.noise, lamps, task.view, surface, "previews"]
+        ).encode()
     )
     return digest.hexdigest()[:24]

@@ -8,14 +8,15 @@ from . import before, graph, node_group
 MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
 
 
-def build(material, name, draw, millimetre, inputs=()):
+def build(material, name, draw, millimetre, inputs=(), again=False):
     """Make or refill the material's lateral group and link it to the material output. Returns the group.
 
     `draw(graph, length, sockets)` adds the nodes and returns the sockets of the shader and of the volume
     (None: no volume). `length` is the socket with the number of Blender units per millimetre; its initial
     value is `millimetre`. `inputs`: further inputs of the group, (name, socket type, initial value,
-    description) each; `sockets` has their sockets by name. If `draw` fails, nothing is changed but further
-    inputs, which the next build removes."""
+    description) each; `sockets` has their sockets by name. `again`: the group has these inputs already, and
+    their values are kept. If `draw` fails, nothing is changed
+    but further inputs, which the next build removes."""
     before.switch_nodes_on(material)
     group = material.lamina.lateral_group
     is_new = group is None or not group.is_editable or _is_shared(material, group)
@@ -23,7 +24,9 @@ def build(material, name, draw, millimetre, inputs=()):
         group = _new_group(f"Lamina {name} {material.name}")
     old_nodes = list(group.nodes)
     old_images = node_group.images_of(old_nodes)
-    _set_inputs(group, inputs)
+    again = again and not is_new and {one[0] for one in inputs} <= _names(group)
+    if not again:
+        _set_inputs(group, inputs)
     drawing = graph.Graph(group)
     try:
         given = drawing.node("NodeGroupInput", -3, 0).outputs
@@ -48,6 +51,8 @@ def build(material, name, draw, millimetre, inputs=()):
     material.lamina.lateral_group = group
     for node in [*node_group.group_nodes(material, group), node_group.connect(material, group)]:
         node.label = f"Lamina {name}"
+        if again:
+            continue
         for one, value in ((MILLIMETRE, millimetre), *((one[0], one[2]) for one in inputs)):
             node.inputs[one].default_value = value
     return group
@@ -74,6 +79,10 @@ def _set_inputs(group, inputs):
     for name, kind, value, description in inputs:
         socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
         socket.default_value = value
+
+
+def _names(group):
+    return {item.name for item in group.interface.items_tree if item.in_out == "INPUT"}
 
 
 def _settle_volume(group, wanted):

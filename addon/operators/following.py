@@ -79,6 +79,7 @@ class Following:
             return {"PASS_THROUGH"}
         redraw.properties()
         if not self._job.done:
+            self._job.tick()
             return {"PASS_THROUGH"}
         self._end()
         return self.ended(context, self._job)

@@ -12,8 +12,8 @@ class LAMINA_OT_interior(Making, bpy.types.Operator):
     bl_idname = "lamina.interior"
     bl_label = "Compute Interior"
     bl_description = (
-        "Follow light inside the active object and show it by images. ESC cancels; finished parts are kept, "
-        "and the next start continues after them"
+        "Follow light inside the active object and show it by images, coarse ones first. ESC stops: the "
+        "images so far stay (Undo restores the earlier nodes), and the next start continues"
     )
     bl_options = {"REGISTER", "UNDO"}
 

@@ -10,7 +10,10 @@ from .cancelling import Cancelling
 class LAMINA_OT_interior_cancel(Cancelling, bpy.types.Operator):
     bl_idname = "lamina.interior_cancel"
     bl_label = "Cancel"
-    bl_description = "Stop the computation; the earlier nodes and the finished parts are kept"
+    bl_description = (
+        "Stop the computation. The images so far stay, if any are shown yet; Undo restores the earlier "
+        "nodes. Finished parts are kept, and the next start continues after them"
+    )
     bl_options = {"INTERNAL"}
 
     jobs = interior_job

@@ -52,6 +52,8 @@ class LAMINA_PT_interior(MaterialPanel, bpy.types.Panel):
         job = interior_job.running_for(material)
         if job is not None:
             draw_progress(layout, job, "lamina.interior_cancel")
+            if job.shows:
+                draw_sentence(context, layout, settings.report)
             return
         row = layout.row()
         row.scale_y = 1.4

@@ -84,6 +84,10 @@ class Layout:
         assert name in owner.bl_rna.properties, name
         self.lines.append(owner.bl_rna.properties[name].name if text is None else text)
 
+    def progress(self, factor, text):
+        assert 0.0 <= factor <= 1.0
+        self.lines.append(text)
+
     def template_icon_view(self, owner, name, **_options):
         self.prop(owner, name)
 

@@ -20,9 +20,9 @@ from .estimates import COUNTS, ExitEstimate, LightEstimate, exit_estimate, light
 from .lamps import AnyLamp, Surroundings, from_json, to_json
 from .walk import Lit, Surface, Walker, checked_lit, start
 
-FORMAT, SCHEMA = "lamina-walks", 1
+FORMAT, SCHEMA = "lamina-walks", 2
 _ARRAYS = {"exits": ("moments", "products", "counts"), "light": ("sums", "squares", "counts")}
-_JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "surroundings", "samples", "seed")
+_JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "surroundings", "first", "samples", "seed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +120,20 @@ def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[AnyLamp] 
 def merge_walks(parts: Sequence[WalkPart]) -> ExitEstimate | LightEstimate:
     """The estimate from all parts of a run, in any order. Raises ShardError if parts are missing, duplicate, or of
     different runs."""
+    job, arrays = _joined(parts)
+    return _summary(job, arrays, math.nan)
+
+
+def merge_passes(passes: Sequence[Sequence[WalkPart]]) -> ExitEstimate | LightEstimate:
+    """The estimate from runs that differ only in their samples, each given by all its parts."""
+    joined = [_joined(parts) for parts in passes]
+    job = {**joined[0][0], "samples": sum(job["samples"] for job, _ in joined)}
+    return _summary(job, [sum(arrays[1:], arrays[0]) for arrays in zip(*(found for _, found in joined), strict=True)],
+                    math.nan)
+
+
+def _joined(parts: Sequence[WalkPart]) -> tuple[dict, list[np.ndarray]]:
+    """(the run that all parts belong to, its arrays). Raises ShardError."""
     if not isinstance(parts, Sequence) or not parts or not all(isinstance(part, WalkPart) for part in parts):
         raise ShardError(f"parts = {quoted(parts)}: must be a list of at least one lamina.WalkPart")
     job, count = parts[0].job, parts[0].shard[1]
@@ -137,7 +151,7 @@ def merge_walks(parts: Sequence[WalkPart]) -> ExitEstimate | LightEstimate:
     if missing:
         raise ShardError(f"part {clipped(', '.join(missing))} of {count} is missing")
     ordered = [by_number[number].arrays for number in range(1, count + 1)]
-    return _summary(job, [np.concatenate(arrays) for arrays in zip(*ordered, strict=True)], math.nan)
+    return job, [np.concatenate(arrays) for arrays in zip(*ordered, strict=True)]
 
 
 def points_of(shard: tuple[int, int], count: int) -> range:
@@ -152,7 +166,7 @@ def job_of(kind: str, walker: Walker, lit: Lit) -> dict:
             "surface": [walker.surface.ior, walker.surface.alpha, walker.surface.distribution],
             "lamps": [to_json(lamp) for lamp in lit.lamps],
             "surroundings": None if lit.surroundings is None else lit.surroundings.hash,
-            "samples": walker.samples, "seed": walker.seed, "count": len(walker.positions)}
+            "first": walker.first, "samples": walker.samples, "seed": walker.seed, "count": len(walker.positions)}
 
 
 def part_of(job: dict, shard: tuple[int, int], walker: Walker, lit: Lit, step: Progress) -> WalkPart:

@@ -23,7 +23,7 @@ from .lamps import KINDS, AnyLamp, Surroundings
 from .solid import Solid, closed
 
 MOST_SAMPLES = 1 << 32
-CHUNK_WALKS = 1 << 15  # samples, of three walks each, between two calls of `cancel`
+CHUNK_WALKS = 1 << 12  # samples, of three walks each, between two calls of `cancel`
 OFF_SURFACE = 1e-4  # relative to the mesh's size: points farther off the surface are refused
 
 
@@ -61,6 +61,7 @@ class Walker:
                  threads, step: Progress):
         self.interior, self.surface = _checked(interior, Interior, "interior"), surface
         self.samples = check_whole(samples, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^32")
+        self.first = 0  # number of the first sample
         self.seed = check_seed(seed)
         check_threads(threads)
         layer = self._layer = embree.layer()
@@ -92,6 +93,12 @@ class Walker:
         other.positions, other.normals = self.positions[chosen], self.normals[chosen]
         other.views = None if self.views is None else self.views[chosen]
         other.samples, other.seed = samples, seed
+        return other
+
+    def with_samples(self, first: int, samples: int) -> Walker:
+        """The same walker for samples [first, first + samples)."""
+        other = copy.copy(self)
+        other.first, other.samples = first, samples
         return other
 
     def with_matched(self, interior: Interior) -> Walker:
@@ -133,7 +140,7 @@ class Walker:
                 done = (start - first) * self.samples + walk
                 step(done / max(1, (last - first) * self.samples), f"{done:,} walks")
                 more_sums = call(self._solid, self._grid, self._boundary, positions, self.normals[part], views, start,
-                                 walk, walks, self.seed, *more)
+                                 self.first + walk, walks, self.seed, *more)
                 sums = [old + new for old, new in zip(sums, more_sums, strict=True)] if sums else list(more_sums)
             found.append(sums)
         return [np.concatenate(arrays) for arrays in zip(*found, strict=True)]

@@ -22,6 +22,7 @@ from ..kinds.interiors import MOST_COEFFICIENT
 from ..subsurface.entry_cosines import mean_entry_cosines
 from ..subsurface.node_parameters import LEAST_IOR
 from ..subsurface.response_table import CURVE, Curves, response_curves
+from .nearest import BLOCK, nearest
 
 ROUNDS = 6  # the media are chosen again from the last corrected targets
 ROUGH_POINTS, ROUGH_SAMPLES = 256, 48
@@ -32,7 +33,6 @@ EFFORT = 0.25  # share of the walks of the map
 NEIGHBOURS, AVERAGED = 8, 3072
 SHARES = (0.15, 0.85)  # quantiles of u at which the media lie
 LEAST_SPREAD = 0.06  # half the distance of the media in u
-BLOCK = 1 << 10  # points of the map at a time
 
 
 class Medium(NamedTuple):
@@ -74,7 +74,7 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
     places, averaged = walker.positions[chosen], max(NEIGHBOURS, -(-AVERAGED // samples))
     for first in range(0, count, BLOCK):
         part = slice(first, first + BLOCK)
-        near, weights = _nearest(places, walker.positions[part], averaged)
+        near, weights = nearest(places, walker.positions[part], averaged)
         seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in exact]
         u[part], way[part] = _corrected(apparent[part], distance[part], media, seen, bare)
     return np.interp(u, CURVE, node.full_albedo), way
@@ -130,14 +130,3 @@ def _corrected(apparent: np.ndarray, distance: np.ndarray, media: list[Medium], 
     u = media[0].u + share * (media[1].u - media[0].u)
     farther = first.farther + np.clip(share, 0.0, 1.0) * (second.farther - first.farther)
     return np.clip(u, CURVE[0], CURVE[-1]), distance / np.maximum(farther, 1e-3)
-
-
-def _nearest(places: np.ndarray, positions: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """(indices, weights), (positions, count), of the nearest places; a weight falls with the squared distance."""
-    squares = sum((positions[:, axis, None] - places[:, axis]) ** 2 for axis in range(3))
-    count = min(count, len(places))
-    near = np.argpartition(squares, count - 1, axis=1)[:, :count]
-    near.sort(axis=1)
-    away = np.take_along_axis(squares, near, axis=1)
-    weights = 1.0 / (away + away.mean(axis=1, keepdims=True) + 1e-30)
-    return near, weights / weights.sum(axis=1, keepdims=True)

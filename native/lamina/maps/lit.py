@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import check_whole
+from ..common.arguments import check_callable, check_whole
 from ..common.progress import Progress
 from ..interior.estimates import LightEstimate
 from ..interior.grid import Interior
@@ -18,8 +18,8 @@ from ..interior.lamps import AnyLamp, Surroundings
 from ..interior.solid import Solid
 from ..interior.walk import Surface
 from ..walks.searchlight_moments import Measured
-from .map_walk import MapJob, walk_map
-from .noise import noise_of
+from .map_walk import MapJob, MapWalk, walk_map
+from .noise import noise_of, preview_report
 from .smoothing import smoothed
 
 MOST_MARGIN = 64
@@ -34,7 +34,8 @@ class LitImages:
 
     `mask`: the texels, or the vertices, with a value of their own; those of the margin have copies. `estimate`: values
     and standard errors at the points of the mask, in sequence. `noise`: standard error relative to the mean, of the
-    worst lamp or the sky. `notes`: parts of the surface without texels."""
+    worst lamp or the sky. `notes`: parts of the surface without texels. `done`: share of the samples, below 1 in a
+    preview; 0 in the first preview, which is interpolated between few points."""
 
     lamps: np.ndarray
     sky: np.ndarray
@@ -43,10 +44,13 @@ class LitImages:
     noise: float
     seconds: float
     notes: tuple[str, ...]
+    done: float = 1.0
 
     @property
     def report(self) -> str:
         """Size and noise, as one sentence."""
+        if self.done < 1.0:
+            return preview_report("Lit", self.done, self.noise)
         return (f"Lit: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, "
                 f"standard error {100.0 * self.noise:.2g} %.")
 
@@ -55,7 +59,8 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
                surface: Surface | None = None, view=None, eye=None, noise: float = 0.02, samples: int | None = None,
                seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None, threads: int = 0,
                progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
-               surroundings: Surroundings | None = None) -> LitImages:
+               surroundings: Surroundings | None = None,
+               preview: Callable[[LitImages], None] | None = None) -> LitImages:
     """The light that leaves an interior at each texel of a UV map, or at each vertex, under each of the `lamps` and
     under the `surroundings`, by default a sky of radiance 1 from all directions.
 
@@ -65,16 +70,21 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
     those of relightable_images; `noise` is that of the estimates and concerns the worst lamp or the sky. Lamps are
     those of light_in_mesh."""
     check_whole(margin, "margin", 0, MOST_MARGIN)
-    job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel)
+    check_callable(preview, "preview")
+    job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel,
+                 None if preview is None else lambda walked: preview(_images(walked, margin)))
     walked = walk_map(job, "light", lamps, surroundings, view, eye)
     walked.step(1.0, "Done")
+    return _images(walked, margin)
+
+
+def _images(walked: MapWalk, margin: int) -> LitImages:
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
-    interior = walked.walker.interior
     # One pass for all sources, because the regression's matrices are the same
     every = Measured(np.concatenate([found.lamps.value, found.sky.value[:, None]], axis=1),
                      np.concatenate([found.lamps.stderr, found.sky.stderr[:, None]], axis=1))
-    light = np.maximum(smoothed(walked.places, interior, every), 0.0)
+    light = np.maximum(smoothed(walked.places, walked.walker.interior, every) if walked.done else every.value, 0.0)
     *images, sky = (walked.places.filled(light[:, k], margin) for k in range(light.shape[1]))
     stacked = np.stack(images) if images else np.zeros((0, *sky.shape), np.float32)
     return LitImages(stacked, sky, walked.places.mask, found, noise_of(found), time.perf_counter() - walked.began,
-                     walked.places.notes)
+                     walked.places.notes, walked.done)

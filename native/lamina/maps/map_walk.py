@@ -15,26 +15,30 @@ from ..common.errors import ArgumentError
 from ..common.progress import Progress, portion, stepper
 from ..interior.estimates import ExitEstimate, LightEstimate
 from ..interior.grid import Interior
-from ..interior.parts import job_of, merge_walks, part_of
+from ..interior.parts import job_of, merge_passes, part_of
 from ..interior.solid import Solid
 from ..interior.walk import MOST_SAMPLES, Lit, Surface, Walker, checked_lit
 from ..kinds.interiors import NOISE
-from .noise import samples_for
+from .coarse import everywhere
+from .noise import trial
 from .part_folder import PartFolder
 from .places import Places, places_of
 
 SETTING_UP = 0.1  # share of the progress
+LEAST_PASS = 4  # samples of the first pass
 
 
 @dataclass(frozen=True, eq=False)
 class MapWalk:
-    """The points of a map and the estimates there. `step`: for further work, the rest of the progress."""
+    """The points of a map and the estimates there. `step`: for further work, the rest of the progress. `done`: share of
+    the samples, below 1 for a preview; 0 for the interpolated estimates of a trial at few points."""
 
     places: Places
     estimate: ExitEstimate | LightEstimate
     walker: Walker
     step: Progress
     began: float
+    done: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +58,8 @@ class MapJob:
     threads: int
     progress: Progress | None
     cancel: Callable[[], bool] | None
+    shown: Callable[[MapWalk], None] | None = None
+    """Is called with previews."""
 
 
 def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye=None, share: float = 1.0) -> MapWalk:
@@ -79,14 +85,35 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
                     job.seed, job.threads, portion(step, 0.0, 0.5 * SETTING_UP))
     described = job_of(kind, walker, used)
     wanted = {"noise": job.noise} if job.samples is None else {"samples": job.samples}
+    wanted["previews"] = job.shown is not None
     parts = PartFolder(job.folder, {**{key: described[key] for key in described if key != "samples"}, **wanted})
-    walks = parts.samples or job.samples or samples_for(job.noise, kind, walker, used,
-                                                        portion(step, 0.5 * SETTING_UP, SETTING_UP))
+
+    def show(estimate, done: float) -> None:
+        if job.shown is not None:
+            job.shown(MapWalk(places, estimate, walker, lambda fraction, text: None, began, done))
+
+    walks = parts.samples or job.samples
+    if walks is None:
+        few = trial(kind, walker, used, portion(step, 0.5 * SETTING_UP, SETTING_UP))
+        walks = few.samples_for(job.noise)
+        if job.shown is not None:
+            show(everywhere(few, places.points), 0.0)
     parts.begin(walks)
-    walker.samples = described["samples"] = walks
-    done = parts.run(described, lambda shard, within: part_of(described, shard, walker, used, within),
-                     portion(step, SETTING_UP, 1.0))
-    return MapWalk(places, merge_walks(done), walker, portion(whole, share, 1.0), began)
+    walker.samples = walks
+    passes = [{**described, "first": first, "samples": last - first} for first, last in _passes(walks, job.shown)]
+    done = parts.run(passes, lambda one, shard, within: part_of(
+        one, shard, walker.with_samples(one["first"], one["samples"]), used, within), portion(step, SETTING_UP, 1.0),
+        lambda found: show(merge_passes(found), (passes[len(found) - 1]["first"] + passes[len(found) - 1]["samples"])
+                           / walks))
+    return MapWalk(places, merge_passes(done), walker, portion(whole, share, 1.0), began)
+
+
+def _passes(samples: int, shown) -> list[tuple[int, int]]:
+    """The first sample of each pass, and the first beyond. With previews each pass doubles the number of samples."""
+    ends = [samples]
+    while shown is not None and ends[0] >= 2 * LEAST_PASS:
+        ends.insert(0, ends[0] // 2)
+    return list(zip([0, *ends[:-1]], ends, strict=True))
 
 
 def _directions(positions: np.ndarray, view, eye) -> np.ndarray | None:

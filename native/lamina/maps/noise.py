@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,14 +19,26 @@ LEAST_SAMPLES, MOST_SAMPLES = 16, 1 << 20
 OTHER_SEED = 0x9E3779B97F4A7C15  # the trial must not share random numbers with the run
 
 
-def samples_for(noise: float, kind: str, walker: Walker, lit: Lit, step: Progress) -> int:
-    """Walks per point, 16 to 2^20, for which `noise_of` the run is about `noise`; from a trial at up to 512 points."""
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Walks at few of the points of a map. `chosen`: their indices; `estimate`: at these points."""
+
+    chosen: np.ndarray
+    estimate: ExitEstimate | LightEstimate
+
+    def samples_for(self, noise: float) -> int:
+        """Walks per point, 16 to 2^20, for which `noise_of` the run is about `noise`."""
+        found = noise_of(self.estimate)
+        return int(min(max(LEAST_SAMPLES, math.ceil(TRIAL_SAMPLES * (found / noise) ** 2)), MOST_SAMPLES))
+
+
+def trial(kind: str, walker: Walker, lit: Lit, step: Progress) -> Trial:
+    """A Trial at up to 512 points."""
     count = len(walker.positions)
     chosen = np.unique(np.linspace(0, count - 1, min(count, TRIAL_POINTS)).astype(int))
-    trial = walker.with_points(chosen, TRIAL_SAMPLES, (walker.seed ^ OTHER_SEED) % 2**64)
-    part = part_of(job_of(kind, trial, lit), (1, 1), trial, lit, lambda fraction, _: step(fraction, "Noise"))
-    found = noise_of(merge_walks([part]))
-    return int(min(max(LEAST_SAMPLES, math.ceil(TRIAL_SAMPLES * (found / noise) ** 2)), MOST_SAMPLES))
+    few = walker.with_points(chosen, TRIAL_SAMPLES, (walker.seed ^ OTHER_SEED) % 2**64)
+    part = part_of(job_of(kind, few, lit), (1, 1), few, lit, lambda fraction, _: step(fraction, "Noise"))
+    return Trial(chosen, merge_walks([part]))
 
 
 def noise_of(estimate: ExitEstimate | LightEstimate) -> float:
@@ -41,3 +54,9 @@ def relative_noise(measured: Measured) -> float:
     light."""
     mean = float(measured.value.mean())
     return float(np.sqrt((measured.stderr**2).mean())) / mean if mean > 0.0 else 0.0
+
+
+def preview_report(name: str, done: float, noise: float) -> str:
+    """What a preview is, as one sentence. `done`: share of the samples."""
+    what = f"{100.0 * done:.0f} % of the samples" if done > 0.0 else "a trial at few points"
+    return f"{name}, preview from {what}: standard error {100.0 * noise:.2g} %."

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..common import json_file
@@ -17,7 +17,7 @@ from ..interior.parts import WalkPart
 
 FORMAT, SCHEMA = "lamina-run", 1
 MOST_PARTS = 4096
-SAMPLES_PER_PART = 1 << 15  # about a second of work
+SAMPLES_PER_PART = 1 << 15  # about a second of work without lamps
 
 
 class PartFolder:
@@ -55,37 +55,47 @@ class PartFolder:
             text, path = json.dumps(header, indent=1, sort_keys=True) + "\n", self._path / "run.json"
             self._kept(lambda: write_atomically(path, lambda file: file.write(text.encode())), 0)
 
-    def run(self, job: dict, compute: Callable[[tuple[int, int], Progress], WalkPart],
-            step: Progress) -> list[WalkPart]:
-        """All parts, in sequence: read from the folder where they are whole, otherwise computed and written. `job`: the
-        description that each part must have."""
-        count = max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // SAMPLES_PER_PART)))
-        found = {number: self._load(job, (number, count)) for number in range(1, count + 1)}
+    def run(self, passes: Sequence[dict], compute: Callable[[dict, tuple[int, int], Progress], WalkPart],
+            step: Progress, passed: Callable[[list[list[WalkPart]]], None]) -> list[list[WalkPart]]:
+        """All parts of each pass, in sequence: read from the folder where they are whole, otherwise computed and
+        written. `passes`: the descriptions that the parts must have, which differ in their samples. Calls
+        `passed(parts so far)` after each pass except the last."""
+        plan = [(place, job, shard) for place, job in enumerate(passes) for shard in _shards(job)]
+        found = {number: self._load(job, shard, number, len(plan))
+                 for number, (_, job, shard) in enumerate(plan, start=1)}
         whole = {number: part for number, part in found.items() if part is not None}
-        began, before = time.perf_counter(), len(whole)
-        for number in range(1, count + 1):
+        work = [job["samples"] / shard[1] for _, job, shard in plan]
+        total, done = sum(work), sum(work[number - 1] for number in whole)
+        began, before = time.perf_counter(), done
+        parts: list[list[WalkPart]] = [[] for _ in passes]
+        for number, (place, job, shard) in enumerate(plan, start=1):
             if number not in whole:
-                done = len(whole)
-                text = f"Part {done + 1} of {count}"
+                text = f"Part {len(whole) + 1} of {len(plan)}"
                 if done > before:
-                    text += f", {time_left((time.perf_counter() - began) / (done - before) * (count - done))}"
-                whole[number] = compute((number, count), _named(portion(step, done / count, (done + 1) / count), text))
-                self._save(whole[number], done)
-        return [whole[number] for number in range(1, count + 1)]
+                    text += f", {time_left((time.perf_counter() - began) / (done - before) * (total - done))}"
+                within = portion(step, done / total, (done + work[number - 1]) / total)
+                part = compute(job, shard, _named(within, text))
+                self._save(part, number, len(plan), len(whole))
+                whole[number] = part
+                done += work[number - 1]
+            parts[place].append(whole[number])
+            if shard[0] == shard[1] and place + 1 < len(passes):
+                passed(parts[:place + 1])
+        return parts
 
-    def _load(self, job: dict, shard: tuple[int, int]) -> WalkPart | None:
+    def _load(self, job: dict, shard: tuple[int, int], number: int, count: int) -> WalkPart | None:
         """The part in the folder, or None if its file is missing, damaged or of another run."""
         if self._path is None:
             return None
         try:
-            part = WalkPart.load(self._path / _name(shard))
+            part = WalkPart.load(self._path / _name(number, count))
         except (ShardError, OSError):
             return None
         return part if part.job == job and part.shard == shard else None
 
-    def _save(self, part: WalkPart, done: int) -> None:
+    def _save(self, part: WalkPart, number: int, count: int, done: int) -> None:
         if self._path is not None:
-            path = self._path / _name(part.shard)
+            path = self._path / _name(number, count)
             self._kept(lambda: part.save(path), done)
 
     def _kept(self, write: Callable[[], None], done: int) -> None:
@@ -98,8 +108,13 @@ class PartFolder:
                           "them", str(self._path)) from None
 
 
-def _name(shard: tuple[int, int]) -> str:
-    return f"part-{shard[0]:04d}-of-{shard[1]:04d}.npz"
+def _shards(job: dict) -> list[tuple[int, int]]:
+    count = max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // SAMPLES_PER_PART)))
+    return [(number, count) for number in range(1, count + 1)]
+
+
+def _name(number: int, count: int) -> str:
+    return f"part-{number:04d}-of-{count:04d}.npz"
 
 
 def _named(step: Progress, text: str) -> Progress:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import check_whole
+from ..common.arguments import check_callable, check_whole
 from ..common.progress import Progress
 from ..interior.estimates import ExitEstimate
 from ..interior.grid import Interior
@@ -25,7 +25,7 @@ from ..walks.searchlight_moments import Measured
 from .body_response import targets_in_body
 from .lit import MOST_MARGIN
 from .map_walk import MapJob, MapWalk, walk_map
-from .noise import noise_of
+from .noise import noise_of, preview_report
 from .smoothing import smoothed
 
 WALKING = 0.8  # share of the progress: the walks of the map
@@ -41,7 +41,8 @@ class RelightableImages:
 
     `mask`: the texels, or the vertices, with a value of their own; texels of the margin have copies. `estimate`: exit
     albedo and distance with standard errors, at the points of the mask in sequence. `noise`: standard error of the exit
-    albedo relative to the mean over points and channels. `notes`: parts of the surface without texels."""
+    albedo relative to the mean over points and channels. `notes`: parts of the surface without texels. `done`: share of
+    the samples, below 1 in a preview; 0 in the first preview, which is interpolated between few points."""
 
     inputs: SubsurfaceInputs
     mask: np.ndarray
@@ -49,10 +50,13 @@ class RelightableImages:
     noise: float
     seconds: float
     notes: tuple[str, ...]
+    done: float = 1.0
 
     @property
     def report(self) -> str:
         """Size, noise and the nodes' errors, as two sentences."""
+        if self.done < 1.0:
+            return preview_report("Relightable", self.done, self.noise)
         return (f"Relightable: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, "
                 f"standard error {100.0 * self.noise:.2g} %. {self.inputs.report}")
 
@@ -61,7 +65,8 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
                        version: tuple[int, int] = (4, 5), noise: float = 0.02, samples: int | None = None,
                        seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None,
                        threads: int = 0, progress: Progress | None = None,
-                       cancel: Callable[[], bool] | None = None) -> RelightableImages:
+                       cancel: Callable[[], bool] | None = None,
+                       preview: Callable[[RelightableImages], None] | None = None) -> RelightableImages:
     """Color and Radius, for each texel of a UV map or each vertex, with which Cycles' Subsurface Scattering node has
     the exit albedo and the mean exit distance of an interior.
 
@@ -76,6 +81,10 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
     same bytes. A folder with parts of another call is refused; damaged parts are computed again. The folder is not
     deleted at the end. The same seed gives the same bytes for any number of `threads` (0: all).
 
+    `preview(images)` is called from time to time with the images so far: first with coarse ones from the trial, later
+    each time the number of samples has doubled. Previews lack the correction for thin parts. A run with previews has
+    other parts in its folder than one without.
+
     The images have less noise than the estimates: a regression on the coefficients below the texels, see
     lamina.maps.smoothing. A boundary is shown by a Glossy closure above the node, see SubsurfaceInputs. Light enters
     from all directions with the flux of a uniform sky, so the node's mean over views matches. Walks in two uniform
@@ -84,16 +93,23 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
     Embree."""
     checked_version(version)
     check_whole(margin, "margin", 0, MOST_MARGIN)
+    check_callable(preview, "preview")
     surface = Surface() if surface is None else surface
-    job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel)
+    job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel,
+                 None if preview is None else lambda walked: preview(_images(walked, surface, version, margin)))
     walked = walk_map(job, "exits", share=WALKING)
+    images = _images(walked, surface, version, margin)
+    walked.step(1.0, "Done")
+    return images
+
+
+def _images(walked: MapWalk, surface: Surface, version: tuple[int, int], margin: int) -> RelightableImages:
     found: ExitEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
     inputs = _inputs(found, walked, surface, version)
-    walked.step(1.0, "Done")
     images = {name: walked.places.filled(getattr(inputs, name), margin) for name in _ARRAYS}
     in_images = dataclasses.replace(inputs, **images)  # type: ignore[arg-type]  # fields that are arrays
     return RelightableImages(in_images, walked.places.mask, found, noise_of(found),
-                             time.perf_counter() - walked.began, walked.places.notes)
+                             time.perf_counter() - walked.began, walked.places.notes, walked.done)
 
 
 def _inputs(found: ExitEstimate, walked: MapWalk, surface: Surface, version: tuple[int, int]) -> SubsurfaceInputs:
@@ -102,12 +118,14 @@ def _inputs(found: ExitEstimate, walked: MapWalk, surface: Surface, version: tup
     # One pass for both, because the regression's matrices are the same
     both = Measured(np.stack([found.albedo.value, found.mean_distance.value], axis=1),
                     np.stack([found.albedo.stderr, found.mean_distance.stderr], axis=1))
-    albedo, distance = np.moveaxis(smoothed(walked.places, walked.walker.interior, both), 1, 0)
+    clean = smoothed(walked.places, walked.walker.interior, both) if walked.done else both.value
+    albedo, distance = np.moveaxis(clean, 1, 0)
     albedo = np.clip(albedo / entered, 0.0, 1.0)
     distance = np.maximum(np.nan_to_num(distance), 0.0)
     ior = min(max(surface.ior, LEAST_IOR), MOST_NODE_IOR)
     g, roughness = mean_anisotropy(walked.walker.interior), surface.alpha if surface.ior > 1.0 else 0.0
-    albedo, distance = targets_in_body(albedo, distance, walked.walker, g, ior, roughness, walked.step)
+    if walked.done == 1.0:
+        albedo, distance = targets_in_body(albedo, distance, walked.walker, g, ior, roughness, walked.step)
     return subsurface_inputs(albedo, distance, g, version, "diffuse", ior, roughness)
 
 

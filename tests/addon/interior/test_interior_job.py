@@ -197,6 +197,55 @@ def test_operator_and_worker(jobs, ball, lamina, call):
         job.finish()
 
 
+def test_previews(jobs, ball, lamina, tmp_path):
+    """Images while the job runs; numbers that an artist sets in the nodes meanwhile are kept."""
+    from bl_ext.user_default.lamina.ui import interior_panel
+
+    sun("Key", (0.5, 0.2, 0.0))
+    material = ball.active_material
+    material.lamina.interior.output = "LIT"
+    seen = []
+    found = jobs.compute(jobs.gather(bpy.context, ball, material, tmp_path), preview=seen.append)
+    assert seen[0].done == 0.0 and 0.0 < seen[1].done < 1.0 and found.done == 1.0
+    job = jobs.start(bpy.context, ball, material)
+    job.wait()
+    for preview in seen[:2]:
+        job._keep(preview)
+        job.tick()
+        np.testing.assert_array_equal(images(material.lamina.lateral_group)["Key"][..., :3], preview.lamps[0])
+        assert material.lamina.interior.report.startswith("Lit, preview from ")
+        surface_source(material).inputs["Key Strength"].default_value = 7.0
+    context = SimpleNamespace(
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=600),
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=ball, material=material,
+        scene=bpy.context.scene,
+    )  # fmt: skip
+    assert any("preview from" in line for line in drawn(
+        lambda layout: interior_panel.LAMINA_PT_interior.draw(SimpleNamespace(layout=layout), context)))  # fmt: skip
+    assert job.finish() == material
+    jobs.forget()
+    np.testing.assert_array_equal(images(material.lamina.lateral_group)["Key"][..., :3], found.lamps[0])
+    assert surface_source(material).inputs["Key Strength"].default_value == 7.0
+    assert material.lamina.interior.report == found.report and not job.task.folder.exists()
+
+
+def test_a_cancelled_job_leaves_its_preview(jobs, ball, lamina, tmp_path):
+    material = ball.active_material
+    seen = []
+    jobs.compute(jobs.gather(bpy.context, ball, material, tmp_path), preview=seen.append)
+    job = jobs.start(bpy.context, ball, material)
+    job._keep(seen[0])
+    job.tick()
+    job.cancel()
+    job.wait()
+    job._keep(seen[1])
+    job.tick()  # after a cancel nothing changes any more
+    assert job.finish() == material
+    jobs.forget()
+    np.testing.assert_array_equal(images(material.lamina.lateral_group)["color"][..., :3], seen[0].inputs.color)
+    assert material.lamina.interior.report.endswith(jobs.STOPPED)
+
+
 def test_presets_of_end_materials(jobs, ball, addon, call):
     from bl_ext.user_default.lamina.interior import contents
 

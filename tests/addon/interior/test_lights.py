@@ -35,6 +35,10 @@ def lit_scene(name):
     scene.collection.objects.link(obj)
     scene.world = bpy.data.worlds.new("Dark")
     scene.world.color = (0.0, 0.0, 0.0)
+    # From Blender 5.0 on, a new world has nodes, with a grey background.
+    for node in scene.world.node_tree.nodes if scene.world.node_tree is not None else ():
+        if node.type == "BACKGROUND":
+            node.inputs["Strength"].default_value = 0.0
     bpy.context.view_layer.update()
     return scene
 
