@@ -15,10 +15,15 @@ from z_limit import z_limit
 import lamina
 from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack, lobes
 
-SPHERE = json.loads((Path(__file__).parents[1] / "data/portal_sphere.json").read_text())["paths"]
+DATA = Path(__file__).parents[1] / "data"
+SPHERE = {(ior, path): blocks for ior, name in ((1.0, "portal_sphere"), (1.4, "portal_sphere_boundary"))
+          for path, blocks in json.loads((DATA / f"{name}.json").read_text())["paths"].items()}
 # Root mean square over the mean, and the energy's error. Measured: .03, .06, .15 and .012, .024, .012. Random Walk has
 # .17, .27, .44. A portal with Lambert entry and single scattering by a local closure has .047, .095, .206.
-REACHED = {"0.03": (0.04, 0.018), "0.1": (0.068, 0.03), "0.3": (0.16, 0.025)}
+# Under a boundary, measured: .026, .046, .129 and .009, .024, .06. With weights for a plane: .07, .16, .30 and .05,
+# .12, .23.
+REACHED = {(1.0, "0.03"): (0.04, 0.018), (1.0, "0.1"): (0.068, 0.03), (1.0, "0.3"): (0.16, 0.025),
+           (1.4, "0.03"): (0.035, 0.014), (1.4, "0.1"): (0.056, 0.03), (1.4, "0.3"): (0.145, 0.07)}
 
 
 def deep(albedos, phase, extinction=4.0):
@@ -75,14 +80,15 @@ def once_scattered_moment(albedo, g):
     return albedo * 0.5 * np.sum(w * phase * np.sqrt(1.0 - mu * mu) / mu / (1.0 + 1.0 / mu) ** 2)
 
 
-@pytest.mark.parametrize("path", SPHERE)
-def test_sphere(addon, path):
-    """Against renders of Cycles' volume, which this repository keeps."""
+@pytest.mark.parametrize(("ior", "path"), SPHERE)
+def test_sphere(addon, ior, path):
+    """Against references that this repository keeps: renders of Cycles' volume, and walks under a boundary."""
     extinction = 0.001 / float(path)  # per millimetre: the sphere's radius is a metre
-    material = portal(addon, "sphere", Stack([deep([0.9], Isotropic(), extinction)]))
+    boundary = [Interface(ior)] if ior > 1.0 else []
+    material = portal(addon, "sphere", Stack([*boundary, deep([0.9], Isotropic(), extinction)]))
     first, second = (sphere_blocks(material, 48, seed) for seed in (1, 2))
-    truth = np.array(SPHERE[path])
-    rms, energy = REACHED[path]
+    truth = np.array(SPHERE[ior, path])
+    rms, energy = REACHED[ior, path]
     # The noise of two renders is independent: the mean of their product is free of it.
     assert np.mean((first - truth) * (second - truth)) < (rms * truth.mean()) ** 2
     assert 0.5 * (first + second).mean() == pytest.approx(truth.mean(), rel=energy)

@@ -28,7 +28,9 @@ class EntryLobes(NamedTuple):
 
 def fit(entering: np.ndarray) -> EntryLobes:
     """Closures with the directions of `entering`: light that enters at COSINES, as a share of the incident light, shape
-    (64, channels). Only the dependence on direction counts: the closures together reflect all light."""
+    (64, channels). Only the dependence on direction counts: the closures together reflect all light. A channel without
+    light gets the Diffuse closure."""
+    entering = np.where(np.any(entering > 0.0, axis=0), entering, 1.0)
     mean = 2.0 * (_WEIGHTS * COSINES) @ entering
     wanted = entering / mean * COSINES[:, None] / np.pi  # times the cosine, like closures
     flat, _ = _lobe(diffuse())

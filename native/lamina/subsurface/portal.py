@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables for a tabulated BSSRDF of a stack, rendered in Cycles by its Ray Portal BSDF.
 
-The portal moves the camera ray to a source below the shading point, with a direction uniform over the upper hemisphere.
-The ray hits the surface from inside and evaluates ordinary closures there. On a plane, the hits of a source at depth
-z have the density z / (2 pi (z^2 + r^2)^1.5) over the distance r. A weight that depends on r turns the mean of these
-densities over all depths into the stack's profile. On a curved surface each ray still hits the surface, so no light is
-lost."""
+The portal moves the camera ray to a source below the shading point, with a random direction. The ray hits the surface
+from inside and evaluates ordinary closures there. If directions are uniform over the upper hemisphere, the hits of a
+source at depth z have the density z / (2 pi t^3) on a plane, at the distance r and the path length t, where
+t^2 = r^2 + z^2. Weights turn the mean of these densities over all depths into the stack's profile.
+
+* With single scattering by a volume, the weight depends on r. Each ray hits a curved surface, too, so a curved surface
+  reflects as much light as a plane.
+* Otherwise the hit is weighted where the ray leaves. The weight contains the factor (1 + k t) exp(-k (t - z)) for a
+  diffusing medium with the decay k (see source_depths), and the ratio of z / (2 pi t^3) to the density of hits on the
+  actual surface. Ways through a convex body are shorter than below a plane, so more light leaves."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -20,32 +24,39 @@ from ..common.progress import Progress, portion, stepper
 from ..lateral.searchlight import Searchlight, searchlight
 from ..material.any_stack import AnyStack, as_stack
 from ..solver.solve import ScatteringFunction, solve
-from . import entry_lobes, single_scattering
+from . import entry_lobes, plane_rings, single_scattering, source_depths
 from .entry_lobes import EntryLobes
 from .node_parameters import LEAST_IOR
 from .single_scattering import SingleScattering
+from .source_depths import Sources, flux_density
 from .stack_nodes import boundary_on_top, require_finite_distance
 
 DEPTHS, WEIGHTS, VIEWS = 1024, 1024, 256  # sizes of the tables
 # Ratio of source depth to exit distance at equal quantiles. The profile of an isotropic half-space equals that of
 # sources with absorption. Up to the median the depths of these sources have this ratio (albedo .9).
 DEPTH_SHARE = 0.9
+LEAST_COSINE = -0.05  # of rays that are weighted at the exit: a convex surface reaches below the source
+LARGEST_WEIGHT = 2.0  # of rays that are weighted at the exit, by distance
+LEAST_FLUX = 1e-300  # avoids 0 / 0 in channels without light
 
 
 @dataclass(frozen=True, eq=False)
 class PortalTables(ByContent):
     """Tables of the portal. Lengths in millimetres.
 
-    `depths`, shape (DEPTHS,): equally likely depths of sources. `weights`, (WEIGHTS, channels): weight of a ray by the
-    distance r on the plane, at r / (r + scale) = k / (WEIGHTS - 1). `views`, (VIEWS, channels): share of the light
-    entering below the boundary that goes through the portal, at the view cosine k / (VIEWS - 1). `single`: the medium
-    whose single scattering does not go through the portal, or None. `entry`: closures for the directions from which
-    light enters. `ior`, `roughness`: the boundary on top, ior 1.01 for none. `albedo`, `distance`, (channels,): exit
-    albedo and mean exit distance of all light without the boundary's reflection, for a view along the normal.
-    `profile_error`: largest error, from the tables' resolution, of the flux within any distance, relative to the total
-    flux."""
+    `depths`, shape (DEPTHS,): equally likely depths of sources. `shares`, (DEPTHS, channels): weight of a ray by the
+    depth of its source. `decay`, (channels,): decay k of the light along a ray, 1/mm, 0 for none. `weights`,
+    (WEIGHTS, channels): weight of a ray by the distance r on the plane, at r / (r + scale) = k / (WEIGHTS - 1).
+    `views`, (VIEWS, channels): share of the light entering below the boundary that goes through the portal, at the view
+    cosine k / (VIEWS - 1). `single`: the medium whose single scattering does not go through the portal, or None.
+    `entry`: closures for the directions from which light enters. `ior`, `roughness`: the boundary on top, ior 1.01 for
+    none. `albedo`, `distance`, (channels,): exit albedo and mean exit distance of all light without the boundary's
+    reflection, for a view along the normal. `profile_error`: largest error, from the tables' resolution, of the flux
+    within any distance, relative to the total flux."""
 
     depths: np.ndarray
+    shares: np.ndarray
+    decay: np.ndarray
     weights: np.ndarray
     scale: float
     views: np.ndarray
@@ -61,6 +72,16 @@ class PortalTables(ByContent):
     def has_boundary(self) -> bool:
         """True if the material needs a Glossy closure for a boundary on top."""
         return self.ior > LEAST_IOR
+
+    @property
+    def weighted_at_exit(self) -> bool:
+        """True if rays are weighted where they leave the surface."""
+        return self.single is None
+
+    @property
+    def least_cosine(self) -> float:
+        """The smallest cosine between a source's ray and the normal. Cosines are uniform up to 1."""
+        return LEAST_COSINE if self.weighted_at_exit else 0.0
 
     @property
     def report(self) -> str:
@@ -84,38 +105,17 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     distance = require_finite_distance(beam, on_top)
     single = single_scattering.of_stack(stack)
     scale = float(np.median(distance))
-    r = _distances(scale)
+    r = plane_rings.distances(scale, 8 * WEIGHTS)
     light = np.stack([_profile(beam, c, r, single) for c in range(stack.channels)], axis=1)
-    within = _within(r, light)
-    ranks = (np.arange(DEPTHS) + 0.5) / DEPTHS
-    depths = DEPTH_SHARE * np.interp(ranks, (within / within[-1]).mean(axis=1), r)
-    weights, error = _weights(depths, scale, r, light, within)
+    sources = source_depths.fit(r, light, DEPTHS) if single is None else _quantiles(r, light)
+    weights, error = _weights(sources, scale, r, light)
     step(0.9, "Views")
     solved = solve(stack, quality)
     views = _views(solved, single, quality)
     entry = entry_lobes.fit(_inside(solved, entry_lobes.COSINES, single, quality)[0])
     step(1.0, "Done")
-    return PortalTables(depths, weights, scale, views, single, entry, ior, roughness,
+    return PortalTables(*sources, weights, scale, views, single, entry, ior, roughness,
                         (beam.reflectance - on_top) / (1.0 - on_top), distance, error)
-
-
-def _distances(scale: float) -> np.ndarray:
-    """Nodes for integrals over the plane: uniform in r / (r + scale)."""
-    u = (np.arange(8 * WEIGHTS) + 0.5) / (8 * WEIGHTS)
-    return scale * u / (1.0 - u)
-
-
-def _rings(r: np.ndarray) -> np.ndarray:
-    """Areas of the rings around the nodes r of _distances."""
-    scale = r[0] * (2.0 * len(r) - 1.0)  # r[0] = scale u / (1 - u) with u = .5 / len(r)
-    edges = np.arange(len(r) + 1) / len(r)
-    edges = scale * edges[:-1] / (1.0 - edges[:-1])
-    return math.pi * np.diff(np.append(edges, 2.0 * r[-1] - edges[-1]) ** 2)
-
-
-def _within(r: np.ndarray, density: np.ndarray) -> np.ndarray:
-    """Flux within the outer edge of each ring."""
-    return np.cumsum(density * _rings(r)[:, None], axis=0)
 
 
 def _profile(beam: Searchlight, index: int, r: np.ndarray, single: SingleScattering | None) -> np.ndarray:
@@ -127,17 +127,32 @@ def _profile(beam: Searchlight, index: int, r: np.ndarray, single: SingleScatter
     return np.maximum(density, 0.0)
 
 
-def _weights(depths: np.ndarray, scale: float, r: np.ndarray, light: np.ndarray,
-             within: np.ndarray) -> tuple[np.ndarray, float]:
+def _quantiles(r: np.ndarray, light: np.ndarray) -> Sources:
+    """Sources without absorption, at DEPTH_SHARE of the quantiles of the exit distance."""
+    flux, channels = plane_rings.within(r, light), light.shape[1]
+    ranks = (np.arange(DEPTHS) + 0.5) / DEPTHS
+    depths = DEPTH_SHARE * np.interp(ranks, (flux / np.maximum(flux[-1], LEAST_FLUX)).mean(axis=1), r)
+    return Sources(depths, np.ones((DEPTHS, channels)), np.zeros(channels))
+
+
+def _weights(sources: Sources, scale: float, r: np.ndarray, light: np.ndarray) -> tuple[np.ndarray, float]:
     """(weights at WEIGHTS distances, largest error of the flux within any distance)."""
-    shown = np.mean(depths / (2.0 * math.pi * np.hypot(depths, r[:, None]) ** 3), axis=1)
-    exact = light / within[-1] / shown[:, None]
+    flux = plane_rings.within(r, light)
+    total = np.maximum(flux[-1], LEAST_FLUX)
+    share = flux / total
+    shown = np.stack([flux_density(sources.depths, r, k) @ of_depth / DEPTHS
+                      for k, of_depth in zip(sources.decay, sources.shares.T, strict=True)], axis=1)
+    exact = light / total / np.maximum(shown, LEAST_FLUX)
+    if np.any(sources.decay > 0.0):
+        # The quotient is near 1, but for single scattering next to the entry, which grows like 1 / r, and for
+        # distances that hardly any light reaches.
+        exact = np.minimum(exact, LARGEST_WEIGHT)
     u, places = r / (r + scale), np.linspace(0.0, 1.0, WEIGHTS)
     table = np.stack([np.interp(places, u, column) for column in exact.T], axis=1)
     read = np.stack([np.interp(u, places, column) for column in table.T], axis=1)
-    reached = _within(r, read * shown[:, None])
-    table = table / reached[-1]
-    return table, float(np.max(np.abs(reached / reached[-1] - within / within[-1])))
+    reached = plane_rings.within(r, read * shown)
+    reached_in_all = np.maximum(reached[-1], LEAST_FLUX)
+    return table / reached_in_all, float(np.max(np.abs(reached / reached_in_all - share)))
 
 
 def _views(solved: ScatteringFunction, single: SingleScattering | None, quality: str) -> np.ndarray:

@@ -11,7 +11,7 @@ from z_limit import z_limit
 import lamina
 from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack, lobes
 from lamina.common.errors import StackError
-from lamina.subsurface import entry_lobes, single_scattering
+from lamina.subsurface import entry_lobes, plane_rings, single_scattering, source_depths
 from lamina.subsurface.portal import DEPTHS, WEIGHTS
 
 COUNT = 400_000
@@ -37,14 +37,20 @@ def tables_of(name):
 
 
 def drawn(tables, seed):
-    """(distances, weights) of rays sampled like in the shader: random source and cosine, weight from the table."""
+    """(distances, weights) of rays sampled like in the shader: random source and cosine, weight from the tables. Rays
+    below the horizon do not reach the plane."""
     rng = np.random.default_rng(seed)
-    depth = tables.depths[rng.integers(0, DEPTHS, COUNT)]
-    cosine = 1.0 - rng.random(COUNT)
-    r = depth * np.sqrt(1.0 - cosine**2) / cosine
+    source = rng.integers(0, DEPTHS, COUNT)
+    depth = tables.depths[source]
+    cosine = 1.0 - (1.0 - tables.least_cosine) * rng.random(COUNT)
+    way = depth / np.where(cosine > 0.0, cosine, 1e-9)
+    r = way * np.sqrt(1.0 - cosine**2)
     place = r / (r + tables.scale)
     grid = np.linspace(0.0, 1.0, WEIGHTS)
-    return r, np.stack([np.interp(place, grid, column) for column in tables.weights.T], axis=1)
+    weights = np.stack([np.interp(place, grid, column) for column in tables.weights.T], axis=1)
+    fall = (1.0 + tables.decay * way[:, None]) * np.exp(-tables.decay * (way - depth)[:, None])
+    above = np.where(cosine > 0.0, 1.0 - tables.least_cosine, 0.0)
+    return r, weights * tables.shares[source] * fall * above[:, None]
 
 
 @pytest.mark.parametrize("name", STACKS)
@@ -154,3 +160,27 @@ def test_what_the_volume_scatters():
 def test_light_that_nothing_absorbs():
     with pytest.raises(StackError, match="leaves at an infinite mean distance"):
         lamina.portal_tables(Stack([deep([1.0], Isotropic())]), "preview")
+
+
+def test_sources_of_a_decaying_profile():
+    """A mixture of sources in an absorbing medium is found again, with the medium's decay."""
+    r = plane_rings.distances(1.0, 8 * WEIGHTS)
+    given = np.array([[0.4, 1.5], [0.2, 0.9]])  # depths by channel
+    light = np.stack([source_depths.flux_density(z, r, k).mean(axis=1) for z, k in zip(given, (0.5, 1.0), strict=True)],
+                     axis=1)
+    found = source_depths.fit(r, light, DEPTHS)
+    assert found.decay == pytest.approx([0.5, 1.0], rel=0.15)
+    assert found.shares.mean(axis=0) == pytest.approx([1.0, 1.0])
+    for c in range(2):
+        shown = source_depths.flux_density(found.depths, r, found.decay[c]) @ found.shares[:, c] / DEPTHS
+        apart = plane_rings.within(r, (shown - light[:, c])[:, None])
+        assert np.max(np.abs(apart)) < 0.01
+
+
+def test_black_channel():
+    """A channel without reflected light has weights of 0, and no effect on the others."""
+    tables = lamina.portal_tables(Stack([Interface(1.4), deep([0.9, 0.9, 0.0], Isotropic())]), "preview")
+    assert np.all(np.isfinite(tables.weights)) and np.all(np.isfinite(tables.shares))
+    assert not np.any(tables.weights[:, 2]) and not tables.decay[2]
+    assert tables.weights[:, 0] == pytest.approx(tables.weights[:, 1])
+    assert tables.entry.diffuse[2] == pytest.approx(1.0) and np.all(np.isfinite(tables.entry.toon))
