@@ -10,15 +10,17 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Around:
     """`corners`: the places (u, v) for the roughness below and above, as sockets; `share`: that of the one
-    above."""
+    above; `places`: v alone of the two."""
 
     corners: tuple
+    places: tuple
     share: object
 
 
-def around(graph, inputs, corner, count, step):
-    """The places around the group's input Roughness, from the place `corner` at the first of `count`
-    roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one roughness."""
+def around(graph, inputs, corner, v, count, step):
+    """The places around the group's input Roughness, from the place `corner` with the second number `v`,
+    at the first of `count` roughnesses. These are uniform from 0 to 1, and `step` apart in v. None for one
+    roughness."""
     if count < 2:
         return None
     given = graph.math("MULTIPLY", 0.4, 12.6, "roughness row", inputs.outputs["Roughness"], float(count - 1))
@@ -28,9 +30,12 @@ def around(graph, inputs, corner, count, step):
     below = graph.math("MINIMUM", 4.4, 12.6, "row below", whole, float(count - 2))
     share = graph.math("SUBTRACT", 5.4, 12.6, "share of the row above", place, below)
     lower = graph.node("ShaderNodeCombineXYZ", 6.2, 12.6, "v of the row below")
-    graph.link(graph.math("MULTIPLY", 5.4, 13.6, "v", below, step), lower.inputs[1])
+    up = graph.math("MULTIPLY", 5.4, 13.6, "v", below, step)
+    graph.link(up, lower.inputs[1])
     first = graph.vector("ADD", 6.2, 13.6, "row below", corner, lower.outputs[0])
-    return Around((first, graph.vector("ADD", 6.2, 14.6, "row above", first, (0.0, step, 0.0))), share)
+    second = graph.vector("ADD", 6.2, 14.6, "row above", first, (0.0, step, 0.0))
+    low = graph.math("ADD", 5.4, 14.6, "v below", v, up)
+    return Around((first, second), (low, graph.math("ADD", 5.4, 15.6, "v above", low, step)), share)
 
 
 def between(graph, column, line, share, lower, upper):

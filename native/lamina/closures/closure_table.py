@@ -99,7 +99,7 @@ def only(grid: LightGrid, mixed: bool, ids: tuple[str, ...]) -> Closures:
 def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
                first: Closures | None = None) -> Closures:
     mu_o = view_cosines()[::stride]
-    values, albedo = _sample(ids, grid, mu_o), _albedos(tuple(ids), stride)
+    values, albedo = _sample(ids, grid, mu_o), albedos(tuple(ids), stride)
     if mixed:
         available = _available(ids, albedo)
         # Light that strays beyond the horizon counts, so that the sum of both sides is exact.
@@ -113,7 +113,7 @@ def _tabulated(ids: Sequence[str], grid: LightGrid, mixed: bool, stride: int,
 
 
 @functools.lru_cache(maxsize=16)
-def _albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
+def albedos(ids: tuple[str, ...], stride: int) -> np.ndarray:
     """Directional albedos [column, closure] on the closure's own side of the horizon. They have their own grids: finer
     for closures with edges, denser near the mirror direction for narrow lobes. A cone that is wholly above the horizon
     is integrated in closed form, because the edge of a narrow cone is too sharp for a grid."""
