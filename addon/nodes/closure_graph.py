@@ -15,6 +15,8 @@ from ..base.messages import RefusedError
 from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, lobe_of
 from . import (
     covered_graph,
+    eevee_graph,
+    eevee_lookup,
     lut_image,
     mix_shader,
     principled_graph,
@@ -62,26 +64,27 @@ def largest_tau(lut):
     return float(axis["values"][-1]) if axis["count"] > 1 else None
 
 
-def draw(tree, lut, image, recipe_of):
-    """Add the whole graph of `lut` to `tree`. `recipe_of(closure id)` -> NodeRecipe. Returns the Graph.
+def draw(tree, lut, eevee, image, recipe_of):
+    """Add the whole graph of `lut` to `tree`. `eevee`: the RealTimeTable of `lut`. `recipe_of(closure id)` ->
+    NodeRecipe. Returns the Graph.
 
     Removes all added nodes if it fails. Raises UnknownClosureError.
     """
     graph = Graph(tree)
     try:
-        _draw(graph, lut, image, recipe_of)
+        _draw(graph, lut, eevee, image, recipe_of)
     except BaseException:
         graph.remove_created()
         raise
     return graph
 
 
-def _draw(graph, lut, image, recipe_of):
+def _draw(graph, lut, eevee, image, recipe_of):
     rows = lut.header["axes"]["tau"]["count"]
     strip_rows = rows * roughness_rows(lut)
     closures = lut.header["closures"]
     columns = lut.header["axes"]["view"]["count"]
-    height = lut_image.height_of(lut)
+    height = lut_image.height_of(lut, eevee)
     used = [closures[index] for index in used_closures(lut)]
     covered = covered_graph.is_covered(lut)
     strips = covered_graph.by_closure(used) if covered else {name: [name] for name in used}
@@ -120,7 +123,7 @@ def _draw(graph, lut, image, recipe_of):
         graph.link(place, texture.inputs[0])
         return texture.outputs["Color"]
 
-    around = roughness_graph.around(graph, inputs, corner.outputs[0], roughness_rows(lut), rows / height,
+    around = roughness_graph.around(graph, inputs, corner.outputs[0], v, roughness_rows(lut), rows / height,
                                     rows == 1)
 
     def strip(name, column, line, label):
@@ -131,12 +134,24 @@ def _draw(graph, lut, image, recipe_of):
         lower, upper = (look_up(one, index, column, line, label) for one in around.corners)
         return roughness_graph.between(graph, column + 1.6, line, around.share, lower, upper)
 
+    graph.begin_frame("Texels for Eevee", ANGLE_COLOUR)
+    chooser = eevee_graph.is_eevee(graph)
+    places, share = ([v], None) if around is None else (around.places, around.share)
+    varies = rows > 1 or (around is not None and share is None)
+    texels = eevee_lookup.Texels(graph, image, angle, columns, places, height, strip_rows, varies, share)
+
+    def of_both(name, line, label):
+        """A strip that Cycles and Eevee share."""
+        value = strip(name, 7, line, label)
+        (exact,) = texels.read(closures.index(name), 7, line, f"{eevee_graph.LABEL} {label}", alpha=False)
+        return eevee_graph.chosen_value(graph, line, chooser, value, exact)
+
     gains = {}
     for prefix in ("", METAL):
         if prefix + THROWN_BACK in closures and BASE_WEIGHT not in closures and not covered:
             graph.begin_frame("Base color c, thrown back again and again: c / (1 - c r)", BASE_COLOUR)
             line, colour = -6 if prefix else -3, inputs.outputs["Base Color"]
-            thrown_back = strip(prefix + THROWN_BACK, 7, line, "r")
+            thrown_back = of_both(prefix + THROWN_BACK, line, "r")
             gains[prefix] = _again_and_again(graph, line, "c / (1 - c r)", colour, colour, thrown_back)
     if covered:
         graph.begin_frame("Factors of the base below: metallic, and color, again and again", BASE_COLOUR)
@@ -149,21 +164,29 @@ def _draw(graph, lut, image, recipe_of):
         weight = factors.total(line, names) if covered else strip(name, 7, line, f"weight {name}")
         if name.removeprefix(prefix).startswith(PREFIX):
             weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gains[prefix])
+        if recipe.weight_input == "Coat Tint":
+            weight = eevee_graph.dark(graph, line, chooser, weight)
         shader = _closure(graph, line, name, recipe, weight, directions, widths)
         before = totals.get(prefix)
         totals[prefix] = shader if before is None else mix_shader.added(graph, 12, line, "", before, shader)
+    if eevee.strips:
+        graph.begin_frame("Closures for Eevee, which has few kinds", CLOSURE_COLOUR)
+        shown = eevee_graph.totals(graph, lut, eevee, texels, gains, normal, incoming)
+        totals = {prefix: eevee_graph.chosen(graph, -4 if prefix else -5, chooser, total, shown[prefix])
+                  for prefix, total in totals.items()}
+        graph.end_frame()
     total = totals[""]
     if PRINCIPLED in closures:
         graph.begin_frame("Principled BSDF below, as the layers leave it", BASE_COLOUR)
         if METAL in totals:
             metallic = inputs.outputs["Metallic"]
             total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", metallic, total, totals[METAL])
-        weight = strip(PRINCIPLED, 7, -2, "w")
+        weight = of_both(PRINCIPLED, -2, "w")
         total = principled_graph.beside(graph, lut, inputs, normal, weight, total)
     if BASE_WEIGHT in closures:
         graph.begin_frame("Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
-        thrown_back = strip(THROWN_BACK, 7, -3, "r")
-        weight = strip(BASE_WEIGHT, 7, -2, "w")
+        thrown_back = of_both(THROWN_BACK, -3, "r")
+        weight = of_both(BASE_WEIGHT, -2, "w")
         colour = inputs.outputs[shader_base_graph.REFLECTANCE]
         weight = _again_and_again(graph, -3, "w / (1 - c r)", weight, colour, thrown_back)
         total = shader_base_graph.over(graph, inputs, weight, total)
@@ -230,11 +253,11 @@ def _thickness_scale(lut, rows, height):
     return min(largest, 1.0e30), (rows - 1) / height / last if last else 0.0
 
 
-def rescale(tree, lut):
+def rescale(tree, lut, eevee):
     """Changes a drawn tree to the thickness axis of another table of the same layout."""
     rows = lut.header["axes"]["tau"]["count"]
     if rows > 1:
-        most, scale = _thickness_scale(lut, rows, lut_image.height_of(lut))
+        most, scale = _thickness_scale(lut, rows, lut_image.height_of(lut, eevee))
         values = {side_graph.MOST_LABEL: most, SCALE_LABEL: scale}
         for node in tree.nodes:
             if node.type == "MATH" and node.label in values:

@@ -3,6 +3,8 @@
 
 The height is rounded up to a power of two, so that every texel centre is exact in float32 and no
 strip bleeds into its neighbour by rounding: weights of two strips may differ a thousandfold.
+The strips of Eevee's closures follow those of the table, in blocks of as many strips, so that the
+strip of a sheet's bottom side is as far above the strip of the top side as in the table.
 """
 
 import numpy as np
@@ -10,16 +12,33 @@ import numpy as np
 from ..base import data_image
 
 
-def height_of(lut):
-    """Height of the image in texels: that of `lut.image()`, rounded up to a power of two."""
-    return 1 << (len(lut.image()) - 1).bit_length()
+def eevee_strip(lut, number):
+    """The place, in strips from the bottom, of strip `number` of Eevee's table (its top side)."""
+    sides, count = np.shape(lut.weights)[:2]
+    block, place = divmod(number, count)
+    return sides * count * (1 + block) + place
 
 
-def create(name, lut):
-    """A new image that holds `lut.image()` in its lower rows. It has no user yet."""
+def height_of(lut, eevee):
+    """Height of the image in texels, a power of two. `eevee`: lamina's RealTimeTable of `lut`."""
+    return 1 << (_rows(lut, eevee) - 1).bit_length()
+
+
+def create(name, lut, eevee):
+    """A new image without users: `lut.image()` in its lower rows, and Eevee's strips above."""
     texels = np.ascontiguousarray(lut.image(), dtype=np.float32)
-    rows, width, _ = texels.shape
-    padded = np.zeros((height_of(lut), width, 4), dtype=np.float32)
-    padded[:rows] = texels
-    padded[rows:, :, 3] = 1.0
+    count, rows, width = np.shape(lut.weights)[1:4]
+    padded = np.zeros((height_of(lut, eevee), width, 4), dtype=np.float32)
+    padded[:, :, 3] = 1.0
+    padded[:len(texels)] = texels
+    for side, strips in enumerate(eevee.texels):
+        for number, strip in enumerate(strips):
+            first = (eevee_strip(lut, number) + side * count) * rows
+            padded[first:first + rows] = strip
     return data_image.create(name, padded)
+
+
+def _rows(lut, eevee):
+    sides, count, rows = np.shape(lut.weights)[:3]
+    blocks = 1 + -(-len(eevee.strips) // count)
+    return sides * count * rows * blocks if sides > 1 else count * rows + len(eevee.strips) * rows

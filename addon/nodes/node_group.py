@@ -33,18 +33,18 @@ def build(material, lut):
     Returns the node group. Nothing is changed when it fails. Raises closure_graph.UnknownClosureError,
     NativeMissingError.
     """
-    recipe_of = recipe_source()
+    recipe_of, eevee = recipe_source(), few_closures(lut)
     before.switch_nodes_on(material)
     group, is_new = _own_group(material)
     old_nodes = list(group.nodes)
     old_images = images_of(old_nodes)
-    image = lut_image.create(f"Lamina {material.name}", lut)
+    image = lut_image.create(f"Lamina {material.name}", lut, eevee)
     tau = closure_graph.largest_tau(lut)
     old_tau = group.get("lamina_largest_tau")
     base = group_sockets.of_base(lut)
     added = group_sockets.add_missing(group, tau, base)
     try:
-        closure_graph.draw(group, lut, image, recipe_of)
+        closure_graph.draw(group, lut, eevee, image, recipe_of)
     except BaseException:
         bpy.data.images.remove(image)
         group_sockets.remove(group, added)
@@ -56,7 +56,7 @@ def build(material, lut):
     group_sockets.settle(group, tau, base)
     _replace_images(old_images, image)
     _note_origin(group, lut)
-    group["lamina_layout"] = _layout(lut)
+    group["lamina_layout"] = _layout(lut, eevee)
     group["lamina_largest_tau"] = -1.0 if tau is None else min(tau, LARGEST)
     group["lamina_shows_back"] = side_graph.shows_back(lut)
     if is_new:
@@ -86,7 +86,8 @@ def update(material, lut):
     group = material.lamina.node_group
     if group is None or not group.is_editable or _is_shared(material, group):
         return False
-    drawn, wanted = _parse(group.get("lamina_layout")), _parse(_layout(lut))
+    eevee = few_closures(lut)
+    drawn, wanted = _parse(group.get("lamina_layout")), _parse(_layout(lut, eevee))
     if not drawn or {**drawn, "drawn": None} != {**wanted, "drawn": None}:
         return False
     images = images_of(group.nodes)
@@ -94,12 +95,12 @@ def update(material, lut):
         return False
     tau, old_tau = closure_graph.largest_tau(lut), group.get("lamina_largest_tau")
     if tau is not None and old_tau != min(tau, LARGEST):
-        closure_graph.rescale(group, lut)
+        closure_graph.rescale(group, lut, eevee)
         group_sockets.settle(group, tau, group_sockets.of_base(lut))
         group["lamina_largest_tau"] = min(tau, LARGEST)
         group_sockets.follow_thickness(group, old_tau, tau)
     group_sockets.follow_base(group, group_sockets.of_base(lut))
-    _replace_images(images, lut_image.create(f"Lamina {material.name}", lut))
+    _replace_images(images, lut_image.create(f"Lamina {material.name}", lut, eevee))
     _note_origin(group, lut)
     return True
 
@@ -139,6 +140,14 @@ def recipe_source():
             ) from None
 
     return recipe_of
+
+
+def few_closures(lut):
+    """The closures of `lut` for Eevee. Raises closure_graph.UnknownClosureError, NativeMissingError."""
+    try:
+        return native.part("baking.real_time").few_closures(lut)
+    except (KeyError, ValueError) as error:
+        raise closure_graph.UnknownClosureError(error.args[0]) from None
 
 
 def group_nodes(material, group=None):
@@ -216,12 +225,13 @@ def _is_shared(material, group):
     return any(other != material and other.lamina.node_group == group for other in bpy.data.materials)
 
 
-def _layout(lut):
+def _layout(lut, eevee):
     """Everything that the group's nodes depend on, as text: between tables of the same layout only the image
     differs."""
     axes = lut.header["axes"]
     layout = {
         "closures": lut.header["closures"],
+        "eevee": eevee.strips,
         "drawn": closure_graph.used_closures(lut),
         "sides": lut.header["sides"],
         "turns over": side_graph.turns_over(lut),

@@ -9,32 +9,38 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Around:
-    """`corners`: the places (u, v) for the roughness below and above, as sockets, or one for both; `share`:
-    that of the one above, or None."""
+    """`corners`: the places (u, v) for the roughness below and above, as sockets, or one for both; `places`: v
+    alone of them; `share`: that of the one above, or None."""
 
     corners: tuple
+    places: tuple
     share: object
 
 
-def around(graph, inputs, corner, count, step, is_alone):
-    """The places around the group's input Roughness, from the place `corner` at the first of `count`
-    roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one roughness. With `is_alone`,
-    no layer varies, and the image itself interpolates between roughnesses: there is only one place."""
+def around(graph, inputs, corner, v, count, step, is_alone):
+    """The places around the group's input Roughness, from the place `corner` with the second number `v`, at the
+    first of `count` roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one roughness. With
+    `is_alone`, no layer varies, and the image itself interpolates between roughnesses: there is only one place."""
     if count < 2:
         return None
     share = graph.math("ADD", 0.4, 12.6, "from 0 to 1", inputs.outputs["Roughness"], 0.0, clamp=True)
     place = graph.math("MULTIPLY", 1.4, 12.6, "roughness row", share, float(count - 1))
     if is_alone:
+        up = graph.math("MULTIPLY", 5.4, 13.6, "v", place, step)
         only = graph.node("ShaderNodeCombineXYZ", 6.2, 12.6, "v of the roughness")
-        graph.link(graph.math("MULTIPLY", 5.4, 13.6, "v", place, step), only.inputs[1])
-        return Around((graph.vector("ADD", 6.2, 13.6, "row", corner, only.outputs[0]),), None)
+        graph.link(up, only.inputs[1])
+        corner = graph.vector("ADD", 6.2, 13.6, "row", corner, only.outputs[0])
+        return Around((corner,), (graph.math("ADD", 5.4, 14.6, "v of the row", v, up),), None)
     whole = graph.math("FLOOR", 3.4, 12.6, "whole", place)
     below = graph.math("MINIMUM", 4.4, 12.6, "row below", whole, float(count - 2))
     share = graph.math("SUBTRACT", 5.4, 12.6, "share of the row above", place, below)
     lower = graph.node("ShaderNodeCombineXYZ", 6.2, 12.6, "v of the row below")
-    graph.link(graph.math("MULTIPLY", 5.4, 13.6, "v", below, step), lower.inputs[1])
+    up = graph.math("MULTIPLY", 5.4, 13.6, "v", below, step)
+    graph.link(up, lower.inputs[1])
     first = graph.vector("ADD", 6.2, 13.6, "row below", corner, lower.outputs[0])
-    return Around((first, graph.vector("ADD", 6.2, 14.6, "row above", first, (0.0, step, 0.0))), share)
+    second = graph.vector("ADD", 6.2, 14.6, "row above", first, (0.0, step, 0.0))
+    low = graph.math("ADD", 5.4, 14.6, "v below", v, up)
+    return Around((first, second), (low, graph.math("ADD", 5.4, 15.6, "v above", low, step)), share)
 
 
 def between(graph, column, line, share, lower, upper):

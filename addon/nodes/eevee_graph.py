@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The closures that Eevee renders in place of those for Cycles: few, of kinds that Eevee has, with the same
+directional albedo (see lamina.baking.real_time).
+
+A Mix Shader chooses by its factor. A node that only Eevee knows, Shader to RGB, feeds the factor: Eevee finds
+1. Cycles ignores links from nodes that it does not know, and finds the factor's own value, 0. It then leaves
+out Eevee's closures before rendering.
+"""
+
+from ..kinds.table import METAL, PREFIX
+from . import eevee_lookup, lut_image, mix_shader
+
+LABEL = "Eevee"
+_WITH_ROUGHNESS = ("glossy", "mirror", "through")
+
+# Index of the refraction for light that comes through a sheet. Eevee makes the lobe of the index 3/2 narrower
+# than the roughness says, by this factor.
+_IOR, _NARROWING = 1.5, (1.0 - 1.0 / 1.5) ** 0.5
+
+_GLOSSY = ("ShaderNodeBsdfAnisotropic", {"distribution": "MULTI_GGX"})
+_NODES = {
+    "diffuse": ("ShaderNodeBsdfDiffuse", {}),
+    "glossy": _GLOSSY,
+    "mirror": _GLOSSY,
+    "translucent": ("ShaderNodeBsdfTranslucent", {}),
+    "through": ("ShaderNodeBsdfRefraction", {"distribution": "GGX"}),
+    "transparent": ("ShaderNodeBsdfTransparent", {}),
+}
+
+
+def is_eevee(graph):
+    """A socket for factors with the value 0 of their own: 1 in Eevee, nothing in Cycles."""
+    light = graph.node("ShaderNodeEmission", 9.2, 10, "1")
+    found = graph.node("ShaderNodeShaderToRGB", 10.2, 10, "1 in Eevee, no node in Cycles")
+    graph.link(light.outputs[0], found.inputs[0])
+    return found.outputs[0]
+
+
+def totals(graph, lut, eevee, texels, gains, normal, incoming):
+    """{prefix: shader} of the closures of `eevee`, a RealTimeTable.
+
+    `texels`: eevee_lookup.Texels. `gains`: factors of the strips of a colored base, by prefix."""
+    found = {}
+    for number, name in enumerate(eevee.strips):
+        prefix = METAL if name.startswith(METAL) else ""
+        kind = name.removeprefix(prefix).removeprefix(PREFIX)
+        line = -8 - 2 * number
+        weight, *roughness = texels.read(lut_image.eevee_strip(lut, number), 7, line, f"{LABEL} {name}",
+                                         alpha=kind in _WITH_ROUGHNESS)
+        if name.removeprefix(prefix).startswith(PREFIX):
+            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gains[prefix])
+        shader = _closure(graph, line, kind, weight, roughness, normal, incoming)
+        before = found.get(prefix)
+        found[prefix] = shader if before is None else mix_shader.added(graph, 12, line, "", before, shader)
+    return found
+
+
+def chosen(graph, line, chooser, cycles, eevee):
+    """The shader `cycles` in Cycles, the shader `eevee` in Eevee. `chooser`: the socket of `is_eevee`."""
+    shader = mix_shader.between(graph, 12.3, line, "Cycles or Eevee", 0.0, cycles, eevee)
+    graph.link(chooser, shader.node.inputs[0])
+    return shader
+
+
+def chosen_value(graph, line, chooser, cycles, eevee):
+    """The same of two colors."""
+    value = eevee_lookup.mixed(graph, 8.6, line, chooser, cycles, eevee)
+    value.node.inputs[0].default_value = 0.0
+    value.node.label = "Cycles or Eevee"
+    return value
+
+
+def dark(graph, line, chooser, color):
+    """`color` in Cycles, black in Eevee. Eevee raises the tint of a coat to the power 1 / (view cosine). This
+    overflows near grazing, and then even a shader without weight is not a number."""
+    value = eevee_lookup.mixed(graph, 9.6, line, chooser, color, (0.0, 0.0, 0.0, 1.0))
+    value.node.inputs[0].default_value = 0.0
+    value.node.label = "Cycles only"
+    return value
+
+
+def _closure(graph, line, kind, weight, roughness, normal, incoming):
+    type_name, enums = _NODES[kind]
+    node = graph.node(type_name, 10.6, line, f"{LABEL} {kind}")
+    for key, value in enums.items():
+        setattr(node, key, value)
+    graph.link(weight, node.inputs["Color"])
+    if kind == "through":
+        # About the view direction, a refraction goes straight on.
+        graph.link(incoming, node.inputs["Normal"])
+        node.inputs["IOR"].default_value = _IOR
+        graph.set(node.inputs["Roughness"],
+                  graph.math("DIVIDE", 9.2, line, "as refracted", roughness[0], _NARROWING, clamp=True))
+    elif "Normal" in node.inputs:
+        graph.link(normal, node.inputs["Normal"])
+    if type_name == "ShaderNodeBsdfAnisotropic":
+        graph.link(roughness[0], node.inputs["Roughness"])
+    for socket in node.inputs:
+        socket.hide = not socket.is_linked
+    return node.outputs[0]

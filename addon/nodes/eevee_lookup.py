@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Strips of the table as Eevee has to read them: texels without filtering, interpolated by nodes.
+
+Eevee filters images by mipmaps. Where the view angle changes much from pixel to pixel, as at silhouettes, it
+reads a smaller picture, in which several strips are mixed. Only the interpolation Closest has no mipmaps.
+"""
+
+import math
+
+
+class Texels:
+    """Reads strips of an image.
+
+    `angle`: the view angle, 0 to pi/2 over `columns` columns. `places`: v of strip 0, without the half texel,
+    in an image of `height` texels: one, or those of the roughnesses below and above, where `share` is that of
+    the one above. `varies`: v may lie between two rows. `rows`: of a strip."""
+
+    def __init__(self, graph, image, angle, columns, places, height, rows, varies, share=None):
+        self.graph, self.image, self.height, self.rows, self.share = graph, image, height, rows, share
+        self.varies = varies
+        last = columns - 1
+        place = graph.math("MULTIPLY", 1.4, 16, "column", angle, last / (math.pi / 2))
+        most = graph.math("MINIMUM", 2.4, 16, "at most the last", place, float(last))
+        whole = graph.math("FLOOR", 3.4, 16, "whole", most)
+        left = graph.math("MINIMUM", 4.4, 16, "column to the left", whole, float(last - 1))
+        self.across = graph.math("SUBTRACT", 5.4, 16, "share of the right", most, left)
+        u = graph.math("MULTIPLY_ADD", 5.4, 17, "u", left, 1.0 / columns, 0.5 / columns)
+        self.step = 1.0 / columns
+        self.corners = [self._corner(u, v, line) for line, v in enumerate(places, 18)]
+
+    def read(self, index, column, line, label, alpha=True):
+        """[color, alpha] of strip `index`, or [color]."""
+        names = ("Color", "Alpha") if alpha else ("Color",)
+        at = [self._at_thickness(*corner, index, column, line, label, names) for corner in self.corners]
+        return at[0] if self.share is None else self._mixed(column, line, self.share, *at)
+
+    def _corner(self, u, v, line):
+        """(place of the texel below and to the left, share of the row above)."""
+        graph, up = self.graph, None
+        if self.varies:
+            row = graph.math("MULTIPLY", 2.4, line, "row", v, float(self.height))
+            whole = graph.math("FLOOR", 3.4, line, "whole", row)
+            up = graph.math("SUBTRACT", 4.4, line, "share of the row above", row, whole)
+            v = graph.math("MULTIPLY", 4.4, line, "v", whole, 1.0 / self.height)
+        corner = graph.node("ShaderNodeCombineXYZ", 5.6, line, "u, v")
+        graph.link(u, corner.inputs[0])
+        graph.link(v, corner.inputs[1])
+        return corner.outputs[0], up
+
+    def _at_thickness(self, corner, up, index, column, line, label, names):
+        first = index * self.rows
+        below = self._row(corner, first, column, line, label, names)
+        if up is None:
+            return below
+        return self._mixed(column, line, up, below, self._row(corner, first + 1, column, line, label, names))
+
+    def _row(self, corner, first, column, line, label, names):
+        pair = [self._texel(corner, x * self.step, (first + 0.5) / self.height, column, line, label, names)
+                for x in (0, 1)]
+        return self._mixed(column, line, self.across, *pair)
+
+    def _texel(self, corner, x, y, column, line, label, names):
+        graph = self.graph
+        texture = graph.node("ShaderNodeTexImage", column + 1, line, label)
+        texture.image, texture.interpolation, texture.extension = self.image, "Closest", "EXTEND"
+        graph.link(graph.vector("ADD", column, line, "texel", corner, (x, y, 0.0)), texture.inputs[0])
+        return [texture.outputs[name] for name in names]
+
+    def _mixed(self, column, line, share, first, second):
+        return [mixed(self.graph, column + 1.6, line, share, one, other)
+                for one, other in zip(first, second, strict=True)]
+
+
+def mixed(graph, column, line, share, first, second):
+    """The color or number `first` at the share 0, `second` at 1. Cycles leaves the node out if the share is a
+    fixed 0."""
+    node = graph.node("ShaderNodeMix", column, line, "between")
+    node.data_type = "RGBA"
+    chosen = {socket.identifier: socket for socket in node.inputs}
+    graph.link(share, chosen["Factor_Float"])
+    graph.link(first, chosen["A_Color"])
+    graph.set(chosen["B_Color"], second)
+    return next(socket for socket in node.outputs if socket.identifier == "Result_Color")

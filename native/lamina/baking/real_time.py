@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mixture of a table in the few closures that a real-time engine such as Eevee renders.
+
+Eevee shows Toon, Sheen and Hair closures as Diffuse ones. So closures with lobes of similar kinds are summed to one
+closure each, with the same directional albedo at each view. A lobe about the mirror direction is a GGX lobe with the
+same albedo and the same height: one of width alpha and albedo w is w / (4 pi alpha^2) high at normal incidence.
+"""
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..closures import lobes
+from ..closures.closure_table import column_albedos, view_cosines
+from ..kinds.table import DARK, lobe_of
+from .lut import Lut
+
+DIFFUSE, GLOSSY, MIRROR = "diffuse", "glossy", "mirror"
+TRANSLUCENT, THROUGH, TRANSPARENT = "translucent", "through", "transparent"
+KINDS = (DIFFUSE, GLOSSY, MIRROR, TRANSLUCENT, THROUGH, TRANSPARENT)
+# Narrower lobes are mirrors, wider ones are diffuse or translucent: a cosine is as high as a GGX lobe of width 1/2.
+NARROWEST, WIDEST = 0.04, 0.5
+# Transmitted lobes from this width on are translucent: their tails are wider than those of a GGX lobe.
+WIDEST_THROUGH = 0.15
+LEAST_ALPHA = 1e-3
+ANISOTROPIC = "ShaderNodeBsdfAnisotropic"
+
+
+@dataclass(frozen=True)
+class RealTimeTable:
+    """`strips`: names, each one of KINDS after the prefix of the table's strips that it sums. `texels`: float32, shape
+    (sides, strips, rows, 64 columns, 4): albedo R G B, and the Roughness (root of alpha) of the lobe."""
+
+    strips: list[str]
+    texels: np.ndarray
+
+
+def few_closures(lut: Lut) -> RealTimeTable:
+    """The closures of `lut` in at most one strip per prefix and kind. Strips that hold no closure's weight are left
+    out: the node group reads them from the table itself. No strips for a Principled base with inputs below an
+    interface: widths that follow the roughness cannot be summed to one width."""
+    is_covered = any(name.startswith(DARK) for name in lut.closures)
+    names = [] if is_covered else [name for name in lut.closures if lobe_of(name)]
+    members: dict[str, list[str]] = {}
+    for name in names:
+        kind, _ = kind_of(lobe_of(name))
+        members.setdefault(name.removesuffix(lobe_of(name)) + kind, []).append(name)
+    sides, _, rows, columns, _ = lut.weights.shape
+    texels = np.zeros((sides, len(members), rows, columns, 4), np.float32)
+    for place, group in enumerate(members.values()):
+        total, height = np.zeros((sides, rows, columns, 3)), np.zeros((sides, rows, columns))
+        for name in group:
+            light = lut.weights[:, lut.closures.index(name)] * _albedo(lobe_of(name))[:, None]
+            total += light
+            height += light.mean(axis=-1) / kind_of(lobe_of(name))[1] ** 2
+        texels[:, place, ..., :3] = total
+        texels[:, place, ..., 3] = _roughness(total.mean(axis=-1), height, group)
+    return RealTimeTable(list(members), texels)
+
+
+def _roughness(total: np.ndarray, height: np.ndarray, group: list[str]) -> np.ndarray:
+    """Roughness of the lobe of albedo `total` and of `height` (times 4 pi); where there is no light, the mean of the
+    closures."""
+    mean = float(np.mean([kind_of(lobe_of(name))[1] for name in group]))
+    alpha = np.sqrt(np.divide(total, height, out=np.full(total.shape, mean**2), where=height > 0.0))
+    return np.sqrt(np.minimum(alpha, 1.0))
+
+
+@functools.lru_cache(maxsize=256)
+def kind_of(closure: str) -> tuple[str, float]:
+    """The kind of a closure, one of KINDS, and the width alpha of the GGX lobe that is as high at normal incidence."""
+    if closure == TRANSPARENT:
+        return TRANSPARENT, LEAST_ALPHA
+    node = lobes.recipe(closure)
+    if node.type == "ShaderNodeBsdfTranslucent":
+        return TRANSLUCENT, WIDEST
+    if node.type == "ShaderNodeBsdfHair":
+        alpha = _as_high(closure)
+        return (THROUGH if alpha < WIDEST_THROUGH else TRANSLUCENT), alpha
+    if node.type == "ShaderNodeBsdfPrincipled" or closure.startswith("mirror:"):
+        alpha = max(float(node.inputs["Roughness"]) ** 2, LEAST_ALPHA)
+    elif node.type == ANISOTROPIC or node.enums.get("component") == "GLOSSY" or node.normal[0] == "lean":
+        alpha = _as_high(closure)
+    else:
+        return DIFFUSE, WIDEST
+    return (MIRROR if alpha < NARROWEST else GLOSSY if alpha < WIDEST else DIFFUSE), alpha
+
+
+def _as_high(closure: str) -> float:
+    """Width of the GGX lobe of the same height relative to its albedo, at normal incidence."""
+    highest = float(lobes.by_id(closure).evaluate(1.0, 1.0, 0.0))
+    return math.sqrt(_albedo(closure)[0] / (4.0 * math.pi * highest))
+
+
+@functools.lru_cache(maxsize=256)
+def _albedo(closure: str) -> np.ndarray:
+    """Directional albedo of the closure at the table's columns, shape (64,). Mirrors, unscattered light and lobes
+    that stray beyond the horizon keep all."""
+    if closure == TRANSPARENT or closure.startswith("mirror:") or lobes.by_id(closure).strays:
+        return np.ones(len(view_cosines()))
+    return column_albedos((closure,))[:, 0]
