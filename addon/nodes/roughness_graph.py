@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Around:
-    """`corners`: the places (u, v) for the roughness below and above, as sockets, or one for both; `places`: v
-    alone of them; `share`: that of the one above, or None."""
+    """`corners`: the places (u, v) for the roughness below and above, as sockets, or one for both; `places`:
+    v alone of them; `share`: that of the one above, or None."""
 
     corners: tuple
     places: tuple
@@ -18,9 +18,10 @@ class Around:
 
 
 def around(graph, inputs, corner, v, count, step, is_alone):
-    """The places around the group's input Roughness, from the place `corner` with the second number `v`, at the
-    first of `count` roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one roughness. With
-    `is_alone`, no layer varies, and the image itself interpolates between roughnesses: there is only one place."""
+    """The places around the group's input Roughness, from the place `corner` with the second number `v`,
+    at the first of `count` roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one
+    roughness. With `is_alone`, no layer varies, and the image itself interpolates between roughnesses: there
+    is only one place."""
     if count < 2:
         return None
     share = graph.math("ADD", 0.4, 12.6, "from 0 to 1", inputs.outputs["Roughness"], 0.0, clamp=True)
