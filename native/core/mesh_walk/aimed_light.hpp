@@ -23,10 +23,11 @@ class AimedLight {
   double density(const Ray& direction) const;
 
  private:
-  AimedLight(const Ray& middle, double g) : middle_(middle), g_(g) {}
+  AimedLight(const Ray& middle, double narrow, double wide) : middle_(middle), narrow_(narrow), wide_(wide) {}
 
   Ray middle_;
-  double g_;  ///< of a lobe with the shape of Henyey and Greenstein's phase function
+  double narrow_;  ///< g of a lobe with the shape of Henyey and Greenstein's phase function
+  double wide_;    ///< g of a wider lobe
 };
 
 }  // namespace lamina

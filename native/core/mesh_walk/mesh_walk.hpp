@@ -107,6 +107,9 @@ class MeshWalk {
   /// The normal where a ray from inside leaves the solid, within the distance `farthest`.
   std::optional<Ray> normal_towards(const Place& from, const Ray& direction, double farthest, int shells) const;
 
+  /// A lower bound in mm of the distance from a position to the surface; 0 if no bound is known.
+  double clearance(const Place& place) const { return solid_.clearance(place); }
+
   const SurfaceBoundary& boundary() const { return boundary_; }
   /// True if no part of the solid lies between a position on the surface and the distance `farthest`.
   bool is_visible(const Place& from, const Ray& direction, double farthest) const;
