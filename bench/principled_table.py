@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """24 Principled materials under dust and varnish, baked and rendered in Cycles, against lamina.solve of the same stack:
 
-    python bench/principled_table.py [--quality preview|final] [--only FIRST LAST] [--no-times]
+    python bench/principled_table.py [--quality preview|final] [--only FIRST LAST]
+        [--layers all|dust|varnish] [--no-times]
 
 Prints a table: for each material and layer the mean relative L2 error of slices at three views, the mean error that a
 bake of the same stack with fixed numbers promises, the largest error of the directional albedo, and for thickness 0 the
@@ -11,6 +12,7 @@ of the mirror direction for a coat, which is a mirror in the solver, and are not
 .03."""
 
 import argparse
+import itertools
 import os
 import sys
 import tempfile
@@ -104,34 +106,43 @@ def fixed_error(one, quality):
     return lamina.bake(one.stack, quality).report["fit_error"]
 
 
-def rows_of(addon, number, base, quality, times):
-    """(layers, row of the table, errors for `holds` or None) of one material."""
+def words_of(number, base):
+    """The first cells of a row."""
+    return f"| {number} | {base.metallic:g} | {base.roughness:g} | {base.coat:g} | {', '.join(base.inputs) or '-'}"
+
+
+def dust_rows(addon, number, base, quality, times):
+    """(layers, row of the table, errors for `holds`) of one material under dust."""
     started = time.process_time()
     material, lut = principled_samples.baked(addon, f"material {number}", [DUST], base, quality)
     spent = time.process_time() - started
-    base = lut_base(lut, base)
+    base = with_channels(base)
     shown = [principled_samples.at(material, lut, DUST, base, tau) for tau in THICKNESSES]
     albedo = principled_samples.albedo_errors(shown, FURNACE_VIEWS, samples=512).max(axis=1)
     clean, bare = difference_from_the_bsdf(shown[0], base)
-    words = f"{base.metallic:g} | {base.roughness:g} | {base.coat:g} | {', '.join(base.inputs) or '-'}"
-    for tau, slices, off in zip(THICKNESSES[1:], slices_of(shown[1:]), albedo[1:], strict=True):
-        one = shown[THICKNESSES.index(tau)]
+    words = words_of(number, base)
+    for one, tau, slices, off in zip(shown[1:], THICKNESSES[1:], slices_of(shown[1:]), albedo[1:], strict=True):
         fixed = fixed_error(one, quality) if slices > MEAN_SLICE else float("nan")
-        yield (f"dust {tau:g}", f"| {number} | {words} | dust {tau:g} | {slices:.2%} | {fixed:.2%} | {off:.2%} |",
+        yield (f"dust {tau:g}", f"{words} | dust {tau:g} | {slices:.2%} | {fixed:.2%} | {off:.2%} |",
                (slices, fixed, off))
     ratio = seconds(shown[2].material) / seconds(bare) if times else float("nan")
-    yield ("none", f"| {number} | {words} | none | {clean:.1e} from the BSDF; bake {spent:.1f} CPU s; time {ratio:.2f} "
-           "| | |", (float("nan"), float("nan"), clean))
+    yield ("none", f"{words} | none | {clean:.1e} from the BSDF; bake {spent:.1f} CPU s; time {ratio:.2f} | | |",
+           (float("nan"), float("nan"), clean))
+
+
+def varnish_rows(addon, number, base, quality):
+    """The same for one material under varnish."""
+    base = with_channels(base)
     for name, varnish in (("varnish", VARNISH), *([("rough varnish", ROUGH_VARNISH)] if number in (3, 8, 17) else [])):
         material, lut = principled_samples.baked(addon, name, [varnish], base, quality)
         one = principled_samples.below(material, lut, [varnish], base)
         off = principled_samples.albedo_errors([one], FURNACE_VIEWS, samples=512).max()
         slices, fixed = slices_of([one])[0], fixed_error(one, quality)
-        yield (name, f"| {number} | {words} | {name} | {slices:.2%} | {fixed:.2%} | {off:.2%} |",
+        yield (name, f"{words_of(number, base)} | {name} | {slices:.2%} | {fixed:.2%} | {off:.2%} |",
                (slices, fixed, off))
 
 
-def lut_base(lut, base):
+def with_channels(base):
     """The base with the color as one number per channel, as the node group has it."""
     return principled_samples.replace(base, color=tuple(float(c) for c in np.broadcast_to(base.color, 3)))
 
@@ -141,13 +152,19 @@ def main():
     parser.add_argument("--quality", choices=("preview", "final"), default="final")
     parser.add_argument("--only", type=int, nargs=2, default=(0, len(MATERIALS)), metavar=("FIRST", "LAST"),
                         help="only these materials, without the last")
+    parser.add_argument("--layers", choices=("all", "dust", "varnish"), default="all", help="only these layers")
     parser.add_argument("--no-times", action="store_true", help="do not measure times of renders")
     given = parser.parse_args()
     addon = addon_utils.enable("bl_ext.user_default.lamina", default_set=True)
     print("| | metallic | roughness | coat | inputs | layers | slices | with fixed numbers | albedo |")
     held: dict[str, list] = {}
     for number, base in list(enumerate(MATERIALS))[slice(*given.only)]:
-        for layers, row, errors in rows_of(addon, number, base, given.quality, not given.no_times):
+        rows = []
+        if given.layers != "varnish":
+            rows.append(dust_rows(addon, number, base, given.quality, not given.no_times))
+        if given.layers != "dust":
+            rows.append(varnish_rows(addon, number, base, given.quality))
+        for layers, row, errors in itertools.chain(*rows):
             print(row, flush=True)
             held.setdefault(layers, []).append(holds(*errors))
         for material in list(bpy.data.materials):
