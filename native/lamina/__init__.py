@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
-from . import _core, colours, dust, export, lobes, metals, plot, ply, presets, rgl
+from . import _core, colours, distributed, dust, export, lobes, metals, plot, ply, presets, rgl
 from .baking.bake import bake
 from .baking.lut import Lut
 from .common.errors import (
@@ -95,6 +95,7 @@ __all__ = [
     "WalkPart",
     "bake",
     "colours",
+    "distributed",
     "dust",
     "estimate",
     "estimate_searchlight",

@@ -258,3 +258,13 @@ def test_a_part_of_the_package_that_is_gone(addon, lamina, monkeypatch):
     monkeypatch.setattr(lamina, "__file__", "/nowhere/lamina/__init__.py")
     with pytest.raises(addon.base.native.NativeMissingError, match="another Blender has removed or replaced them"):
         addon.base.native.part("not_there")
+
+
+def test_presets_of_python_and_of_the_panel_are_the_same(addon, material, lamina, monkeypatch, tmp_path):
+    monkeypatch.setenv("LAMINA_PRESETS", str(tmp_path / "shared"))
+    lamina.presets.save(lamina.presets.load("soot-on-brick"), "Soot of Python")
+    assert addon.editing.presets.user_names() == ["Soot of Python"]
+    addon.editing.presets.apply_user(material, "Soot of Python")
+    assert addon.editing.presets.save_user(material, "Soot of the panel") == "Soot of the panel"
+    assert lamina.presets.user_names() == ["Soot of Python", "Soot of the panel"]
+    assert lamina.solve("Soot of the panel", "preview").stack.hash == lamina.presets.load("soot-on-brick").hash

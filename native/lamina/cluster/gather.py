@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Calls on the workers of a Dask cluster, with progress and cancellation, and the results in the order of the calls.
+
+The scheduler runs a call again if its worker dies. A call is a pure function of its arguments, so the results do not
+depend on the workers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from ..common.arguments import check_whole
+from ..common.errors import ArgumentError, quoted
+from ..common.extras import require
+from ..common.progress import Progress, stepper
+
+PARTS_PER_THREAD = 4  # so that workers of different speed finish at the same time
+MOST_PARTS = 4096
+POLL = 0.2  # seconds between two calls of `cancel`
+
+
+def gather(client, call: Callable, arguments: Sequence[tuple], shared: tuple, work: str, progress: Progress | None,
+           cancel: Callable[[], bool] | None) -> list:
+    """[call(*shared, *each) for each in arguments], on the workers of `client`. `shared` is sent once, and recomputed
+    from the client's copy if its worker dies. Raises what a call raises, Cancelled, and KilledWorker of Dask if a call
+    has killed several workers."""
+    distributed = checked(client)
+    step = stepper(work, progress, cancel)
+    step(0.0, f"0 of {len(arguments)} parts")
+    held = client.submit(_same, shared, pure=False)
+    futures = [client.submit(_apply, call, held, each, pure=False) for each in arguments]
+    waiting, done = set(futures), 0
+    try:
+        while waiting:
+            try:
+                finished = distributed.wait(waiting, timeout=POLL, return_when="FIRST_COMPLETED").done
+            except TimeoutError:
+                finished = set()
+            for future in finished:
+                if future.status in ("error", "lost", "cancelled"):
+                    future.result()  # raises
+            waiting -= finished
+            done += len(finished)
+            step(done / len(futures), f"{done} of {len(futures)} parts")
+        return client.gather(futures)
+    finally:
+        client.cancel([held, *(future for future in futures if not future.done())])
+
+
+def checked(client):
+    """The module `distributed`. Raises ExtraMissing, and ArgumentError unless `client` is a client of it."""
+    distributed = require("distributed", "dask", "lamina.distributed")
+    if not isinstance(client, distributed.Client) or client.asynchronous:
+        raise ArgumentError(f"client = {quoted(client)}: must be a synchronous distributed.Client")
+    return distributed
+
+
+def shards(client, parts: int | None, most: int) -> list[tuple[int, int]]:
+    """The numbers (i, n) of the parts: `parts`, or some for each thread of the cluster, and at most `most`."""
+    checked(client)
+    if parts is None:
+        parts = PARTS_PER_THREAD * max(1, sum(client.nthreads().values()))
+    count = min(check_whole(parts, "parts", 1, MOST_PARTS), max(most, 1))
+    return [(number, count) for number in range(1, count + 1)]
+
+
+def _same(value):
+    return value
+
+
+def _apply(call: Callable, shared: tuple, each: tuple):
+    return call(*shared, *each)

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A cluster of worker processes on this machine gives the bytes of one process, also if a worker is killed."""
+
+import os
+import signal
+import sys
+
+import numpy as np
+import pytest
+
+import lamina
+from lamina import ArgumentError, Cancelled, HenyeyGreenstein, Medium, Stack, distributed, dust
+
+dask = pytest.importorskip("distributed", reason="Dask is not installed: there is no cluster to test")
+
+SLAB = Stack([Medium([0.9, 0.8, 0.6], 2.0, HenyeyGreenstein(0.5))])
+MARBLE = Stack([Medium(sigma_s=2.0, sigma_a=0.02, thickness=5.0)])
+CORNERS = np.array([[x, y, z] for x in (0, 5) for y in (0, 5) for z in (0, 5)], float)
+QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+TRIANGLES = np.array([t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))])
+
+
+@pytest.fixture(scope="module")
+def client():
+    with (dask.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1",
+                            dashboard_address=None) as cluster, dask.Client(cluster) as client):
+        yield client
+
+
+def test_an_estimate_has_the_bytes_of_one_process_though_a_worker_is_killed(client):
+    before = set(client.run(os.getpid).values())
+    killed, seen = [], []
+
+    def progress(share, _text):
+        seen.append(share)
+        if share > 0.0 and not killed:
+            killed.append(min(before))
+            os.kill(killed[0], signal.SIGKILL)
+
+    found = distributed.estimate(client, SLAB, 0.5, 0.6, 1.0, samples=3_000_000, seed=3, progress=progress, parts=12)
+    assert killed and seen == sorted(seen) and seen[0] == 0.0 and seen[-1] == 1.0
+    client.wait_for_workers(2, timeout=60)
+    assert killed[0] not in client.run(os.getpid).values()
+    alone = lamina.estimate(SLAB, 0.5, 0.6, 1.0, samples=3_000_000, seed=3)
+    assert found == alone and found.value.tobytes() == alone.value.tobytes()
+
+
+def test_a_searchlight(client):
+    given = {"samples": 200_000, "seed": 1, "r": [0.5, 2.0], "q": [1.0]}
+    assert distributed.estimate_searchlight(client, MARBLE, **given) == lamina.estimate_searchlight(MARBLE, **given)
+
+
+def test_walks_in_a_mesh(client):
+    if dust.available():
+        pytest.skip(dust.available())
+    solid = lamina.Solid(CORNERS, TRIANGLES)
+    interior, _ = lamina.interior_of_stack(Stack([Medium(sigma_s=1.0, sigma_a=0.1, thickness=1.0)]))
+    given = {"points": [[2.5, 2.5, 5.0], [1.0, 1.0, 5.0], [2.0, 3.0, 0.0]],
+             "normals": [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], "samples": 100}
+    found, alone = (call(solid, interior, **given) for call in (
+        lambda *a, **k: distributed.walk_in_mesh(client, *a, **k), lamina.walk_in_mesh))
+    assert found.albedo == alone.albedo and found.mean_distance == alone.mean_distance
+    lamps = [lamina.Lamp((0, 0, 1))]
+    found = distributed.light_in_mesh(client, solid, interior, lamps, **given)
+    alone = lamina.light_in_mesh(solid, interior, lamps, **given)
+    assert found.lamps == alone.lamps and found.sky == alone.sky
+
+
+def test_bakes_in_their_order(client):
+    stacks = [SLAB, "gold", Stack([Medium(0.5, 1.0)])]
+    tables = distributed.bakes(client, stacks, "preview")
+    assert tables == [lamina.bake(stack, "preview") for stack in stacks]
+
+
+def test_dust_of_several_meshes(client):
+    if dust.available():
+        pytest.skip(dust.available())
+    plates = [dust.Mesh(np.array([[0, 0, z], [1, 0, z], [1, 1, z], [0, 1, z]], float), np.array([[0, 1, 2], [0, 2, 3]]))
+              for z in (0.0, 0.3)]
+    found = distributed.settle_each(client, plates, settings=dust.Settling(amount=2.0))
+    for number, one in enumerate(found):
+        alone = dust.settle(plates[number], occluders=[plates[1 - number]], settings=dust.Settling(amount=2.0))
+        assert one.tau.tobytes() == alone.tau.tobytes()
+    assert found[0].tau.max() < found[1].tau.max()  # the upper plate is in the way of the lower
+
+
+def test_cancel_and_errors(client):
+    with pytest.raises(Cancelled, match="the estimate was cancelled"):
+        distributed.estimate(client, SLAB, 0.5, 0.6, samples=2_000_000, parts=64, cancel=iter([False, True]).__next__)
+    with pytest.raises(ArgumentError, match="method = 'guess': must be"):
+        distributed.estimate(client, SLAB, 0.5, 0.6, method="guess", samples=100_000)
+    with pytest.raises(ArgumentError, match="client = 3: must be a synchronous distributed.Client"):
+        distributed.estimate(3, SLAB, 0.5, 0.6)
+    with pytest.raises(ArgumentError, match="parts = 0: must be a whole number from 1 to 4096"):
+        distributed.estimate(client, SLAB, 0.5, 0.6, parts=0)
+    with pytest.raises(ArgumentError, match="stacks = 'gold': must be a list"):
+        distributed.bakes(client, "gold")
+
+
+def test_without_dask_one_sentence(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(lamina.ExtraMissing, match=r'^lamina.distributed needs distributed, .* "lamina\[dask\]"$'):
+        distributed.estimate(None, SLAB, 0.5, 0.6)
