@@ -33,7 +33,8 @@ LATERAL_OUTPUTS = (
     (
         "PORTAL",
         "Portal",
-        "A table of where light leaves, by Ray Portal closures: the whole profile, for closed meshes",
+        "A table of where light leaves, by Ray Portal closures: the whole profile, for closed meshes "
+        "that are several times thicker than the mean exit distance",
     ),
 )
 
