@@ -50,10 +50,6 @@ def test_the_node_gets_the_medium_of_a_homogeneous_slab(thickness, g):
     solid, uvs = slab_with_uvs(thickness)
     sigma_s, sigma_a = np.array([1.8, 3.0, 0.9]), np.array([0.05, 0.3, 0.3])
     uniform = Interior.uniform(EndMaterial(sigma_s, sigma_a, g))
-    found = lamina.relightable_images(solid, uniform, uvs, 12, samples=1500, seed=6, version=(5, 2))
-    colour, path = (image.reshape(-1, 3).astype(float) for image in (found.inputs.color, found.inputs.radius))
-    single = albedo_of_colour(colour, g, (5, 2))
-    scattered, absorbed = (single / path).mean(axis=0), ((1.0 - single) / path).mean(axis=0)
 
     def exit_albedo(sigma_s, sigma_a):
         medium = lamina.Medium(sigma_s=list(sigma_s), sigma_a=list(sigma_a), thickness=thickness,
@@ -61,11 +57,24 @@ def test_the_node_gets_the_medium_of_a_homogeneous_slab(thickness, g):
         solved = lamina.solve(lamina.Stack([medium]), quality="preview")
         return solved.reflectance("diffuse") + solved.transmittance("diffuse")
 
-    # The mean of 144 texels has a noise of .2 to .5 %.
-    np.testing.assert_allclose(exit_albedo(scattered, absorbed), exit_albedo(sigma_s, sigma_a), rtol=0.015)
+    def deviations(seed):
+        """Of exit albedo, scattering and absorption, (3, channels), relative."""
+        found = lamina.relightable_images(solid, uniform, uvs, 12, samples=500, seed=seed, version=(5, 2))
+        colour, path = (image.reshape(-1, 3).astype(float) for image in (found.inputs.color, found.inputs.radius))
+        single = albedo_of_colour(colour, g, (5, 2))
+        scattered, absorbed = (single / path).mean(axis=0), ((1.0 - single) / path).mean(axis=0)
+        return np.array([exit_albedo(scattered, absorbed) / exit_albedo(sigma_s, sigma_a), scattered / sigma_s,
+                         absorbed / sigma_a]) - 1.0
+
+    runs = np.array([deviations(seed) for seed in (6, 7, 8)])
+    # The standard error of the mean of three runs, from the variance of all channels together.
+    error = np.sqrt(runs.var(axis=0, ddof=1).mean(axis=1, keepdims=True) / 3.0)
+    # Systematic: up to .017, .060 and .033, with many samples, in thin slabs and for g = .5.
+    allowed = np.array([[0.02], [0.06], [0.04]])
+    within = np.abs(runs.mean(axis=0)) < allowed + z_limit(9, degrees=6) * error
+    assert within[0].all()
     if thickness > 1.0:  # a thinner slab scatters light once or twice: many media look alike
-        np.testing.assert_allclose(scattered, sigma_s, rtol=0.05)
-        np.testing.assert_allclose(absorbed, sigma_a, rtol=0.06)
+        assert within.all(), runs.mean(axis=0)
 
 
 def test_inputs_for_light_from_all_directions():
