@@ -53,6 +53,9 @@ def definitions(platform, python):
         "PYTHON_MODULE_EXTENSION": platform.module_end(python),
         "PYTHON_MODULE_DEBUG_POSTFIX": "",
         "PYTHON_IS_DEBUG": 0,
+        "HAS_FLTO": 0,  # pybind11's trials, for each of which zig would compile its C++ library again
+        "HAS_FLTO_AUTO": 0,
+        "HAS_FLTO_THIN": 0,
     }
     if library:
         values["Python_LIBRARY"] = library

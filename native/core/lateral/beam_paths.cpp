@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lateral/fine_quadrature.hpp"
+#include "numeric/bessel.hpp"
 #include "operators/base_reflection.hpp"
 #include "operators/delta_field.hpp"
 #include "operators/interface.hpp"
@@ -349,7 +350,7 @@ double ForwardPeaks::at(double q) const {
   const auto spread = [&](double frequency) {
     double sum = 0.0;
     for (const Term& term : terms_) {
-      sum += term.weight * j0(frequency * term.distance);
+      sum += term.weight * bessel_j0(frequency * term.distance);
     }
     return sum;
   };

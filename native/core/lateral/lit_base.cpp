@@ -6,6 +6,7 @@
 #include <complex>
 #include <utility>
 
+#include "numeric/bessel.hpp"
 #include "numeric/quadrature.hpp"
 #include "operators/interface.hpp"
 
@@ -114,9 +115,9 @@ double LitBase::at(double q) const {
         const double mu = from + (to - from) * rule.mu[i];
         const double weight = 2.0 * mu * (to - from) * rule.weight[i];
         const Ray found = ray(mu);
-        leaving += weight * found.leaving.flux * j0(q * found.leaving.aside);
+        leaving += weight * found.leaving.flux * bessel_j0(q * found.leaving.aside);
         for (const Share& share : found.returning) {
-          returning += weight * share.flux * j0(q * share.aside);
+          returning += weight * share.flux * bessel_j0(q * share.aside);
         }
       }
     }

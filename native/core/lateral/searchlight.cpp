@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "numeric/bessel.hpp"
 #include "numeric/quadrature.hpp"
 
 namespace lamina {
@@ -60,7 +61,7 @@ bool has_clear_layer(const MeasuredStack& measured) {
 double LeavingLight::at(double q) const {
   double sum = at_entry + rest.at(q) + (once ? once->whole_at(q) : 0.0);
   for (const Ring& ring : rings) {
-    sum += ring.flux * j0(q * ring.radius);
+    sum += ring.flux * bessel_j0(q * ring.radius);
   }
   return sum;
 }

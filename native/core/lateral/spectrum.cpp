@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "numeric/bessel.hpp"
 #include "numeric/quadrature.hpp"
 
 namespace lamina {
@@ -153,11 +154,11 @@ double Spectrum::transformed(double r, int power, double first_root, const Besse
 }
 
 double Spectrum::density(double r) const {
-  return transformed(r, 1, 2.404825557695773, [](double x) { return j0(x); }) / (2.0 * pi);
+  return transformed(r, 1, 2.404825557695773, [](double x) { return bessel_j0(x); }) / (2.0 * pi);
 }
 
 double Spectrum::inside(double r) const {
-  return r == 0.0 ? 0.0 : r * transformed(r, 0, 3.831705970207512, [](double x) { return j1(x); });
+  return r == 0.0 ? 0.0 : r * transformed(r, 0, 3.831705970207512, [](double x) { return bessel_j1(x); });
 }
 
 }  // namespace lamina

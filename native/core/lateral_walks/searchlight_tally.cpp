@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/bessel.hpp"
 #include "walks/walk_blocks.hpp"
 
 namespace lamina {
@@ -81,7 +82,7 @@ void SearchlightTally::add_sample(const SearchlightScores& scores, const Leaving
     for (const double q : scores.frequencies) {
       double sum = 0.0;
       for (std::size_t k = 0; k < found; ++k) {
-        sum += exits[k].weight * ::j0(q * exits[k].r);
+        sum += exits[k].weight * bessel_j0(q * exits[k].r);
       }
       scored.push_back(sum);
     }
