@@ -37,6 +37,7 @@ def lobes(what: AnySubject, *more: AnySubject, mu_o: float | Sequence[float] = 0
     if not any(map(is_sheet, subjects)):
         ax.set_thetamin(-90)
         ax.set_thetamax(90)
+    ax.set_yticks(ax.get_yticks()[::3])
     ax.set_xlabel("angle of the light; value times cosine in 1/sr")
     ax.legend(fontsize="small", loc="lower center" if any(map(is_sheet, subjects)) else "upper right")
     return ax
