@@ -81,7 +81,9 @@ def kind_of(closure: str) -> tuple[str, float]:
         alpha = _as_high(closure)
         return (THROUGH if alpha < WIDEST_THROUGH else TRANSLUCENT), alpha
     if node.type == "ShaderNodeBsdfPrincipled" or closure.startswith("mirror:"):
-        alpha = max(float(node.inputs["Roughness"]) ** 2, LEAST_ALPHA)
+        roughness = node.inputs["Roughness"]
+        assert isinstance(roughness, float | int)
+        alpha = max(roughness**2, LEAST_ALPHA)
     elif node.type == ANISOTROPIC or node.enums.get("component") == "GLOSSY" or node.normal[0] == "lean":
         alpha = _as_high(closure)
     else:
