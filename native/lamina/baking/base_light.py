@@ -32,38 +32,45 @@ def repeated(color, thrown_back: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
+class Reflections:
+    """`first` (F), `again` (W), and `thrown_back`, r, [side, row, channel, column]."""
+
+    first: Slices
+    again: Slices
+    thrown_back: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class BaseLight:
-    """`dark`, `first` (F), `again` (W), and `thrown_back`, r, [side, row, channel, column]. Only `dark` if the color is
-    fixed, which then holds all light."""
+    """`dark`, and what a color adds; None if the color is fixed, where `dark` holds all light."""
 
     dark: Slices
-    first: Slices | None = None
-    again: Slices | None = None
-    thrown_back: np.ndarray | None = None
+    colored: Reflections | None = None
 
     def parts(self, color: np.ndarray) -> dict[str, tuple[Slices, np.ndarray]]:
         """(slices, their factor at the color [channel, 1]) of each part, by the prefix of its strips."""
         found = {DARK: (self.dark, np.ones_like(self.dark.albedo))}
-        if self.first is not None and self.again is not None and self.thrown_back is not None:
-            found[FIRST] = (self.first, color * np.ones_like(self.thrown_back))
-            found[AGAIN] = (self.again, repeated(color, self.thrown_back))
+        if self.colored is not None:
+            found[FIRST] = (self.colored.first, color * np.ones_like(self.dark.albedo))
+            found[AGAIN] = (self.colored.again, repeated(color, self.colored.thrown_back))
         return found
 
     def extremes(self) -> list[Slices]:
         """The light of a white base and, if the color varies, the part that a dark color leaves."""
-        if self.first is None or self.again is None:
+        if self.colored is None:
             return [self.dark]
-        return [_sum([self.dark, self.first, self.again]), self.first]
+        return [_sum([self.dark, self.colored.first, self.colored.again]), self.colored.first]
 
     @staticmethod
     def joined(lights: Sequence[BaseLight]) -> BaseLight:
         """Lights along the axis of rows."""
-        dark = along_rows([light.dark for light in lights])
-        if lights[0].first is None:
+        dark, colored = along_rows([light.dark for light in lights]), [light.colored for light in lights]
+        every = [one for one in colored if one is not None]
+        if not every:
             return BaseLight(dark)
-        return BaseLight(dark, along_rows([light.first for light in lights]),
-                         along_rows([light.again for light in lights]),
-                         np.concatenate([light.thrown_back for light in lights], axis=1))
+        return BaseLight(dark, Reflections(along_rows([one.first for one in every]),
+                                           along_rows([one.again for one in every]),
+                                           np.concatenate([one.thrown_back for one in every], axis=1)))
 
 
 def of_colors(black: Slices, seen: Sequence[Slices], last: np.ndarray) -> BaseLight:
@@ -82,7 +89,7 @@ def of_colors(black: Slices, seen: Sequence[Slices], last: np.ndarray) -> BaseLi
     part = repeated(small, thrown_back)
     first = _kept(_sum([low, none, white, none], [1.0, -1.0, -part, part], small - part), white, NEGLIGIBLE)
     again = _kept(_sum([white, none, first], [1.0, -1.0, -1.0]), white, NEGLIGIBLE)
-    return BaseLight(beyond(none, black), first, again, thrown_back)
+    return BaseLight(beyond(none, black), Reflections(first, again, thrown_back))
 
 
 def beyond(one: Slices, other: Slices) -> Slices:
@@ -101,9 +108,9 @@ def _sum(found: Sequence[Slices], factors: Sequence = (), divisor=1.0) -> Slices
     """The sum of slices times factors, numbers or [side, row, channel, column], over a divisor."""
     factors = [np.asarray(factor) / divisor for factor in factors or [1.0] * len(found)]
     pairs = list(zip(found, factors, strict=True))
-    values = sum(one.values * np.broadcast_to(factor, one.albedo.shape)[..., None] for one, factor in pairs)
-    return Slices(values, sum(one.albedo * factor for one, factor in pairs), None,
-                  sum(one.direct * factor for one, factor in pairs))
+    values = [one.values * np.broadcast_to(factor, one.albedo.shape)[..., None] for one, factor in pairs]
+    return Slices(np.sum(values, axis=0), np.sum([one.albedo * factor for one, factor in pairs], axis=0), None,
+                  np.sum([one.direct * factor for one, factor in pairs], axis=0))
 
 
 def _kept(light: Slices, whole: Slices, negligible: float) -> Slices:

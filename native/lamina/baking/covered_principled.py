@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .._core import ThreadPool
 from ..closures import following_lobes, lobes, narrow_lobes
 from ..closures.closure_table import LightGrid, grid_for, view_cosines
 from ..common.progress import Progress, portion
@@ -29,7 +30,7 @@ from ..kinds.fields import channel
 from ..kinds.table import DARK, METAL, THROWN_BACK, TRAPPED
 from ..material.stack import Stack
 from ..solver.solve import thread_pool
-from .base_light import COLORS, BaseLight, along_rows, beyond, of_colors, repeated
+from .base_light import COLORS, BaseLight, Reflections, along_rows, beyond, of_colors, repeated
 from .following_fit import FollowingFit
 from .mixture import FittedMixture, Mixture, norms, relative
 from .principled_base import ROUGH_STRIDE
@@ -59,7 +60,7 @@ class _Work:
     stride: int
     nodes: int | None
     grid: LightGrid
-    pool: object
+    pool: ThreadPool
 
     def over(self, base, step: Progress) -> tuple[SolvedRows, Slices]:
         """(the layers over another base, their slices)."""
@@ -134,10 +135,13 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
             weights, errors = _with_mirror(fit, part, names)
             table[prefix + kind] = Mixture([prefix + kind + name for name in (*names, mirror)], weights)
             whole, error = whole + (share * gain)[..., None] * part.values, error + share * gain * errors
-        if has_colors:
-            table[prefix + THROWN_BACK] = Mixture([prefix + THROWN_BACK], light.thrown_back[:, None])
-    if len(lights) > 1:
-        trapped = _trapped(work, lights, black, portion(step, 0.85, 0.9))
+        if light.colored is not None:
+            table[prefix + THROWN_BACK] = Mixture([prefix + THROWN_BACK], light.colored.thrown_back[:, None])
+    colored = [light.colored for light in lights if light.colored is not None]
+    if len(colored) > 1:
+        others = black.whole + HALF * (lights[0].dark.whole + lights[1].dark.whole)
+        plastic, metal = colored
+        trapped = _trapped(work, others, plastic, metal, portion(step, 0.85, 0.9))
         table[TRAPPED] = Mixture([TRAPPED], trapped[:, None])
 
     # State the errors at the base's own color and metallic value
@@ -158,8 +162,8 @@ def _light(work: _Work, metallic: float, black: Slices, has_colors: bool, step: 
     """The light that a base of this metallic value adds, for all roughnesses; without `has_colors`, only for its own
     color."""
     count = len(work.roughnesses)
-    bare = Slices(*(None if part is None else part[:, :part.shape[1] // count]
-                    for part in (black.values, black.albedo, black.lobes, black.direct)))
+    rows = slice(0, black.albedo.shape[1] // count)
+    bare = Slices(black.values[:, rows], black.albedo[:, rows], None, black.direct[:, rows])
     found: list[BaseLight] = []
     for base, part in work.at_each_roughness(replace(work.base, metallic=metallic), step):
         if found and (work.is_diffuse(metallic) or base.alpha == 0.0):
@@ -174,14 +178,12 @@ def _light(work: _Work, metallic: float, black: Slices, has_colors: bool, step: 
     return BaseLight.joined(found)
 
 
-def _trapped(work: _Work, lights: list[BaseLight], black: Slices, step: Progress) -> np.ndarray:
-    """t, [side, row, channel, column], from the albedo at m = c = 1/2."""
+def _trapped(work: _Work, dark: np.ndarray, plastic: Reflections, metal: Reflections, step: Progress) -> np.ndarray:
+    """t, [side, row, channel, column], from the albedo at m = c = 1/2; `dark`: the part of it that no color changes."""
     mixed = replace(work.base, metallic=HALF, color=HALF)
     seen = np.concatenate([work.flux(base, part) for base, part in work.at_each_roughness(mixed, step)], axis=1)
-    plastic, metal = lights
-    others = [light.dark.whole + HALF * light.first.whole for light in lights]
-    others.append(repeated(HALF, metal.thrown_back) * metal.again.whole)
-    left = seen - black.whole - HALF * sum(others)
+    once = HALF * (plastic.first.whole + metal.first.whole)
+    left = seen - dark - HALF * (once + repeated(HALF, metal.thrown_back) * metal.again.whole)
     # left = m c^2 E / (1 - c + c E) of the light of the dielectric, with E = 1 - r'
     most = HALF * HALF**2 * plastic.again.whole
     share = np.clip(np.where(most > 0.0, left / np.where(most > 0.0, most, 1.0), 0.0), 0.0, 1.0)

@@ -26,7 +26,7 @@ class FollowingFit:
 
     grid: LightGrid
     roughnesses: Sequence[float]
-    pool: object
+    pool: _core.ThreadPool
     search: dict
     step: Callable[[], None]
     _tables: dict = field(default_factory=dict, init=False, repr=False)  # the last table
