@@ -83,16 +83,16 @@ def _problem_of_closures(header: dict) -> str:
                 lobes.recipe(lobe_of(name))
         except (AttributeError, KeyError):
             return f"closure {quoted(name)}: this version of Lamina does not know it"
+    if any(name == PRINCIPLED or name.startswith(DARK) for name in header["closures"]):
+        for field in PrincipledBase.fields:
+            if not _is_numbers(_at(header, f"stack.base.{field.name}")):
+                return f"stack.base.{field.name}: must be a list of numbers from 0"
     if THROWN_BACK in header["closures"]:
         is_principled = _at(header, "stack.base.kind") == PrincipledBase.kind
         place = "stack.base.color" if is_principled else "stack.base.reflectance"
         colour = _at(header, place)
         if not _is_numbers(colour) or len(colour) not in (1, 3):
             return f"{place}: must be 1 or 3 numbers, for the base has an input"
-    if any(name == PRINCIPLED or name.startswith(DARK) for name in header["closures"]):
-        for field in PrincipledBase.fields:
-            if not _is_numbers(_at(header, f"stack.base.{field.name}")):
-                return f"stack.base.{field.name}: must be a list of numbers from 0"
     return ""
 
 

@@ -111,6 +111,11 @@ class Stack:
         facets."""
         return self._derived(layers, base, self._albedos)
 
+    def with_sizes(self, layers: Sequence[Medium | Interface]) -> Stack:
+        """The same stack with other thicknesses: `layers` may differ from the stack's only in the thickness of media
+        without a profile, and in an albedo in place of a colour with this albedo."""
+        return self._derived(layers, self.base, self._albedos)
+
     def _derived(self, layers, base, albedos) -> Stack:
         """A stack of checked parts with known albedos."""
         derived = object.__new__(Stack)

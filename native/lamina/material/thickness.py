@@ -25,6 +25,8 @@ def with_thickness(stack: Stack, layer: int, taus: float | tuple[float, ...]) ->
     varying = medium.varying and not math.isinf(max(taus) if isinstance(taus, tuple) else taus)
     changed = replace(_without_own_colour(stack, layer, medium), varying=varying, **_size(stack, layer, medium, taus))
     layers = [changed if number == layer else one for number, one in enumerate(stack.layers)]
+    if medium.profile is None and _count(stack, taus) == stack.channels:
+        return stack.with_sizes(layers)
     return Stack(layers, stack.base, stack.name, stack.category, stack.source)
 
 

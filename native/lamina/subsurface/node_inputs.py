@@ -10,7 +10,7 @@ import numpy as np
 
 from ..common.arguments import check_number, finite_array
 from ..common.by_content import ByContent
-from ..common.errors import ArgumentError, quoted
+from ..common.errors import ArgumentError, clipped
 from ..kinds.limits import MOST_NODE_IOR
 from .entry_cosines import entry_cosines, mean_entry_cosines
 from .node_parameters import LEAST_ALBEDO, LEAST_IOR, colour_of_albedo, radius_of_path
@@ -173,7 +173,7 @@ def checked_version(version) -> tuple[int, int]:
         whole = all(isinstance(n, int) and not isinstance(n, bool) and 0 <= n <= MOST_VERSION for n in first)
         if whole and first >= FIRST_VERSION:
             return first
-    raise ArgumentError(f"version = {quoted(version)}: must be a release of Blender from (4, 2) on")
+    raise ArgumentError(f"version = {clipped(repr(version))}: must be a release of Blender from (4, 2) on")
 
 
 def _checked_targets(albedo, distance) -> tuple[np.ndarray, np.ndarray]:

@@ -64,15 +64,15 @@ def test_an_interruption_keeps_parts(run, ball, addon, lamina, monkeypatch):
     monkeypatch.setattr(part_folder, "SAMPLES_PER_PART", 100)
     whole, said = interior_job.compute, []
 
-    def interrupted(task, progress=None, cancel=None):
-        return whole(task, lambda _, text: said.append(text), lambda: said and said[-1].startswith("Part 4 of "))
+    def interrupted(task, progress=None, cancel=None, *more):
+        return whole(task, lambda _, text: said.append(text), lambda: said and said[-1].startswith("Part 4 of "), *more)
 
     monkeypatch.setattr(interior_job, "compute", interrupted)
     code, _, err = run("Ball", "--size", 12)
     assert code == 130 and "interrupted" in err and ball.active_material.lamina.interior.size == 64
     said.clear()
-    monkeypatch.setattr(interior_job, "compute", lambda task, progress=None, cancel=None: whole(
-        task, lambda _, text: said.append(text), cancel))  # fmt: skip
+    monkeypatch.setattr(interior_job, "compute", lambda task, progress=None, cancel=None, *more: whole(
+        task, lambda _, text: said.append(text), cancel, *more))  # fmt: skip
     code, lines, _ = run("Ball", "--size", 12)
     assert code == 0 and lines[0].startswith("Ball: Relightable: ")
     assert not any(text.startswith("Part 3 of ") for text in said)

@@ -273,7 +273,7 @@ def test_panel(addon, ball):
             material.lamina.interior.source, material.lamina.interior.output = source, output
             said[source, output] = drawn(lambda layout: interior_panel.LAMINA_PT_interior.draw(
                 SimpleNamespace(layout=layout), context))  # fmt: skip
-    assert "Spacing" in said["MARBLE", "LIT"] and "Spacing" not in said["NODES", "LIT"]
+    assert "Spacing (mm)" in said["MARBLE", "LIT"] and "Spacing (mm)" not in said["NODES", "LIT"]
     assert "View" in said["NODES", "LIT"] and "View" not in said["LAYERS", "RELIGHTABLE"]
     assert all("Ball has no UV map: Lamina unwraps it" in lines and "Compute Interior" in lines
                for lines in said.values())  # fmt: skip

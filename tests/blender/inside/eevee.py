@@ -60,8 +60,8 @@ def build(names):
         sun.rotation_euler = Vector(towards).to_track_quat("Z", "Y").to_euler()
         scene.collection.objects.link(sun)
     scene.world = bpy.data.worlds.new("sky")
-    scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs[0].default_value = (SKY, SKY, SKY, 1.0)
+    tree = sys.modules["bl_ext.user_default.lamina"].nodes.node_tree.of(scene.world)
+    tree.nodes["Background"].inputs[0].default_value = (SKY, SKY, SKY, 1.0)
     lens = bpy.data.cameras.new("eye")
     lens.type, lens.ortho_scale = "ORTHO", len(names)
     scene.camera = bpy.data.objects.new("eye", lens)

@@ -100,20 +100,25 @@ def test_light_of_a_lamp_and_the_sky_on_a_slab(surface):
     lamp = Lamp([np.sqrt(1.0 - mu_i**2), 0.0, mu_i])
     # Light keeps its azimuth at dphi = 0.
     view = [-np.sqrt(1.0 - mu_o**2) * np.cos(dphi), np.sqrt(1.0 - mu_o**2) * np.sin(dphi), mu_o]
-    found = lamina.lit_images(solid, UNIFORM, [lamp], uvs, (3, 2), surface, view, noise=0.08, seed=2)
+    runs = [lamina.lit_images(solid, UNIFORM, [lamp], uvs, (3, 2), surface, view, noise=0.08, seed=seed)
+            for seed in (2, 3, 4, 5)]
     solved = plane_stack(surface)
-    lit, sky = found.estimate.lamps, found.estimate.sky
     expected = solved.brdf(mu_o, mu_i, dphi) * mu_i
     if surface.ior > 1.0:  # light that the facets mirror is not part of the map
         bare = lamina.Stack([lamina.Interface(ior=surface.ior, alpha=surface.alpha)])
         expected = expected - lamina.solve(bare).brdf(mu_o, mu_i, dphi) * mu_i
     else:
+        sky = runs[0].estimate.sky
         require_within_error(sky.value - solved.reflectance(mu_o) - solved.transmittance(mu_o), sky.stderr)
-    require_within_error(lit.value[:, 0] - expected, lit.stderr[:, 0])
-    assert found.noise < 0.1
-    # The image has less noise than the estimates.
-    image = found.lamps[0].reshape(-1, 3)
-    assert np.linalg.norm(image - expected) < np.linalg.norm(lit.value[:, 0] - expected)
+    # All texels of the slab are alike. Below facets, rare bright paths make the error of one texel uncertain, so the
+    # error of the mean is taken from the scatter of all texels and runs.
+    values = np.concatenate([run.estimate.lamps.value[:, 0] for run in runs])
+    error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
+    assert np.abs((values.mean(axis=0) - expected) / error).max() < z_limit(3, degrees=len(values) - 1)
+    assert np.median([run.noise for run in runs]) < 0.1
+    # The images have less noise than the estimates.
+    images = np.concatenate([run.lamps[0].reshape(-1, 3) for run in runs])
+    assert np.linalg.norm(images - expected) < np.linalg.norm(values - expected)
 
 
 def test_values_of_vertices():
