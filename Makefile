@@ -63,7 +63,6 @@ test: lint docs build/stamps/extension
 	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
 	$(RUN) -m pytest tests/cycles
-	@$(MAKE) --no-print-directory test-blender
 
 # In a Blender executable and its window: BLENDER=trixie is Blender 4.3, BLENDER=sid is 5.2. Needs root.
 test-blender: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/wheel-$(p))
