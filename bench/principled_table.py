@@ -132,10 +132,9 @@ def dust_rows(addon, number, base, quality, times):
 
 def varnish_rows(addon, number, base, quality):
     """The same for one material under varnish."""
-    base = with_channels(base)
     for name, varnish in (("varnish", VARNISH), *([("rough varnish", ROUGH_VARNISH)] if number in (3, 8, 17) else [])):
         material, lut = principled_samples.baked(addon, name, [varnish], base, quality)
-        one = principled_samples.below(material, lut, [varnish], base)
+        one = principled_samples.below(material, lut, [varnish], with_channels(base))
         off = principled_samples.albedo_errors([one], FURNACE_VIEWS, samples=512).max()
         slices, fixed = slices_of([one])[0], fixed_error(one, quality)
         yield (name, f"{words_of(number, base)} | {name} | {slices:.2%} | {fixed:.2%} | {off:.2%} |",
