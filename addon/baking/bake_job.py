@@ -8,10 +8,9 @@ are kept here for the session, and not in the .blend.
 import json
 import logging
 
-import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, messages, native, preferences
+from ..base import changes, handlers, messages, native, preferences
 from ..base.worker import OfMaterial, Place, Worker
 from ..editing import stack_io
 from ..nodes import node_group, thickness
@@ -226,14 +225,16 @@ def _on_load(*_):
     _failures.clear()
 
 
+HANDLERS = {"load_pre": _on_load}
+
+
 def register():
     changes.removals.append(clear_failure)
-    bpy.app.handlers.load_pre.append(_on_load)
+    handlers.add(HANDLERS)
 
 
 def unregister():
     stop()
     _failures.clear()
     changes.removals.remove(clear_failure)
-    if _on_load in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_on_load)
+    handlers.remove(HANDLERS)

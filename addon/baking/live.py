@@ -12,8 +12,8 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, native, preferences, redraw
-from ..base.worker import OfMaterial, Worker
+from ..base import changes, handlers, native, preferences, redraw
+from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import stack_io
 from ..nodes import node_group
 from ..properties import migration
@@ -30,8 +30,9 @@ SLOW, ROW_STRIDE, NODES = 0.08, 4, 32
 # and is above NOTICED.
 WORSE, NOTICED = 1.5, 0.02
 
+_place = Place()
+running, stop = _place.running, _place.stop
 _followed = {}  # uid -> _Material
-_job = None
 
 
 class _Material:
@@ -102,7 +103,7 @@ def mark(material):
     if _can_follow(material):
         followed = _follow(material)
         followed.changed, followed.touched = True, time.monotonic()
-        _wake()
+        handlers.start_timer(poll)
 
 
 def switch(material):
@@ -115,35 +116,18 @@ def switch(material):
 
 def leave(material):
     """End the material's running bake and forget its state; the shown bake stays."""
-    global _job
-    if _job is not None and _job.uid == material.session_uid:
-        _job.cancel()  # its thread ends by itself
-        _job = None
+    _place.leave(material)
     _followed.pop(material.session_uid, None)
 
 
 def poll():
     """The timer's function. Returns the seconds until the next call; None if nothing is left to do."""
     _finish_job()
-    if _job is None and bake_job.running() is None:
+    if running() is None and bake_job.running() is None:
         _start_next()
-    if _job is not None:
+    if running() is not None:
         return WORKING
     return _tidy()
-
-
-def running():
-    """The running job, or None."""
-    return _job
-
-
-def stop():
-    """End the running bake and forget it."""
-    global _job
-    if _job is not None:
-        _job.cancel()
-        _job.wait()
-        _job = None
 
 
 def _can_follow(material):
@@ -167,18 +151,18 @@ def _follow(material):
 
 def _finish_job():
     """Apply the job's result if it is done; cancel the job if it is outdated and slow."""
-    global _job
-    if _job is None:
+    job = running()
+    if job is None:
         return
-    followed = _followed.get(_job.uid)
-    if not _job.done:
-        if followed is None or (followed.changed and time.monotonic() - _job.started > PATIENCE):
-            _job.cancel()
-            if followed is not None and not _job.coarse:  # a complete bake takes even longer
+    followed = _followed.get(job.uid)
+    if not job.done:
+        if followed is None or (followed.changed and time.monotonic() - job.started > PATIENCE):
+            job.cancel()
+            if followed is not None and not job.coarse:  # a complete bake takes even longer
                 followed.seconds = max(followed.seconds, PATIENCE, 2.0 * SLOW)
                 followed.nodes = followed.nodes or NODES + 1
         return
-    job, _job = _job, None
+    _place.forget()
     material = job.material()
     if material is None or followed is None or job.cancelling or not _can_follow(material):
         return
@@ -194,7 +178,7 @@ def _finish_job():
 def _start_next():
     """Start a bake of the newest state of a material that has changed."""
     for uid, followed in list(_followed.items()):
-        material = _material(uid)
+        material = with_uid(bpy.data.materials, uid)
         if material is None:
             del _followed[uid]
         elif followed.changed:
@@ -212,9 +196,8 @@ def _kept(material):
 
 def _start(material, closures, coarse=None):
     """Starts a bake. Returns False if it could not be started; the panel then gives the reason."""
-    global _job
     try:
-        _job = LiveJob(material, closures, coarse or {})
+        _place.take(LiveJob(material, closures, coarse or {}))
     except Exception as error:
         bake_job.note_failure(material, error)
         redraw.properties()
@@ -225,10 +208,9 @@ def _start(material, closures, coarse=None):
 def _tidy():
     """At rest: bake with all rows, and with new closures where the kept ones fit badly; then make the curves
     of the result's picture."""
-    global _job
     resting = True
     for uid, followed in list(_followed.items()):
-        material = _material(uid)
+        material = with_uid(bpy.data.materials, uid)
         if material is None:
             del _followed[uid]
             continue
@@ -238,7 +220,7 @@ def _tidy():
         if not followed.changed and followed.touched + REST < time.monotonic() and bake_job.running() is None:
             if not (followed.coarse or worse):
                 undrawn, followed.undrawn = followed.undrawn, None
-                _job = CurvesJob(material, *undrawn)
+                _place.take(CurvesJob(material, *undrawn))
                 return WORKING
             followed.coarse, followed.chosen_error = False, max(followed.chosen_error, followed.error)
             if _start(material, None if worse else _kept(material)):
@@ -248,21 +230,11 @@ def _tidy():
     return None if resting else WAITING
 
 
-def _material(uid):
-    return next((one for one in bpy.data.materials if one.session_uid == uid), None)
-
-
 def _stack(text):
     stack, error = stack_check.of(text)
     if error is not None:
         raise error
     return stack
-
-
-def _wake():
-    # Nothing runs timers in the background, and one left there at the exit would hang Blender.
-    if not bpy.app.background and not bpy.app.timers.is_registered(poll):
-        bpy.app.timers.register(poll, first_interval=0.0)
 
 
 @persistent
@@ -285,17 +257,13 @@ HANDLERS = {"load_pre": _on_load, "undo_post": _on_undo, "redo_post": _on_undo}
 def register():
     changes.listeners.append(mark)
     changes.switches.append(switch)
-    for name, handler in HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(handler)
+    handlers.add(HANDLERS)
 
 
 def unregister():
     stop()
-    if bpy.app.timers.is_registered(poll):
-        bpy.app.timers.unregister(poll)
+    handlers.end_timer(poll)
     changes.listeners.remove(mark)
     changes.switches.remove(switch)
-    for name, handler in HANDLERS.items():
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
+    handlers.remove(HANDLERS)
     _followed.clear()

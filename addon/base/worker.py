@@ -6,6 +6,8 @@ import threading
 import bpy
 from bpy.app.handlers import persistent
 
+from . import handlers
+
 
 class Worker:
     """Runs work(progress, cancel) in a thread. `fraction` and `text` hold its progress; at its end `result`
@@ -47,13 +49,19 @@ class Worker:
         self.fraction, self.text = fraction, text or self.text
 
 
+def with_uid(blocks, uid):
+    """The one of some data-blocks with this session_uid, which stays when a block is renamed; None if the
+    block has been deleted."""
+    return next((one for one in blocks if one.session_uid == uid), None)
+
+
 class OfMaterial:
     """Mixin of a Worker for one material, with `uid`, the material's session_uid, and apply(material), which
     uses `result`. The material is found again even if it is renamed meanwhile."""
 
     def material(self):
         """The material, or None when it has been deleted."""
-        return next((one for one in bpy.data.materials if one.session_uid == self.uid), None)
+        return with_uid(bpy.data.materials, self.uid)
 
     def finish(self):
         """Apply the result to the material; main thread only. Returns the material, or None after a cancel or
@@ -79,15 +87,14 @@ class Place:
         def on_load(*_):
             self.stop()
 
-        self._on_load = on_load
+        self._handlers = {"load_pre": on_load}
 
     def register(self):
-        bpy.app.handlers.load_pre.append(self._on_load)
+        handlers.add(self._handlers)
 
     def unregister(self):
         self.stop()
-        if self._on_load in bpy.app.handlers.load_pre:
-            bpy.app.handlers.load_pre.remove(self._on_load)
+        handlers.remove(self._handlers)
 
     def take(self, job):
         self._job = job
@@ -97,13 +104,19 @@ class Place:
         """The running worker, or None."""
         return self._job
 
-    def running_for(self, material):
-        """The running worker with the material's `uid`, or None."""
-        return self._job if self._job is not None and self._job.uid == material.session_uid else None
+    def running_for(self, block):
+        """The running worker with the `uid` of this material or object, or None."""
+        return self._job if self._job is not None and self._job.uid == block.session_uid else None
 
     def forget(self):
         """Drop the worker: its result has been used."""
         self._job = None
+
+    def leave(self, block):
+        """Cancel and drop the worker of this material or object; its thread ends by itself."""
+        if self.running_for(block) is not None:
+            self._job.cancel()
+            self.forget()
 
     def stop(self):
         """Cancel the running worker and wait for its thread."""

@@ -13,6 +13,7 @@ from pathlib import Path
 import bpy
 from bpy.app.handlers import persistent
 
+from ..base import handlers
 from .file_lock import SaveError
 
 PROBE = 1 << 16  # bytes that must fit into a folder
@@ -160,12 +161,9 @@ HANDLERS = {"load_pre": _before_load, "save_post": _after_save}
 
 
 def register():
-    for name, handler in HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(handler)
+    handlers.add(HANDLERS)
 
 
 def unregister():
-    for name, handler in HANDLERS.items():
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
+    handlers.remove(HANDLERS)
     _stamps.clear()

@@ -7,6 +7,7 @@ Each step takes a material from schema n to n + 1. Steps are never edited, only 
 import bpy
 from bpy.app.handlers import persistent
 
+from ..base import handlers
 from . import material_properties
 
 STEPS = {}
@@ -58,14 +59,14 @@ def _once():
     migrate_all()
 
 
+HANDLERS = {"load_post": _on_load}
+
+
 def register():
-    bpy.app.handlers.load_post.append(_on_load)
-    if not bpy.app.background:
-        bpy.app.timers.register(_once, first_interval=0.0)
+    handlers.add(HANDLERS)
+    handlers.start_timer(_once)
 
 
 def unregister():
-    if _on_load in bpy.app.handlers.load_post:
-        bpy.app.handlers.load_post.remove(_on_load)
-    if bpy.app.timers.is_registered(_once):
-        bpy.app.timers.unregister(_once)
+    handlers.remove(HANDLERS)
+    handlers.end_timer(_once)

@@ -12,7 +12,8 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, messages, native, preferences, redraw
+from ..base import changes, handlers, messages, native, preferences, redraw
+from ..base.worker import Place, with_uid
 from . import dust_job, dust_settings, object_dust
 
 log = logging.getLogger(__name__)
@@ -21,9 +22,10 @@ WORKING, WAITING = 0.02, 0.1  # seconds to the timer's next call: while dust set
 REST = 0.6  # seconds without a change, after which all rays are used
 PATIENCE = 0.5  # a preview of outdated settings is cancelled after this many seconds
 
+_place = Place()
+running, stop = _place.running, _place.stop
 _followed = {}  # uid -> _Object
 _failures = {}  # uid -> sentence
-_job = None
 
 
 class _Object:
@@ -50,9 +52,7 @@ def mark(obj):
         return
     followed = _followed.setdefault(obj.session_uid, _Object())
     followed.changed, followed.touched = True, time.monotonic()
-    # Nothing runs timers in the background, and one left there at the exit would hang Blender.
-    if not bpy.app.background and not bpy.app.timers.is_registered(poll):
-        bpy.app.timers.register(poll, first_interval=0.0)
+    handlers.start_timer(poll)
 
 
 def switch(obj):
@@ -65,10 +65,7 @@ def switch(obj):
 
 def leave(obj):
     """End the running settling of an object and forget its state; the shown dust stays."""
-    global _job
-    if _job is not None and _job.uid == obj.session_uid:
-        _job.cancel()  # its thread ends by itself
-        _job = None
+    _place.leave(obj)
     _followed.pop(obj.session_uid, None)
     _failures.pop(obj.session_uid, None)
 
@@ -76,16 +73,11 @@ def leave(obj):
 def poll():
     """The timer's function. Returns the seconds until the next call; None if nothing is left to do."""
     _finish_job()
-    if _job is None and dust_job.running() is None:
+    if running() is None and dust_job.running() is None:
         _start_next()
-    if _job is not None:
+    if running() is not None:
         return WORKING
     return WAITING if _followed else None
-
-
-def running():
-    """The running job, or None."""
-    return _job
 
 
 def is_pending(obj):
@@ -98,28 +90,19 @@ def failure(obj):
     return _failures.get(obj.session_uid, "")
 
 
-def stop():
-    """End the running settling and forget it."""
-    global _job
-    if _job is not None:
-        _job.cancel()
-        _job.wait()
-        _job = None
-
-
 def _finish_job():
     """Apply the job's dust if it is done; cancel the job if its settings are outdated and it is slow."""
-    global _job
-    if _job is None:
+    job = running()
+    if job is None:
         return
-    followed = _followed.get(_job.uid)
-    if not _job.done:
-        is_slow = not _job.is_preview or time.monotonic() - _job.started > PATIENCE
+    followed = _followed.get(job.uid)
+    if not job.done:
+        is_slow = not job.is_preview or time.monotonic() - job.started > PATIENCE
         if followed is None or (followed.changed and is_slow):
-            _job.cancel()
+            job.cancel()
         return
-    job, _job = _job, None
-    obj = _object(job.uid)
+    _place.forget()
+    obj = with_uid(bpy.data.objects, job.uid)
     if obj is None or followed is None or job.cancelling:
         return
     try:
@@ -134,9 +117,8 @@ def _finish_job():
 
 def _start_next():
     """Start a preview of an object that has changed, or all rays for an object at rest."""
-    global _job
     for uid, followed in list(_followed.items()):
-        obj = _object(uid)
+        obj = with_uid(bpy.data.objects, uid)
         if obj is None or not obj.lamina_dust.live or not native.available():
             del _followed[uid]
             continue
@@ -144,7 +126,7 @@ def _start_next():
             continue
         is_preview, followed.changed = followed.changed, False
         try:
-            _job = LiveJob(_task(obj, followed, is_preview), is_preview)
+            _place.take(LiveJob(_task(obj, followed, is_preview), is_preview))
             return
         except Exception as error:
             _note(obj, error)
@@ -166,10 +148,6 @@ def _note(obj, error):
     if not messages.expected(error):
         log.error("live dust on %s failed", obj.name, exc_info=error)
     _failures[obj.session_uid] = messages.sentence(error)
-
-
-def _object(uid):
-    return next((one for one in bpy.data.objects if one.session_uid == uid), None)
 
 
 @persistent
@@ -194,18 +172,14 @@ HANDLERS = {"load_pre": _on_load, "undo_post": _on_undo, "redo_post": _on_undo}
 def register():
     changes.dust_listeners.append(mark)
     changes.dust_switches.append(switch)
-    for name, handler in HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(handler)
+    handlers.add(HANDLERS)
 
 
 def unregister():
     stop()
-    if bpy.app.timers.is_registered(poll):
-        bpy.app.timers.unregister(poll)
+    handlers.end_timer(poll)
     changes.dust_listeners.remove(mark)
     changes.dust_switches.remove(switch)
-    for name, handler in HANDLERS.items():
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
+    handlers.remove(HANDLERS)
     _followed.clear()
     _failures.clear()

@@ -11,9 +11,7 @@ import logging
 import math
 import threading
 
-import bpy
-
-from ..base import messages, native, redraw
+from ..base import handlers, messages, native, redraw
 from ..kinds.limits import STACK_SCHEMA
 from . import stack_check, stack_write
 
@@ -96,8 +94,7 @@ def _ask(what, text, place):
     known = _answers.get(question)
     if known is None:
         _wanted[place] = question
-        if not bpy.app.timers.is_registered(look):
-            bpy.app.timers.register(look, first_interval=LOOK)
+        handlers.start_timer(look, LOOK)
         return _latest.get(place)
     _wanted.pop(place, None)
     _latest[place] = known
@@ -133,8 +130,7 @@ def register():
 
 def unregister():
     global _worker
-    if bpy.app.timers.is_registered(look):
-        bpy.app.timers.unregister(look)
+    handlers.end_timer(look)
     if _worker is not None:
         _worker.join()
         _worker = None
