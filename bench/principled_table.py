@@ -5,7 +5,7 @@
         [--layers all|dust|varnish] [--no-times]
 
 Prints a table: for each material and layer the mean relative L2 error of slices at three views, the mean error that a
-bake of the same stack with fixed numbers promises, the largest error of the directional albedo, and for thickness 0 the
+bake of the same stack with fixed numbers reports, the largest error of the directional albedo, and for thickness 0 the
 largest difference from the Principled BSDF alone; then the CPU time of a render of the group relative to the BSDF
 alone. The last lines say for each layer how many materials hold the limits. Slices leave out lights within 20 degrees
 of the mirror direction for a coat, which is a mirror in the solver, and are not measured for facets narrower than alpha
@@ -97,12 +97,12 @@ def seconds(material):
 
 
 def holds(slices, fixed, albedo):
-    """(the albedo holds, the slices hold); slices that are not measured hold."""
+    """(the albedo is within its limit, the slices are within theirs); slices that are not measured count as within."""
     return albedo <= ALBEDO, not slices > max(MEAN_SLICE, OF_FIXED * fixed)
 
 
 def fixed_error(one, quality):
-    """The mean error of slices that a bake of the same stack with fixed numbers promises."""
+    """The mean error of slices that a bake of the same stack with fixed numbers reports."""
     return lamina.bake(one.stack, quality).report["fit_error"]
 
 
@@ -131,7 +131,7 @@ def dust_rows(addon, number, base, quality, times):
 
 
 def varnish_rows(addon, number, base, quality):
-    """The same for one material under varnish."""
+    """Like dust_rows, under varnish."""
     for name, varnish in (("varnish", VARNISH), *([("rough varnish", ROUGH_VARNISH)] if number in (3, 8, 17) else [])):
         material, lut = principled_samples.baked(addon, name, [varnish], base, quality)
         one = principled_samples.below(material, lut, [varnish], with_channels(base))

@@ -3,11 +3,10 @@
 
     python release/build.py [--platforms NAME...] [--pythons VERSION...] [--output dist/wheels]
 
-The core is compiled once per platform, the bindings once per Python. What is built stays in build/release, so a further
-run compiles what has changed alone. Needs the packages of requirements/release.txt, CMake and Maven.
+The core is compiled once per platform, the bindings once per Python. What is built stays in build/release, so another
+run compiles only what has changed. Needs the packages of requirements/release.txt, CMake and Maven.
 """
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -20,7 +19,7 @@ import check_wheel
 import description
 import pythons
 import ziglang
-from platforms import PLATFORMS, PYTHONS, classifier_of, python_tag, wheel_name
+from platforms import chosen, classifier_of, parser_of, python_tag, wheel_name
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "release"
@@ -90,18 +89,14 @@ def build(platform, python, output):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    names = [platform.name for platform in PLATFORMS]
-    parser.add_argument("--platforms", nargs="+", choices=names, default=names)
-    parser.add_argument("--pythons", nargs="+", choices=list(PYTHONS), default=list(PYTHONS))
+    parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, default=ROOT / "dist" / "wheels")
     arguments = parser.parse_args()
     BUILD.mkdir(parents=True, exist_ok=True)
-    chosen = [platform for platform in PLATFORMS if platform.name in arguments.platforms]
-    pythons.fetch({(python, classifier_of(platform, python)) for platform in chosen for python in arguments.pythons})
-    for platform in chosen:
-        for python in arguments.pythons:
-            build(platform, python, arguments.output.resolve())
+    wanted = chosen(arguments)
+    pythons.fetch({(python, classifier_of(platform, python)) for platform, python in wanted})
+    for platform, python in wanted:
+        build(platform, python, arguments.output.resolve())
     if description.missing(FIELDS):
         print("release: " + description.missing(FIELDS))
 

@@ -13,7 +13,7 @@ import zipfile
 from pathlib import Path
 
 import lief
-from platforms import PLATFORMS, PYTHONS, wheel_name
+from platforms import PLATFORMS, PYTHONS, digits, python_tag, wheel_name
 
 ROOT = Path(__file__).resolve().parent.parent
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
@@ -29,7 +29,8 @@ MACOS_LIBRARIES = re.compile(r"/usr/lib/libSystem\.B\.dylib")
 def module_faults(data, platform, python, module):
     """What is wrong with a compiled module, as sentences."""
     binary = lief.parse(io.BytesIO(data))
-    check = {"l": _elf_faults, "w": _windows_faults, "m": _macos_faults}[platform.name[0]]
+    system = platform.name.partition("-")[0]
+    check = {"linux": _elf_faults, "windows": _windows_faults, "macos": _macos_faults}[system]
     return [f"{module}: {fault}" for fault in check(binary, platform, python, module)]
 
 
@@ -53,7 +54,7 @@ def _windows_faults(binary, platform, python, module):
         yield f"not a module of {platform.name}"
         return
     libraries = [library.name for library in binary.imports]
-    own = f"python{python.replace('.', '')}.dll"
+    own = f"python{digits(python)}.dll"
     if own not in libraries:
         yield f"does not import {own}"
     yield from _foreign([name for name in libraries if name != own], WINDOWS_LIBRARIES)
@@ -86,7 +87,7 @@ def _foreign(libraries, allowed):
 def _exports(names, entry):
     if entry not in names:
         yield f"does not export {entry}"
-    prefix = entry[:entry.index("PyInit_") + 7]  # the module's own second entry, core_bindings, is not in the way
+    prefix = entry[:entry.index("PyInit_") + 7]  # _core has a second entry, PyInit_core_bindings
     others = sorted(name for name in names if not name.startswith(prefix))
     if others:
         yield f"exports {len(others)} symbols beside {entry}, such as {others[0]}"
@@ -115,7 +116,7 @@ def _contents_faults(opened, platform, python):
     for name in ("LICENSE", "THIRD_PARTY.md"):
         if f"{info}/licenses/{name}" not in names:
             faults.append(f"lacks {info}/licenses/{name}")
-    tag = f"Tag: cp{python.replace('.', '')}-cp{python.replace('.', '')}-{platform.tag}"
+    tag = f"Tag: {python_tag(python)}-{python_tag(python)}-{platform.tag}"
     if [line for line in opened.read(f"{info}/WHEEL").decode().splitlines() if line.startswith("Tag:")] != [tag]:
         faults.append(f"its file WHEEL does not say {tag}")
     for name in sorted(set(expected) & compiled):

@@ -44,4 +44,3 @@ def describe(wheel, fields):
 def _run(command, *arguments):
     subprocess.run([sys.executable, "-m", "wheel", command, *map(str, arguments)], check=True,
                    stdout=subprocess.DEVNULL)
-

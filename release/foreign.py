@@ -12,7 +12,7 @@ from platforms import classifier_of
 
 ROOT = Path(__file__).resolve().parent.parent
 WINE = Path("/usr/lib/wine/wine64")
-# numpy is Blender's on Python 3.11, and the first for the newer ones that Blender's use.
+# On Python 3.11, Blender's numpy; on the newer Pythons, one version for both.
 NUMPY = {"3.11": "1.26.4", "3.13": "2.3.5", "3.14": "2.3.5"}
 PIP_TAGS = {"windows-x64": ["win_amd64"], "linux-x64": ["manylinux_2_28_x86_64", "manylinux2014_x86_64"],
             "linux-arm64": ["manylinux_2_28_aarch64", "manylinux2014_aarch64"]}
@@ -65,7 +65,7 @@ class Runner:
             "WINEPREFIX": str(prefix), "WINEDEBUG": "-all", "PYTHONPATH": _of_windows(self.site)}
 
     def _libraries(self, architecture):
-        """(folder of Debian 11, library path): glibc 2.31, the oldest that the Pythons here are at hand for."""
+        """(folder with the libraries of Debian 11, which has glibc 2.31; library path)."""
         root = pythons.cache() / f"glibc-2.31-{architecture}"
         subprocess.run([ROOT / "release" / "glibc_root.sh", architecture, root], check=True)
         folders = [self.interpreter, *sorted(root.glob("lib/*-linux-gnu")), *sorted(root.glob("usr/lib/*-linux-gnu"))]

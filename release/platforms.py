@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The platforms and Pythons that wheels are released for: those of Blender 4.2 to 5.2."""
 
+import argparse
 from dataclasses import dataclass
 
 # Python's version, and the version of the Maven artifact org.bytedeco:cpython that has the headers.
@@ -15,7 +16,7 @@ class Platform:
     classifier: str  # the artifact's name of the platform
 
     def module_end(self, python):
-        return self.module.format(python.replace(".", ""))
+        return self.module.format(digits(python))
 
 
 PLATFORMS = (
@@ -35,10 +36,30 @@ def classifier_of(platform, python):
     return SAME_HEADERS.get((python, platform.classifier), platform.classifier)
 
 
+def digits(python):
+    """Such as 311 for Python 3.11, in names of tags, modules and libraries."""
+    return python.replace(".", "")
+
+
 def python_tag(python):
-    return "cp" + python.replace(".", "")
+    return "cp" + digits(python)
 
 
 def wheel_name(version, platform, python):
     tag = python_tag(python)
     return f"lamina-{version}-{tag}-{tag}-{platform.tag}.whl"
+
+
+def parser_of(description):
+    """An argument parser with the options --platforms and --pythons, by default all."""
+    parser = argparse.ArgumentParser(description=description)
+    names = [platform.name for platform in PLATFORMS]
+    parser.add_argument("--platforms", nargs="+", choices=names, default=names)
+    parser.add_argument("--pythons", nargs="+", choices=list(PYTHONS), default=list(PYTHONS))
+    return parser
+
+
+def chosen(arguments):
+    """[(platform, Python's version)] that the options name, one platform after the other."""
+    return [(platform, python) for platform in PLATFORMS if platform.name in arguments.platforms
+            for python in arguments.pythons]

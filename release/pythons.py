@@ -8,7 +8,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from platforms import PLATFORMS, PYTHONS, classifier_of
+from platforms import PYTHONS, classifier_of, digits
 
 ARTIFACT = """<dependency><groupId>org.bytedeco</groupId><artifactId>cpython</artifactId>
 <version>{}</version><classifier>{}</classifier></dependency>"""
@@ -61,9 +61,5 @@ def headers(platform, python):
     """(folder of Python.h, import library or None) of `python` on `platform`."""
     root = folder_of(python, classifier_of(platform, python))
     if platform.name.startswith("windows"):
-        return root / "include", root / "libs" / f"python{python.replace('.', '')}.lib"
+        return root / "include", root / "libs" / f"python{digits(python)}.lib"
     return root / "include" / f"python{python}", None
-
-
-def all_wanted():
-    return {(python, classifier_of(platform, python)) for platform in PLATFORMS for python in PYTHONS}

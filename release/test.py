@@ -8,13 +8,12 @@ the core's code is the same. Left out everywhere: tests whose oracles (SciPy, Py
 there, and Blender's. Left out under qemu, which takes thirty times as long: everything but QUICK. macOS is not run.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
 import check_wheel
 from foreign import Runner
-from platforms import PLATFORMS, PYTHONS, wheel_name
+from platforms import chosen, parser_of, wheel_name
 
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = (
@@ -56,30 +55,24 @@ def can_run(platform, python):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    names = [platform.name for platform in PLATFORMS]
-    parser.add_argument("--platforms", nargs="+", choices=names, default=names)
-    parser.add_argument("--pythons", nargs="+", choices=list(PYTHONS), default=list(PYTHONS))
+    parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument("--wheels", type=Path, default=ROOT / "dist" / "wheels")
     arguments = parser.parse_args()
     failed = []
-    for platform in PLATFORMS:
-        for python in arguments.pythons:
-            if platform.name not in arguments.platforms:
-                continue
-            name = wheel_name(check_wheel.VERSION, platform, python)
-            wheel = arguments.wheels.resolve() / name
-            faults = check_wheel.wheel_faults(wheel) if wheel.exists() else ["is not there: run make release"]
-            if faults:
-                failed.append(name)
-                print(f"{name}: " + "; ".join(faults), flush=True)
-            elif can_run(platform, python):
-                print(f"{name}: running", flush=True)
-                finished = Runner(platform, python, wheel).run(
-                    "-m", "pytest", "-p", "no:cacheprovider", "-k", NEEDS_MORE, *tests_of(platform, python))
-                failed += [name] * (finished.returncode != 0)
-            else:
-                print(f"{name}: checked, not run: this machine has no way to run it", flush=True)
+    for platform, python in chosen(arguments):
+        name = wheel_name(check_wheel.VERSION, platform, python)
+        wheel = arguments.wheels.resolve() / name
+        faults = check_wheel.wheel_faults(wheel) if wheel.exists() else ["is not there: run make release"]
+        if faults:
+            failed.append(name)
+            print(f"{name}: " + "; ".join(faults), flush=True)
+        elif can_run(platform, python):
+            print(f"{name}: running", flush=True)
+            finished = Runner(platform, python, wheel).run(
+                "-m", "pytest", "-p", "no:cacheprovider", "-k", NEEDS_MORE, *tests_of(platform, python))
+            failed += [name] * (finished.returncode != 0)
+        else:
+            print(f"{name}: checked, not run: this machine has no way to run it", flush=True)
     print("failed: " + ", ".join(failed) if failed else "all wheels are right")
     return 1 if failed else 0
 

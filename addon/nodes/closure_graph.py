@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ..base.messages import RefusedError
-from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, lobe_of
+from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, is_covered, lobe_of
 from . import (
     covered_graph,
     eevee_graph,
@@ -86,7 +86,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
     columns = lut.header["axes"]["view"]["count"]
     height = lut_image.height_of(lut, eevee)
     used = [closures[index] for index in used_closures(lut)]
-    covered = covered_graph.is_covered(lut)
+    covered = is_covered(closures)
     strips = covered_graph.by_closure(used) if covered else {name: [name] for name in used}
     recipes = [recipe_of(lobe_of(name)) for name in strips]
 

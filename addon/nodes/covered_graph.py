@@ -7,11 +7,6 @@ from . import principled
 from .graph import rgba
 
 
-def is_covered(lut):
-    """True for the table of a Principled base with inputs below an interface."""
-    return any(name.startswith(DARK) for name in lut.header["closures"])
-
-
 def by_closure(names):
     """{closure: the strips that hold its weight}, from the names of strips."""
     found = {}

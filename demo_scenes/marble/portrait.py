@@ -133,8 +133,8 @@ def without_noise(radiance, used, triangles, count, times):
 
 
 def without_outliers(radiance, used, triangles, count):
-    """`radiance` (k, 3) with a brightness of at most OUTLIER times the typical brightness of the neighbours, which is
-    the square of their mean root. A very bright vertex raises that value, hence a second pass."""
+    """`radiance` (k, 3) with a brightness of at most OUTLIER times the typical brightness of the neighbours: the square
+    of the mean of their square roots. A very bright vertex raises this value, hence a second pass."""
     for _ in range(2):
         brightness = radiance.mean(axis=1, keepdims=True)
         typical = averaged(np.sqrt(brightness), used, triangles, count, OUTLIER_TIMES) ** 2

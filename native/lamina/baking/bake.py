@@ -14,7 +14,7 @@ from .. import _core
 from ..closures import lobes, narrow_lobes
 from ..closures.closure_table import grid_for
 from ..common.arguments import check_choice, check_whole
-from ..common.errors import ArgumentError, StackError, quoted
+from ..common.errors import ArgumentError, quoted
 from ..common.progress import Progress, portion, portions, stepper
 from ..kinds.bases import Lambert, ShaderBase
 from ..kinds.fields import channel
@@ -30,7 +30,7 @@ from .lut import Lut
 from .lut_header import SCHEMA
 from .mixture import Mixture
 from .shader_base import on_lambert, shader_parts
-from .slices import SolvedRows, slices, solve_rows
+from .slices import SolvedRows, require_table, slices, solve_rows
 from .stack_fit import StackFit
 from .strayed_light import compensated
 from .tau_error import tau_error
@@ -98,9 +98,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     row_stride = check_whole(row_stride, "row_stride", 1, TAU_ROWS)
     limits = CLOSURE_BASES[check_choice(basis, "basis", CLOSURE_BASES)]
     given = _by_kind(() if closures is None else closures)
-    if stack.channels not in (1, 3):
-        raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
-    stack.require_air_below()
+    require_table(stack)
     started = time.perf_counter()
     measured = stack.varying is not None and quality == "final"
     shares = {**TIME, "base": TIME["base"] * _is_textured(stack), "between": TIME["between"] * measured}
@@ -171,11 +169,11 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
 def _principled(stack: Stack, quality: str, basis: str, threads: int, step: Progress, row_stride: int,
                 nodes: int | None, given: dict[str, list[str]]) -> tuple[dict, np.ndarray]:
     """(header, weights) of the table of a Principled base with inputs, or whose BSDF is part of the node group."""
-    limits, given_to = CLOSURE_BASES[basis], (quality, threads, step, row_stride, nodes, given)
+    limits, options = CLOSURE_BASES[basis], (quality, threads, step, row_stride, nodes, given)
     if principled_base.is_shown(stack):
-        parts, seen, solved, rough = principled_base.parts(stack, *given_to, limits.principled, SEARCH[quality])
+        parts, seen, solved, rough = principled_base.parts(stack, *options, limits.principled, SEARCH[quality])
     else:
-        parts, seen, solved, rough = covered_principled.parts(stack, *given_to, limits.covered, limits.reflected,
+        parts, seen, solved, rough = covered_principled.parts(stack, *options, limits.covered, limits.reflected,
                                                               SEARCH[quality])
     header = _header(stack, quality, basis, solved, parts, fit_report(parts, seen, solved))
     if rough:

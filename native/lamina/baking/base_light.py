@@ -6,7 +6,8 @@
 F is light that the base reflects once, and W what a white base reflects repeatedly, because the layers throw light
 back. For a Lambert surface this is exact, with r the share of light that the layers throw back, see geometric_series. A
 metal below an interface needs F and W apart: most of its light leaves after one reflection, but light that the
-interface traps stays for many. F, W and r are chosen for each view so that the albedo is exact at four colors."""
+interface traps is reflected many times. F, W and r are chosen for each view so that the albedo is exact at four
+colors."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..kinds.table import AGAIN, DARK, FIRST
-from .slices import Slices
+from .slices import Slices, along_rows
 
 # Colors for which a base is solved. Slices are needed for the first three, and the albedo alone for the last.
 COLORS = (0.0, 0.125, 1.0, 0.85)
@@ -95,13 +96,6 @@ def of_colors(black: Slices, seen: Sequence[Slices], last: np.ndarray) -> BaseLi
 def beyond(one: Slices, other: Slices) -> Slices:
     """The light of `one` beyond that of `other`."""
     return _kept(_sum([one, other], [1.0, -1.0]), one, NEGLIGIBLE_DARK)
-
-
-def along_rows(found: Sequence[Slices]) -> Slices:
-    """Slices along the axis of rows, without their lobes."""
-    values, albedo, direct = (np.concatenate([getattr(one, name) for one in found], axis=1)
-                              for name in ("values", "albedo", "direct"))
-    return Slices(values, albedo, None, direct)
 
 
 def _sum(found: Sequence[Slices], factors: Sequence = (), divisor=1.0) -> Slices:

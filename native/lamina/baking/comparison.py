@@ -15,7 +15,7 @@ import numpy as np
 from ..closures import narrow_lobes
 from ..closures.axes import column_angles
 from ..closures.closure_table import LightGrid, grid_for, only, view_cosines
-from ..common.errors import ArgumentError, StackError
+from ..common.errors import ArgumentError
 from ..common.progress import Progress, portions, stepper
 from ..kinds.bases import PrincipledBase, ShaderBase
 from ..kinds.table import PRINCIPLED
@@ -26,7 +26,7 @@ from .fitted_function import FittedFunction, finite_lobe, with_inputs_of
 from .mixture import norms, relative
 from .principled_base import BROAD, is_shown
 from .shader_base import on_lambert
-from .slices import Slices, SolvedRows, slices, solve_rows
+from .slices import Slices, SolvedRows, require_table, slices, solve_rows
 
 TIME = {"solve": 0.3, "evaluate": 0.7}
 
@@ -121,9 +121,7 @@ def _principled(base: PrincipledBase, weight: np.ndarray, wanted: Slices, grid: 
 
 def _refuse(header: dict, own: Stack, stack: Stack) -> None:
     """Raises StackError or ArgumentError for a stack that has other axes than the table."""
-    if stack.channels not in (1, 3):
-        raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
-    stack.require_air_below()
+    require_table(stack)
     for what, of in (("is a thin sheet", lambda s: s.base is None), ("has a varying layer", lambda s: s.varying
                      is not None), ("shows a Principled base", is_shown)):
         if of(own) != of(stack):

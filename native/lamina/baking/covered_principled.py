@@ -7,7 +7,7 @@ following_lobes.
 
 Metallic m mixes the light of the dielectric and of the metal. Light that the base reflects once mixes linearly. Light
 that the interface traps meets both: a dielectric scatters trapped light into all directions, and the share r of this
-light stays in, whereas a metal reflects most of it at the angle at which it came, and keeps the share t in. The
+light stays in, whereas a metal reflects most of this light at the angle of incidence, and the share t stays in. The
 repeated light of the dielectric therefore has r' = (1 - m) r + m t in place of r. t is chosen for each view so that the
 albedo is exact at m = c = 1/2.
 
@@ -30,11 +30,11 @@ from ..kinds.fields import channel
 from ..kinds.table import DARK, METAL, THROWN_BACK, TRAPPED
 from ..material.stack import Stack
 from ..solver.solve import thread_pool
-from .base_light import COLORS, BaseLight, Reflections, along_rows, beyond, of_colors, repeated
+from .base_light import COLORS, BaseLight, Reflections, beyond, of_colors, repeated
 from .following_fit import FollowingFit
 from .mixture import FittedMixture, Mixture, norms, relative
 from .principled_base import ROUGH_STRIDE
-from .slices import Slices, SolvedRows, slices, solve_rows
+from .slices import Slices, SolvedRows, along_rows, slices, solve_rows
 from .stack_fit import StackFit
 
 # Roughnesses of the table, uniform from 0 to 1. Facets of the first SHARP ones are solved as mirrors.

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..common import svg
+from .fitted_function import OTHER
 
 STEPS = 181  # directions on each side of the horizon
 LEAST_COSINE = 1e-3  # of drawn light
@@ -27,8 +28,7 @@ def lobe(values: Callable[..., np.ndarray], sheet: bool, mu_o: float, side: str)
     above = values(mu_o, mu_i, dphi, "reflect", side) * mu_i[:, None]
     if not sheet:
         return theta, above
-    other = "bottom" if side == "top" else "top"
-    below = values(mu_o, mu_i, dphi, "transmit", other) * mu_i[:, None]
+    below = values(mu_o, mu_i, dphi, "transmit", OTHER[side]) * mu_i[:, None]
     gap = np.full((1, above.shape[1]), np.nan)
     return np.concatenate([theta, [np.nan], np.pi - theta]), np.concatenate([above, gap, below])
 

@@ -57,7 +57,7 @@ class Lut(ByContent):
     def stack(self) -> Stack:
         """The stack that was baked, in canonical form: albedo and optical thickness of each channel, without names.
         Raises StackError for a table whose header holds no valid stack."""
-        return lut_header.stack_of(self.header)
+        return Stack.from_json(self.header["stack"])
 
     def evaluate(self, mu_o, mu_i, dphi, path: str = "reflect", side: str = "top", tau=None, color=None,
                  metallic: float | None = None, roughness: float | None = None) -> np.ndarray:

@@ -10,8 +10,7 @@ import numpy as np
 from ..closures import lobes
 from ..common.errors import quoted
 from ..kinds.bases import PrincipledBase
-from ..kinds.table import COLUMNS, DARK, PRINCIPLED, THROWN_BACK, lobe_of
-from ..material.stack import Stack
+from ..kinds.table import COLUMNS, PRINCIPLED, THROWN_BACK, is_covered, lobe_of
 
 SCHEMA = 1
 
@@ -39,12 +38,6 @@ _IF_ANY = {
     },
     "report.base_error": {f"report.base_error.{name}": _NUMBER for name in ("lambert", "metal", "unknown", "color")},
 }
-
-
-def stack_of(header: dict) -> Stack:
-    """The stack of a header, in canonical form: albedo and optical thickness of each channel, without names. Raises
-    StackError."""
-    return Stack.from_json(header["stack"])
 
 
 def problem(header, weights: np.ndarray) -> str:
@@ -83,7 +76,7 @@ def _problem_of_closures(header: dict) -> str:
                 lobes.recipe(lobe_of(name))
         except (AttributeError, KeyError):
             return f"closure {quoted(name)}: this version of Lamina does not know it"
-    if any(name == PRINCIPLED or name.startswith(DARK) for name in header["closures"]):
+    if PRINCIPLED in header["closures"] or is_covered(header["closures"]):
         for field in PrincipledBase.fields:
             if not _is_numbers(_at(header, f"stack.base.{field.name}")):
                 return f"stack.base.{field.name}: must be a list of numbers from 0"

@@ -10,9 +10,9 @@ Inputs of the group. The BSDF has the sockets' values. The rest depends on the b
 
     rest(c) = rest(0) + c / (1 - c r) * A
 
-which is exact for a diffuse base, see geometric_series. For a metal, r is chosen for each view so that
-the albedo is exact at c = 0, 1/2 and 1. Metallic mixes the rests of metallic 0 and 1 linearly. Roughness is an axis of
-the table, around that of thickness: the rows of all thicknesses at the first roughness, then those at the next."""
+which is exact for a diffuse base, see geometric_series. For a metal, r is chosen for each view so that the albedo is
+exact at c = 0, 1/2 and 1. Metallic mixes the rests of metallic 0 and 1 linearly. Roughness is an axis of the table,
+around that of thickness: the rows of all thicknesses at the first roughness, then those at the next."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from ..solver.solve import thread_pool
 from . import geometric_series
 from .dropped_weights import folded
 from .mixture import Effort, FittedMixture, Mixture, mix, norms, relative
-from .slices import Slices, SolvedRows, slices, solve_rows
+from .slices import Slices, SolvedRows, along_rows, slices, solve_rows
 
 # Widths of closures for lobes that the layers broaden, beside those of the dictionary.
 BROADENED = tuple(f"ggx:{alpha:g}" for alpha in (0.15, 0.22, 0.32, 0.45))
@@ -94,9 +94,8 @@ class _Work:
         values = seen.values - w[..., None] * clean.values
         if seen.lobes is not None and self.base.alpha < BROAD:
             values = values - seen.lobes + w[..., None] * clean.lobes
-        whole = seen.albedo + seen.direct
-        albedo = whole - w * (clean.albedo + clean.direct)
-        albedo = np.where(albedo > NEGLIGIBLE * whole, albedo, 0.0)
+        albedo = seen.whole - w * clean.whole
+        albedo = np.where(albedo > NEGLIGIBLE * seen.whole, albedo, 0.0)
         return Slices(np.where(albedo[..., None] > 0.0, values, 0.0), albedo, None, np.zeros_like(albedo)), seen
 
 
@@ -146,15 +145,9 @@ def _joined(found: list[tuple]) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]
     solved, weights, rests, values = zip(*found, strict=True)
     added = [rest.added for rest in rests if rest.added is not None]
     thrown_back = [rest.thrown_back for rest in rests if rest.thrown_back is not None]
-    joined = _Rests(_along_rows([rest.dark for rest in rests]), _along_rows(added) if added else None,
+    joined = _Rests(along_rows([rest.dark for rest in rests]), along_rows(added) if added else None,
                     np.concatenate(thrown_back, axis=1) if thrown_back else None)
-    return solved[-1], np.concatenate(weights), joined, _along_rows(list(values))
-
-
-def _along_rows(slices_of: list[Slices]) -> Slices:
-    return Slices(np.concatenate([one.values for one in slices_of], axis=1),
-                  np.concatenate([one.albedo for one in slices_of], axis=1), None,
-                  np.concatenate([one.direct for one in slices_of], axis=1))
+    return solved[-1], np.concatenate(weights), joined, along_rows(list(values))
 
 
 def _rests(work: _Work, metallic: float, step: Progress) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]:
@@ -173,7 +166,7 @@ def _rests(work: _Work, metallic: float, step: Progress) -> tuple[SolvedRows, np
     thrown_back = geometric_series.thrown_back(dark.albedo, half, light.albedo)
     share = 1.0 - thrown_back
     albedo = (light.albedo - dark.albedo) * share
-    albedo = np.where(albedo > NEGLIGIBLE * (values.albedo + values.direct), albedo, 0.0)
+    albedo = np.where(albedo > NEGLIGIBLE * values.whole, albedo, 0.0)
     change = np.where(albedo[..., None] > 0.0, (light.values - dark.values) * share[..., None], 0.0)
     added = Slices(change, albedo, None, np.zeros_like(albedo))
     return solved, weight, _Rests(dark, added, thrown_back), values

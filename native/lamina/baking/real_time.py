@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The mixture of a table in the few closures that a real-time engine such as Eevee renders.
 
-Eevee shows Toon, Sheen and Hair closures as Diffuse ones. So closures with lobes of similar kinds are summed to one
-closure each, with the same directional albedo at each view. A lobe about the mirror direction is a GGX lobe with the
+Eevee shows Toon, Sheen and Hair closures as Diffuse ones. Therefore all closures of one kind are summed to one closure,
+with the same directional albedo at each view. A lobe about the mirror direction is a GGX lobe with the
 same albedo and the same height: one of width alpha and albedo w is w / (4 pi alpha^2) high at normal incidence.
 """
+
 from __future__ import annotations
 
 import functools
@@ -15,7 +16,7 @@ import numpy as np
 
 from ..closures import lobes
 from ..closures.closure_table import column_albedos, view_cosines
-from ..kinds.table import DARK, lobe_of
+from ..kinds.table import is_covered, lobe_of
 from .lut import Lut
 
 DIFFUSE, GLOSSY, MIRROR = "diffuse", "glossy", "mirror"
@@ -42,8 +43,7 @@ def few_closures(lut: Lut) -> RealTimeTable:
     """The closures of `lut` in at most one strip per prefix and kind. Strips that hold no closure's weight are left
     out: the node group reads them from the table itself. No strips for a Principled base with inputs below an
     interface: widths that follow the roughness cannot be summed to one width."""
-    is_covered = any(name.startswith(DARK) for name in lut.closures)
-    names = [] if is_covered else [name for name in lut.closures if lobe_of(name)]
+    names = [] if is_covered(lut.closures) else [name for name in lut.closures if lobe_of(name)]
     members: dict[str, list[str]] = {}
     for name in names:
         kind, _ = kind_of(lobe_of(name))

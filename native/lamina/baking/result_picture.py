@@ -13,6 +13,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..common.srgb import srgb
+
 MARGIN = 0.04  # of a picture's size, on each side
 LINE, THIN = 0.014, 0.008  # widths of lines, as shares of a picture's size; at least a pixel
 EXACT = (0.30, 0.56, 0.94)  # color of the exact lobe; on dark and on light grounds
@@ -101,12 +103,6 @@ def ball_picture(curves: dict, size: int = 160, ink: Sequence[float] = (0.9, 0.9
     canvas.paint(srgb(color), inside)
     canvas.paint(ink, 0.5 * _edge(0.5 * THIN * size - np.abs(distance - radius)))
     return canvas.pixels()
-
-
-def srgb(linear) -> np.ndarray:
-    """Linear color as sRGB, IEC 61966-2-1, cut to [0, 1]."""
-    linear = np.clip(linear, 0.0, 1.0)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1.0 / 2.4) - 0.055)
 
 
 class _Canvas:

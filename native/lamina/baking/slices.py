@@ -4,7 +4,7 @@ side, row of thickness, channel and view cosine."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from .. import _core
 from ..closures.axes import tau_at, tau_rows
 from ..closures.closure_table import LightGrid, view_cosines
+from ..common.errors import StackError
 from ..material.stack import Stack
 from ..solver.solve import ScatteringFunction, solve
 
@@ -57,6 +58,13 @@ class SolvedRows:
         if not self.axis:
             return [1.0] * len(self.rows)
         return [_share(self.axis[row], self.axis[-1]) for row in self.rows]
+
+
+def require_table(stack: Stack) -> None:
+    """Raises StackError for a stack that no lookup table can hold."""
+    if stack.channels not in (1, 3):
+        raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
+    stack.require_air_below()
 
 
 def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, str], None],
@@ -109,6 +117,13 @@ def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.
     values, lobes, albedo, direct = zip(*made, strict=True)
     return Slices(np.concatenate(values, axis=1), np.maximum(np.concatenate(albedo, axis=1), 0.0),
                   None if lobes[0] is None else np.concatenate(lobes, axis=1), np.concatenate(direct, axis=1))
+
+
+def along_rows(found: Sequence[Slices]) -> Slices:
+    """Slices one after the other along the axis of rows, without their lobes."""
+    values, albedo, direct = (np.concatenate([getattr(one, name) for one in found], axis=1)
+                              for name in ("values", "albedo", "direct"))
+    return Slices(values, albedo, None, direct)
 
 
 def _share(tau: float, largest: float) -> float:

@@ -60,7 +60,7 @@ def strayed_report(parts: dict[str, Mixture], seen: dict[str, Slices], stated: n
     and transmission."""
     closures = [name for part in parts.values() for name in part.closures]
     weights = np.concatenate([part.weights for part in parts.values()], axis=1)
-    total = sum(one.albedo + one.direct for one in seen.values())
+    total = sum(one.whole for one in seen.values())
     share, known = np.zeros_like(total), total > 1e-12
     grid = _grid()
     for name in closures:

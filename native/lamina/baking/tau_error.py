@@ -51,7 +51,7 @@ def tau_error(solved: SolvedRows, largest: list[float], layer: int, grid: LightG
 
     norm = norms(wanted.values, grid)
     errors = norms(between(known.values) - wanted.values, grid) / np.where(norm > 0.0, norm, np.inf)
-    light = wanted.albedo + wanted.direct
+    light = wanted.whole
     mirror = np.abs(between(known.direct) - wanted.direct) / np.where(light > 0.0, light, np.inf)
     by_row = np.moveaxis(errors, 1, 0).reshape(len(after), -1)
     # Half-way slices are denser where layers are thin; the mean gives each pair of rows the same weight.

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work on several machines, by the parts of the shard contract: the parts of lamina.distributed."""
+"""Work on several machines: the code of lamina.distributed."""

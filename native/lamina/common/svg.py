@@ -8,17 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .srgb import srgb
+
 
 def colour(linear: Sequence[float]) -> str:
     """The CSS colour of linear Rec. 709 values, one or three, clipped to [0, 1]."""
     values = [linear[0]] * 3 if len(linear) != 3 else linear
-    encoded = [_encoded(min(max(float(value), 0.0), 1.0)) for value in values]
-    return "#" + "".join(f"{round(255 * value):02x}" for value in encoded)
-
-
-def _encoded(value: float) -> float:
-    """sRGB's transfer function (IEC 61966-2-1)."""
-    return 12.92 * value if value <= 0.0031308 else 1.055 * value ** (1.0 / 2.4) - 0.055
+    return "#" + "".join(f"{round(255 * value):02x}" for value in srgb(values).tolist())
 
 
 def picture(width: float, height: float, parts: Sequence[str], title: str) -> str:

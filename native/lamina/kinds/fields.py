@@ -167,6 +167,11 @@ def channel(value: Channels | None, index: int) -> float:
     return value[index] if isinstance(value, tuple) else cast(float, value)
 
 
+def as_channels(values: Sequence[float]) -> Channels:
+    """A quantity from its values in all channels: of one channel a number, otherwise a tuple."""
+    return tuple(values) if len(values) > 1 else values[0]
+
+
 def all_fields(thing) -> list[Field]:
     """Every quantity of a layer or base once: those of its forms, then the others."""
     named = {quantity.name: quantity for form in getattr(thing, "forms", ()) for quantity in form}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Descriptions (layers, bases, phase functions) that can be hashed however they were given."""
+"""Layers, bases and phase functions that can be hashed, whether given with lists, arrays or tuples."""
 
 from __future__ import annotations
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 COLUMNS = 64  # view angles
 TAU_ROWS = 33  # thicknesses of a varying layer
 # Rows are uniform in t = tau / (tau + TAU_BEND), which gives the most rows to thin layers, where values change fastest.
@@ -23,6 +25,11 @@ METAL = "metal/"
 # repeatedly; and the share of trapped light that a metal keeps in.
 DARK, FIRST, AGAIN = "dark/", "first/", "again/"
 TRAPPED = "metal/trapped"
+
+
+def is_covered(names: Collection[str]) -> bool:
+    """True if a table with these strips is that of a Principled base with inputs below an interface."""
+    return any(name.startswith(DARK) for name in names)
 
 
 def lobe_of(name: str) -> str:

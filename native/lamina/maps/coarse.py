@@ -14,11 +14,11 @@ from .nearest import BLOCK, nearest
 from .noise import Trial
 
 NEIGHBOURS = 3
-TURN = 0.25  # the mesh's size that counts as much as a turn of the normal by a radian: walls have two sides
+TURN = 0.25  # normals one radian apart count like this share of the mesh's size: thin walls have two sides
 
 
 def everywhere(trial: Trial, points: Points) -> ExitEstimate | LightEstimate:
-    """The estimates of a trial, interpolated to all points between their nearest neighbours."""
+    """The estimates of a trial at all points, each interpolated between the trial's nearest points."""
     size = float(np.linalg.norm(np.ptp(points.positions, axis=0)))
     lengths = np.linalg.norm(points.normals, axis=1, keepdims=True)
     found = np.concatenate([points.positions, TURN * size * points.normals / lengths], axis=1)

@@ -109,7 +109,8 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
 
 
 def _passes(samples: int, shown) -> list[tuple[int, int]]:
-    """The first sample of each pass, and the first beyond. With previews each pass doubles the number of samples."""
+    """(first sample, first sample of the next pass) for each pass. With previews, each pass doubles the number of
+    samples."""
     ends = [samples]
     while shown is not None and ends[0] >= 2 * LEAST_PASS:
         ends.insert(0, ends[0] // 2)

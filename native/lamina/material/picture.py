@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..common import svg
 from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
 from ..kinds.boundaries import Interface
-from ..kinds.fields import channel
+from ..kinds.fields import Channels, as_channels, channel
 from .colours import shown
 from .layers import Medium
 
@@ -32,7 +32,7 @@ def stack_picture(stack: Stack) -> str:
             taus = [stack.optics(number, c)[1] for c in range(stack.channels)]
             height = THIN + (THICK - THIN) * _share(max(taus))
             fill = svg.colour(_colour_of(stack, number, layer))
-            words = f"medium, tau {_range(taus, stack)}" + (", varying" if layer.varying else "")
+            words = f"medium, tau {_range(as_channels(taus), stack)}" + (", varying" if layer.varying else "")
         name = f"{layer.name}: " if layer.name else ""
         parts += [svg.box(0.0, y, WIDTH, height, fill, "#808080"), svg.text(WIDTH + 8.0, y + 0.5 * height + 4.0,
                                                                            name + words)]
@@ -51,18 +51,17 @@ def _share(tau: float) -> float:
     return 1.0 - math.exp(-tau)
 
 
-def _range(values, stack: Stack) -> str:
+def _range(values: Channels, stack: Stack) -> str:
     """One number, or the least and the largest of the channels."""
-    numbers = [channel(tuple(values) if isinstance(values, list | tuple) else values, c)
-               for c in range(stack.channels)]
+    numbers = [channel(values, c) for c in range(stack.channels)]
     low, high = min(numbers), max(numbers)
     return f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
 
 
 def _colour_of(stack: Stack, number: int, layer: Medium) -> list[float]:
-    albedo = tuple(stack.optics(number, c)[0] for c in range(stack.channels))
+    albedo = as_channels([stack.optics(number, c)[0] for c in range(stack.channels)])
     thick = replace(layer, color=None, over=None, profile=None, sigma_s=None, sigma_a=None, thickness=None,
-                    albedo=albedo if len(albedo) > 1 else albedo[0], tau=math.inf, varying=False)
+                    albedo=albedo, tau=math.inf, varying=False)
     return shown(thick.checked("layer"))
 
 
@@ -75,8 +74,8 @@ def _colour_of_base(stack: Stack) -> list[float]:
     if isinstance(base, Conductor):
         return [_facing(*stack.indices(c)) for c in channels]
     if isinstance(base, HalfSpace):
-        albedo = tuple(base.albedo_of(c) for c in channels)
-        return shown(Medium(albedo if len(albedo) > 1 else albedo[0], math.inf, base.phase).checked("base"))
+        albedo = as_channels([base.albedo_of(c) for c in channels])
+        return shown(Medium(albedo, math.inf, base.phase).checked("base"))
     return [0.0]
 
 

@@ -7,7 +7,7 @@ import math
 from dataclasses import replace
 
 from ..common.errors import ArgumentError
-from ..kinds.fields import Channels, channel
+from ..kinds.fields import as_channels, channel
 from .layers import Medium
 from .profile import Knot
 from .stack import Stack
@@ -70,16 +70,12 @@ def _without_own_colour(stack: Stack, layer: int, medium: Medium) -> Medium:
     if medium.over is None:
         return medium
     if medium.profile is None:
-        albedo = tuple(stack.optics(layer, c)[0] for c in range(stack.channels))
-        return replace(medium, color=None, over=None, albedo=_plain(albedo))
+        albedo = [stack.optics(layer, c)[0] for c in range(stack.channels)]
+        return replace(medium, color=None, over=None, albedo=as_channels(albedo))
     knots: list[Knot] = []
     for number, knot in enumerate(medium.profile):
         if knot.color is not None:
-            albedo = tuple(stack.knots(layer, c)[number][1] for c in range(stack.channels))
-            knot = replace(knot, color=None, albedo=_plain(albedo))
+            albedo = [stack.knots(layer, c)[number][1] for c in range(stack.channels)]
+            knot = replace(knot, color=None, albedo=as_channels(albedo))
         knots.append(knot)
     return replace(medium, profile=tuple(knots), over=None)
-
-
-def _plain(values: tuple[float, ...]) -> Channels:
-    return values if len(values) > 1 else values[0]

@@ -34,8 +34,8 @@ def user_names() -> list[str]:
 
 
 def load_user(name: str) -> Stack:
-    """A preset of the user. Raises UnknownName, a KeyError and StackError; StackError for a file that holds no stack;
-    and OSError."""
+    """A preset of the user. Raises UnknownName, a KeyError and StackError, for an unknown name, StackError for a file
+    that holds no stack, and OSError."""
     if name not in user_names():
         raise unknown("preset", name, sorted([*library_names(), *user_names()]))
     return Stack.load(user_folder() / (name + SUFFIX))

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plots with matplotlib: the parts of lamina.plot."""
+"""Plots with matplotlib: the code of lamina.plot."""

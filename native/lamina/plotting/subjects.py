@@ -20,13 +20,13 @@ Subject = ScatteringFunction | Lut
 AnySubject = Subject | Stack | str | os.PathLike
 
 
-def subject_of(given: AnySubject, name: str = "what") -> Subject:
+def subject_of(given: AnySubject) -> Subject:
     """The solved stack or table that `given` stands for; a stack is solved. Raises ArgumentError and what
     lamina.solve raises."""
     if isinstance(given, ScatteringFunction | Lut):
         return given
     if not isinstance(given, Stack | str | os.PathLike):
-        raise ArgumentError(f"{name} = {quoted(given)}: must be a ScatteringFunction, a Lut, or a stack")
+        raise ArgumentError(f"what = {quoted(given)}: must be a ScatteringFunction, a Lut, or a stack")
     return solve(as_stack(given))
 
 

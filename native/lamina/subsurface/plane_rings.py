@@ -7,6 +7,8 @@ import math
 
 import numpy as np
 
+LEAST_FLUX = 1e-300  # avoids 0 / 0 in channels without light
+
 
 def distances(scale: float, count: int) -> np.ndarray:
     """Nodes for integrals over the plane: `count` distances r, uniform in r / (r + scale)."""

@@ -27,6 +27,7 @@ from ..solver.solve import ScatteringFunction, solve
 from . import entry_lobes, plane_rings, single_scattering, source_depths
 from .entry_lobes import EntryLobes
 from .node_parameters import LEAST_IOR
+from .plane_rings import LEAST_FLUX
 from .single_scattering import SingleScattering
 from .source_depths import Sources, flux_density
 from .stack_nodes import boundary_on_top, require_finite_distance
@@ -37,7 +38,6 @@ DEPTHS, WEIGHTS, VIEWS = 1024, 1024, 256  # sizes of the tables
 DEPTH_SHARE = 0.9
 LEAST_COSINE = -0.05  # of rays that are weighted at the exit: a convex surface reaches below the source
 LARGEST_WEIGHT = 2.0  # of rays that are weighted at the exit, by distance
-LEAST_FLUX = 1e-300  # avoids 0 / 0 in channels without light
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,7 +41,7 @@ def fit(r: np.ndarray, light: np.ndarray, count: int) -> Sources:
     channels = light.shape[1]
     flux = plane_rings.within(r, light)
     decay = np.array([_decay(r, light[:, c], flux[:, c]) for c in range(channels)])
-    total = np.maximum(flux[-1], 1e-300)
+    total = np.maximum(flux[-1], plane_rings.LEAST_FLUX)
     half = np.interp(0.5, (flux / total).mean(axis=1), r)
     places = half * np.geomspace(0.002, 20.0, PLACES)
     found = np.stack([_mixture(r, light[:, c], decay[c], places) for c in range(channels)], axis=1)
@@ -82,6 +82,6 @@ def _mixture(r: np.ndarray, light: np.ndarray, decay: float, places: np.ndarray)
         return weights
     wanted = wanted / wanted.sum()
     for _ in range(STEPS):
-        weights = weights * (shown.T @ (wanted / np.maximum(shown @ weights, 1e-300)))
+        weights = weights * (shown.T @ (wanted / np.maximum(shown @ weights, plane_rings.LEAST_FLUX)))
         weights /= weights.sum()
     return weights

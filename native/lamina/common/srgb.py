@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Colours for displays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def srgb(linear) -> np.ndarray:
+    """Linear Rec. 709 values as sRGB (IEC 61966-2-1), clipped to [0, 1]."""
+    linear = np.clip(linear, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1.0 / 2.4) - 0.055)
