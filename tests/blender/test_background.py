@@ -2,6 +2,7 @@
 """`blender -b` with the installed extension: batch, pictures with and without the add-on, dust, a full disk, a kill."""
 
 import re
+import signal
 import time
 
 import pytest
@@ -68,10 +69,12 @@ def test_exit_codes(blender, made, arguments, code):
 
 
 def test_dust(blender, made):
+    """The usual amount of 1 lies on the open upper face alone, and no dust below a roof."""
     finished = script(blender, "dust.py", file=made(1))
     assert finished.returncode == 0, finished.stdout + finished.stderr
-    assert float(told(finished.stdout, "above")) > 10.0 * float(told(finished.stdout, "below")) > 0.0 or (
-        float(told(finished.stdout, "above")) > 0.0 == float(told(finished.stdout, "below")))
+    upper, others, roofed = (float(told(finished.stdout, word)) for word in ("upper", "others", "roofed"))
+    assert upper == pytest.approx(1.0, rel=1e-5)
+    assert others == pytest.approx(0.0, abs=1e-5) and roofed == pytest.approx(0.0, abs=1e-5)
 
 
 def test_a_kill_in_the_middle(blender, made):
@@ -82,6 +85,7 @@ def test_a_kill_in_the_middle(blender, made):
             if line.startswith("Dusty 0"):
                 break
         process.kill()
+    assert process.returncode == -signal.SIGKILL, "the batch had ended before the kill"
     time.sleep(0.5)
     assert len(states(blender, file)) == 6
     finished = blender.run(file, *BATCH, "bake", "--save")

@@ -56,6 +56,6 @@ def test_a_table_is_drawn_by_its_lobes(stack, lines, monkeypatch):
     if lines == 9:  # the first line is red seen along the normal; straight up is light from there
         up = level - np.interp(middle, points[0][:, 0], points[0][:, 1])
         across = np.linspace(0.0, 1.0, 40)[1:, None]
-        most = max(lut.evaluate(mu, across, [0.0, np.pi]) [..., c].__mul__(across).max()
+        most = max((lut.evaluate(mu, across, [0.0, np.pi])[..., c] * across).max()
                    for mu in (1.0, math.sqrt(0.5), 0.3) for c in range(3))
         assert up / 150.0 == pytest.approx(lut.evaluate(1.0, 1.0, 0.0)[0] / most, rel=0.03)

@@ -5,13 +5,19 @@ import pytest
 
 
 @pytest.fixture
-def run(addon, lamina, capsys):
+def captured(capsys):
+    """pytest's fixture that captures what a command prints."""
+    return capsys
+
+
+@pytest.fixture
+def run(addon, lamina, captured):
     """run(*arguments) -> (exit code, lines of stdout, stderr)"""
 
     def run(*arguments):
-        capsys.readouterr()
+        captured.readouterr()
         code = addon.command_line.command.main([str(one) for one in arguments])
-        printed = capsys.readouterr()
+        printed = captured.readouterr()
         lines = [line for line in printed.out.splitlines() if not line.startswith(("Info: ", "Saved "))]
         return code, lines, printed.err
 

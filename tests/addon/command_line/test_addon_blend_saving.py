@@ -8,25 +8,28 @@ import shutil
 import socket
 import subprocess
 import sys
-import textwrap
 from types import SimpleNamespace
 
 import bpy
-import own_blender
 import pytest
+from batch_files import baked, in_another_process
 
 
 @pytest.fixture
-def run(addon, lamina, capfd):
-    """run(*arguments) -> (exit code, lines of stdout, stderr)"""
+def captured(capfd):
+    """With what Blender itself prints."""
+    return capfd
 
-    def run(*arguments):
-        capfd.readouterr()
-        code = addon.command_line.command.main([str(one) for one in arguments])
-        printed = capfd.readouterr()
-        return code, [line for line in printed.out.splitlines() if ": fit error" in line], printed.err
 
-    return run
+@pytest.fixture
+def run(run):
+    """run(*arguments) -> (exit code, lines about bakes, stderr)"""
+
+    def about_bakes(*arguments):
+        code, lines, error = run(*arguments)
+        return code, [line for line in lines if ": fit error" in line], error
+
+    return about_bakes
 
 
 @pytest.fixture
@@ -42,35 +45,22 @@ def blend(addon, lamina, tmp_path):
     return path
 
 
-def baked(path):
-    """The names of the baked materials of a .blend on disk."""
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    return {one.name for one in bpy.data.materials if one.lamina.result.stack_hash}
-
-
 def one_sentence(error):
     assert error.startswith("lamina: ") and error.count("\n") == 1, error
     return error
 
 
-def in_another_process(blend, *arguments):
-    """Exit code and stderr of a batch on this file in a separate Blender."""
-    script = textwrap.dedent(f"""
-        import os, sys
-        import bpy, addon_utils
-        addon = addon_utils.enable({own_blender.MODULE!r}, default_set=True)
-        bpy.ops.wm.open_mainfile(filepath={str(blend)!r})
-        code = addon.command_line.command.main({list(arguments)!r})
-        sys.stdout.flush(); sys.stderr.flush()
-        os._exit(code)
-    """)
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
-    return done.returncode, done.stderr
+def on_open_file(blend, *arguments):
+    """Exit code and stderr of a batch in a separate Blender that has opened this file."""
+    opened = f"bpy.ops.wm.open_mainfile(filepath={str(blend)!r})"
+    process = in_another_process(*arguments, before=opened)
+    _, error = process.communicate(timeout=120)
+    return process.returncode, error
 
 
 def test_two_batches_on_one_file_lose_nothing(run, blend):
     """Both have opened the file; the other one saves first."""
-    assert in_another_process(blend, "bake", "first", "--save")[0] == 0
+    assert on_open_file(blend, "bake", "first", "--save")[0] == 0
     saved = blend.read_bytes()
     code, lines, error = run("bake", "second", "--save")
     aside = blend.with_name("scene.lamina-1.blend")

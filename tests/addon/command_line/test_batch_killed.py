@@ -27,16 +27,14 @@ lamina.bake = bake
 
 
 @pytest.fixture
-def run(addon, lamina, capsys):
+def run(run):
     """run(*arguments) -> (exit code, lines about bakes)"""
 
-    def run(*arguments):
-        capsys.readouterr()
-        code = addon.command_line.command.main([str(one) for one in arguments])
-        lines = capsys.readouterr().out.splitlines()
+    def about_bakes(*arguments):
+        code, lines, _ = run(*arguments)
         return code, [line for line in lines if ": fit error" in line or "failed" in line]
 
-    return run
+    return about_bakes
 
 
 @pytest.fixture
@@ -131,8 +129,7 @@ def test_a_process_that_is_killed_is_replaced_once(run, addon, files, monkeypatc
     code, lines = run("bake", files[0], "dusty_a", "--jobs", 2)
     if always:
         assert code == 1 and len(killed.read_text()) == 2
-        assert lines[0].endswith(
-            "failed: the process that baked it was ended by signal 9: out of memory")
+        assert lines[0].endswith("failed: the process that baked it was ended by signal 9: out of memory")
     else:
         assert code == 0 and ": fit error" in lines[0] and len(killed.read_text()) == 1
 

@@ -46,11 +46,7 @@ def cancel(panel):
     material = layered(panel)
     yield from baked(panel, material)
     earlier = material.lamina.result.stack_hash
-    slow(material)
-    with window.on(panel):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
-    yield 0.2
-    assert part("baking.bake_job").running_for(material) is not None
+    yield from slowly_baking(panel, material)
     with window.on(panel):
         bpy.ops.lamina.bake_cancel()
     while part("baking.bake_job").running() is not None:
@@ -83,11 +79,7 @@ def another_file(panel):
     material = layered(panel)
     path = str(OUT / "another.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
-    slow(material)
-    with window.on(panel):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
-    yield 0.2
-    assert part("baking.bake_job").running() is not None
+    yield from slowly_baking(panel, material)
     bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
     yield 1.0
     assert part("baking.bake_job").running() is None
@@ -97,11 +89,7 @@ def another_file(panel):
 def disabled(panel):
     """The add-on is disabled while a bake runs, and enabled again."""
     material = layered(panel)
-    slow(material)
-    with window.on(panel):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
-    yield 0.2
-    assert part("baking.bake_job").running() is not None
+    yield from slowly_baking(panel, material)
     bpy.ops.preferences.addon_disable(module=PACKAGE)
     yield from window.still()
     assert not hasattr(bpy.types.Material, "lamina")
@@ -113,12 +101,10 @@ def disabled(panel):
 def quit_while_baking(panel):
     """Blender is quit while a bake runs: the process ends by itself with exit code 0."""
     material = layered(panel)
-    slow(material)
-    with window.on(panel):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
-    yield 0.2
-    assert part("baking.bake_job").running() is not None
+    yield from slowly_baking(panel, material)
     bpy.ops.wm.quit_blender()
+    yield 60.0
+    raise AssertionError("Blender has not quit")
 
 
 def random_actions(panel, seed):
@@ -182,11 +168,15 @@ def layered(panel):
     return material
 
 
-def slow(material):
-    """Layers whose bake takes several seconds."""
+def slowly_baking(panel, material):
+    """Layers whose bake takes several seconds; the bake is running afterwards."""
     material.lamina.quality = "final"
     material.lamina.layers[0].tau = 1.7
     material.lamina.layers[0].g = 0.9
+    with window.on(panel):
+        bpy.ops.lamina.bake("INVOKE_DEFAULT")
+    yield 0.2
+    assert part("baking.bake_job").running_for(material) is not None
 
 
 def baked(panel, material):

@@ -34,8 +34,8 @@ STACKS = {
     "principled": Stack([DUST], PrincipledBase([0.5, 0.3, 0.1], metallic=0.3, roughness=0.3)),
 }
 RANDOM = np.random.default_rng(3)
-MU_O, MU_I, DPHI = RANDOM.uniform(0.2, 1.0, (2, 300)).tolist() + [RANDOM.uniform(0.0, 6.3, 300).tolist()]
-MU_O, MU_I, DPHI = map(np.array, (MU_O, MU_I, DPHI))
+MU_O, MU_I = RANDOM.uniform(0.2, 1.0, (2, 300))
+DPHI = RANDOM.uniform(0.0, 6.3, 300)
 
 
 @functools.cache
