@@ -59,7 +59,7 @@ def menu(area, name, left, right, down):
 def show(area, *names):
     """Show only these panels of Lamina and the list of materials in the Material tab."""
     for cls in bpy.types.Panel.__subclasses__():
-        kept = cls.__name__ == "LAMINA_PT_main" or "_PT_context_" in cls.__name__
+        kept = cls.__name__ in ("LAMINA_PT_top", "LAMINA_PT_main") or "_PT_context_" in cls.__name__
         if getattr(cls, "bl_context", "") == "material" and cls.is_registered and not kept:
             bpy.utils.unregister_class(cls)
     for name in names:

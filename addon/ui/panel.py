@@ -56,8 +56,23 @@ class MaterialPanel:
         return material.lamina.enabled and not migration.is_from_the_future(material)
 
 
+class LAMINA_PT_top(MaterialPanel, bpy.types.Panel):
+    """An empty panel without a header, which Blender draws above Surface. Its subpanel can be folded."""
+
+    bl_label = "Lamina"
+    bl_options = {"HIDE_HEADER"}
+
+    @classmethod
+    def wanted(cls, material):
+        return material.grease_pencil is None
+
+    def draw(self, _context):
+        pass
+
+
 class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
     bl_label = "Lamina"
+    bl_parent_id = "LAMINA_PT_top"
 
     @classmethod
     def wanted(cls, material):
@@ -104,6 +119,11 @@ class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
 class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
     bl_label = "Base"
     bl_parent_id = "LAMINA_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context):
+        base = context.material.lamina.base
+        self.layout.label(text=base.bl_rna.properties["kind"].enum_items[base.kind].name)
 
     def draw(self, context):
         layout, material = self.layout, context.material
@@ -320,6 +340,7 @@ def _characters(context):
 
 CLASSES = (
     LAMINA_UL_layers,
+    LAMINA_PT_top,
     LAMINA_PT_main,
     LAMINA_PT_layers,
     LAMINA_PT_base,
