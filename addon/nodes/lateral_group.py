@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..base import image_removal
 from . import before, graph, node_group
 
 MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
@@ -39,13 +40,13 @@ def build(material, name, draw, millimetre, inputs=(), again=False):
     except BaseException:
         new_images = node_group.images_of(drawing.created)
         drawing.remove_created()
-        _remove_unused(new_images)
+        image_removal.remove_unused(new_images)
         if is_new:
             bpy.data.node_groups.remove(group)
         raise
     for node in old_nodes:
         group.nodes.remove(node)
-    _remove_unused(old_images)
+    image_removal.remove_unused(old_images)
     group.name = f"Lamina {name} {material.name}"
     _input(group).default_value = millimetre
     material.lamina.lateral_group = group
@@ -96,12 +97,6 @@ def _settle_volume(group, wanted):
 
 def _input(group):
     return next(item for item in group.interface.items_tree if item.name == MILLIMETRE)
-
-
-def _remove_unused(images):
-    for image in images:
-        if image.users == 0:
-            bpy.data.images.remove(image)
 
 
 def _is_shared(material, group):

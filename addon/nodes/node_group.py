@@ -9,7 +9,7 @@ import json
 
 import bpy
 
-from ..base import native
+from ..base import image_removal, native
 from ..kinds.bases import PrincipledBase
 from . import (
     before,
@@ -46,7 +46,7 @@ def build(material, lut):
     try:
         closure_graph.draw(group, lut, eevee, image, recipe_of)
     except BaseException:
-        bpy.data.images.remove(image)
+        image_removal.remove(image)
         group_sockets.remove(group, added)
         if is_new:
             bpy.data.node_groups.remove(group)
@@ -207,9 +207,7 @@ def remove(material):
             continue
         images = images_of(group.nodes)
         bpy.data.node_groups.remove(group)
-        for image in images:
-            if image.users == 0:
-                bpy.data.images.remove(image)
+        image_removal.remove_unused(images)
 
 
 def _own_group(material):
@@ -282,7 +280,4 @@ def _replace_images(old_images, image):
     """
     for old in old_images:
         if old.library is None and old != image:
-            name = old.name
-            old.user_remap(image)
-            bpy.data.images.remove(old)
-            image.name = name
+            image_removal.replace(old, image)

@@ -7,10 +7,9 @@ Nothing is written before all of an object's dust is known.
 
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 
-from ..base import data_image, native
+from ..base import data_image, image_removal, native
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE
 from ..nodes import detail_wiring, thickness
@@ -210,7 +209,7 @@ def clear(obj):
     settings = obj.lamina_dust
     image, settings.image = settings.image, None
     if image is not None:
-        bpy.data.images.remove(image)
+        image_removal.remove(image)
     settings.told, settings.settled, settings.largest, settings.largest_back = "", "", 0.0, 0.0
 
 
@@ -244,8 +243,5 @@ def _write_image(obj, dust):
     image[thickness.TWO_SIDES] = True
     last, obj.lamina_dust.image = obj.lamina_dust.image, image
     if last is not None:
-        name = last.name
-        last.user_remap(image)
-        bpy.data.images.remove(last)
-        image.name = name
+        image_removal.replace(last, image)
     return image

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Removal of images that a render may still read.
+
+Previews of materials and viewports render in threads of their own, which hold pointers to the images of the
+main thread. Blender crashes if an image is removed before such a thread has read its pixels (seen in 4.3). In
+a window, an unused image therefore stays until no render runs, or until every render that knew the image must
+have started anew. Blender does not save images without users."""
+
+import time
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import handlers
+from .worker import with_uid
+
+JOBS = ("RENDER", "RENDER_PREVIEW", "OBJECT_BAKE")
+INTERVAL = 1.0  # seconds between two looks
+LEAST = 1.0  # seconds that an image stays: a viewport is not among the jobs, and starts anew by then
+LONGEST = 30.0  # seconds that an image stays while jobs follow one another, as previews do during Live
+
+_unused = []  # (session_uid, number of users, time) of images
+
+
+def remove(image):
+    """Remove an image, at once or later. Users that the image still has lose it."""
+    if bpy.app.background:
+        bpy.data.images.remove(image)
+        return
+    image.name = f"{image.name} (unused)"  # leaves the name to another image
+    _unused.append((image.session_uid, image.users, time.monotonic()))
+    handlers.start_timer(poll, INTERVAL)
+
+
+def remove_unused(images):
+    """Remove those of the images that have no users."""
+    for image in images:
+        if image.users == 0:
+            remove(image)
+
+
+def replace(old, new):
+    """Put the image `new` in the place of `old` everywhere, under the name of `old`, and remove `old`."""
+    name = old.name
+    old.user_remap(new)
+    remove(old)
+    new.name = name
+
+
+def poll():
+    """The timer's function: remove what no render can read any more."""
+    now, is_running = time.monotonic(), any(bpy.app.is_job_running(job) for job in JOBS)
+    for entry in _unused[:]:
+        uid, users, since = entry
+        if now - since > (LONGEST if is_running else LEAST):
+            _unused.remove(entry)
+            image = with_uid(bpy.data.images, uid)
+            if image is not None and image.users <= users:  # an undo may have brought back a user
+                bpy.data.images.remove(image)
+    return INTERVAL if _unused else None
+
+
+@persistent
+def _on_load(*_):
+    _unused.clear()
+
+
+HANDLERS = {"load_pre": _on_load}
+
+
+def register():
+    handlers.add(HANDLERS)
+
+
+def unregister():
+    handlers.end_timer(poll)
+    handlers.remove(HANDLERS)
+    _unused.clear()
