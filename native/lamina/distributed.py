@@ -2,6 +2,7 @@
 """Long work on the machines of a Dask cluster, with the bytes of one process: pip install "lamina[dask]"."""
 
 from .cluster.estimates import estimate, estimate_searchlight, light_in_mesh, walk_in_mesh
+from .cluster.maps import spread
 from .cluster.whole import bakes, settle_each
 
-__all__ = ["bakes", "estimate", "estimate_searchlight", "light_in_mesh", "settle_each", "walk_in_mesh"]
+__all__ = ["bakes", "estimate", "estimate_searchlight", "light_in_mesh", "settle_each", "spread", "walk_in_mesh"]

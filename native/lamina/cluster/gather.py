@@ -7,6 +7,7 @@ depend on the workers."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from ..common.arguments import check_whole
 from ..common.errors import ArgumentError, quoted
@@ -19,10 +20,10 @@ POLL = 0.2  # seconds between two calls of `cancel`
 
 
 def gather(client, call: Callable, arguments: Sequence[tuple], shared: tuple, work: str, progress: Progress | None,
-           cancel: Callable[[], bool] | None) -> list:
+           cancel: Callable[[], bool] | None, keep: Callable[[Any], None] | None = None) -> list:
     """[call(*shared, *each) for each in arguments], on the workers of `client`. `shared` is sent once, and recomputed
-    from the client's copy if its worker dies. Raises what a call raises, Cancelled, and KilledWorker of Dask if a call
-    has killed several workers."""
+    from the client's copy if its worker dies. `keep` is called with each result as soon as it is there. Raises what a
+    call raises, Cancelled, and KilledWorker of Dask if a call has killed several workers."""
     distributed = checked(client)
     step = stepper(work, progress, cancel)
     step(0.0, f"0 of {len(arguments)} parts")
@@ -38,6 +39,8 @@ def gather(client, call: Callable, arguments: Sequence[tuple], shared: tuple, wo
             for future in finished:
                 if future.status in ("error", "lost", "cancelled"):
                     future.result()  # raises
+                if keep is not None:
+                    keep(future.result())
             waiting -= finished
             done += len(finished)
             step(done / len(futures), f"{done} of {len(futures)} parts")

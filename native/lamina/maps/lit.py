@@ -21,6 +21,7 @@ from ..walks.searchlight_moments import Measured
 from .map_walk import MapJob, MapWalk, walk_map
 from .noise import noise_of, preview_report
 from .smoothing import smoothed
+from .spread import Spread
 
 MOST_MARGIN = 64
 
@@ -60,7 +61,7 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
                seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None, threads: int = 0,
                progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
                surroundings: Surroundings | None = None,
-               preview: Callable[[LitImages], None] | None = None) -> LitImages:
+               preview: Callable[[LitImages], None] | None = None, spread: Spread | None = None) -> LitImages:
     """The light that leaves an interior at each texel of a UV map, or at each vertex, under each of the `lamps` and
     under the `surroundings`, by default a sky of radiance 1 from all directions.
 
@@ -71,8 +72,9 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
     those of light_in_mesh."""
     check_whole(margin, "margin", 0, MOST_MARGIN)
     check_callable(preview, "preview")
+    check_callable(spread, "spread")
     job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel,
-                 None if preview is None else lambda walked: preview(_images(walked, margin)))
+                 spread, None if preview is None else lambda walked: preview(_images(walked, margin)))
     walked = walk_map(job, "light", lamps, surroundings, view, eye)
     walked.step(1.0, "Done")
     return _images(walked, margin)

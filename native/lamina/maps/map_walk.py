@@ -15,7 +15,7 @@ from ..common.errors import ArgumentError
 from ..common.progress import Progress, portion, stepper
 from ..interior.estimates import ExitEstimate, LightEstimate
 from ..interior.grid import Interior
-from ..interior.parts import job_of, merge_passes, part_of
+from ..interior.parts import WalkPart, job_of, merge_passes, part_of
 from ..interior.solid import Solid
 from ..interior.walk import MOST_SAMPLES, Lit, Surface, Walker, checked_lit
 from ..kinds.interiors import NOISE
@@ -23,6 +23,7 @@ from .coarse import everywhere
 from .noise import trial
 from .part_folder import PartFolder
 from .places import Places, places_of
+from .spread import Spread, WalkTask
 
 SETTING_UP = 0.1  # share of the progress
 LEAST_PASS = 4  # samples of the first pass
@@ -58,6 +59,8 @@ class MapJob:
     threads: int
     progress: Progress | None
     cancel: Callable[[], bool] | None
+    spread: Spread | None = None
+    """Computes the parts on other machines."""
     shown: Callable[[MapWalk], None] | None = None
     """Is called with previews."""
 
@@ -101,10 +104,18 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
     parts.begin(walks)
     walker.samples = walks
     passes = [{**described, "first": first, "samples": last - first} for first, last in _passes(walks, job.shown)]
-    done = parts.run(passes, lambda one, shard, within: part_of(
-        one, shard, walker.with_samples(one["first"], one["samples"]), used, within), portion(step, SETTING_UP, 1.0),
-        lambda found: show(merge_passes(found), (passes[len(found) - 1]["first"] + passes[len(found) - 1]["samples"])
-                           / walks))
+
+    def compute(one: dict, shards: list[tuple[int, int]], keep: Callable[[WalkPart], None], within: Progress) -> None:
+        task = WalkTask(one, job.solid, job.interior, surface, points, directions, used)
+        if job.spread is not None:
+            job.spread(task, shards, keep, within)
+            return
+        for place, shard in enumerate(shards):
+            keep(part_of(one, shard, task.of(walker), used,
+                         portion(within, place / len(shards), (place + 1) / len(shards))))
+
+    done = parts.run(passes, compute, portion(step, SETTING_UP, 1.0), lambda found: show(
+        merge_passes(found), (passes[len(found) - 1]["first"] + passes[len(found) - 1]["samples"]) / walks))
     return MapWalk(places, merge_passes(done), walker, portion(whole, share, 1.0), began)
 
 

@@ -19,6 +19,9 @@ FORMAT, SCHEMA = "lamina-run", 1
 MOST_PARTS = 4096
 SAMPLES_PER_PART = 1 << 15  # about a second of work without lamps
 
+# compute(description of the run, parts that are missing, function that keeps a part, progress)
+Compute = Callable[[dict, list[tuple[int, int]], Callable[[WalkPart], None], Progress], None]
+
 
 class PartFolder:
     """The parts of one run in a folder, or in memory only if `path` is None.
@@ -55,33 +58,42 @@ class PartFolder:
             text, path = json.dumps(header, indent=1, sort_keys=True) + "\n", self._path / "run.json"
             self._kept(lambda: write_atomically(path, lambda file: file.write(text.encode())), 0)
 
-    def run(self, passes: Sequence[dict], compute: Callable[[dict, tuple[int, int], Progress], WalkPart],
-            step: Progress, passed: Callable[[list[list[WalkPart]]], None]) -> list[list[WalkPart]]:
+    def run(self, passes: Sequence[dict], compute: Compute, step: Progress,
+            passed: Callable[[list[list[WalkPart]]], None]) -> list[list[WalkPart]]:
         """All parts of each pass, in sequence: read from the folder where they are whole, otherwise computed and
         written. `passes`: the descriptions that the parts must have, which differ in their samples. Calls
         `passed(parts so far)` after each pass except the last."""
-        plan = [(place, job, shard) for place, job in enumerate(passes) for shard in _shards(job)]
-        found = {number: self._load(job, shard, number, len(plan))
-                 for number, (_, job, shard) in enumerate(plan, start=1)}
-        whole = {number: part for number, part in found.items() if part is not None}
-        work = [job["samples"] / shard[1] for _, job, shard in plan]
-        total, done = sum(work), sum(work[number - 1] for number in whole)
-        began, before = time.perf_counter(), done
-        parts: list[list[WalkPart]] = [[] for _ in passes]
-        for number, (place, job, shard) in enumerate(plan, start=1):
-            if number not in whole:
-                text = f"Part {len(whole) + 1} of {len(plan)}"
-                if done > before:
-                    text += f", {time_left((time.perf_counter() - began) / (done - before) * (total - done))}"
-                within = portion(step, done / total, (done + work[number - 1]) / total)
-                part = compute(job, shard, _named(within, text))
-                self._save(part, number, len(plan), len(whole))
-                whole[number] = part
-                done += work[number - 1]
-            parts[place].append(whole[number])
-            if shard[0] == shard[1] and place + 1 < len(passes):
-                passed(parts[:place + 1])
-        return parts
+        plan = [(place, shard) for place, job in enumerate(passes) for shard in _shards(job)]
+        numbers = {one: number for number, one in enumerate(plan, start=1)}
+        found = {one: self._load(passes[one[0]], one[1], number, len(plan)) for one, number in numbers.items()}
+        whole = {one: part for one, part in found.items() if part is not None}
+        work = {(place, shard): passes[place]["samples"] / shard[1] for place, shard in plan}
+        total, kept = sum(work.values()), len(whole)
+        before, began = sum(work[one] for one in whole), time.perf_counter()
+
+        def told(fraction: float, _text: str) -> None:
+            text = f"Part {min(len(whole) + 1, len(plan))} of {len(plan)}"
+            if len(whole) > kept:
+                done = sum(work[one] for one in whole)
+                text += f", {time_left((time.perf_counter() - began) / (done - before) * (total - done))}"
+            step(fraction, text)
+
+        for place, job in enumerate(passes):
+            shards = [shard for where, shard in plan if where == place]
+            missing = [shard for shard in shards if (place, shard) not in whole]
+
+            def keep(part: WalkPart, place: int = place) -> None:
+                one = place, part.shard
+                self._save(part, numbers[one], len(plan), len(whole))
+                whole[one] = part
+
+            if missing:
+                done = sum(work[one] for one in whole)
+                compute(job, missing, keep, portion(told, done / total, (done + sum(
+                    work[place, shard] for shard in missing)) / total))
+            if place + 1 < len(passes):
+                passed([[whole[one] for one in plan if one[0] == earlier] for earlier in range(place + 1)])
+        return [[whole[one] for one in plan if one[0] == place] for place in range(len(passes))]
 
     def _load(self, job: dict, shard: tuple[int, int], number: int, count: int) -> WalkPart | None:
         """The part in the folder, or None if its file is missing, damaged or of another run."""
@@ -115,11 +127,6 @@ def _shards(job: dict) -> list[tuple[int, int]]:
 
 def _name(number: int, count: int) -> str:
     return f"part-{number:04d}-of-{count:04d}.npz"
-
-
-def _named(step: Progress, text: str) -> Progress:
-    """A step function that always tells this text."""
-    return lambda fraction, _: step(fraction, text)
 
 
 def _read(path: Path) -> dict | None:

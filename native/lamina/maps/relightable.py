@@ -27,6 +27,7 @@ from .lit import MOST_MARGIN
 from .map_walk import MapJob, MapWalk, walk_map
 from .noise import noise_of, preview_report
 from .smoothing import smoothed
+from .spread import Spread
 
 WALKING = 0.8  # share of the progress: the walks of the map
 _ARRAYS = ("color", "radius", "extra_color", "extra_radius", "albedo", "distance", "albedo_error", "distance_error")
@@ -66,7 +67,8 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
                        seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None,
                        threads: int = 0, progress: Progress | None = None,
                        cancel: Callable[[], bool] | None = None,
-                       preview: Callable[[RelightableImages], None] | None = None) -> RelightableImages:
+                       preview: Callable[[RelightableImages], None] | None = None,
+                       spread: Spread | None = None) -> RelightableImages:
     """Color and Radius, for each texel of a UV map or each vertex, with which Cycles' Subsurface Scattering node has
     the exit albedo and the mean exit distance of an interior.
 
@@ -83,7 +85,8 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
 
     `preview(images)` is called from time to time with the images so far: first with coarse ones from the trial, later
     each time the number of samples has doubled. Previews lack the correction for thin parts. A run with previews has
-    other parts in its folder than one without.
+    other parts in its folder than one without. `spread`: computes the parts on other machines, see
+    lamina.distributed.spread; the bytes are the same.
 
     The images have less noise than the estimates: a regression on the coefficients below the texels, see
     lamina.maps.smoothing. A boundary is shown by a Glossy closure above the node, see SubsurfaceInputs. Light enters
@@ -94,9 +97,10 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
     checked_version(version)
     check_whole(margin, "margin", 0, MOST_MARGIN)
     check_callable(preview, "preview")
+    check_callable(spread, "spread")
     surface = Surface() if surface is None else surface
     job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel,
-                 None if preview is None else lambda walked: preview(_images(walked, surface, version, margin)))
+                 spread, None if preview is None else lambda walked: preview(_images(walked, surface, version, margin)))
     walked = walk_map(job, "exits", share=WALKING)
     images = _images(walked, surface, version, margin)
     walked.step(1.0, "Done")

@@ -66,6 +66,45 @@ def test_walks_in_a_mesh(client):
     assert found.lamps == alone.lamps and found.sky == alone.sky
 
 
+@pytest.mark.skipif(bool(dust.available()), reason="no Embree")
+@pytest.mark.parametrize("kind", ["relightable", "lit"])
+def test_images_of_an_interior_though_a_worker_is_killed(client, tmp_path, kind):
+    solid = lamina.Solid(CORNERS, TRIANGLES)
+    interior, _ = lamina.interior_of_stack(Stack([Medium(sigma_s=1.0, sigma_a=0.5, thickness=1.0)]))
+    given = {"samples": 20_000, "seed": 5}
+    make, arrays = lamina.relightable_images, lambda found: (found.inputs.color, found.inputs.radius)
+    if kind == "lit":
+        make, arrays = lamina.lit_images, lambda found: (found.lamps, found.sky)
+        given["lamps"] = [lamina.Lamp((0, 0, 1))]
+    before, killed = set(client.run(os.getpid).values()), []
+
+    def progress(_share, text):
+        if text.startswith("Part 2 of") and not killed:
+            killed.append(min(before))
+            os.kill(killed[0], signal.SIGKILL)
+
+    found = make(solid, interior, folder=tmp_path, progress=progress, spread=distributed.spread(client), **given)
+    assert killed and len(list(tmp_path.glob("part-*.npz"))) > 2
+    client.wait_for_workers(2, timeout=60)
+    for one, other in zip(arrays(found), arrays(make(solid, interior, threads=1, **given)), strict=True):
+        assert one.tobytes() == other.tobytes()
+
+
+def test_a_cancelled_map_keeps_its_parts(client, tmp_path):
+    if dust.available():
+        pytest.skip(dust.available())
+    solid = lamina.Solid(CORNERS, TRIANGLES)
+    interior, _ = lamina.interior_of_stack(Stack([Medium(sigma_s=1.0, sigma_a=0.5, thickness=1.0)]))
+    said = []
+    with pytest.raises(Cancelled):
+        lamina.relightable_images(solid, interior, samples=20_000, folder=tmp_path, spread=distributed.spread(client),
+                                  progress=lambda _, text: said.append(text),
+                                  cancel=lambda: said and said[-1].startswith("Part 3 of"))
+    assert len(list(tmp_path.glob("part-*.npz"))) >= 2
+    with pytest.raises(ArgumentError, match="client = 'tcp"):
+        distributed.spread("tcp://127.0.0.1:1")
+
+
 def test_bakes_in_their_order(client):
     stacks = [SLAB, "gold", Stack([Medium(0.5, 1.0)])]
     tables = distributed.bakes(client, stacks, "preview")
