@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from ..base import native
 from ..base.messages import RefusedError
 from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, is_covered, lobe_of
 from . import (
@@ -166,6 +167,9 @@ def _draw(graph, lut, eevee, image, recipe_of):
             weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gains[prefix])
         if recipe.weight_input == "Coat Tint":
             weight = eevee_graph.dark(graph, line, chooser, weight)
+        elif covered:
+            albedo = native.part("baking.real_time").shown_as_diffuse(lobe_of(name))
+            weight = eevee_graph.scaled(graph, line, chooser, weight, albedo)
         shader = _closure(graph, line, name, recipe, weight, directions, widths)
         before = totals.get(prefix)
         totals[prefix] = shader if before is None else mix_shader.added(graph, 12, line, "", before, shader)

@@ -70,6 +70,14 @@ def chosen_value(graph, line, chooser, cycles, eevee):
     return value
 
 
+def scaled(graph, line, chooser, color, factor):
+    """`color` in Cycles, `color` times `factor` in Eevee."""
+    if factor == 1.0:
+        return color
+    less = graph.vector("MULTIPLY", 9, line + 0.4, "in Eevee", color, (factor,) * 3)
+    return chosen_value(graph, line, chooser, color, less)
+
+
 def dark(graph, line, chooser, color):
     """`color` in Cycles, black in Eevee. Eevee raises the tint of a coat to the power 1 / (view cosine). This
     overflows near grazing, and then even a shader without weight is not a number."""

@@ -28,6 +28,7 @@ NARROWEST, WIDEST = 0.04, 0.5
 WIDEST_THROUGH = 0.15
 LEAST_ALPHA = 1e-3
 ANISOTROPIC = "ShaderNodeBsdfAnisotropic"
+AS_DIFFUSE = ("ShaderNodeBsdfToon", "ShaderNodeBsdfSheen", "ShaderNodeBsdfHair")
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,15 @@ def kind_of(closure: str) -> tuple[str, float]:
     else:
         return DIFFUSE, WIDEST
     return (MIRROR if alpha < NARROWEST else GLOSSY if alpha < WIDEST else DIFFUSE), alpha
+
+
+def shown_as_diffuse(closure: str) -> float:
+    """Mean albedo, over views with the weight of their cosine, of a closure that Eevee shows as a Diffuse one of albedo
+    1; 1 for others."""
+    if lobes.recipe(closure).type not in AS_DIFFUSE:
+        return 1.0
+    cosines = view_cosines()
+    return float(np.average(_albedo(closure), weights=cosines * np.sqrt(1.0 - cosines**2)))  # uniform in the angle
 
 
 def _as_high(closure: str) -> float:

@@ -2,8 +2,10 @@
 """Runs in a Blender window: renders balls of presets in Cycles and in Eevee under the same light, and prints the mean
 colors, the peaks of the highlights, the means at the rim, and the root mean square difference, as JSON.
 
-Arguments: the presets; "+" after a name lays a checker on the input Thickness."""
+Arguments: the presets; "+" after a name lays a checker on the input Thickness. Names of VARNISHED are varnish over
+Principled BSDFs whose values are linked."""
 
+import importlib
 import json
 import math
 import os
@@ -17,6 +19,7 @@ from mathutils import Vector
 SIZE, RADIUS = 64, 0.42  # pixels of a ball's cell; its radius, in cells
 SUNS = (((-0.4, -0.8, 0.45), 2.0), ((0.5, 0.8, 0.3), 1.0))  # (towards the sun, irradiance)
 SKY = 0.3
+VARNISHED = {"varnished paint": ((0.6, 0.1, 0.05), 0.0, 0.4), "varnished gold": ((1.0, 0.7, 0.3), 1.0, 0.3)}
 
 
 def material_of(name):
@@ -38,6 +41,25 @@ def material_of(name):
     return material
 
 
+def varnished(name):
+    """Smooth varnish over a Principled BSDF with linked color, metallic and roughness."""
+    addon, lamina = sys.modules["bl_ext.user_default.lamina"], importlib.import_module("lamina")
+    material = bpy.data.materials.new(name)
+    tree = addon.nodes.node_tree.of(material)
+    (shader,) = [one for one in tree.nodes if one.type == "BSDF_PRINCIPLED"]
+    color, metallic, roughness = VARNISHED[name]
+    given = {"Base Color": ("ShaderNodeRGB", (*color, 1.0)), "Metallic": ("ShaderNodeValue", metallic),
+             "Roughness": ("ShaderNodeValue", roughness)}
+    for socket, (kind, value) in given.items():
+        node = tree.nodes.new(kind)
+        node.outputs[0].default_value = value
+        tree.links.new(node.outputs[0], shader.inputs[socket])
+    addon.editing.over_material.add(material)
+    addon.editing.over_material.assign_layers(material, lamina.Stack([lamina.Interface(1.5)], lamina.Black()))
+    addon.baking.bake_job.bake_material(material, "preview")
+    return material
+
+
 def build(names):
     """Balls in a row, which neither shadow nor reflect each other, under suns and a grey sky."""
     scene = bpy.data.scenes.new("balls")
@@ -50,7 +72,7 @@ def build(names):
         if place:
             scene.collection.objects.link(ball)
         ball.data.materials.clear()
-        ball.data.materials.append(material_of(name))
+        ball.data.materials.append(varnished(name) if name in VARNISHED else material_of(name))
         ball.location = (place, 0.0, 0.0)
         ball.visible_diffuse = ball.visible_glossy = ball.visible_transmission = ball.visible_shadow = False
     for towards, irradiance in SUNS:
