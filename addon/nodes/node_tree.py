@@ -11,8 +11,7 @@ import bpy
 def of(owner):
     """The node tree of a material, world or lamp.
 
-    Before Blender 5.0 it has to be switched on. From 5.0 on it is always there, and touching the switch
-    warns: Blender 6.0 will not have the switch. Lamps keep the switch.
+    In older versions of Blender it has to be switched on; see _has_switch.
     """
     if _has_switch(owner):
         owner.use_nodes = True
@@ -20,7 +19,7 @@ def of(owner):
 
 
 def is_on(owner):
-    """True if a material, world or lamp has nodes. From Blender 5.0 on every material and world has."""
+    """True if a material, world or lamp has nodes. Where there is no switch, each of them has."""
     return not _has_switch(owner) or owner.use_nodes
 
 
@@ -31,4 +30,8 @@ def switch_off(owner):
 
 
 def _has_switch(owner):
-    return bpy.app.version < (5, 0, 0) or isinstance(owner, bpy.types.Light)
+    """False where the tree is always there: for materials and worlds from Blender 5.0 on, for lamps in 5.2.
+
+    The switch is then marked as deprecated, and touching it warns. Blender 6.0 will not have it."""
+    switch = owner.bl_rna.properties.get("use_nodes")
+    return switch is not None and not getattr(switch, "is_deprecated", False)

@@ -67,7 +67,9 @@ def _sky():
     tree = node_tree.of(world)
     tree.nodes.clear()
     sky = tree.nodes.new("ShaderNodeTexSky")
-    sky.sky_type, sky.sun_disc = "NISHITA", False
+    kinds = sky.bl_rna.properties["sky_type"].enum_items
+    sky.sky_type = "NISHITA" if "NISHITA" in kinds else "SINGLE_SCATTERING"  # its name from Blender 5.0 on
+    sky.sun_disc, sky.altitude = False, 0.0
     # The node's azimuth runs clockwise from +y.
     sky.sun_elevation, sky.sun_rotation = SUN_HEIGHT, 0.5 * math.pi - SUN_AZIMUTH
     background, output = tree.nodes.new("ShaderNodeBackground"), tree.nodes.new("ShaderNodeOutputWorld")

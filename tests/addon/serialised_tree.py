@@ -60,7 +60,7 @@ def _properties(owner, skip=frozenset(), depth=0):
     found = {}
     for prop in owner.bl_rna.properties:
         name = prop.identifier
-        if name in SKIPPED or name in skip or name.startswith("bl_"):
+        if name in SKIPPED or name in skip or name.startswith("bl_") or getattr(prop, "is_deprecated", False):
             continue
         value = getattr(owner, name)
         if prop.type == "POINTER" and value is not None and not isinstance(value, bpy.types.ID | bpy.types.Node):

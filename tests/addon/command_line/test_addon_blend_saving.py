@@ -11,6 +11,7 @@ import sys
 from types import SimpleNamespace
 
 import bpy
+import numpy as np
 import pytest
 from batch_files import baked, in_another_process
 
@@ -190,7 +191,8 @@ def small_disk(tmp_path):
 def test_a_disk_that_is_really_full(run, blend, small_disk):
     picture = bpy.data.images.new("Noise", 512, 512, float_buffer=True)
     picture.use_fake_user = True
-    picture.pixels.foreach_set([0.5 + 0.37 * ((7919 * k) % 101) for k in range(512 * 512 * 4)])
+    # Random numbers: from 5.2 on Blender compresses files unless told otherwise.
+    picture.pixels.foreach_set(np.random.default_rng(1).random(512 * 512 * 4, np.float32))
     picture.pack()
     target = small_disk / "out.blend"
     code, lines, error = run("bake", "first", "--output", target)
