@@ -49,13 +49,20 @@ class Runner:
             opened.extractall(folder)
         return folder
 
-    def run(self, *arguments, **options):
-        """subprocess.run of the Python with `arguments`."""
+    def run(self, *arguments):
+        """Exit code of the Python with `arguments`. What the Python prints is printed here.
+
+        The output passes a pipe, because Python under wine does not start when its output is a file.
+        """
         command, variables = getattr(self, "_" + self.platform.name.replace("-", "_"))()
         variables = {"PATH": "/usr/bin:/bin", "HOME": "/tmp", "PYTHONDONTWRITEBYTECODE": "1", "PYTHONUTF8": "1",
                      "OPENBLAS_NUM_THREADS": "1", **variables}
-        return subprocess.run([*command, *map(str, arguments)], env=variables, cwd=ROOT, stdin=subprocess.DEVNULL,
-                              **options)
+        with subprocess.Popen([*command, *map(str, arguments)], env=variables, cwd=ROOT, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+            for line in process.stdout:
+                sys.stdout.buffer.write(line)
+                sys.stdout.flush()
+        return process.returncode
 
     def _windows_x64(self):
         if not WINE.exists():

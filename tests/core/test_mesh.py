@@ -3,6 +3,7 @@
 
 import importlib.util
 import math
+import os
 import shutil
 import subprocess
 import sys
@@ -193,7 +194,8 @@ def test_without_the_layer_all_else_works_and_dust_says_why(case, tmp_path):
         (tmp_path / f"lamina/_mesh{SUFFIX}").write_bytes(content)
     elif content:
         (tmp_path / "lamina/_mesh.py").write_text(content)
-    done = subprocess.run([sys.executable, "-c", SCRIPT], cwd=tmp_path, env={"PYTHONPATH": str(tmp_path)},
+    found = os.pathsep.join([str(tmp_path), str(Path(np.__file__).parents[1])])  # PYTHONPATH may be the way to NumPy
+    done = subprocess.run([sys.executable, "-c", SCRIPT], cwd=tmp_path, env={**os.environ, "PYTHONPATH": found},
                           capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     solved, available, said = done.stdout.splitlines()
