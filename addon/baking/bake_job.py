@@ -205,6 +205,10 @@ def _note_report(result, lut):
     result.between_rows = between.get("mean", -1.0)
     result.between_rows_worst = between.get("worst", -1.0)
     result.albedo_error = report["albedo_error"]
+    over = report.get("input_error")
+    result.input_mean = over["mean"] if over else -1.0
+    result.input_worst = over["worst"]["error"] if over else -1.0
+    result.input_albedo = over["albedo"]["error"] if over else -1.0
     below = report.get("base_error") or {}
     result.base_matte, result.base_metal = below.get("lambert", -1.0), below.get("metal", -1.0)
     result.base_unknown, result.base_color = below.get("unknown", -1.0), below.get("color", -1.0)

@@ -68,6 +68,11 @@ class LaminaResult(bpy.types.PropertyGroup):
     )
     between_rows_worst: FloatProperty(default=-1.0)
     albedo_error: FloatProperty(description="Worst relative error of the directional albedo")
+    input_mean: FloatProperty(
+        default=-1.0, description="Mean error of slices over values of the inputs; negative without inputs"
+    )
+    input_worst: FloatProperty(default=-1.0, description="The largest of these errors")
+    input_albedo: FloatProperty(default=-1.0, description="Worst albedo error over values of the inputs")
     base_matte: FloatProperty(
         default=-1.0, description="Energy error of a matte shader below; negative for other bases"
     )

@@ -221,6 +221,10 @@ def result_lines(result):
     if result.through_worst_error >= 0.0:
         lines.append(("Worst At", _place(result, "through_worst")))
     lines.append(("Albedo Error", percent(result.albedo_error, 2)))
+    if result.input_mean >= 0.0:
+        errors = percent(result.input_mean), percent(result.input_worst)
+        lines.append(("Over All Inputs", f"{errors[0]} mean, {errors[1]} worst"))
+        lines.append(("Their Albedo Error", percent(result.input_albedo, 2)))
     lines.append(("Energy Error", percent(result.energy_error, 2)))
     lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} fit"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))

@@ -42,7 +42,10 @@ def test_a_table():
 def test_a_table_with_roughness():
     base = PrincipledBase([0.5, 0.3, 0.1], inputs=("roughness",))
     lut = lamina.bake(Stack([Medium(0.9, 0.5)], base), "preview")
-    weights = lut.to_xarray().weights
+    data = lut.to_xarray()
+    weights = data.weights
+    assert data.slice_errors.dims == ("side", "tau", "channel", "view_angle")  # at the base's own roughness
+    assert data.slice_errors.shape == (1, 1, 3, 64)
     assert weights.sel(roughness=0.4).values.reshape(-1, 64, 3) == pytest.approx(lut.weights[0, :, 2])
 
 

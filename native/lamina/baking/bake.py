@@ -25,7 +25,8 @@ from ..solver.solve import check_nodes, thread_pool, tolerance_of
 from . import covered_principled, principled_base
 from .base_texture import over_texture
 from .dropped_weights import folded
-from .fit_report import all_rows, fit_report
+from .fit_report import all_rows, fit_report, fitted_errors
+from .input_error import has_inputs, own_errors, own_slices, range_errors
 from .lut import Lut
 from .lut_header import SCHEMA
 from .mixture import Mixture
@@ -58,7 +59,7 @@ SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_s
           "final": {"overshoot": 2, "exchanges": 2, "column_stride": 4, "row_stride": 8}}
 
 # Shares of a bake's time, measured on stacks with a varying layer.
-TIME = {"solve": 0.1, "evaluate": 0.6, "fit": 0.1, "base": 0.02, "between": 0.2}
+TIME = {"solve": 0.1, "evaluate": 0.6, "fit": 0.1, "base": 0.02, "between": 0.2, "ranges": 0.1}
 
 
 def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = None,
@@ -89,6 +90,13 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, the error of interpolation between
     rows, measured at quality "final" when every row is solved, see tau_error.tau_error; `base_error` of a stack on a
     ShaderBase, see shader_base.shader_parts.
+    All errors of a base with inputs hold for the base's own values, and are relative to the light over this base.
+    `input_error` states the errors over the ranges of the inputs: for colors 0, .5 and .95 (one in each channel),
+    metallic 0, .5 and 1, and roughness .15 and .25, at quality "final" also .45 and .85; of a varying layer, for three
+    thicknesses. `values`: a list with the values of the inputs, and for these `mean` and `worst`, errors of slices, and
+    `albedo`, the largest relative error of the directional albedo; `mean` over all values; `worst` and `albedo`: the
+    largest errors and where they are. It is left out if `row_stride` is above 1 or `closures` are given, that is in
+    bakes while a slider moves.
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
     [8, 160], `threads` in [0, 1024]."""
     # Check the arguments
@@ -101,7 +109,9 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     require_table(stack)
     started = time.perf_counter()
     measured = stack.varying is not None and quality == "final"
-    shares = {**TIME, "base": TIME["base"] * _is_textured(stack), "between": TIME["between"] * measured}
+    has_texture = _is_textured(stack)
+    shares = {**TIME, "base": TIME["base"] * has_texture, "between": TIME["between"] * measured,
+              "ranges": TIME["ranges"] * has_texture}
     step = stepper("the bake", progress, cancel)
     steps = portions(step, shares)
 
@@ -140,7 +150,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
             parts[name] = Mixture([name], wanted.direct[:, None])
 
     # Weigh the light of a shader below, or fit the light that a textured base adds
-    below_error = None
+    below_error, own = None, None
     if base is not None and isinstance(stack.base, ShaderBase):
         made, below_error = shader_parts(narrow_lobes.resolved(stack), solved, seen["reflection"],
                                          fitted["reflection"], base, grid, quality, threads, steps["base"])
@@ -150,7 +160,8 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
         below = fit("reflection", base.slices, limits.textured_base, given["base"], steps["base"], False)
         reflectance = [channel(stack.base.reflectance, c) for c in range(stack.channels)]
         below = folded(below, base.slices, grid, False, factor=base.gain(reflectance))
-        parts |= base.parts(reflectance, seen["reflection"], fitted["reflection"], below)
+        parts |= base.parts(below)
+        own = base.over(seen["reflection"], reflectance)
 
     # Measure the error of interpolation between rows
     between = None
@@ -159,27 +170,40 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
         between = tau_error(solved, largest, stack.varying, grid, pool, steps["between"])
     step(1.0, "Done")
 
-    # Assemble the table
-    report = fit_report(parts, seen, solved) | ({"tau_error": between} if between else {})
+    # Assemble the table, and measure the errors of a base with an input
+    weights, header = _weights(parts, solved), _header(stack, quality, basis, solved, parts)
+    errors = fitted_errors(parts) if own is None else own_errors(header, weights, stack, solved, own, threads)
+    report = fit_report(parts, seen, solved, *errors) | ({"tau_error": between} if between else {})
     report |= {"base_error": below_error} if below_error else {}
-    header = _header(stack, quality, basis, solved, parts, report)
-    return Lut(header, _weights(parts, solved), time.perf_counter() - started)
+    if own is not None and row_stride == 1 and closures is None:
+        report["input_error"] = range_errors(header, weights, stack, threads, steps["ranges"])
+    step(1.0, "Done")
+    return Lut({**header, "report": report}, weights, time.perf_counter() - started)
 
 
 def _principled(stack: Stack, quality: str, basis: str, threads: int, step: Progress, row_stride: int,
                 nodes: int | None, given: dict[str, list[str]]) -> tuple[dict, np.ndarray]:
     """(header, weights) of the table of a Principled base with inputs, or whose BSDF is part of the node group."""
-    limits, options = CLOSURE_BASES[basis], (quality, threads, step, row_stride, nodes, given)
+    limits = CLOSURE_BASES[basis]
+    options = (quality, threads, portion(step, 0.0, 0.75), row_stride, nodes, given)
     if principled_base.is_shown(stack):
-        parts, seen, solved, rough = principled_base.parts(stack, *options, limits.principled, SEARCH[quality])
+        parts, solved, rough, own = principled_base.parts(stack, *options, limits.principled, SEARCH[quality])
     else:
-        parts, seen, solved, rough = covered_principled.parts(stack, *options, limits.covered, limits.reflected,
-                                                              SEARCH[quality])
-    header = _header(stack, quality, basis, solved, parts, fit_report(parts, seen, solved))
+        own = None
+        parts, solved, rough = covered_principled.parts(stack, *options, limits.covered, limits.reflected,
+                                                        SEARCH[quality])
+    weights, header = _weights(parts, solved), _header(stack, quality, basis, solved, parts)
     if rough:
         header["axes"]["roughness"] = {"count": len(rough), "values": rough}
+
+    # Measure the errors: at the base's own values, and over the ranges of its inputs
+    if own is None:
+        solved, own = own_slices(stack, quality, threads, row_stride, nodes, portion(step, 0.75, 0.8))
+    report = fit_report(parts, {}, solved, *own_errors(header, weights, stack, solved, own, threads))
+    if has_inputs(stack) and row_stride == 1 and not any(given.values()):
+        report["input_error"] = range_errors(header, weights, stack, threads, portion(step, 0.8, 1.0))
     step(1.0, "Done")
-    return header, _weights(parts, solved)
+    return {**header, "report": report}, weights
 
 
 def _weights(parts: dict[str, Mixture], solved: SolvedRows) -> np.ndarray:
@@ -189,8 +213,8 @@ def _weights(parts: dict[str, Mixture], solved: SolvedRows) -> np.ndarray:
     return np.ascontiguousarray(np.broadcast_to(weights, (*weights.shape[:4], 3)), np.float32)
 
 
-def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: dict[str, Mixture],
-            report: dict) -> dict:
+def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: dict[str, Mixture]) -> dict:
+    """The table's header without the report."""
     return {
         "schema": SCHEMA,
         "version": _core.__version__,
@@ -211,7 +235,6 @@ def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: d
             },
         },
         "closures": [name for one in parts.values() for name in one.closures],
-        "report": report,
     }
 
 

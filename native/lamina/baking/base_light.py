@@ -48,13 +48,11 @@ class BaseLight:
     dark: Slices
     colored: Reflections | None = None
 
-    def parts(self, color: np.ndarray) -> dict[str, tuple[Slices, np.ndarray]]:
-        """(slices, their factor at the color [channel, 1]) of each part, by the prefix of its strips."""
-        found = {DARK: (self.dark, np.ones_like(self.dark.albedo))}
-        if self.colored is not None:
-            found[FIRST] = (self.colored.first, color * np.ones_like(self.dark.albedo))
-            found[AGAIN] = (self.colored.again, repeated(color, self.colored.thrown_back))
-        return found
+    def parts(self) -> dict[str, Slices]:
+        """The slices of each part, by the prefix of its strips."""
+        if self.colored is None:
+            return {DARK: self.dark}
+        return {DARK: self.dark, FIRST: self.colored.first, AGAIN: self.colored.again}
 
     def extremes(self) -> list[Slices]:
         """The light of a white base and, if the color varies, the part that a dark color leaves."""

@@ -15,7 +15,7 @@ from ..closures.closure_table import LightGrid
 from ..common.progress import Progress, portion
 from ..kinds.table import PREFIX, THROWN_BACK
 from . import geometric_series
-from .mixture import FittedMixture, Mixture, norms, relative
+from .mixture import FittedMixture, Mixture
 from .slices import Slices, SolvedRows, slices
 
 
@@ -25,22 +25,20 @@ class TexturedBase:
 
     slices: Slices
     thrown_back: np.ndarray
-    grid: LightGrid
 
     def gain(self, reflectance: list[float]) -> np.ndarray:
         """The factor of the weights of A for a reflectance, one per channel: [side, row, channel, column]."""
         return geometric_series.gain(np.array(reflectance)[:, None], self.thrown_back)
 
-    def parts(self, reflectance: list[float], black: Slices, dark: FittedMixture,
-              fitted: FittedMixture) -> dict[str, Mixture]:
-        """The table's parts, made of the fits over black and of A. The errors are for the stack's own reflectance, one
-        per channel, and are upper bounds: the sum of the errors of both fits."""
+    def over(self, black: Slices, reflectance: list[float]) -> Slices:
+        """The slices of the stack over a base of this reflectance, one per channel."""
         gain = self.gain(reflectance)
-        whole = norms(black.values + gain[..., None] * self.slices.values, self.grid)
-        errors = np.nan_to_num(dark.errors) * norms(black.values, self.grid)
-        errors = errors + np.nan_to_num(fitted.errors) * gain * norms(self.slices.values, self.grid)
+        return Slices(black.values + gain[..., None] * self.slices.values, black.albedo + gain * self.slices.albedo,
+                      None, black.direct)
+
+    def parts(self, fitted: FittedMixture) -> dict[str, Mixture]:
+        """The table's parts beside those of the light over black; `fitted`: the fit of A."""
         return {
-            "reflection": replace(dark, errors=relative(errors, whole)),
             "base": Mixture([PREFIX + name for name in fitted.closures], fitted.weights),
             "thrown back": Mixture([THROWN_BACK], self.thrown_back[:, None]),
         }
@@ -59,7 +57,7 @@ def over_texture(solved: SolvedRows, grid: LightGrid, pool,
     share = 1.0 - thrown_back
     base = Slices(np.maximum(white.values - black.values, 0.0) * share[..., None],
                   np.maximum(white.albedo - black.albedo, 0.0) * share, None, np.zeros_like(black.albedo))
-    return {"reflection": black}, TexturedBase(base, thrown_back, grid)
+    return {"reflection": black}, TexturedBase(base, thrown_back)
 
 
 def _thrown_back(solved: SolvedRows, black: Slices, white: Slices) -> np.ndarray:

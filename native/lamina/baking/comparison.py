@@ -14,19 +14,19 @@ import numpy as np
 
 from ..closures import narrow_lobes
 from ..closures.axes import column_angles
-from ..closures.closure_table import LightGrid, grid_for, only, view_cosines
+from ..closures.closure_table import view_cosines
 from ..common.errors import ArgumentError
 from ..common.progress import Progress, portions, stepper
-from ..kinds.bases import PrincipledBase, ShaderBase
-from ..kinds.table import PRINCIPLED
+from ..kinds.bases import ShaderBase
 from ..material.stack import Stack
-from ..solver.solve import thread_pool
+from .covered_principled import is_covered
 from .fit_report import error_report
-from .fitted_function import FittedFunction, finite_lobe, with_inputs_of
-from .mixture import norms, relative
-from .principled_base import BROAD, is_shown
+from .fitted_function import FittedFunction, with_inputs_of
+from .measured_error import Gauge, slice_errors
+from .mixture import norms
+from .principled_base import is_shown
 from .shader_base import on_lambert
-from .slices import Slices, SolvedRows, require_table, slices, solve_rows
+from .slices import require_table, slices, solve_rows
 
 TIME = {"solve": 0.3, "evaluate": 0.7}
 
@@ -71,52 +71,22 @@ def compare(header: dict, weights: np.ndarray, own: Stack, stack: Stack, threads
     """The comparison of a table, baked from `own`, with `stack`: see Lut.compare."""
     _refuse(header, own, stack)
     steps = portions(stepper("the comparison", progress, cancel), TIME)
-    quality, pool = header["quality"], thread_pool(threads)
-    grid = grid_for(quality, None if is_shown(own) else narrow_lobes.narrowest(stack))
     channels = max(own.channels, stack.channels)
+    gauge = Gauge.of(own if is_covered(own) else stack, header["quality"], threads, channels)
 
     # Solve the stack, and evaluate its slices
-    solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), quality, threads, steps["solve"])
+    solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), gauge.quality, threads, steps["solve"])
     solved = replace(solved, sides=max(solved.sides, header["sides"], key=len))
-    seen = slices(solved, grid, pool, steps["evaluate"])
-    whole = {kind: norms(part.values, grid) for kind, part in seen.items()}
+    seen = slices(solved, gauge.grid, gauge.pool, steps["evaluate"])
+    whole = {kind: norms(part.values, gauge.grid) for kind, part in seen.items()}
     if isinstance(stack.base, ShaderBase):  # the table holds the light over a black base
         functions = [function.with_base_reflectance(0.0) for function in solved.functions]
-        seen = slices(replace(solved, functions=functions), grid, pool, lambda *_: None)
+        seen = slices(replace(solved, functions=functions), gauge.grid, gauge.pool, lambda *_: None)
 
     # Sum the table's closures, and measure the difference
     function = with_inputs_of(FittedFunction(header, weights, own.base), stack.base)
-    closures = {name: np.moveaxis(weight[..., :channels], -1, 2)
-                for name, weight in function.at_texels(len(solved.sides)).items()}
-    errors = {}
-    for kind, wanted in seen.items():
-        values = _sum(closures, kind, grid, solved) - wanted.values
-        if PRINCIPLED in closures:
-            assert isinstance(function.base, PrincipledBase)
-            values = values + _principled(function.base, closures[PRINCIPLED], wanted, grid, pool, quality, threads)
-        errors[kind] = relative(norms(values, grid), whole[kind])
+    errors = {kind: slice_errors(function, solved, wanted, kind, gauge, whole[kind]) for kind, wanted in seen.items()}
     return Comparison(errors, view_cosines(), solved.tau, solved.sides, error_report(errors, solved))
-
-
-def _sum(closures: dict[str, np.ndarray], kind: str, grid: LightGrid, solved: SolvedRows) -> np.ndarray:
-    """The values of all closures of a kind, [side, row, channel, column, light]. A mirror with a width stands for the
-    delta light of the slices, and is left out."""
-    names = [name for name in closures if not name.startswith("mirror:") and finite_lobe(name) is not None
-             and finite_lobe(name).side == kind]
-    weights = np.stack([closures[name] for name in names], axis=1)
-    return np.einsum("skrxc,ckl->srxcl", weights, only(grid, solved.is_sheet, tuple(names)).values, optimize=True)
-
-
-def _principled(base: PrincipledBase, weight: np.ndarray, wanted: Slices, grid: LightGrid, pool, quality: str,
-                threads: int) -> np.ndarray:
-    """The light of the BSDF itself. Of a narrow lobe, both the BSDF's and the stack's are left out, as in the fit: the
-    grid does not resolve the lobe."""
-    bare = solve_rows(Stack([], replace(base, inputs=())), quality, threads, lambda *_: None)
-    clean = slices(bare, grid, pool, lambda *_: None)["reflection"]
-    values = weight[..., None] * clean.values
-    if wanted.lobes is not None and clean.lobes is not None and base.alpha < BROAD:
-        values = values + wanted.lobes - weight[..., None] * clean.lobes
-    return values
 
 
 def _refuse(header: dict, own: Stack, stack: Stack) -> None:

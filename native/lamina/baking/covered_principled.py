@@ -32,7 +32,7 @@ from ..material.stack import Stack
 from ..solver.solve import thread_pool
 from .base_light import COLORS, BaseLight, Reflections, beyond, of_colors, repeated
 from .following_fit import FollowingFit
-from .mixture import FittedMixture, Mixture, norms, relative
+from .mixture import Mixture
 from .principled_base import ROUGH_STRIDE
 from .slices import Slices, SolvedRows, along_rows, slices, solve_rows
 from .stack_fit import StackFit
@@ -46,6 +46,12 @@ def is_covered(stack: Stack) -> bool:
     """True for a Principled base with inputs below an interface."""
     return (isinstance(stack.base, PrincipledBase) and bool(stack.base.inputs)
             and any(isinstance(layer, Interface) for layer in stack.layers))
+
+
+def narrowest(stack: Stack) -> float | None:
+    """Alpha of the narrowest lobe that the table holds, or None."""
+    follows = isinstance(stack.base, PrincipledBase) and "roughness" in stack.base.inputs
+    return LEAST_ALPHA if follows else narrow_lobes.narrowest(stack)
 
 
 @dataclass(frozen=True)
@@ -91,16 +97,16 @@ class _Work:
 
 def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int, nodes: int | None,
           given: dict[str, list[str]], counts: tuple[int, int], own_counts: tuple[int, int, int], search: dict):
-    """(parts of the table by kind, the slices that they fit, the solved rows, the roughnesses of the table's axis).
-    `counts`: largest numbers of closures for a diffuse base, and for any other; `own_counts`: for the layers' own
-    light, see bake.Basis. Raises StackError."""
+    """(parts of the table by kind, the solved rows over black, the roughnesses of the table's axis). `counts`: largest
+    numbers of closures for a diffuse base, and for any other; `own_counts`: for the layers' own light, see bake.Basis.
+    Raises StackError."""
     base = stack.base
     assert isinstance(base, PrincipledBase)
     follows = "roughness" in base.inputs
     roughnesses = np.linspace(0.0, 1.0, ROUGHNESSES).tolist() if follows else [base.roughness]
     if follows:
         stride = max(stride, ROUGH_STRIDE[quality])
-    grid = grid_for(quality, LEAST_ALPHA if follows else narrow_lobes.narrowest(stack))
+    grid = grid_for(quality, narrowest(stack))
     work = _Work(stack, replace(base, inputs=()), roughnesses, quality, threads, stride, nodes, grid,
                  thread_pool(threads))
 
@@ -124,17 +130,12 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
     if np.any(black.direct):
         name = narrow_lobes.mirror(bare)
         table[name] = Mixture([name], black.direct[:, None])
-    whole, error = black.values, np.nan_to_num(own.errors) * norms(black.values[:, :own.errors.shape[1]], grid)
-    error = np.tile(error, (1, len(roughnesses), 1, 1))
     mirror = narrow_lobes.mirror(stack)
     for number, (light, names) in enumerate(zip(lights, chosen, strict=True)):
         prefix = METAL if number else ""
-        share = 1.0 if len(ends) == 1 else (1.0 - base.metallic, base.metallic)[number]
-        color = np.array([channel(base.color, c) for c in range(whole.shape[2])])[:, None]
-        for kind, (part, gain) in light.parts(color).items():
-            weights, errors = _with_mirror(fit, part, names)
+        for kind, part in light.parts().items():
+            weights = _with_mirror(fit, part, names)
             table[prefix + kind] = Mixture([prefix + kind + name for name in (*names, mirror)], weights)
-            whole, error = whole + (share * gain)[..., None] * part.values, error + share * gain * errors
         if light.colored is not None:
             table[prefix + THROWN_BACK] = Mixture([prefix + THROWN_BACK], light.colored.thrown_back[:, None])
     colored = [light.colored for light in lights if light.colored is not None]
@@ -144,18 +145,12 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
         trapped = _trapped(work, others, plastic, metal, portion(step, 0.85, 0.9))
         table[TRAPPED] = Mixture([TRAPPED], trapped[:, None])
 
-    # State the errors at the base's own color and metallic value
-    first = table["reflection"]
-    assert isinstance(first, FittedMixture)
-    table["reflection"] = replace(first, errors=relative(error, norms(whole, grid)))
-    seen = Slices(whole, np.zeros(error.shape), None, np.zeros(error.shape))
-    return table, {"reflection": seen}, solved, roughnesses if follows else []
+    return table, solved, roughnesses if follows else []
 
 
-def _tiled(own: FittedMixture, count: int) -> FittedMixture:
+def _tiled(own: Mixture, count: int) -> Mixture:
     """The same rows for each of `count` roughnesses."""
-    errors = [np.tile(values, (1, count, 1, 1)) for values in (own.errors, own.albedo_errors)]
-    return FittedMixture(own.closures, np.tile(own.weights, (1, 1, count, 1, 1)), *errors)
+    return Mixture(own.closures, np.tile(own.weights, (1, 1, count, 1, 1)))
 
 
 def _light(work: _Work, metallic: float, black: Slices, has_colors: bool, step: Progress) -> BaseLight:
@@ -222,10 +217,10 @@ def _made(work: _Work) -> list[str]:
     return names
 
 
-def _with_mirror(fit: FollowingFit, light: Slices, names: list[str]) -> tuple[np.ndarray, np.ndarray]:
-    """(weights of `names` and of the mirror, norms of the errors). Where the roughness is an input, specular reflection
+def _with_mirror(fit: FollowingFit, light: Slices, names: list[str]) -> np.ndarray:
+    """Weights of `names` and of the mirror. Where the roughness is an input, specular reflection
     by sharp facets belongs to the microfacet closures that follow, in the proportion of the next roughness."""
-    weights, errors = fit.fit(light, names)
+    weights = fit.fit(light, names)
     direct, rows = light.direct.copy(), light.direct.shape[1] // len(fit.roughnesses)
     follows = np.array([name.startswith(following_lobes.GGX) for name in names])
     if len(fit.roughnesses) > 1 and follows.any():
@@ -239,4 +234,4 @@ def _with_mirror(fit: FollowingFit, light: Slices, names: list[str]) -> tuple[np
             lobe = np.maximum(direct[:, mine] - direct[:, next_rows], 0.0)
             direct[:, mine] -= lobe
             weights[:, :, mine] += shares * lobe[:, None]
-    return np.concatenate([weights, direct[:, None]], axis=1), errors
+    return np.concatenate([weights, direct[:, None]], axis=1)

@@ -14,14 +14,23 @@ from .strayed_light import strayed_report
 STATED_COSINE = 0.05
 
 
-def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: SolvedRows) -> dict:
-    """The report of a table, see lamina.bake; `parts` by kind, "reflection" first; `seen`: the slices they fit."""
-    stated = view_cosines() >= STATED_COSINE
+def fitted_errors(parts: dict[str, Mixture]) -> tuple[dict[str, np.ndarray], float]:
+    """(errors of slices by kind, the largest error of the albedo) that were measured during the fit."""
     fitted = {kind: part for kind, part in parts.items() if isinstance(part, FittedMixture)}
+    stated = view_cosines() >= STATED_COSINE
+    return ({kind: part.errors for kind, part in fitted.items()},
+            max(float(part.albedo_errors[..., stated].max()) for part in fitted.values()))
+
+
+def fit_report(parts: dict[str, Mixture], seen: dict[str, Slices], solved: SolvedRows, errors: dict[str, np.ndarray],
+               albedo_error: float) -> dict:
+    """The report of a table, see lamina.bake; `parts` by kind, "reflection" first; `seen`: the slices they fit;
+    `errors`: see error_report."""
+    stated = view_cosines() >= STATED_COSINE
     functions = solved.functions
     return {
-        **error_report({kind: part.errors for kind, part in fitted.items()}, solved),
-        "albedo_error": max(float(part.albedo_errors[..., stated].max()) for part in fitted.values()),
+        **error_report(errors, solved),
+        "albedo_error": albedo_error,
         "strayed_light": strayed_report(parts, seen, stated) if solved.is_sheet else None,
         "energy_error": max(f.checks["energy"] for f in functions),
         "closures": sum(len(part.closures) for part in parts.values()),
@@ -43,7 +52,7 @@ def error_report(errors: dict[str, np.ndarray], solved: SolvedRows) -> dict:
     for kind, ending in (("reflection", ""), ("transmission", "_transmission")):
         found = errors.get(kind)
         known = None if found is None else all_rows(np.nan_to_num(found), solved, 1).round(6).tolist()
-        report[f"fit_error{ending}"] = None if found is None else _mean(found[..., stated])
+        report[f"fit_error{ending}"] = None if found is None else mean(found[..., stated])
         report[f"worst_slice{ending}"] = None if found is None else _worst(found, stated, solved)
         report[f"slice_errors{ending}"] = known
     return report | _by_row(errors["reflection"][..., stated], solved)
@@ -64,7 +73,7 @@ def all_rows(values: np.ndarray, solved: SolvedRows, axis: int) -> np.ndarray:
     return (1.0 - share) * values.take(after - 1, axis) + share * values.take(after, axis)
 
 
-def _mean(errors: np.ndarray) -> float:
+def mean(errors: np.ndarray) -> float:
     """Mean over the slices that are not black; 0 when all are."""
     seen = errors[np.isfinite(errors)]
     return float(seen.mean()) if seen.size else 0.0
@@ -74,8 +83,7 @@ def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
     """Fit error by thickness, for all rows; empty if no layer varies."""
     if not solved.axis:
         return {}
-    errors = np.moveaxis(all_rows(np.nan_to_num(errors), solved, 1), 1, 0)
-    errors = errors.reshape(-1, len(solved.axis), errors[0].size).swapaxes(0, 1).reshape(len(solved.axis), -1)
+    errors = np.moveaxis(all_rows(np.nan_to_num(errors), solved, 1), 1, 0).reshape(len(solved.axis), -1)
     return {"row_errors": {"tau": solved.axis, "mean": errors.mean(axis=1).round(6).tolist(),
                            "worst": errors.max(axis=1).round(6).tolist()}}
 
@@ -88,5 +96,5 @@ def _worst(errors: np.ndarray, stated: np.ndarray, solved: SolvedRows) -> dict:
         "mu_o": float(view_cosines()[column]),
         "channel": int(channel),
         "side": solved.sides[side],
-        "tau": solved.tau[row % len(solved.rows)],
+        "tau": solved.tau[row],
     }

@@ -12,17 +12,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..closures import lobes
+from ..closures import following_lobes, lobes
 from ..closures.axes import column_angles
 from ..closures.closure_table import column_albedos
 from ..common.arguments import broadcast, check_choice, check_number, cosines, finite_array
 from ..common.errors import ArgumentError
-from ..kinds.bases import Lambert, PrincipledBase, ShaderBase
+from ..kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ..kinds.fields import channel
-from ..kinds.table import BASE_WEIGHT, COLUMNS, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, lobe_of
+from ..kinds.table import COLUMNS, PRINCIPLED, TAU_BEND, lobe_of
 from ..material.stack import Stack
 from ..solver.solve import ScatteringFunction, solve
-from . import geometric_series
+from .strip_factors import strip_factors
 
 KINDS = {"reflect": "reflection", "transmit": "transmission"}
 OTHER = {"top": "bottom", "bottom": "top"}
@@ -53,21 +53,15 @@ def _three(value) -> np.ndarray:
 
 def closure_weights(names: Sequence[str], strip: Callable[[str], np.ndarray], inputs: Inputs) -> dict[str, np.ndarray]:
     """The weight of each closure (a lobe's id, "transparent", "mirror:ALPHA" or PRINCIPLED) as the node group computes
-    it. `strip(name)`: texels of one of the table's strips `names`, R G B along the last axis."""
-    gains = {prefix: geometric_series.gain(inputs.color, strip(prefix + THROWN_BACK)) for prefix in ("", METAL)
-             if prefix + THROWN_BACK in names and BASE_WEIGHT not in names}
-    has_metal = any(name.startswith(METAL) for name in names)
+    it. Ids of closures that follow the roughness stay as they are. `strip(name)`: texels of one of the
+    table's strips `names`, R G B along the last axis."""
+    factors = strip_factors(names, strip, inputs.color, inputs.metallic)
     weights: dict[str, np.ndarray] = {}
     for name in names:
-        lobe, prefix = lobe_of(name), METAL if name.startswith(METAL) else ""
-        if not lobe:
-            continue
-        weight = strip(name)
-        if name.removeprefix(prefix).startswith(PREFIX):
-            weight = weight * gains[prefix]
-        if has_metal:
-            weight = weight * (inputs.metallic if prefix else 1.0 - inputs.metallic)
-        weights[lobe] = weights[lobe] + weight if lobe in weights else weight
+        lobe = lobe_of(name)
+        if lobe:
+            weight = strip(name) * factors[name.removesuffix(lobe)]
+            weights[lobe] = weights[lobe] + weight if lobe in weights else weight
     if PRINCIPLED in names:
         weights[PRINCIPLED] = strip(PRINCIPLED)
     return weights
@@ -98,11 +92,9 @@ class FittedFunction:
     @property
     def has(self) -> dict[str, bool]:
         """Which inputs the table has, by name."""
-        return {
-            "color": BASE_WEIGHT not in self._names and any(end + THROWN_BACK in self._names for end in ("", METAL)),
-            "metallic": any(name.startswith(METAL) for name in self._names),
-            "roughness": "roughness" in self.header["axes"],
-        }
+        own = self._base.inputs if isinstance(self._base, PrincipledBase) else ()
+        textured = isinstance(self._base, Lambert) and self._base.textured
+        return {name: name in own or (name == "color" and textured) for name in ("color", "metallic", "roughness")}
 
     @property
     def base(self):
@@ -136,6 +128,19 @@ class FittedFunction:
         strips = np.broadcast_to(self._strips, (sides, *self._strips.shape[1:]))
         return closure_weights(self._names, lambda name: strips[:, self._names.index(name)], self._inputs)
 
+    def shown(self, closure: str) -> str:
+        """The id of a closure of `at_texels` with its width at this roughness; of microfacets too narrow for the
+        light grid of a bake, that of a mirror with this width."""
+        if following_lobes.is_sharp(closure, self._inputs.roughness, LEAST_ALPHA):
+            return following_lobes.as_mirror(closure, self._inputs.roughness)
+        return following_lobes.at(closure, self._inputs.roughness)
+
+    def is_specular(self, closure: str) -> bool:
+        """True for a closure whose light is specular in the solver: a mirror, or one that follows facets of the base
+        that are solved as a mirror."""
+        own_facets = following_lobes.is_sharp(closure, 0.0, LEAST_ALPHA)
+        return closure.startswith("mirror:") or (own_facets and self._inputs.roughness**2 < LEAST_ALPHA)
+
     def _at(self, mu_o: np.ndarray, tau: np.ndarray, viewer: str) -> dict[str, np.ndarray]:
         """Weights, (points, 3), of the closures for these views."""
         side = min(self._sides.index(viewer) if viewer in self._sides else 0, len(self._sides) - 1)
@@ -156,7 +161,8 @@ class FittedFunction:
         arrays = broadcast(given, names)
         o, i, azimuth, taus = (np.asarray(array, float).ravel() for array in arrays)
         found = np.zeros((o.size, 3))
-        for name, weight in self._at(o, taus, viewer).items():
+        for closure, weight in self._at(o, taus, viewer).items():
+            name = self.shown(closure)
             if name == PRINCIPLED:
                 if kind == "reflection":
                     found += weight * bare(self.base).brdf(o, i, azimuth) * i[:, None]
@@ -171,7 +177,8 @@ class FittedFunction:
         o, taus = (np.asarray(array, float).ravel() for array in arrays)
         spread, direct = np.zeros((2, o.size, 3))
         angle = np.arccos(o)
-        for name, weight in self._at(o, taus, side).items():
+        for closure, weight in self._at(o, taus, side).items():
+            name = self.shown(closure)
             if name == PRINCIPLED:
                 if kind == "reflection":
                     scattered, mirrored = bare(self.base).reflectance(o, parts=True)

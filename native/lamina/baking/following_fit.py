@@ -15,7 +15,7 @@ from .. import _core
 from ..closures import closure_table, following_lobes, lobes
 from ..closures.closure_table import LightGrid
 from ..kinds.bases import LEAST_ALPHA
-from .mixture import ACCURATE, PRINCIPLED_PENALTY, norms
+from .mixture import ACCURATE, PRINCIPLED_PENALTY
 from .slices import Slices
 
 
@@ -50,15 +50,14 @@ class FollowingFit:
         every = list(range(len(names)))
         return [names[k] for k in table.select(targets, options, every, [], self.pool).closures]
 
-    def fit(self, wanted: Slices, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-        """(weights [side, closure, row, channel, column], norms of the errors [side, row, channel, column])."""
+    def fit(self, wanted: Slices, names: Sequence[str]) -> np.ndarray:
+        """Weights [side, closure, row, channel, column]."""
         self.step()
         table = self._table(names, 1)
-        weights, errors = table.fit(self._targets(table, wanted, 1), list(range(len(names))), self.pool)
+        weights, _ = table.fit(self._targets(table, wanted, 1), list(range(len(names))), self.pool)
         black = wanted.albedo <= 0.0
         weights = np.where(black[..., None], 0.0, self._as_rows(weights.reshape(*self._shape(wanted), len(names))))
-        errors = np.where(black, 0.0, self._as_rows(errors.reshape(self._shape(wanted))))
-        return np.moveaxis(weights, -1, 1), errors * norms(wanted.values, self.grid)
+        return np.moveaxis(weights, -1, 1)
 
     def _table(self, names: Sequence[str], stride: int) -> _core.ClosureTable:
         """The core's table with the columns of all roughnesses. A closure that is too narrow for the grid is black.

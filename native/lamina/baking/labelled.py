@@ -25,8 +25,10 @@ def dataset(header: dict, weights: np.ndarray):
     for kind in ("", "_transmission"):
         errors = report.get(f"slice_errors{kind}")
         if errors is not None:
-            array = np.array(errors).reshape(sides, len(roughness), len(tau), -1, columns)
-            found[f"slice_errors{kind}"] = (("side", "roughness", "tau", "channel", "view_angle"), array, {
+            # Of a table with an axis of roughness, the errors are those at the base's own roughness
+            own = ("roughness",) if len(roughness) == 1 else ()
+            array = np.array(errors).reshape(sides, *(1 for _ in own), len(tau), -1, columns)
+            found[f"slice_errors{kind}"] = (("side", *own, "tau", "channel", "view_angle"), array, {
                 "units": "1", "long_name": "relative L2 error of a slice over solid angle"})
     coordinates = {
         "side": ("side", header["sides"], {"long_name": "side of the viewer"}),
@@ -38,7 +40,7 @@ def dataset(header: dict, weights: np.ndarray):
         "color": ("color", list(CHANNELS)),
     }
     if "slice_errors" in found:
-        coordinates["channel"] = ("channel", channel_names(found["slice_errors"][1].shape[3]))
+        coordinates["channel"] = ("channel", channel_names(found["slice_errors"][1].shape[-2]))
     attributes = {"stack_hash": header["stack_hash"], "quality": header["quality"],
                   "basis": header.get("basis", "standard"), "fit_error": report["fit_error"]}
     return xarray.Dataset(found, coordinates, attributes)

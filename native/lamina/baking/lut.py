@@ -94,9 +94,8 @@ class Lut(ByContent):
         """The errors of the fitted function against the exactly solved `stack`, by default the one that was baked. The
         errors are measured again from the stored weights, at the table's quality, on the grids of the bake.
 
-        For most tables they are those of the report. A base with inputs is compared at the values of the stack's own
-        base: for a textured base the report holds upper bounds instead, and for a Principled base with the input
-        "color", errors relative to the light over a white base. Over a ShaderBase, the light over a black base is
+        They are those of the report. A base with inputs is compared at the values of the stack's own base; for other
+        values, give a `stack` with another base. Over a ShaderBase, the light over a black base is
         compared, relative to the whole light over a base of the stack's reflectance.
 
         `stack` must have a varying layer of the same largest thickness as the table, or none like the table, and must
@@ -108,7 +107,8 @@ class Lut(ByContent):
     def to_xarray(self):
         """An xarray.Dataset: `weights` (side, closure, roughness, tau, view_angle, color), and the report's
         `slice_errors`. Axes have coordinates, and units are attributes; `mu_o` is a second coordinate of view_angle.
-        An axis that the table does not have has the single value 0. Raises ExtraMissing without xarray."""
+        An axis that the table does not have has the single value 0; errors of a table with several roughnesses have no
+        such axis, and are those at the base's own roughness. Raises ExtraMissing without xarray."""
         return labelled.dataset(self.header, self.weights)
 
     def image(self) -> np.ndarray:

@@ -36,6 +36,7 @@ _IF_ANY = {
         **{f"report.tau_error.{name}": _NUMBER for name in ("mean", "worst", "mirror", "worst_at.tau")},
         "report.tau_error.worst_at.mu_o": "a cosine",
     },
+    "report.input_error": {f"report.input_error.{name}": _NUMBER for name in ("mean", "worst.error", "albedo.error")},
     "report.base_error": {f"report.base_error.{name}": _NUMBER for name in ("lambert", "metal", "unknown", "color")},
 }
 

@@ -26,13 +26,12 @@ from ..closures.lobes import ggx
 from ..common.progress import Progress, portion
 from ..kinds.bases import PrincipledBase
 from ..kinds.boundaries import Interface
-from ..kinds.fields import channel
 from ..kinds.table import METAL, PREFIX, PRINCIPLED, ROUGHNESS_ROWS, THROWN_BACK
 from ..material.stack import Stack
 from ..solver.solve import thread_pool
 from . import geometric_series
 from .dropped_weights import folded
-from .mixture import Effort, FittedMixture, Mixture, mix, norms, relative
+from .mixture import Effort, Mixture, mix
 from .slices import Slices, SolvedRows, along_rows, slices, solve_rows
 
 # Widths of closures for lobes that the layers broaden, beside those of the dictionary.
@@ -101,8 +100,8 @@ class _Work:
 
 def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int, nodes: int | None,
           given: dict[str, list[str]], counts: tuple[int, int], search: dict):
-    """(parts of the table by kind, the slices that they fit, the solved rows, the roughnesses of the table's axis).
-    Raises StackError."""
+    """(parts of the table by kind, the solved rows, the roughnesses of the table's axis, the slices at the base's own
+    values if it has no inputs, or None). Raises StackError."""
     base = stack.base
     assert isinstance(base, PrincipledBase)
     roughnesses = roughness_rows() if "roughness" in base.inputs else [base.roughness]
@@ -111,8 +110,6 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
     work = _Work(stack, base, quality, threads, stride, nodes, grid_for(quality, None), thread_pool(threads))
     ends = (0.0, 1.0) if "metallic" in base.inputs else (base.metallic,)
     table: dict[str, Mixture] = {}
-    seen: dict[str, Slices] = {}
-    whole, error = np.zeros(1), np.zeros(1)
     for number, metallic in enumerate(ends):
         prefix = METAL if number else ""
         share = portion(step, number / len(ends), (number + 1) / len(ends))
@@ -123,16 +120,8 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
         if not number:
             table[PRINCIPLED] = Mixture([PRINCIPLED], _as_strip(weight, rests.dark.albedo.shape))
         shares = counts if rests.added is not None else (sum(counts) - 1, 0)
-        fitted = _Fits(work, rests, given, prefix, shares, search, portion(share, 0.7, 1.0))
-        table |= fitted.parts()
-        part = 1.0 if len(ends) == 1 else (1.0 - base.metallic, base.metallic)[number]
-        seen["reflection"] = values
-        whole = whole + part * norms(values.values, work.grid)
-        error = error + part * fitted.error(base)
-    first = table["reflection"]
-    assert isinstance(first, FittedMixture)
-    table["reflection"] = replace(first, errors=relative(error, whole))
-    return table, seen, solved, roughnesses if len(roughnesses) > 1 else []
+        table |= _fitted(work, rests, given, prefix, shares, search, portion(share, 0.7, 1.0))
+    return table, solved, roughnesses if len(roughnesses) > 1 else [], None if base.inputs else values
 
 
 def roughness_rows() -> list[float]:
@@ -147,7 +136,7 @@ def _joined(found: list[tuple]) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]
     thrown_back = [rest.thrown_back for rest in rests if rest.thrown_back is not None]
     joined = _Rests(along_rows([rest.dark for rest in rests]), along_rows(added) if added else None,
                     np.concatenate(thrown_back, axis=1) if thrown_back else None)
-    return solved[-1], np.concatenate(weights), joined, along_rows(list(values))
+    return solved[-1], np.concatenate(weights), joined, values[0]
 
 
 def _rests(work: _Work, metallic: float, step: Progress) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]:
@@ -215,44 +204,19 @@ def _as_strip(weight: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return np.broadcast_to(weight[None, None, :, None, :], (sides, 1, rows, channels, columns))
 
 
-class _Fits:
-    """Closures fitted to the rests of one metallic value."""
+def _fitted(work: _Work, rests: _Rests, given: dict[str, list[str]], prefix: str, counts: tuple[int, int],
+            search: dict, step: Progress) -> dict[str, Mixture]:
+    """The parts of the table by kind, with closures fitted to the rests of one metallic value."""
+    def fit(wanted: Slices, count: int, names: Sequence[str], step: Progress) -> Mixture:
+        effort = Effort(0, count, count, **search)
+        fitted = mix("reflection", wanted, work.grid, effort, work.pool, step, made=BROADENED, given=names)
+        return folded(fitted, wanted, work.grid, False)
 
-    def __init__(self, work: _Work, rests: _Rests, given: dict[str, list[str]], prefix: str, counts: tuple[int, int],
-                 search: dict, step: Progress):
-        self._work, self._rests, self._prefix = work, rests, prefix
-        self._search = search
-        names = (prefix or "reflection", prefix + PREFIX if prefix else "base")
-        self._dark = self._fit(rests.dark, counts[0], given[names[0]], portion(step, 0.0, 0.6))
-        self._added = None
-        if rests.added is not None:
-            self._added = self._fit(rests.added, counts[1], given[names[1]], portion(step, 0.6, 1.0))
-
-    def _fit(self, wanted: Slices, count: int, given: Sequence[str], step: Progress) -> FittedMixture:
-        effort = Effort(0, count, count, **self._search)
-        fitted = mix("reflection", wanted, self._work.grid, effort, self._work.pool, step, made=BROADENED,
-                     given=given)
-        return folded(fitted, wanted, self._work.grid, False)
-
-    def parts(self) -> dict[str, Mixture]:
-        """The parts of the table by kind; the first for metallic 0, or the only one, is "reflection"."""
-        prefix, dark = self._prefix, self._dark
-        found: dict[str, Mixture] = {
-            prefix or "reflection": replace(dark, closures=[prefix + name for name in dark.closures])}
-        if self._added is not None:
-            assert self._rests.thrown_back is not None
-            found[prefix + PREFIX] = Mixture([prefix + PREFIX + name for name in self._added.closures],
-                                             self._added.weights)
-            found[prefix + THROWN_BACK] = Mixture([prefix + THROWN_BACK], self._rests.thrown_back[:, None])
-        return found
-
-    def error(self, base: PrincipledBase) -> np.ndarray:
-        """An upper bound of the error of the slices at the base's own color, in their unit."""
-        grid = self._work.grid
-        error = np.nan_to_num(self._dark.errors) * norms(self._rests.dark.values, grid)
-        if self._added is not None and self._rests.added is not None and self._rests.thrown_back is not None:
-            channels = self._rests.thrown_back.shape[2]
-            color = np.array([channel(base.color, c) for c in range(channels)])[:, None]
-            gain = geometric_series.gain(color, self._rests.thrown_back)
-            error = error + np.nan_to_num(self._added.errors) * gain * norms(self._rests.added.values, grid)
-        return error
+    dark = fit(rests.dark, counts[0], given[prefix or "reflection"], portion(step, 0.0, 0.6))
+    found = {prefix or "reflection": Mixture([prefix + name for name in dark.closures], dark.weights)}
+    if rests.added is not None:
+        assert rests.thrown_back is not None
+        added = fit(rests.added, counts[1], given[prefix + PREFIX if prefix else "base"], portion(step, 0.6, 1.0))
+        found[prefix + PREFIX] = Mixture([prefix + PREFIX + name for name in added.closures], added.weights)
+        found[prefix + THROWN_BACK] = Mixture([prefix + THROWN_BACK], rests.thrown_back[:, None])
+    return found

@@ -29,6 +29,11 @@ def describe(lut: Lut) -> str:
         lines.append(f"strayed light {strayed['share']:.2%} of a view at most; a white sky in Cycles shows "
                      f"{strayed['furnace_error']:.2%} too much or too little at most")
     lines.append(f"albedo error  {report['albedo_error']:.1e} worst")
+    if report.get("input_error"):
+        over = report["input_error"]
+        lines.append(f"with inputs   {over['mean']:.2%} mean, {over['worst']['error']:.2%} worst "
+                     f"({_values(over['worst'])}); albedo error {over['albedo']['error']:.2%} worst "
+                     f"({_values(over['albedo'])})")
     lines.append(f"energy error  {report['energy_error']:.1e}")
     if report["tau_rows"] > 1:
         lines.append(f"thickness     {report['tau_rows']} rows up to {header['axes']['tau']['values'][-1]:g}")
@@ -40,6 +45,11 @@ def _worst(worst: dict) -> str:
     angle = math.degrees(math.acos(worst["mu_o"]))
     thickness = "" if worst["tau"] is None else f", thickness {worst['tau']:.3g}"
     return f"{worst['error']:.2%} worst ({angle:.0f} degrees, channel {worst['channel']}, {worst['side']}{thickness})"
+
+
+def _values(worst: dict) -> str:
+    """The values of the base's inputs where an error is largest."""
+    return ", ".join(f"{name} {worst[name]:g}" for name in ("color", "metallic", "roughness") if name in worst)
 
 
 def _by_thickness(report: dict) -> list[str]:

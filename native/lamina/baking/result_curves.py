@@ -14,10 +14,11 @@ from ..closures.axes import column_angles
 from ..closures.closure_table import LOWEST_COSINE, view_cosines
 from ..kinds.bases import ShaderBase
 from ..kinds.fields import channel
-from ..kinds.table import BASE_WEIGHT, THROWN_BACK
+from ..kinds.table import BASE_WEIGHT, THROWN_BACK, lobe_of
 from ..material.stack import Stack
 from ..solver.solve import ScatteringFunction, solve
 from . import geometric_series
+from .fitted_function import FittedFunction
 from .lut import Lut
 from .shader_base import LUMINANCE, on_lambert
 
@@ -82,7 +83,8 @@ def _in_plane(function: ScatteringFunction, path: str, mu_o: np.ndarray) -> np.n
 def _fitted(lut: Lut, base, path: str, mu_o: np.ndarray) -> np.ndarray:
     """The table's mixture of closures times cos(theta_i) at LIGHTS, [view, light, 3], without specular light; a shader
     below counts as a Lambert surface."""
-    is_specular = [name.startswith("mirror:") for name in lut.closures]
+    function = FittedFunction(lut.header, lut.weights, lut.stack.base)
+    is_specular = [function.is_specular(lobe_of(name)) for name in lut.closures]
     weights = np.where(np.array(is_specular)[None, :, None, None, None], 0.0, lut.weights).astype(np.float32)
     mu_i, dphi = _cosines(LIGHTS), np.where(LIGHTS >= 0.0, 0.0, math.pi)
     side = "top" if path == "reflect" else "bottom"  # of the light

@@ -4,7 +4,7 @@ side, row of thickness, channel and view cosine."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,9 +68,9 @@ def require_table(stack: Stack) -> None:
 
 
 def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, str], None],
-               stride: int = 1, nodes: int | None = None) -> SolvedRows:
-    """Solves every `stride`-th row and the last; `step(fraction, text)` is called before each and may raise to
-    cancel."""
+               stride: int = 1, nodes: int | None = None, only: Collection[int] | None = None) -> SolvedRows:
+    """Solves every `stride`-th row and the last, or `only` these rows; `step(fraction, text)` is called before each and
+    may raise to cancel."""
     step(0.0, "Solving the stack")
     full = solve(stack, quality, threads, nodes)
     # Seen from below, the sheet is the reversed stack; if both are equal, one side is used for both.
@@ -82,7 +82,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     taus = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
     largest = max(taus)
     axis = [float(tau) for tau in tau_rows(largest)]
-    rows = sorted({*range(0, len(axis), stride), len(axis) - 1})
+    rows = sorted({*range(0, len(axis), stride), len(axis) - 1}) if only is None else sorted(only)
     functions: list[ScatteringFunction] = []
     for count, row in enumerate(rows):
         step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")

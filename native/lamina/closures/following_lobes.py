@@ -51,5 +51,13 @@ def is_sharp(name: str, roughness: float, least: float) -> bool:
     return width(scale, own, roughness) < least
 
 
+def as_mirror(name: str, roughness: float) -> str:
+    """The id of a mirror with the width of a microfacet closure at this roughness; of other closures, `at`."""
+    if not name.startswith(GGX):
+        return at(name, roughness)
+    scale, least = map(float, name.split(":")[1:3])
+    return f"mirror:{_rounded(width(scale, least, roughness)):g}"
+
+
 def _rounded(value: float) -> float:
     return float(f"{value:.4g}")
