@@ -7,7 +7,7 @@ from ..base import messages, native
 from ..interior import contents, interior_job
 from ..kinds import interiors
 from .fields import split
-from .panel import MaterialPanel, draw_progress, draw_sentence
+from .panel import AnyMaterialPanel, draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
 
 
@@ -33,14 +33,10 @@ class LAMINA_MT_vein_presets(LAMINA_MT_end_presets):
     second = True
 
 
-class LAMINA_PT_interior(MaterialPanel, bpy.types.Panel):
+class LAMINA_PT_interior(AnyMaterialPanel, bpy.types.Panel):
     bl_label = "Interior"
     bl_parent_id = "LAMINA_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def wanted(cls, material):
-        return material.grease_pencil is None
 
     def draw(self, context):
         layout, obj, material = self.layout, context.object, context.material

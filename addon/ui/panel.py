@@ -56,27 +56,27 @@ class MaterialPanel:
         return material.lamina.enabled and not migration.is_from_the_future(material)
 
 
-class LAMINA_PT_top(MaterialPanel, bpy.types.Panel):
+class AnyMaterialPanel(MaterialPanel):
+    """A panel of materials without layers, too."""
+
+    @classmethod
+    def wanted(cls, material):
+        return material.grease_pencil is None
+
+
+class LAMINA_PT_top(AnyMaterialPanel, bpy.types.Panel):
     """An empty panel without a header, which Blender draws above Surface. Its subpanel can be folded."""
 
     bl_label = "Lamina"
     bl_options = {"HIDE_HEADER"}
 
-    @classmethod
-    def wanted(cls, material):
-        return material.grease_pencil is None
-
     def draw(self, _context):
         pass
 
 
-class LAMINA_PT_main(MaterialPanel, bpy.types.Panel):
+class LAMINA_PT_main(AnyMaterialPanel, bpy.types.Panel):
     bl_label = "Lamina"
     bl_parent_id = "LAMINA_PT_top"
-
-    @classmethod
-    def wanted(cls, material):
-        return material.grease_pencil is None
 
     def draw(self, context):
         layout, material = self.layout, context.material
