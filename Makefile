@@ -3,7 +3,7 @@
 #   make demo        pictures of the scenes; SCENE=, QUALITY= and OPTIONS= choose
 #   make check       before a commit: lint, the core's tests and a sample of the others
 #   make test        lint, documentation and all tests
-#   make test-blender lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
+#   make test-bpy52 test-blender lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
 #   make release test-release    wheels and extensions for all platforms, and tests of them: docs/releasing.md
 
 SHELL := /bin/bash
@@ -14,9 +14,10 @@ MAKEFLAGS += --no-builtin-rules
 PYTHON ?= $(shell for p in python3.11 python3 python; do \
 	$$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null && echo $$p && break; done; true)
 # Blender's newer releases run on other Pythons. The extension holds a wheel for each one found here.
-OTHER_PYTHONS := $(shell for p in python3.13 python3.14; do $$p -c 'import venv' 2>/dev/null && echo $$p; done; true)
+OTHER_PYTHONS := $(foreach p,python3.13 python3.14,$(if $(shell tools/find_python.sh $(p)),$(p)))
 
 VENV := .venv
+BPY52 := build/bpy52
 RUN := $(VENV)/bin/python
 PIP := -m pip --quiet --disable-pip-version-check
 SCENE ?= all
@@ -37,11 +38,14 @@ QUICK := not (sharp_peak or promise_with_a_peak or guided_transfer_walk or no_ta
 WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 BUILD_FOLDER = $(firstword $(wildcard build/cp311-cp311-*))
 
+# Of tests/addon, what `make test` runs in Blender 5.2 too.
+BPY52_PART := test_addon_versions.py baking/test_addon_bake.py nodes/test_addon_node_group.py \
+	nodes/test_addon_principled.py test_addon_extension.py::test_the_real_archive_bakes
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo check test test-blender lint docs bench study study-hard figures previews assets stubs sanitize fuzz wheel \
-	extension release test-release clean
+.PHONY: demo check test test-bpy52 test-bpy52-part test-blender lint docs bench study study-hard figures previews \
+	assets stubs sanitize fuzz wheel extension release test-release clean
 .DEFAULT_GOAL := demo
 
 # In a fresh clone the slab is rendered as soon as the solver is compiled: the slab needs neither walks nor dust.
@@ -63,6 +67,21 @@ test: lint docs build/stamps/extension
 	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
 	$(RUN) -m pytest tests/cycles
+	@$(MAKE) --no-print-directory test-bpy52-part
+
+# The tests of add-on and renders in Blender 5.2 LTS, which runs on Python 3.13. `make test` runs a part of them.
+ifeq ($(filter python3.13,$(OTHER_PYTHONS)),)
+test-bpy52 test-bpy52-part:
+	@echo "lamina: no tests in Blender 5.2 as a Python module: this machine has no Python 3.13"
+else
+test-bpy52: extension build/stamps/bpy52
+	LAMINA_WHEELS=build/wheels $(BPY52)/bin/python -m pytest -n 2 --dist loadfile tests/addon
+	$(BPY52)/bin/python -m pytest tests/cycles
+test-bpy52-part: build/stamps/bpy52
+	LAMINA_WHEELS=build/wheels $(BPY52)/bin/python -m pytest $(addprefix tests/addon/,$(BPY52_PART))
+	$(BPY52)/bin/python -m pytest tests/cycles/test_energy_of_sheets.py \
+		"tests/cycles/test_relightable.py::test_exit_albedo_and_distance[forward]"
+endif
 
 # In a Blender executable and its window: BLENDER=trixie is Blender 4.3, BLENDER=sid is 5.2. Needs root.
 test-blender: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/wheel-$(p))
@@ -187,9 +206,15 @@ build/stamps/wheel: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
 # In the build folder of the first wheel, so that the core is compiled once.
 build/stamps/wheel-%: build/stamps/wheel
 	@echo "Building Lamina's native wheel for $*"
-	@test -x build/venv-$*/bin/python || $* -m venv build/venv-$*
+	@test -x build/venv-$*/bin/python || $$(tools/find_python.sh $*) -m venv build/venv-$*
 	@build/venv-$*/bin/python $(PIP) install -r requirements/build.txt
 	@build/venv-$*/bin/python $(PIP) wheel --no-deps --no-build-isolation -C build-dir="$(BUILD_FOLDER)" -w build/wheels .
+	@touch $@
+
+# Blender 5.2 as a Python module, with Lamina's wheel.
+build/stamps/bpy52: tools/install_bpy52.sh requirements/bpy52.txt build/stamps/wheel-python3.13
+	@tools/install_bpy52.sh $$(tools/find_python.sh python3.13) $(BPY52)
+	@$(BPY52)/bin/python $(PIP) install --no-deps --force-reinstall build/wheels/lamina-$(VERSION)-cp313-*.whl
 	@touch $@
 
 EXTENSION_SOURCES := $(ADDON_SOURCES) tools/build_extension.py LICENSE THIRD_PARTY.md

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write the table of the response of Cycles' random walk in a half-space: native/lamina/subsurface/response.npz.
 
-Takes about four minutes on one core. Run this script again if Cycles' walk or the method changes."""
+Takes about ten minutes on one core. Run this script again if Cycles' walk or the method changes."""
 
 from pathlib import Path
 

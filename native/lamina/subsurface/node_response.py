@@ -12,7 +12,7 @@ from .later_flights import Escape, escape
 
 # Axes of the table: g and entry cosine at Chebyshev-Lobatto points, and u with u^4 = 1 - transport albedo.
 LARGEST_G = 0.9
-G_COUNT, MU_COUNT, U_COUNT = 8, 8, 40
+G_COUNT, MU_COUNT, U_COUNT = 15, 12, 40
 LEAST_MU, LEAST_U, MOST_U = 0.02, 0.03, 0.995
 
 # Lateral frequencies: per mean free path for the first flights, per transport mean free path for the later ones.

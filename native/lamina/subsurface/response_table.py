@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.archive import load_archive
-from .node_response import G_NODES, LEAST_MU, LEAST_U, MOST_U, MU_NODES, local_cubic, single_albedo
+from .node_response import G_NODES, LEAST_MU, LEAST_U, MOST_U, MU_NODES, U_NODES, local_cubic, single_albedo
 
 TABLE = Path(__file__).with_name("response.npz")
 CURVE = np.linspace(LEAST_U, MOST_U, 4000)  # u of node_response
@@ -30,18 +30,24 @@ class Curves(NamedTuple):
 def response_curves(g: float, cosines: np.ndarray, shares: np.ndarray) -> Curves:
     """The response at an anisotropy `g` in [0, .9] to light that enters in the given `shares` (sum at most 1) at
     `cosines` in (0, 1], measured inside."""
-    at_g = np.tensordot(_polynomial(G_NODES, np.array([g]))[0], _table(), (0, 0))
-    at_mu = np.tensordot(_polynomial(MU_NODES, np.maximum(cosines, LEAST_MU)), at_g, (1, 1))  # (mu, quantity, u)
-    fine = local_cubic(CURVE, (LEAST_U, MOST_U), np.moveaxis(at_mu, 2, 0))  # (u, mu, quantity)
+    at_g = np.tensordot(_polynomial(G_NODES, np.array([g]))[0], _logarithms(), (0, 0))
+    at_mu = np.exp(np.tensordot(_polynomial(MU_NODES, np.maximum(cosines, LEAST_MU)), at_g, (1, 1)))
+    fine = local_cubic(CURVE, (LEAST_U, MOST_U), at_mu.transpose(2, 0, 1))  # (u, mu, quantity)
+    single = single_albedo(CURVE, g)
     light, full_light = fine[..., 0] @ shares, fine[..., 2] @ shares
-    return Curves(single_albedo(CURVE, g), light, (fine[..., 0] * fine[..., 1]) @ shares / light, full_light,
+    return Curves(single, single * light, (fine[..., 0] * fine[..., 1]) @ shares / light, single * full_light,
                   (fine[..., 2] * fine[..., 3]) @ shares / full_light)
 
 
 @functools.cache
-def _table() -> np.ndarray:
-    """The response, shape (g, quantity, mu, u)."""
-    return load_archive(TABLE, "response")[1][0].astype(float)
+def _logarithms() -> np.ndarray:
+    """Logarithms of exit albedo per single-scattering albedo and of mean exit distance, shape (g, quantity, mu, u).
+
+    The response of forward-scattering media varies by orders of magnitude along g and mu. Polynomials fit the
+    logarithms better."""
+    table = load_archive(TABLE, "response")[1][0].astype(float)
+    table[:, (0, 2)] /= np.array([single_albedo(U_NODES, g) for g in G_NODES])[:, None, None]
+    return np.log(table)
 
 
 def _polynomial(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -10,7 +10,11 @@ import lamina
 from lamina import HalfSpace, HenyeyGreenstein, Interface, Lambert, Medium, Stack
 from lamina.common.errors import ArgumentError, StackError
 from lamina.subsurface.entry_cosines import entry_cosines
+from lamina.subsurface.first_flights import FirstFlights
+from lamina.subsurface.later_flights import escape
+from lamina.subsurface.node_inputs import RESPONSE_ERRORS
 from lamina.subsurface.node_parameters import albedo_of_colour, colour_of_albedo
+from lamina.subsurface.node_response import single_albedo
 from lamina.subsurface.response_table import CURVE, response_curves
 
 VERSIONS = [(4, 5), (5, 2)]
@@ -79,6 +83,30 @@ def test_shares_that_are_known():
                           (response_curves(0.0, cosines, weights * cosines), 0.918670)):
         assert curves.albedo[0] == pytest.approx(share, abs=1e-4)
         assert curves.single[0] == pytest.approx(1.0, abs=1e-6)
+
+
+def exit_albedo(g, cosines, places):
+    """Exit albedo of Cycles' walk, shape (place, cosine): without the table, at the positions `places` on CURVE."""
+    first = FirstFlights(g, cosines)
+    leaving, tenth = first.at(0.0)
+    later = escape(np.zeros(1), 1.0 - places**4)
+    albedo = single_albedo(places, g)
+    found = []
+    for k, a in enumerate(albedo):
+        early = np.tensordot(a ** np.arange(1, 10), leaving, (0, 0))
+        depths = first.cells.depths * (1.0 - a * g)
+        late = (later.cells.interpolation(depths) @ later.limited[0, :, k]) * first.cells.weights
+        found.append(early + a**10 * late @ tenth)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("g", [0.1, 0.7, 0.8, 0.88])
+def test_between_the_nodes_of_the_table(g):
+    cosines, places = np.array([0.1, 0.4, 0.9, 1.0]), np.array([0.34, 0.56, 0.7, 0.82, 0.92, 0.96])
+    wanted = exit_albedo(g, cosines, places)
+    for cosine, column in zip(cosines, wanted.T, strict=True):
+        curves = response_curves(g, np.array([cosine]), np.ones(1))
+        assert np.interp(places, CURVE, curves.albedo) == pytest.approx(column, rel=RESPONSE_ERRORS[0])
 
 
 @pytest.mark.parametrize("mu_in", [0.15, 0.6])
