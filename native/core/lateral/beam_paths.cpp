@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lateral/fine_quadrature.hpp"
+#include "matter/fresnel.hpp"
 #include "numeric/bessel.hpp"
 #include "operators/base_reflection.hpp"
 #include "operators/delta_field.hpp"

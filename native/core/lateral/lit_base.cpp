@@ -6,9 +6,9 @@
 #include <complex>
 #include <utility>
 
+#include "matter/fresnel.hpp"
 #include "numeric/bessel.hpp"
 #include "numeric/quadrature.hpp"
-#include "operators/interface.hpp"
 
 namespace lamina {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "operators/interface.hpp"
+#include "matter/fresnel.hpp"
 
 namespace lamina {
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "matter/fresnel.hpp"
+
 namespace lamina {
 
 /// F0, the reflectance at normal incidence, of the relative index `eta`.
@@ -18,22 +20,10 @@ inline double index_from_f0(double f0) {
   return (1.0 + root) / (1.0 - root);
 }
 
-/// Fresnel's reflectance for unpolarised light at cosine `c`; 1 beyond the critical angle.
-inline double dielectric_reflectance(double c, double eta) {
-  const double square = eta * eta - 1.0 + c * c;
-  if (!(square > 0.0)) {
-    return 1.0;
-  }
-  const double t = std::sqrt(square);  // eta times the refracted cosine
-  const double s = (c - t) / (c + t);
-  const double p = (eta * eta * c - t) / (eta * eta * c + t);
-  return 0.5 * (s * s + p * p);
-}
-
 /// (F - F0) / (1 - F0), in [0, 1].
 inline double dielectric_rise(double c, double eta) {
   const double f0 = f0_from_index(eta);
-  return std::clamp((dielectric_reflectance(c, eta) - f0) / (1.0 - f0), 0.0, 1.0);
+  return std::clamp((fresnel(c, eta) - f0) / (1.0 - f0), 0.0, 1.0);
 }
 
 }  // namespace lamina

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "matter/fresnel.hpp"
 #include "numeric/tangents.hpp"
-#include "operators/interface.hpp"
 
 namespace lamina {
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "matter/fresnel.hpp"
+
 namespace lamina {
 
 ScatteringFunction smooth_interface(const Directions& above, const Directions& below) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "operators/interface.hpp"
+#include "matter/fresnel.hpp"
 
 namespace lamina {
 

@@ -5,18 +5,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "operators/interface.hpp"
+#include "matter/fresnel.hpp"
 #include "walks/facet_normals.hpp"
 
 namespace lamina {
 namespace {
 
 using std::numbers::pi;
-
-double dielectric_fresnel(double cosine, double ratio) {
-  const double refracted2 = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
-  return refracted2 > 0.0 ? fresnel(cosine, std::sqrt(refracted2), 1.0, ratio) : 1.0;
-}
 
 /// Additive recurrence of the plastic number (Roberts 2018): a low-discrepancy sequence in the unit square.
 struct EvenPoint {
@@ -105,7 +100,7 @@ double FacetScatter::fresnel_at(double cosine, double ratio) const {
   if (metal_) {
     return mirrors_ ? 1.0 : conductor_fresnel(cosine, *metal_);
   }
-  return dielectric_fresnel(cosine, ratio);
+  return fresnel(cosine, ratio);
 }
 
 double FacetScatter::masked(double mu) const { return 1.0 / (1.0 + facets_.lambda(mu)); }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "operators/interface.hpp"
+#include "matter/fresnel.hpp"
 #include "walks/survival.hpp"
 
 namespace lamina {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "matter/fresnel.hpp"
 #include "operators/delta_field.hpp"
-#include "operators/interface.hpp"
 
 namespace lamina {
 namespace {
