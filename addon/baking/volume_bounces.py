@@ -28,7 +28,8 @@ def shortage(scene, material):
 
 
 def provide(scene, material):
-    """Raise the scene's bounces to what the material needs. Returns one sentence on what was raised, or ''."""
+    """Raise the scene's bounces to what the material needs. Returns one sentence on what was raised, or
+    ''."""
     if not shortage(scene, material) or not scene.is_editable:
         return ""
     volume, total = needed(material)

@@ -38,6 +38,7 @@ def _render(material, samples, width, size, light, prepare):
         screen = scene.objects[-1]
         # It shows in shadows only: lit from below by the plane, it would light the plane.
         screen.visible_camera = screen.visible_diffuse = screen.visible_glossy = screen.visible_transmission = False
+        screen.visible_volume_scatter = False
         lamp = bpy.data.lights.new("sun", "SUN")
         lamp.angle, lamp.energy = 0.0, math.pi
         scene.collection.objects.link(bpy.data.objects.new("sun", lamp))

@@ -54,7 +54,8 @@ class FirstOrders(ByContent):
         once = self.medium.reflectance(mu)
         if self.count == 1:
             return once
-        flights = FirstFlights(self.medium.g, mu, _quadrature(self.medium.g)[0], 1, self.count, growing_edges(*GRAZING_CELLS))
+        nodes, _ = _quadrature(self.medium.g)
+        flights = FirstFlights(self.medium.g, mu, nodes, 1, self.count, growing_edges(*GRAZING_CELLS))
         leaving = flights.at(0.0)[0][1:]
         albedo = self.medium.sigma_s / self.medium.extinction
         return once + np.stack([_powers(a, self.count) @ leaving for a in albedo], axis=1)
