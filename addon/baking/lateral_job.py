@@ -6,9 +6,10 @@ import logging
 import bpy
 
 from ..base import native
-from ..base.worker import OfMaterial, Place, Worker
+from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import stack_io
 from ..nodes import lateral_group, portal_graph, relightable_graph
+from . import volume_bounces
 
 log = logging.getLogger(__name__)
 
@@ -21,26 +22,28 @@ class LateralJob(OfMaterial, Worker):
     """The computation for one material."""
 
     def __init__(self, material, scene):
-        self.uid, self.millimetre = material.session_uid, millimetre(scene)
+        self.uid, self.scene_uid, self.millimetre = material.session_uid, scene.session_uid, millimetre(scene)
         self.output, quality = material.lamina.lateral, material.lamina.quality
         stack, compute = stack_io.to_stack(material), _compute(self.output)
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
     def apply(self, material):
-        """Build the node group."""
-        _apply(material, self.output, self.result, self.millimetre)
+        """Build the node group. A scene that was deleted meanwhile needs no bounces."""
+        scene = with_uid(bpy.data.scenes, self.scene_uid)
+        _apply(material, scene, self.output, self.result, self.millimetre)
 
 
 def make(material, scene=None, quality=None, output=None):
     """Compute the material's light that travels sideways and build its node group. Blocks.
 
     `output` is "RELIGHTABLE" or "PORTAL", by default the material's choice. Returns the computed
-    lamina.SubsurfaceInputs or lamina.PortalTables. `scene` gives the length of a Blender unit; the default
-    is the context's scene. Raises lamina.StackError for media without lengths, SolveError and
-    NativeMissingError; the material is then unchanged."""
+    lamina.SubsurfaceInputs or lamina.PortalTables. `scene` gives the length of a Blender unit and gets the
+    bounces that a portal needs; the default is the context's scene. Raises lamina.StackError for media
+    without lengths, SolveError and NativeMissingError; the material is then unchanged."""
     output = output or material.lamina.lateral
     found = _compute(output)(stack_io.to_stack(material), quality or material.lamina.quality)
-    _apply(material, output, found, millimetre(scene or bpy.context.scene))
+    scene = scene or bpy.context.scene
+    _apply(material, scene, output, found, millimetre(scene))
     return found
 
 
@@ -66,11 +69,14 @@ def _compute(output):
     return compute
 
 
-def _apply(material, output, found, length):
+def _apply(material, scene, output, found, length):
     def draw(graph, socket, _more):
         if output == "PORTAL":
             return portal_graph.draw(graph, found, socket, f"Lamina Portal {material.name}")
         return relightable_graph.draw(graph, found, socket)
 
     lateral_group.build(material, output.capitalize(), draw, length)
-    material.lamina.lateral_report = found.report
+    if output == "PORTAL" and found.first is not None:
+        material.lamina.lateral_scatterings = found.first.count
+    raised = "" if scene is None else volume_bounces.provide(scene, material)
+    material.lamina.lateral_report = f"{found.report} {raised}." if raised else found.report

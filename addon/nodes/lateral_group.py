@@ -50,6 +50,7 @@ def build(material, name, draw, millimetre, inputs=(), again=False):
     group.name = f"Lamina {name} {material.name}"
     _input(group).default_value = millimetre
     material.lamina.lateral_group = group
+    material.lamina.lateral_scatterings = 0
     for node in [*node_group.group_nodes(material, group), node_group.connect(material, group)]:
         node.label = f"Lamina {name}"
         if again:

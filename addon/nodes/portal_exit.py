@@ -29,6 +29,28 @@ def weight(graph, tables, image, length, geometry, light_path):
     """The weight of a ray, one number per channel, at the back face where the ray leaves.
 
     `tables`: lamina.PortalTables; `length`: socket with the Blender units per millimetre."""
+    depth, way, height, between, beyond = _measured(graph, image, length, geometry, light_path)
+    r = graph.math("SQRT", 2, 22, "distance on a plane", graph.math("MAXIMUM", 2, 23, "", between, 0.0))
+    shown = portal_image.at_distance(graph, image, tables.scale, r)
+    ratio = _ratio(graph, depth, height, _past(graph, depth, height, between))
+    by_channel = graph.node("ShaderNodeCombineXYZ", 5, 24, "decay")
+    done = {}
+    for channel, decay in enumerate(_three(tables.decay)):
+        if decay not in done:
+            done[decay] = _decayed(graph, decay, way, beyond, ratio)
+        graph.link(done[decay], by_channel.inputs[channel])
+    return graph.vector("MULTIPLY", 6, 22, "weight at the exit", shown, by_channel.outputs[0])
+
+
+def share_within(graph, image, length, geometry, light_path):
+    """The weight of a ray that was weighted by distance already: see _past. One number."""
+    depth, _, height, between, _ = _measured(graph, image, length, geometry, light_path)
+    return _past(graph, depth, height, between)
+
+
+def _measured(graph, image, length, geometry, light_path):
+    """Of the ray that leaves, in mm: the depth z of its source, its length t, the height of the source over
+    the tangent plane of the exit, t^2 - z^2, and t - z."""
     incoming = geometry.outputs["Incoming"]
     place = place_of_depth(graph, incoming)
     table = portal_image.row(graph, image, portal_image.DEPTHS, "depth of the source", place, "Closest")
@@ -36,39 +58,33 @@ def weight(graph, tables, image, length, geometry, light_path):
     way = graph.math("DIVIDE", 0, 20, "path length, mm", light_path.outputs["Ray Length"], length)
     cosine = graph.vector("DOT_PRODUCT", 0, 21, "exit cosine", incoming, geometry.outputs["True Normal"])
     height = graph.math("MULTIPLY", 1, 21, "height over the exit", way, cosine)
-    between = graph.math("MULTIPLY", 1, 22, "", graph.math("ADD", 0, 22, "", way, depth),
-                         graph.math("SUBTRACT", 0, 23, "beyond the depth", way, depth))
-    r = graph.math("SQRT", 2, 22, "distance on a plane", graph.math("MAXIMUM", 2, 23, "", between, 0.0))
-    shown = portal_image.at_distance(graph, image, tables.scale, r)
-    ratio = _ratio(graph, depth, height, between)
-    by_channel = graph.node("ShaderNodeCombineXYZ", 5, 24, "decay")
-    done = {}
-    for channel, decay in enumerate(_three(tables.decay)):
-        if decay not in done:
-            done[decay] = _decayed(graph, decay, way, depth, ratio)
-        graph.link(done[decay], by_channel.inputs[channel])
-    return graph.vector("MULTIPLY", 6, 22, "weight at the exit", shown, by_channel.outputs[0])
+    beyond = graph.math("SUBTRACT", 0, 23, "beyond the depth", way, depth)
+    between = graph.math("MULTIPLY", 1, 22, "", graph.math("ADD", 0, 22, "", way, depth), beyond)
+    return depth, way, height, between, beyond
 
 
-def _ratio(graph, depth, height, between):
+def _ratio(graph, depth, height, past):
     """Ratio of z / (2 pi t^3) to the density of hits on the surface: the depth z over the source's height
-    above the tangent plane of the exit.
-
-    On a sphere of radius a, (height - z) / (t^2 - z^2) is 1 / (2 a). From the centre on, z > a, the source
-    counts less, and nothing on the other side: a plane has no such sources."""
+    above the tangent plane of the exit, and the share `past`."""
     least = graph.math("DIVIDE", 1, 20, "", depth, STEEPEST)
     ratio = graph.math("DIVIDE", 3, 20, "depth over height", depth,
                        graph.math("MAXIMUM", 2, 20, "", height, least))
-    bend = graph.math("DIVIDE", 3, 21, "curvature", graph.math("SUBTRACT", 2, 21, "", height, depth),
-                      graph.math("MAXIMUM", 2, 22, "", between, 1.0e-12))
-    share = graph.math("MULTIPLY", 3, 22, "", bend, depth)
-    past = graph.math("MULTIPLY_ADD", 4, 21, "from the centre on", share, -2.0, 2.0, clamp=True)
     return graph.math("MULTIPLY", 5, 20, "shape of the surface", ratio, past)
 
 
-def _decayed(graph, decay, way, depth, ratio):
-    """`ratio` times (1 + k t) exp(-k (t - z))."""
-    beyond = graph.math("MAXIMUM", 1, 24, "", graph.math("SUBTRACT", 0, 24, "", way, depth), 0.0)
+def _past(graph, depth, height, between):
+    """The share of a source by its place in the body. On a sphere of radius a, (height - z) / (t^2 - z^2) is
+    1 / (2 a). From the centre on, z > a, the source counts less, and nothing on the other side: a plane has
+    no such sources, and light from there has left on the other side."""
+    bend = graph.math("DIVIDE", 3, 21, "curvature", graph.math("SUBTRACT", 2, 21, "", height, depth),
+                      graph.math("MAXIMUM", 2, 22, "", between, 1.0e-12))
+    share = graph.math("MULTIPLY", 3, 22, "", bend, depth)
+    return graph.math("MULTIPLY_ADD", 4, 21, "from the centre on", share, -2.0, 2.0, clamp=True)
+
+
+def _decayed(graph, decay, way, beyond, ratio):
+    """`ratio` times (1 + k t) exp(-k (t - z)), where `beyond` is t - z."""
+    beyond = graph.math("MAXIMUM", 1, 24, "", beyond, 0.0)
     exponent = graph.math("MULTIPLY", 2, 24, "", beyond, -decay)
     fall = graph.math("EXPONENT", 3, 24, "fall", exponent)
     near = graph.math("MULTIPLY_ADD", 2, 25, "near the source", way, decay, 1.0)

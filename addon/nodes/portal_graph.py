@@ -3,7 +3,8 @@
 
 A camera ray that hits a front face continues from a source below the hit point, in a random upward direction.
 The continued ray hits a back face. A Translucent closure there collects the light from outside. Rays are
-weighted at the front face with single scattering by a volume, otherwise where they leave (portal_exit)."""
+weighted where they leave (portal_exit), and those of a portal beside a volume (portal_volume) by their
+distance at the front face."""
 
 import math
 
@@ -18,7 +19,7 @@ ASIDE = (0.8017837, 0.2672612, 0.5345225)  # helper axis for the tangent frame; 
 
 
 def draw(graph, tables, length, name):
-    """Add the nodes and return the sockets (shader, volume). Without single scattering the volume is None.
+    """Add the nodes and return the sockets (shader, volume). Without first orders the volume is None.
 
     `tables`: lamina.PortalTables; `length`: the socket with the number of Blender units per millimetre;
     `name`: name of the image."""
@@ -28,11 +29,13 @@ def draw(graph, tables, length, name):
     light_path = graph.node("ShaderNodeLightPath", -3, 10)
     chance = _chance(graph, geometry.outputs["Position"], length)
     shader = _to_the_source(graph, tables, length, geometry, image, chance)
-    volume = weight = None
-    if tables.single is not None:
-        shader, volume = portal_volume.with_volume(graph, tables, length, light_path, shader, chance[2])
+    volume = None
+    if tables.first is not None:
+        shader, volume = portal_volume.with_volume(graph, tables, length, light_path, shader, chance[1])
     if tables.weighted_at_exit:
         weight = portal_exit.weight(graph, tables, image, length, geometry, light_path)
+    else:
+        weight = portal_exit.share_within(graph, image, length, geometry, light_path)
     if tables.has_boundary:
         shader = boundary_graph.over(graph, tables.ior, tables.roughness, shader)
     return _by_side(graph, tables, length, geometry, light_path, shader, volume, weight), volume
@@ -41,11 +44,11 @@ def draw(graph, tables, length, name):
 def _to_the_source(graph, tables, length, geometry, image, chance):
     """The portal from the front face to the source."""
     normal = geometry.outputs["Normal"]
-    cosine, sine = _cosine(graph, chance[1], tables.least_cosine)
+    cosine, sine = _cosine(graph, chance[0], tables.least_cosine)
     # A full turn for the random numbers that rays into the volume leave over.
-    turn = 2.0 * math.pi * (1.0 if tables.single is None else 1.0 / (1.0 - portal_volume.ENTERING))
-    direction = _direction(graph, normal, cosine, sine, chance[2], turn)
-    place = portal_exit.place_of_depth(graph, direction) if tables.weighted_at_exit else chance[0]
+    turn = 2.0 * math.pi * (1.0 if tables.first is None else 1.0 / (1.0 - portal_volume.ENTERING))
+    direction = _direction(graph, normal, cosine, sine, chance[1], turn)
+    place = portal_exit.place_of_depth(graph, direction)
     depth = portal_image.row(graph, image, portal_image.DEPTHS, "depth of the source", place, "Closest")
     if tables.weighted_at_exit:
         weight = portal_image.row(graph, image, portal_image.SHARES, "weights of channels", place, "Closest")
@@ -67,19 +70,19 @@ def _to_the_source(graph, tables, length, geometry, image, chance):
 
 def _share(tables):
     """The share of the views that take the portal, over the solid angle of its rays in hemispheres."""
-    views = 1.0 if tables.single is None else 1.0 - portal_volume.ENTERING
+    views = 1.0 if tables.first is None else 1.0 - portal_volume.ENTERING
     return views / (1.0 - tables.least_cosine)
 
 
 def _chance(graph, position, length):
-    """Three random numbers, uniform in [0, 1), for the shading point."""
+    """Two random numbers, uniform in [0, 1), for the shading point."""
     fine = graph.math("DIVIDE", -2, 6, "steps", NOISE_SCALE, length)
     noise = graph.node("ShaderNodeTexWhiteNoise", -1, 6, "chance")
     noise.noise_dimensions = "3D"
     graph.link(graph.scale(-2, 7, "in steps", position, fine), noise.inputs["Vector"])
     parts = graph.node("ShaderNodeSeparateColor", 0, 6, "chance")
     graph.link(noise.outputs["Color"], parts.inputs[0])
-    return tuple(parts.outputs)[:3]
+    return tuple(parts.outputs)[:2]
 
 
 def _cosine(graph, chance, least):
@@ -139,11 +142,8 @@ def _by_side(graph, tables, length, geometry, light_path, shader, volume, weight
 
 
 def _colour(graph, node, colour, weight):
-    """Set the color of a closure, times `weight`: a socket or None."""
-    if weight is None:
-        node.inputs["Color"].default_value = (*colour, 1.0)
-    else:
-        graph.link(graph.vector("MULTIPLY", 5, 10, "weighted", weight, colour), node.inputs["Color"])
+    """Set the color of a closure, times the socket `weight`."""
+    graph.link(graph.vector("MULTIPLY", 5, 10, "weighted", weight, colour), node.inputs["Color"])
 
 
 def _step(graph, tables, length, position):

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light that is scattered once, by Cycles' volume rendering, in addition to the portal.
+"""Light that is scattered a few times, by Cycles' volume rendering, in addition to the portal.
 
 A part of the views enters the volume through a Refraction closure of index 1. From then on the ray has an odd
 number of transmissions, while a ray of the portal has an even number. The volume and the back faces tell the
-two kinds by this number. Views that arrive with an odd number, as through a single refracting face, get a
+two kinds by this number. Cycles does not count scatterings in volumes for nodes, but counts all bounces and
+those at surfaces, and the difference is the number of scatterings. Views that arrive with an odd number of
+transmissions, as through a single refracting face, or that a volume has scattered before, as in fog, get a
 Diffuse closure with the material's albedo instead."""
 
 import numpy as np
@@ -14,12 +16,13 @@ ENTERING = 0.4  # share of the views that enter the volume
 
 
 def with_volume(graph, tables, length, light_path, portal, chance):
-    """The sockets (shader, volume) of `portal` together with single scattering.
+    """The sockets (shader, volume) of `portal` together with the first orders of scattering.
 
     `tables`: lamina.PortalTables; `length`: socket with the Blender units per millimetre; `chance`: socket
     with a random number in [0, 1). Where `chance` is at least ENTERING, the portal is used, which must be
     weighted with 1 / (1 - ENTERING)."""
     inside = _is_inside(graph, light_path)
+    scatterings = _scatterings(graph, light_path)
     enter = graph.node("ShaderNodeBsdfRefraction", 4, 3, "into the volume")
     enter.inputs["Color"].default_value = (1.0 / ENTERING,) * 3 + (1.0,)
     enter.inputs["IOR"].default_value, enter.inputs["Roughness"].default_value = 1.0, 0.0
@@ -27,8 +30,9 @@ def with_volume(graph, tables, length, light_path, portal, chance):
     local.inputs["Color"].default_value = (*rgb(tables.albedo), 1.0)
     chosen = graph.math("LESS_THAN", 4, 4, "enters", chance, ENTERING)
     shader = mix_shader.between(graph, 5, 4, "volume or portal", chosen, portal, enter.outputs[0])
-    shader = mix_shader.between(graph, 5, 3, "seen through one face", inside, shader, local.outputs[0])
-    return shader, _volume(graph, tables.single, length, light_path, inside)
+    indirect = graph.math("MAXIMUM", 3, 2, "or scattered before", inside, scatterings)
+    shader = mix_shader.between(graph, 5, 3, "seen through one face", indirect, shader, local.outputs[0])
+    return shader, _volume(graph, tables.first, length, light_path, inside, scatterings)
 
 
 def behind(graph, light_path, portal):
@@ -39,28 +43,38 @@ def behind(graph, light_path, portal):
     return mix_shader.between(graph, 6, 9, "volume or portal", inside, portal, through.outputs[0])
 
 
-def _volume(graph, single, length, light_path, inside):
-    """Rays that were scattered are not scattered again: for them the volume only absorbs."""
+def _volume(graph, first, length, light_path, inside, scatterings):
+    """Rays that were scattered `first.count` times are not scattered again: for them the volume only
+    absorbs."""
+    medium = first.medium
     here = _is_inside_or_shadow(graph, light_path, inside)
     dense = graph.math("DIVIDE", 3, -2, "in Blender units", here, length)
-    largest = float(np.max(single.sigma_s + single.sigma_a))
+    largest = float(np.max(medium.extinction))
     density = graph.math("MULTIPLY", 4, -2, "density", dense, largest)
-    scatter = graph.node("ShaderNodeVolumeScatter", 5, -1, "scattered once")
+    scatter = graph.node("ShaderNodeVolumeScatter", 5, -1, "scattered")
     absorb = graph.node("ShaderNodeVolumeAbsorption", 5, -3, "absorbed")
-    scattered = light_path.outputs["Is Volume Scatter Ray"]
-    first = graph.math("SUBTRACT", 3, -1, "not scattered yet", 1.0, scattered)
-    graph.link(graph.math("MULTIPLY", 4, -1, "density", density, first), scatter.inputs["Density"])
-    scatter.inputs["Color"].default_value = (*rgb(single.sigma_s / largest), 1.0)
-    scatter.inputs["Anisotropy"].default_value = single.g
+    done = graph.math("GREATER_THAN", 2, -1, "not scattered again", scatterings, first.count - 0.5)
+    more = graph.math("SUBTRACT", 3, -1, "scattered again", 1.0, done)
+    graph.link(graph.math("MULTIPLY", 4, -1, "density", density, more), scatter.inputs["Density"])
+    scatter.inputs["Color"].default_value = (*rgb(medium.sigma_s / largest), 1.0)
+    scatter.inputs["Anisotropy"].default_value = medium.g
     lost = graph.node("ShaderNodeVectorMath", 4, -4, "all that is lost")
     lost.operation = "MULTIPLY_ADD"
-    graph.link(scattered, lost.inputs[0])
+    graph.link(done, lost.inputs[0])
     # The closure absorbs its density times (1 - colour).
-    lost.inputs[1].default_value = rgb(-single.sigma_s / largest)
-    lost.inputs[2].default_value = rgb(1.0 - single.sigma_a / largest)
+    lost.inputs[1].default_value = rgb(-medium.sigma_s / largest)
+    lost.inputs[2].default_value = rgb(1.0 - medium.sigma_a / largest)
     graph.link(lost.outputs["Vector"], absorb.inputs["Color"])
     graph.link(density, absorb.inputs["Density"])
     return mix_shader.added(graph, 6, -2, "the volume", scatter.outputs[0], absorb.outputs[0])
+
+
+def _scatterings(graph, light_path):
+    """Number of scatterings of the ray in volumes."""
+    depth = light_path.outputs
+    faces = graph.math("ADD", 0, -1, "", depth["Diffuse Depth"], depth["Glossy Depth"])
+    faces = graph.math("ADD", 1, -1, "bounces at surfaces", faces, depth["Transmission Depth"])
+    return graph.math("SUBTRACT", 2, 0, "scatterings", depth["Ray Depth"], faces)
 
 
 def _is_inside(graph, light_path):

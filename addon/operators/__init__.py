@@ -18,6 +18,7 @@ from .end_preset import LAMINA_OT_end_preset
 from .interior import LAMINA_OT_interior
 from .interior_cancel import LAMINA_OT_interior_cancel
 from .lateral import LAMINA_OT_lateral
+from .lateral_bounces import LAMINA_OT_lateral_bounces
 from .lateral_cancel import LAMINA_OT_lateral_cancel
 from .layer_add import LAMINA_OT_layer_add
 from .layer_duplicate import LAMINA_OT_layer_duplicate
@@ -56,6 +57,7 @@ CLASSES = (
     LAMINA_OT_bake_cancel,
     LAMINA_OT_connect,
     LAMINA_OT_lateral,
+    LAMINA_OT_lateral_bounces,
     LAMINA_OT_lateral_cancel,
     LAMINA_OT_interior,
     LAMINA_OT_interior_cancel,

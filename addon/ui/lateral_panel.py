@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..baking import lateral_job
+from ..baking import lateral_job, volume_bounces
 from .panel import MaterialPanel, draw_progress, draw_sentence
 
 
@@ -22,6 +22,10 @@ class LAMINA_PT_lateral(MaterialPanel, bpy.types.Panel):
         layout.operator("lamina.lateral", icon="LIGHT_HEMI")
         if material.lamina.lateral_report:
             draw_sentence(context, layout, material.lamina.lateral_report)
+        shortage = volume_bounces.shortage(context.scene, material)
+        if shortage:
+            draw_sentence(context, layout, shortage, "ERROR", alert=True)
+            layout.operator("lamina.lateral_bounces", icon="LIGHT")
 
 
 register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_lateral,))

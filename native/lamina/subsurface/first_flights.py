@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first ten flights of Cycles' random walk in a half-space, with the Henyey-Greenstein phase function.
+"""The first flights of light in a half-space, as in Cycles' random walk, with the Henyey-Greenstein phase function.
 
 Light enters at a cosine and a uniform azimuth. A flight ends in a collision or outside. Light is weighted by
 exp(i q x) with the lateral coordinate x; the mean over azimuths is J0(q r) (see docs/theory.md, lateral frequencies).
@@ -39,11 +39,13 @@ def extinctions(q: float, cosines: np.ndarray, azimuths: np.ndarray) -> np.ndarr
 
 
 class FirstFlights:
-    """Light in its first ten flights for albedo 1 and beams that enter at the cosines `mu_in`."""
+    """Light in its first flights for albedo 1 and beams that enter at the cosines `mu_in`. `count`: collisions after
+    which light is followed until it leaves. `edges`: edges of cells of depth, by default for cosines from .02 on."""
 
-    def __init__(self, g: float, mu_in: np.ndarray, cosines: int = 20, azimuths: int = 16):
-        self.mu_in = mu_in
-        self.cells = DepthCells(growing_edges(0.01, 1.8, 2.0, 0.0, 40.0))
+    def __init__(self, g: float, mu_in: np.ndarray, cosines: int = 20, azimuths: int = 16,
+                 count: int = FORWARD_COLLISIONS, edges: np.ndarray | None = None):
+        self.mu_in, self.count = mu_in, count
+        self.cells = DepthCells(growing_edges(0.01, 1.8, 2.0, 0.0, 40.0) if edges is None else edges)
         self.directions = Directions(cosines, azimuths)
         both = np.concatenate([self.directions.cosines, -self.directions.cosines])  # cosines > 0 point downwards
         most = 2 * cosines - 1  # the highest Legendre moment that the quadrature keeps normalised
@@ -54,8 +56,8 @@ class FirstFlights:
         self._first = _henyey_greenstein(g, both, mu_in, azimuths, most) * means
 
     def at(self, q: float) -> tuple[np.ndarray, np.ndarray]:
-        """(leaving, collisions) at the lateral frequency `q`: the light that leaves after 1 to 9 collisions, shape
-        (9, mu_in), and the density over depth of the tenth collision, shape (nodes, mu_in)."""
+        """(leaving, collisions) at the lateral frequency `q`: the light that leaves after 1 to `count` collisions,
+        shape (count, mu_in), and the density over depth of the next collision, shape (nodes, mu_in)."""
         d, cells = self.directions, self.cells
         half, turns, size, beams = len(d.cosines), len(d.azimuths), len(cells.depths), len(self.mu_in)
         sweeps = (cells.from_above(d.extinctions(q)), cells.from_below(d.extinctions(q)))
@@ -65,7 +67,7 @@ class FirstFlights:
         inverse = np.tile(1.0 / d.cosines, 2)[:, None, None, None]
         leaving = []
         collisions = np.empty(0)
-        for collision in range(1, FORWARD_COLLISIONS + 1):
+        for collision in range(1, self.count + 1):
             sent = np.tensordot(d.waves, emitted, (0, 0)).transpose(1, 0, 2, 3)  # (direction, azimuth, node, beam)
             reached = np.concatenate([
                 np.matmul(sweep, part.reshape(half * turns, size, beams)).reshape(half, turns, size, beams)
@@ -74,7 +76,7 @@ class FirstFlights:
             reached *= inverse
             reached[np.abs(reached) < LEAST] = 0.0
             orders = np.tensordot(d.to_orders, reached, (1, 1))
-            if collision == FORWARD_COLLISIONS:
+            if collision == self.count:
                 collisions = np.tensordot(self._weights, orders[0], (0, 0)).real
             else:
                 emitted = np.matmul(self._scattering, orders.reshape(turns, 2 * half, size * beams))

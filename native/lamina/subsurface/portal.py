@@ -6,8 +6,8 @@ from inside and evaluates ordinary closures there. If directions are uniform ove
 source at depth z have the density z / (2 pi t^3) on a plane, at the distance r and the path length t, where
 t^2 = r^2 + z^2. Weights turn the mean of these densities over all depths into the stack's profile.
 
-* With single scattering by a volume, the weight depends on r. Each ray hits a curved surface, too, so a curved surface
-  reflects as much light as a plane.
+* With the first orders of scattering by a volume, the weight depends on r. Each ray hits a curved surface, too, so a
+  curved surface reflects as much light as a plane, unless the source lies beyond the centre of the body.
 * Otherwise the hit is weighted where the ray leaves. The weight contains the factor (1 + k t) exp(-k (t - z)) for a
   diffusing medium with the decay k (see source_depths), and the ratio of z / (2 pi t^3) to the density of hits on the
   actual surface. Ways through a convex body are shorter than below a plane, so more light leaves."""
@@ -24,11 +24,11 @@ from ..common.progress import Progress, portion, stepper
 from ..lateral.searchlight import Searchlight, searchlight
 from ..material.any_stack import AnyStack, as_stack
 from ..solver.solve import ScatteringFunction, solve
-from . import entry_lobes, plane_rings, single_scattering, source_depths
+from . import entry_lobes, first_orders, plane_rings, source_depths
 from .entry_lobes import EntryLobes
+from .first_orders import FirstOrders
 from .node_parameters import LEAST_IOR
 from .plane_rings import LEAST_FLUX
-from .single_scattering import SingleScattering
 from .source_depths import Sources, flux_density
 from .stack_nodes import boundary_on_top, require_finite_distance
 
@@ -37,6 +37,7 @@ DEPTHS, WEIGHTS, VIEWS = 1024, 1024, 256  # sizes of the tables
 # sources with absorption. Up to the median the depths of these sources have this ratio (albedo .9).
 DEPTH_SHARE = 0.9
 LEAST_COSINE = -0.05  # of rays that are weighted at the exit: a convex surface reaches below the source
+LEAST_LIGHT = 1e-4  # through the portal: less, as in a dark channel after the first orders, has no exact direction
 LARGEST_WEIGHT = 2.0  # of rays that are weighted at the exit, by distance
 
 
@@ -48,7 +49,7 @@ class PortalTables(ByContent):
     depth of its source. `decay`, (channels,): decay k of the light along a ray, 1/mm, 0 for none. `weights`,
     (WEIGHTS, channels): weight of a ray by the distance r on the plane, at r / (r + scale) = k / (WEIGHTS - 1).
     `views`, (VIEWS, channels): share of the light entering below the boundary that goes through the portal, at the view
-    cosine k / (VIEWS - 1). `single`: the medium whose single scattering does not go through the portal, or None.
+    cosine k / (VIEWS - 1). `first`: the orders of scattering that do not go through the portal, or None.
     `entry`: closures for the directions from which light enters. `ior`, `roughness`: the boundary on top, ior 1.01 for
     none. `albedo`, `distance`, (channels,): exit albedo and mean exit distance of all light without the boundary's
     reflection, for a view along the normal. `profile_error`: largest error, from the tables' resolution, of the flux
@@ -60,7 +61,7 @@ class PortalTables(ByContent):
     weights: np.ndarray
     scale: float
     views: np.ndarray
-    single: SingleScattering | None
+    first: FirstOrders | None
     entry: EntryLobes
     ior: float
     roughness: float
@@ -76,7 +77,7 @@ class PortalTables(ByContent):
     @property
     def weighted_at_exit(self) -> bool:
         """True if rays are weighted where they leave the surface."""
-        return self.single is None
+        return self.first is None
 
     @property
     def least_cosine(self) -> float:
@@ -87,8 +88,11 @@ class PortalTables(ByContent):
     def report(self) -> str:
         """The predicted result of the tables and its error, as one sentence."""
         ways = ", ".join(f"{way:.3g}" for way in self.distance)
-        return (f"Portal: on a flat surface the tables keep the flux within any distance to "
+        flat = (f"Portal: on a flat surface the tables keep the flux within any distance to "
                 f"{max(100.0 * self.profile_error, 0.01):.2g} %, mean exit distance {ways} mm.")
+        if self.first is None:
+            return flat
+        return f"{flat} Light is scattered up to {self.first.count} times in the volume, the rest takes the portal."
 
 
 def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | None = None,
@@ -96,34 +100,34 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     """Tables with which Cycles' Ray Portal BSDF renders the lateral light transport of a stack.
 
     If the topmost layer is a deep medium without a boundary, with isotropic scattering or Henyey and Greenstein's phase
-    function, the portal leaves out single scattering, which Cycles' volume rendering adds. Arguments and errors are
-    those of lamina.subsurface_nodes."""
+    function, the portal leaves out the first orders of scattering, which Cycles' volume rendering adds. Arguments and
+    errors are those of lamina.subsurface_nodes."""
     stack = as_stack(stack)
     step = stepper("the portal", progress, cancel)
     beam = searchlight(stack, 1.0, quality, progress=portion(step, 0.0, 0.8), cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, 1.0, quality)
     distance = require_finite_distance(beam, on_top)
-    single = single_scattering.of_stack(stack)
+    first = first_orders.of_stack(stack)
     scale = float(np.median(distance))
     r = plane_rings.distances(scale, 8 * WEIGHTS)
-    light = np.stack([_profile(beam, c, r, single) for c in range(stack.channels)], axis=1)
-    sources = source_depths.fit(r, light, DEPTHS) if single is None else _quantiles(r, light)
+    light = _profile(beam, r, first)
+    sources = source_depths.fit(r, light, DEPTHS) if first is None else _quantiles(r, light)
     weights, error = _weights(sources, scale, r, light)
     step(0.9, "Views")
     solved = solve(stack, quality)
-    views = _views(solved, single, quality)
-    entry = entry_lobes.fit(_inside(solved, entry_lobes.COSINES, single, quality)[0])
+    views = _views(solved, first, quality)
+    entering = _inside(solved, entry_lobes.COSINES, first, quality)[0]
+    entry = entry_lobes.fit(np.where(entering.mean(axis=0) > LEAST_LIGHT, entering, 0.0))
     step(1.0, "Done")
-    return PortalTables(*sources, weights, scale, views, single, entry, ior, roughness,
+    return PortalTables(*sources, weights, scale, views, first, entry, ior, roughness,
                         (beam.reflectance - on_top) / (1.0 - on_top), distance, error)
 
 
-def _profile(beam: Searchlight, index: int, r: np.ndarray, single: SingleScattering | None) -> np.ndarray:
-    """Flux density at r of the light through the portal, in one channel."""
-    density = beam.profile(r)
-    density = density if density.ndim == 1 else density[:, index]
-    if single is not None:
-        density = density - single.density(r, index)
+def _profile(beam: Searchlight, r: np.ndarray, first: FirstOrders | None) -> np.ndarray:
+    """Flux density at `r` of the light through the portal, shape (r, channels)."""
+    density = beam.profile(r).reshape(len(r), -1)
+    if first is not None:
+        density = density - np.stack([first.density(r, c) for c in range(density.shape[1])], axis=1)
     return np.maximum(density, 0.0)
 
 
@@ -155,20 +159,20 @@ def _weights(sources: Sources, scale: float, r: np.ndarray, light: np.ndarray) -
     return table / reached_in_all, float(np.max(np.abs(reached / reached_in_all - share)))
 
 
-def _views(solved: ScatteringFunction, single: SingleScattering | None, quality: str) -> np.ndarray:
+def _views(solved: ScatteringFunction, first: FirstOrders | None, quality: str) -> np.ndarray:
     """Share of the light entering below the boundary that goes through the portal, by view cosine."""
     cosines = np.linspace(0.0, 1.0, VIEWS)
     cosines[0] = 0.25 * cosines[1]
-    inside, on_top = _inside(solved, cosines, single, quality)
+    inside, on_top = _inside(solved, cosines, first, quality)
     return np.clip(inside / np.maximum(1.0 - on_top, 1e-6), 0.0, 1.0)
 
 
-def _inside(solved: ScatteringFunction, cosines: np.ndarray, single: SingleScattering | None,
+def _inside(solved: ScatteringFunction, cosines: np.ndarray, first: FirstOrders | None,
             quality: str) -> tuple[np.ndarray, np.ndarray]:
     """(light through the portal, light that a boundary on top reflects), as shares of the incident light, by view
     cosine or, by reciprocity, by incidence cosine."""
     on_top = boundary_on_top(solved.stack, cosines, quality)[0]
     inside = solved.reflectance(cosines) - on_top
-    if single is not None:
-        inside = inside - single.reflectance(cosines)
+    if first is not None:
+        inside = inside - first.reflectance(cosines)
     return np.maximum(inside, 0.0), on_top

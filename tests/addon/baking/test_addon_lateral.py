@@ -106,6 +106,90 @@ def test_volume_of_the_portal(addon, lamina, marble, call):
     assert not volumes()
 
 
+@pytest.fixture
+def milk(addon, lamina, material):
+    """The material as a deep medium without a boundary, whose portal needs a volume."""
+    deep = lamina.Medium(sigma_s=1.0, sigma_a=0.1, thickness=float("inf"), phase=lamina.HenyeyGreenstein(0.5))
+    addon.editing.stack_io.assign_stack(material, lamina.Stack([deep]))
+    material.lamina.lateral = "PORTAL"
+    return material
+
+
+@pytest.mark.parametrize("way", ["operator", "worker"])
+def test_bounces_of_the_volume(addon, milk, call, way):
+    """Making the portal raises the scene's bounces to what it needs, never lowers them, and says so."""
+    scene = bpy.context.scene
+    scene.cycles.volume_bounces, scene.cycles.max_bounces = 0, 4
+    if way == "operator":
+        assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+    else:
+        job = addon.baking.lateral_job.start(milk, scene)
+        job.wait()
+        addon.baking.lateral_job.forget()
+        assert job.finish() == milk
+    count = milk.lamina.lateral_scatterings
+    assert count == 8 and (scene.cycles.volume_bounces, scene.cycles.max_bounces) == (7, 8)
+    assert milk.lamina.lateral_report.endswith(
+        "Raised the scene's volume bounces from 0 to 7 and bounces from 4 to 8."
+    )
+    scene.cycles.volume_bounces, scene.cycles.max_bounces = 20, 30
+    addon.baking.lateral_job.make(milk, quality="preview")
+    assert (scene.cycles.volume_bounces, scene.cycles.max_bounces) == (20, 30)
+    assert "Raised" not in milk.lamina.lateral_report
+
+
+def test_too_few_bounces(addon, milk, call):
+    """A scene that lost its bounces gets a warning, and one operator that mends it. Other nodes need none."""
+    scene, bounces = bpy.context.scene, addon.baking.volume_bounces
+    addon.baking.lateral_job.make(milk, quality="preview")
+    assert bounces.shortage(scene, milk) == ""
+    scene.cycles.volume_bounces = 6
+    assert "allows 6 volume bounces" in bounces.shortage(scene, milk)
+    assert call(bpy.ops.lamina.lateral_bounces, milk) == {"FINISHED"}
+    assert scene.cycles.volume_bounces == 7 and bounces.shortage(scene, milk) == ""
+    scene.cycles.max_bounces = 7
+    assert "7 in total" in bounces.shortage(scene, milk)
+    link = milk.node_tree.get_output_node("CYCLES").inputs["Volume"].links[0]
+    milk.node_tree.links.remove(link)
+    assert bounces.shortage(scene, milk) == ""
+    addon.baking.lateral_job.make(milk, quality="preview")
+    assert scene.cycles.max_bounces == 8
+    scene.cycles.volume_bounces = 0
+    addon.baking.lateral_job.make(milk, quality="preview", output="RELIGHTABLE")
+    assert bounces.shortage(scene, milk) == "" and scene.cycles.volume_bounces == 0
+
+
+def test_warning_in_the_panel(addon, milk):
+    """The panel draws the sentence and the operator while bounces are missing, and not otherwise."""
+    addon.baking.lateral_job.make(milk, quality="preview")
+    assert "lamina.lateral_bounces" not in drawn(addon, milk)
+    bpy.context.scene.cycles.volume_bounces = 0
+    assert "lamina.lateral_bounces" in drawn(addon, milk)
+
+
+def drawn(addon, material):
+    """The operators that the panel offers."""
+    found = []
+
+    class Layout:
+        def operator(self, name, **_):
+            found.append(name)
+
+        def __getattr__(self, _):
+            return lambda *_, **__: Layout()
+
+        def __setattr__(self, *_):
+            pass
+
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
+    region = SimpleNamespace(width=400.0)
+    context = SimpleNamespace(
+        material=material, scene=bpy.context.scene, region=region, preferences=preferences
+    )
+    addon.ui.lateral_panel.LAMINA_PT_lateral.draw(SimpleNamespace(layout=Layout()), context)
+    return found
+
+
 def test_layers_without_lengths(addon, material, call):
     """The first stack's dust has an optical thickness: one sentence, and nothing changes."""
     before = len(material.node_tree.nodes)
