@@ -88,7 +88,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
     height = lut_image.height_of(lut, eevee)
     used = [closures[index] for index in used_closures(lut)]
     covered = is_covered(closures)
-    strips = covered_graph.by_closure(used) if covered else _by_closure(used)
+    strips = covered_graph.by_closure(used) if covered else {name: [name] for name in used}
     recipes = [recipe_of(lobe_of(name)) for name in strips]
 
     inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
@@ -162,10 +162,9 @@ def _draw(graph, lut, eevee, image, recipe_of):
     totals = {}
     for line, ((name, names), recipe) in enumerate(zip(strips.items(), recipes, strict=True)):
         prefix = METAL if name.startswith(METAL) else ""
-        if covered:
-            weight = factors.total(line, names)
-        else:
-            weight = _total(graph, line, names, strip, gains.get(prefix))
+        weight = factors.total(line, names) if covered else strip(name, 7, line, f"weight {name}")
+        if name.removeprefix(prefix).startswith(PREFIX):
+            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gains[prefix])
         if recipe.weight_input == "Coat Tint":
             weight = eevee_graph.dark(graph, line, chooser, weight)
         elif covered:
@@ -200,28 +199,6 @@ def _draw(graph, lut, eevee, image, recipe_of):
     output = graph.node("NodeGroupOutput", 14.6, len(strips) - 1, folded=False)
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
-
-
-def _by_closure(names):
-    """{closure, after METAL for metallic 1: its strips, that of the base's light last}, from all names."""
-    found = {}
-    for name in names:
-        found.setdefault((METAL if name.startswith(METAL) else "") + lobe_of(name), []).append(name)
-    return found
-
-
-def _total(graph, line, names, strip, gain):
-    """The sum of the strips of one closure; that of the base's light is multiplied by `gain`."""
-    total = None
-    for number, name in enumerate(names):
-        weight = strip(name, 7, line + 0.2 * number, f"weight {name}")
-        if not name.removeprefix(METAL).startswith(PREFIX):
-            total = weight
-        elif total is None:
-            total = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gain)
-        else:
-            total = graph.vector("MULTIPLY_ADD", 9.2, line, "with the base", weight, gain, total)
-    return total
 
 
 def _again_and_again(graph, line, label, weight, colour, thrown_back):

@@ -40,7 +40,7 @@ from .tau_error import tau_error
 @dataclass(frozen=True)
 class Basis:
     """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together); of
-    a Principled base, beside the BSDF, for each end of metallic: (of a fixed color, of a color that is an input); of a
+    a Principled base, beside the BSDF: (for light of the layers, for light that the base's color changes); of a
     Principled base below an interface: (for diffuse light of the base, for all its light)."""
 
     reflected: tuple[int, int, int]
@@ -51,8 +51,8 @@ class Basis:
 
 
 CLOSURE_BASES = {
-    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (5, 6), (2, 9)),
-    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (14, 15), (4, 18)),
+    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (3, 3), (2, 9)),
+    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (9, 6), (4, 18)),
 }
 # Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},

@@ -101,7 +101,7 @@ class _Work:
 def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int, nodes: int | None,
           given: dict[str, list[str]], counts: tuple[int, int], search: dict):
     """(parts of the table by kind, the solved rows, the roughnesses of the table's axis, the slices at the base's own
-    values if it has no inputs, or None). `counts`: largest numbers of closures, see bake.Basis. Raises StackError."""
+    values if it has no inputs, or None). Raises StackError."""
     base = stack.base
     assert isinstance(base, PrincipledBase)
     roughnesses = roughness_rows() if "roughness" in base.inputs else [base.roughness]
@@ -119,7 +119,8 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
         solved, weight, rests, values = _joined(found)
         if not number:
             table[PRINCIPLED] = Mixture([PRINCIPLED], _as_strip(weight, rests.dark.albedo.shape))
-        table |= _fitted(work, rests, given, prefix, counts[rests.added is not None], search, portion(share, 0.7, 1.0))
+        shares = counts if rests.added is not None else (sum(counts) - 1, 0)
+        table |= _fitted(work, rests, given, prefix, shares, search, portion(share, 0.7, 1.0))
     return table, solved, roughnesses if len(roughnesses) > 1 else [], None if base.inputs else values
 
 
@@ -203,35 +204,19 @@ def _as_strip(weight: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return np.broadcast_to(weight[None, None, :, None, :], (sides, 1, rows, channels, columns))
 
 
-def _fitted(work: _Work, rests: _Rests, given: dict[str, list[str]], prefix: str, count: int, search: dict,
-            step: Progress) -> dict[str, Mixture]:
+def _fitted(work: _Work, rests: _Rests, given: dict[str, list[str]], prefix: str, counts: tuple[int, int],
+            search: dict, step: Progress) -> dict[str, Mixture]:
     """The parts of the table by kind, with closures fitted to the rests of one metallic value."""
-    def fit(wanted: Slices, names: Sequence[str], step: Progress) -> Mixture:
+    def fit(wanted: Slices, count: int, names: Sequence[str], step: Progress) -> Mixture:
         effort = Effort(0, count, count, **search)
         fitted = mix("reflection", wanted, work.grid, effort, work.pool, step, made=BROADENED, given=names)
         return folded(fitted, wanted, work.grid, False)
 
-    own, base = given[prefix or "reflection"], given[prefix + PREFIX if prefix else "base"]
-    if rests.added is None:
-        dark = fit(rests.dark, own, step)
-        return {prefix or "reflection": Mixture([prefix + name for name in dark.closures], dark.weights)}
-
-    # One choice of closures serves both parts, so that the group adds both strips of a closure before evaluating it
-    assert rests.thrown_back is not None
-    names = own if own == base else []
-    if not names:
-        names = fit(_both(rests.dark, rests.added), [], portion(step, 0.0, 0.4)).closures
-    dark = fit(rests.dark, names, portion(step, 0.4, 0.7))
-    added = fit(rests.added, names, portion(step, 0.7, 1.0))
-    return {
-        prefix or "reflection": Mixture([prefix + name for name in dark.closures], dark.weights),
-        prefix + PREFIX: Mixture([prefix + PREFIX + name for name in added.closures], added.weights),
-        prefix + THROWN_BACK: Mixture([prefix + THROWN_BACK], rests.thrown_back[:, None]),
-    }
-
-
-def _both(one: Slices, other: Slices) -> Slices:
-    """Slices with the channels of both."""
-    values, albedo, direct = (np.concatenate([getattr(part, name) for part in (one, other)], axis=2)
-                              for name in ("values", "albedo", "direct"))
-    return Slices(values, albedo, None, direct)
+    dark = fit(rests.dark, counts[0], given[prefix or "reflection"], portion(step, 0.0, 0.6))
+    found = {prefix or "reflection": Mixture([prefix + name for name in dark.closures], dark.weights)}
+    if rests.added is not None:
+        assert rests.thrown_back is not None
+        added = fit(rests.added, counts[1], given[prefix + PREFIX if prefix else "base"], portion(step, 0.6, 1.0))
+        found[prefix + PREFIX] = Mixture([prefix + PREFIX + name for name in added.closures], added.weights)
+        found[prefix + THROWN_BACK] = Mixture([prefix + THROWN_BACK], rests.thrown_back[:, None])
+    return found

@@ -47,19 +47,6 @@ def test_group_is_linked_and_other_nodes_stay(addon, lamina, material):
     assert [item.name for item in group.interface.items_tree] == ["Shader", "Normal"]
 
 
-def test_a_closure_with_two_strips_is_evaluated_once(addon, lamina, material):
-    """The strips of the light over black and of the light that the base's color adds are added first."""
-    base = lamina.PrincipledBase(metallic=1.0, roughness=0.4, inputs=("color",))
-    addon.editing.stack_io.assign_stack(material, lamina.Stack([lamina.Medium(0.9, 0.5)], base))
-    group, lut = bake(addon, material)
-    twice = [name for name in lut.closures if f"base/{name}" in lut.closures]
-    assert len(twice) > 2
-    for name in twice:
-        assert sum(node.label == name for node in group.nodes) == 1
-        assert not any(node.label == f"base/{name}" for node in group.nodes)
-        assert sum(node.label in (f"weight {name}", f"weight base/{name}") for node in group.nodes) == 2
-
-
 def test_every_closure_follows_its_recipe(addon, lamina, material):
     group, lut = bake(addon, material)
     used = [lut.header["closures"][index] for index in addon.nodes.closure_graph.used_closures(lut)]

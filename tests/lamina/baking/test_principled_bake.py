@@ -7,7 +7,7 @@ import pytest
 
 import lamina
 from lamina import HenyeyGreenstein, Interface, Lut, Medium, PrincipledBase, Stack
-from lamina.kinds.table import METAL, PREFIX, PRINCIPLED, ROUGHNESS_ROWS, TAU_ROWS, THROWN_BACK, lobe_of
+from lamina.kinds.table import METAL, PRINCIPLED, ROUGHNESS_ROWS, TAU_ROWS, THROWN_BACK
 
 DUST = Medium(albedo=[0.9, 0.8, 0.7], tau=1.0, phase=HenyeyGreenstein(0.5), varying=True)
 
@@ -43,19 +43,6 @@ def test_the_axes_and_strips_of_inputs(tmp_path):
     assert np.array_equal(again.weights, lut.weights) and again.header == lut.header
     # The closures of an earlier table give the same layout.
     assert lamina.bake(Stack([DUST], base), "preview", row_stride=16, closures=lut.closures).closures == lut.closures
-
-
-def test_a_metal_with_a_color_input_shares_its_closures():
-    """The light over black and the light that the color adds have the same closures. With three closures for each, the
-    error was 6.2 %."""
-    dust = Medium(albedo=[0.9, 0.88, 0.84], tau=2.0, phase=HenyeyGreenstein(0.6), varying=True)
-    base = PrincipledBase(color=[0.8, 0.4, 0.1], metallic=1.0, roughness=0.35, inputs=("color",))
-    lut = lamina.bake(Stack([dust], base), "preview", row_stride=4)
-    own = {name for name in lut.closures if lobe_of(name) == name}
-    assert own == {lobe_of(name) for name in lut.closures if name.startswith(PREFIX) and lobe_of(name)}
-    assert len(own) <= 6
-    errors = lut.report["row_errors"]
-    assert np.interp(0.5, errors["tau"], errors["mean"]) < 0.055
 
 
 @pytest.mark.parametrize("stack", [Stack([DUST], PrincipledBase()),
