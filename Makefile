@@ -66,7 +66,7 @@ endif
 test: lint docs build/stamps/extension
 	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
-	$(RUN) -m pytest tests/cycles
+	$(RUN) -m pytest -n 2 --dist loadfile tests/cycles
 	@$(MAKE) --no-print-directory test-bpy52-part
 
 # The tests of add-on and renders in Blender 5.2 LTS, which runs on Python 3.13. `make test` runs a part of them.
@@ -76,7 +76,7 @@ test-bpy52 test-bpy52-part:
 else
 test-bpy52: extension build/stamps/bpy52
 	LAMINA_WHEELS=build/wheels $(BPY52)/bin/python -m pytest -n 2 --dist loadfile tests/addon
-	$(BPY52)/bin/python -m pytest tests/cycles
+	$(BPY52)/bin/python -m pytest -n 2 --dist loadfile tests/cycles
 test-bpy52-part: build/stamps/bpy52
 	LAMINA_WHEELS=build/wheels $(BPY52)/bin/python -m pytest $(addprefix tests/addon/,$(BPY52_PART))
 	$(BPY52)/bin/python -m pytest tests/cycles/test_energy_of_sheets.py \

@@ -24,7 +24,7 @@ class LateralJob(OfMaterial, Worker):
     def __init__(self, material, scene):
         self.uid, self.scene_uid, self.millimetre = material.session_uid, scene.session_uid, millimetre(scene)
         self.output, quality = material.lamina.lateral, material.lamina.quality
-        stack, compute = stack_io.to_stack(material), _compute(self.output)
+        stack, compute = stack_io.to_stack(material), _compute(self.output, material)
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
     def apply(self, material):
@@ -41,7 +41,7 @@ def make(material, scene=None, quality=None, output=None):
     bounces that a portal needs; the default is the context's scene. Raises lamina.StackError for media
     without lengths, SolveError and NativeMissingError; the material is then unchanged."""
     output = output or material.lamina.lateral
-    found = _compute(output)(stack_io.to_stack(material), quality or material.lamina.quality)
+    found = _compute(output, material)(stack_io.to_stack(material), quality or material.lamina.quality)
     scene = scene or bpy.context.scene
     _apply(material, scene, output, found, millimetre(scene))
     return found
@@ -57,13 +57,14 @@ def millimetre(scene):
     return 0.001 / scene.unit_settings.scale_length
 
 
-def _compute(output):
-    """The function of (stack, quality, progress, cancel) that computes this output."""
+def _compute(output, material):
+    """The function of (stack, quality, progress, cancel) that computes this output, as the material chooses."""
     lamina, release = native.require(), tuple(bpy.app.version[:2])
+    scatterings = material.lamina.lateral_orders or None
 
     def compute(stack, quality, progress=None, cancel=None):
         if output == "PORTAL":
-            return lamina.portal_tables(stack, quality, progress, cancel)
+            return lamina.portal_tables(stack, quality, progress, cancel, scatterings)
         return lamina.subsurface_nodes(stack, release, quality=quality, progress=progress, cancel=cancel)
 
     return compute

@@ -15,6 +15,10 @@ class LAMINA_PT_lateral(MaterialPanel, bpy.types.Panel):
     def draw(self, context):
         layout, material = self.layout, context.material
         layout.row().prop(material.lamina, "lateral", expand=True)
+        if material.lamina.lateral == "PORTAL":
+            split = layout.row()
+            split.use_property_split, split.use_property_decorate = True, False
+            split.prop(material.lamina, "lateral_orders")
         job = lateral_job.running_for(material)
         if job is not None:
             draw_progress(layout, job, "lamina.lateral_cancel")

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.arguments import check_whole
 from ..common.by_content import ByContent
 from ..material.stack import Stack
 from . import single_scattering
@@ -61,19 +62,28 @@ class FirstOrders(ByContent):
         return once + np.stack([_powers(a, self.count) @ leaving for a in albedo], axis=1)
 
 
-def of_stack(stack: Stack) -> FirstOrders | None:
-    """The first orders of scattering of the topmost medium, as many as count_for tells. None where single_scattering
-    has no closed form."""
+def of_stack(stack: Stack, count: int | None = None) -> FirstOrders | None:
+    """The first `count` orders of scattering of the topmost medium, by default as many as count_for tells. None where
+    single_scattering has no closed form. Raises ArgumentError."""
+    if count is not None:
+        check_whole(count, "scatterings", 1, MOST, f"must be a whole number from 1 to {MOST}, or None")
     medium = single_scattering.of_stack(stack)
-    return None if medium is None else FirstOrders(medium, count_for(medium.g))
+    if medium is None:
+        return None
+    return FirstOrders(medium, 1 if _is_single(medium.g) else count or count_for(medium.g))
 
 
 def count_for(g: float) -> int:
     """Number of orders for the mean cosine `g`: ISOTROPIC transport mean free paths, at most MOST; 1 beyond the |g| of
     QUADRATURE."""
-    if abs(g) > QUADRATURE[-1][0]:
+    if _is_single(g):
         return 1
     return int(min(round(ISOTROPIC / (1.0 - max(g, 0.0))), MOST))
+
+
+def _is_single(g: float) -> bool:
+    """True if the quadrature allows single scattering only."""
+    return abs(g) > QUADRATURE[-1][0]
 
 
 def _quadrature(g: float) -> tuple[int, int]:

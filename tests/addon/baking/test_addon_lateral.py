@@ -115,6 +115,14 @@ def milk(addon, lamina, material):
     return material
 
 
+def test_a_chosen_number_of_scatterings(addon, milk, call):
+    milk.lamina.lateral_orders = 2
+    bpy.context.scene.cycles.volume_bounces = 0
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+    assert "scattered up to 2 times in the volume" in milk.lamina.lateral_report
+    assert bpy.context.scene.cycles.volume_bounces == 1
+
+
 @pytest.mark.parametrize("way", ["operator", "worker"])
 def test_bounces_of_the_volume(addon, milk, call, way):
     """Making the portal raises the scene's bounces to what it needs, never lowers them, and says so."""

@@ -11,7 +11,7 @@ from z_limit import z_limit
 
 import lamina
 from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack, lobes
-from lamina.common.errors import StackError
+from lamina.common.errors import ArgumentError, StackError
 from lamina.subsurface import entry_lobes, first_orders, plane_rings, single_scattering, source_depths
 from lamina.subsurface.portal import DEPTHS, WEIGHTS
 
@@ -213,6 +213,21 @@ def test_what_the_volume_scatters():
     colourful = deep([0.9, 0.9, 0.8], HenyeyGreenstein([0.1, 0.2, 0.3]))
     for stack in (Stack([thin], base=lamina.Lambert(0.5)), Stack([colourful])):
         assert first_orders.of_stack(stack) is None
+
+
+def test_a_chosen_number_of_scatterings():
+    """What the volume no longer computes goes through the portal: the sum is the same for each number."""
+    stack, cosines = Stack([deep([0.9], HenyeyGreenstein(0.5), 1.0)]), np.linspace(0.0, 1.0, 256)[64:]
+    sums = []
+    for count in (1, 3):
+        tables = lamina.portal_tables(stack, "preview", scatterings=count)
+        assert tables.first.count == count
+        sums.append(tables.views[64:] + tables.first.reflectance(cosines))
+    assert sums[0] == pytest.approx(sums[1], rel=2e-3)
+    assert first_orders.of_stack(Stack([deep([0.9], HenyeyGreenstein(0.95), 1.0)]), 5).count == 1
+    for bad in (0, 15, 2.5, True):
+        with pytest.raises(ArgumentError, match="scatterings = .*: must be a whole number from 1 to 14, or None"):
+            lamina.portal_tables(stack, "preview", scatterings=bad)
 
 
 def test_light_that_nothing_absorbs():
