@@ -58,7 +58,7 @@ def millimetre(scene):
 
 
 def _compute(output, material):
-    """The function of (stack, quality, progress, cancel) that computes this output, as the material chooses."""
+    """The function of (stack, quality, progress, cancel) that computes this output of the material."""
     lamina, release = native.require(), tuple(bpy.app.version[:2])
     scatterings = material.lamina.lateral_orders or None
 
