@@ -12,7 +12,7 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, handlers, native, preferences, redraw
+from ..base import changes, handlers, native, preferences, redraw, renders
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import stack_io
 from ..nodes import node_group
@@ -126,7 +126,7 @@ def poll():
     if running() is None and bake_job.running() is None:
         _start_next()
     if running() is not None:
-        return WORKING
+        return WAITING if renders.is_running() else WORKING
     return _tidy()
 
 
@@ -161,6 +161,8 @@ def _finish_job():
             if followed is not None and not job.coarse:  # a complete bake takes even longer
                 followed.seconds = max(followed.seconds, PATIENCE, 2.0 * SLOW)
                 followed.nodes = followed.nodes or NODES + 1
+        return
+    if renders.is_running():
         return
     _place.forget()
     material = job.material()

@@ -11,10 +11,9 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from . import handlers
+from . import handlers, renders
 from .worker import with_uid
 
-JOBS = ("RENDER", "RENDER_PREVIEW", "OBJECT_BAKE")
 INTERVAL = 1.0  # seconds between two looks
 LEAST = 1.0  # seconds that an image stays: a viewport is not among the jobs, and starts anew by then
 LONGEST = 30.0  # seconds that an image stays while jobs follow one another, as previews do during Live
@@ -49,7 +48,7 @@ def replace(old, new):
 
 def poll():
     """The timer's function: remove what no render can read any more."""
-    now, is_running = time.monotonic(), any(bpy.app.is_job_running(job) for job in JOBS)
+    now, is_running = time.monotonic(), renders.is_running() or bpy.app.is_job_running("RENDER_PREVIEW")
     for entry in _unused[:]:
         uid, users, since = entry
         if now - since > (LONGEST if is_running else LEAST):

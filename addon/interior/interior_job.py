@@ -17,7 +17,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..base import native, package, preferences
+from ..base import native, package, preferences, renders
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Place, Worker
 from ..kinds import interiors
@@ -77,6 +77,8 @@ class InteriorJob(OfMaterial, Worker):
 
     def tick(self):
         """Show the latest preview, if there is a new one."""
+        if renders.is_running():
+            return
         images, self._preview = self._preview, None
         material = self.material()
         if images is None or material is None or self.cancelling:

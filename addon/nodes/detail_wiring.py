@@ -2,6 +2,7 @@
 """Puts the node of dust_detail between the source of a material's thickness and the baked group, and links a
 painted mask to it."""
 
+from ..base import renders
 from . import dust_detail, thickness
 from .side_graph import BACK, FRONT
 
@@ -19,6 +20,7 @@ def add_detail(material, side=0.0):
     """Put a node of detail between the source of the thickness and the baked group; returns the node, also
     one that is there already. `side`: largest side of the mesh in object coordinates, for the sizes of the
     detail; 0: unknown. Raises RefusedError without a thickness input."""
+    renders.stop_previews()
     node = detail(material)
     if node is not None:
         return node
@@ -42,6 +44,7 @@ def add_detail(material, side=0.0):
 
 def remove_detail(material):
     """Link the source of the thickness to the baked group again, without the node of detail and its mask."""
+    renders.stop_previews()
     node = detail(material)
     if node is None:
         return
@@ -63,6 +66,7 @@ def wipe_by(material, node, output, uv_map=None):
     """Link `output` of a new `node` of the material, which reads a painted mask, to the detail's input Wiped.
     An image is read by the UV map `uv_map`. A mask that was linked before is removed, unless the artist made
     its node."""
+    renders.stop_previews()
     to = detail(material)
     tree = material.node_tree
     for link in list(to.inputs["Wiped"].links):

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import image_removal
+from ..base import image_removal, renders
 from . import before, graph, node_group
 
 MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
@@ -18,6 +18,7 @@ def build(material, name, draw, millimetre, inputs=(), again=False):
     description) each; `sockets` has their sockets by name. `again`: the group has these inputs already, and
     their values are kept. If `draw` fails, nothing is changed
     but further inputs, which the next build removes."""
+    renders.stop_previews()
     before.switch_nodes_on(material)
     group = material.lamina.lateral_group
     is_new = group is None or not group.is_editable or _is_shared(material, group)

@@ -9,7 +9,7 @@ import json
 
 import bpy
 
-from ..base import image_removal, native
+from ..base import image_removal, native, renders
 from ..kinds.bases import PrincipledBase
 from . import (
     before,
@@ -33,6 +33,7 @@ def build(material, lut):
     Returns the node group. Nothing is changed when it fails. Raises closure_graph.UnknownClosureError,
     NativeMissingError.
     """
+    renders.stop_previews()
     recipe_of, eevee = recipe_source(), few_closures(lut)
     before.switch_nodes_on(material)
     group, is_new = _own_group(material)
@@ -83,6 +84,7 @@ def update(material, lut):
 
     Returns False, with nothing changed, when there is no such group or it was drawn for another layout.
     """
+    renders.stop_previews()
     group = material.lamina.node_group
     if group is None or not group.is_editable or _is_shared(material, group):
         return False
@@ -172,6 +174,7 @@ def connect(material, group=None):
     """Link `group`, by default that of the last bake, to the Surface of the material's output, and the
     group's volume, if there is one, to the Volume. If `group` has none, the volume of the lateral group is
     unlinked. Other nodes are unchanged, and `before` keeps what fed the output. Returns the group node."""
+    renders.stop_previews()
     tree = material.node_tree
     node = (group_nodes(material, group) or [None])[0]
     output = tree.get_output_node("CYCLES") or own_nodes.mark(tree.nodes.new("ShaderNodeOutputMaterial"))
@@ -199,6 +202,7 @@ def _lateral_nodes(material):
 def remove(material):
     """Restore the material's tree as it was before Lamina, and remove Lamina's groups and their images if
     they have no other users."""
+    renders.stop_previews()
     groups = (material.lamina.node_group, material.lamina.lateral_group)
     before.restore(material)
     material.lamina.node_group = material.lamina.lateral_group = None

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..base import data_image
+from ..base import data_image, renders
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 from . import dust_detail, node_group
@@ -80,6 +80,7 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     Links of the artist's own are kept, and RefusedError is raised, unless `replace`; their nodes are always
     kept. Raises RefusedError, with nothing changed, for impossible requests.
     """
+    renders.stop_previews()
     if source not in SOURCES:
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
     if not material.is_editable:
@@ -126,6 +127,7 @@ def image_problem(image):
 
 def reconnect(material):
     """Links the nodes made here again, to an input that was removed and added by bakes."""
+    renders.stop_previews()
     for node in material.node_tree.nodes:
         if dust_detail.is_detail(node) and node.get(MARK):
             for name in (FRONT, BACK):

@@ -4,7 +4,7 @@ worker, ESC to cancel, and a status line."""
 
 import bpy
 
-from ..base import native, redraw
+from ..base import native, redraw, renders
 
 INTERVAL = 0.1  # seconds between two checks of the worker
 
@@ -80,6 +80,9 @@ class Following:
         redraw.properties()
         if not self._job.done:
             self._job.tick()
+            return {"PASS_THROUGH"}
+        if renders.is_running():
+            self._job.text = "Waiting for the render"
             return {"PASS_THROUGH"}
         self._end()
         return self.ended(context, self._job)

@@ -12,7 +12,7 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, handlers, messages, native, preferences, redraw
+from ..base import changes, handlers, messages, native, preferences, redraw, renders
 from ..base.worker import Place, with_uid
 from . import dust_job, dust_settings, object_dust
 
@@ -100,6 +100,8 @@ def _finish_job():
         is_slow = not job.is_preview or time.monotonic() - job.started > PATIENCE
         if followed is None or (followed.changed and is_slow):
             job.cancel()
+        return
+    if renders.is_running():
         return
     _place.forget()
     obj = with_uid(bpy.data.objects, job.uid)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import data_image, image_removal, native
+from ..base import data_image, image_removal, native, renders
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE
 from ..nodes import detail_wiring, thickness
@@ -204,6 +204,7 @@ def largest_side(obj):
 
 def clear(obj):
     """Remove the dust of an object. Its materials show none if they read the attribute."""
+    renders.stop_previews()
     dust_frames.remove(obj)
     dust_attribute.remove(obj.data)
     settings = obj.lamina_dust
@@ -234,6 +235,7 @@ def _write_image(obj, dust):
     """Dust on front faces is the colour, dust on back faces the alpha. A new image replaces the last one,
     because Cycles does not reload the pixels of a known image.
     """
+    renders.stop_previews()
     texels = np.zeros((*dust.tau.shape, 4), np.float32)
     texels[..., :3] = dust.tau[..., None]
     if dust.back is not None:

@@ -14,6 +14,7 @@ def removal(addon, monkeypatch):
     app = SimpleNamespace(background=False, is_job_running=lambda job: job == state.job)
     monkeypatch.setattr(module, "bpy", SimpleNamespace(app=app, data=bpy.data))
     monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: state.now))
+    monkeypatch.setattr(module.renders, "is_running", lambda: state.job == "RENDER")
     monkeypatch.setattr(module.handlers, "start_timer", lambda *_: None)
     yield SimpleNamespace(module=module, state=state)
     module._unused.clear()
