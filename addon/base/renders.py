@@ -17,8 +17,9 @@ def stop_previews():
     images of materials change. After the change Blender renders the previews again.
 
     Blender's own operators on nodes stop these renders as well; Python has no function for this. The
-    operator that unpacks an image stops them first, here for an image that exists for this purpose alone."""
-    if bpy.app.background or not bpy.app.is_job_running("RENDER_PREVIEW"):
+    operator that unpacks an image stops them first, here for an image that exists for this purpose alone.
+    Nothing is stopped before Blender 5.2: in 4.3, Python may not write to data-blocks afterwards (tried)."""
+    if bpy.app.version < (5, 2, 0) or bpy.app.background or not bpy.app.is_job_running("RENDER_PREVIEW"):
         return
     image = data_image.black("Lamina previews", 1)
     with bpy.context.temp_override(edit_image=image):
