@@ -38,7 +38,7 @@ QUICK := not (sharp_peak or promise_with_a_peak or guided_transfer_walk or no_ta
 WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 BUILD_FOLDER = $(firstword $(wildcard build/cp311-cp311-*))
 
-# Of tests/addon, what `make test` runs in Blender 5.2 too.
+# Of tests/addon, what `make test-bpy52-part` runs.
 BPY52_PART := test_addon_versions.py baking/test_addon_bake.py nodes/test_addon_node_group.py \
 	nodes/test_addon_principled.py test_addon_extension.py::test_the_real_archive_bakes
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
@@ -67,9 +67,8 @@ test: lint docs build/stamps/extension
 	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
 	$(RUN) -m pytest -n 2 --dist loadfile tests/cycles
-	@$(MAKE) --no-print-directory test-bpy52-part
 
-# The tests of add-on and renders in Blender 5.2 LTS, which runs on Python 3.13. `make test` runs a part of them.
+# The tests of add-on and renders in Blender 5.2 LTS, which runs on Python 3.13, and a sample of them.
 ifeq ($(filter python3.13,$(OTHER_PYTHONS)),)
 test-bpy52 test-bpy52-part:
 	@echo "lamina: no tests in Blender 5.2 as a Python module: this machine has no Python 3.13"
