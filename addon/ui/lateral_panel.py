@@ -4,6 +4,7 @@
 import bpy
 
 from ..baking import lateral_job, volume_bounces
+from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
 
 
@@ -16,9 +17,7 @@ class LAMINA_PT_lateral(MaterialPanel, bpy.types.Panel):
         layout, material = self.layout, context.material
         layout.row().prop(material.lamina, "lateral", expand=True)
         if material.lamina.lateral == "PORTAL":
-            split = layout.row()
-            split.use_property_split, split.use_property_decorate = True, False
-            split.prop(material.lamina, "lateral_orders")
+            split(layout.row()).prop(material.lamina, "lateral_orders")
         job = lateral_job.running_for(material)
         if job is not None:
             draw_progress(layout, job, "lamina.lateral_cancel")

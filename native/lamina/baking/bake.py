@@ -95,8 +95,8 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     metallic 0, .5 and 1, and roughness .15 and .25, at quality "final" also .45 and .85; of a varying layer, for three
     thicknesses. `values`: a list with the values of the inputs, and for these `mean` and `worst`, errors of slices, and
     `albedo`, the largest relative error of the directional albedo; `mean` over all values; `worst` and `albedo`: the
-    largest errors and where they are. It is left out if `row_stride` is above 1 or `closures` are given, that is in
-    bakes while a slider moves.
+    largest errors and where they are. `input_error` is left out if `row_stride` is above 1 or `closures`
+    are given, that is in bakes while a slider moves.
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
     [8, 160], `threads` in [0, 1024]."""
     # Check the arguments
@@ -168,7 +168,6 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     if stack.varying is not None and measured:
         largest = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
         between = tau_error(solved, largest, stack.varying, grid, pool, steps["between"])
-    step(1.0, "Done")
 
     # Assemble the table, and measure the errors of a base with an input
     weights, header = _weights(parts, solved), _header(stack, quality, basis, solved, parts)

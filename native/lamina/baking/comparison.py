@@ -16,7 +16,7 @@ from ..closures import narrow_lobes
 from ..closures.axes import column_angles
 from ..closures.closure_table import view_cosines
 from ..common.errors import ArgumentError
-from ..common.progress import Progress, portions, stepper
+from ..common.progress import Progress, portions, silent, stepper
 from ..kinds.bases import ShaderBase
 from ..material.stack import Stack
 from .covered_principled import is_covered
@@ -81,7 +81,7 @@ def compare(header: dict, weights: np.ndarray, own: Stack, stack: Stack, threads
     whole = {kind: norms(part.values, gauge.grid) for kind, part in seen.items()}
     if isinstance(stack.base, ShaderBase):  # the table holds the light over a black base
         functions = [function.with_base_reflectance(0.0) for function in solved.functions]
-        seen = slices(replace(solved, functions=functions), gauge.grid, gauge.pool, lambda *_: None)
+        seen = slices(replace(solved, functions=functions), gauge.grid, gauge.pool, silent)
 
     # Sum the table's closures, and measure the difference
     function = with_inputs_of(FittedFunction(header, weights, own.base), stack.base)

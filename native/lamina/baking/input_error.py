@@ -11,7 +11,7 @@ import numpy as np
 
 from ..closures import narrow_lobes
 from ..closures.closure_table import view_cosines
-from ..common.progress import Progress, portion
+from ..common.progress import Progress, portion, silent
 from ..kinds.bases import Lambert, PrincipledBase
 from ..material.stack import Stack
 from .fit_report import STATED_COSINE, mean
@@ -81,8 +81,8 @@ def _errors_at(header: dict, weights: np.ndarray, stack: Stack, base, threads: i
     shown = Stack(stack.layers, base)
     function = with_inputs_of(FittedFunction(header, weights, stack.base), base)
     gauge = Gauge.of(stack, header["quality"], threads, shown.channels, COLUMN_STRIDE)
-    solved = solve_rows(narrow_lobes.resolved(shown), gauge.quality, threads, _silent, only=ROWS)
-    wanted = gauge.seen(solved, _silent)
+    solved = solve_rows(narrow_lobes.resolved(shown), gauge.quality, threads, silent, only=ROWS)
+    wanted = gauge.seen(solved, silent)
     stated = _columns() >= STATED_COSINE
     errors = slice_errors(function, solved, wanted, "reflection", gauge, norms(wanted.values, gauge.grid))[..., stated]
     albedo = albedo_errors(function, solved, wanted, gauge)[..., stated]
@@ -109,10 +109,6 @@ def _largest(errors: np.ndarray) -> float:
 
 def _error(worst: dict) -> float:
     return worst["error"]
-
-
-def _silent(_fraction: float, _text: str) -> None:
-    """A step without progress."""
 
 
 def _values(base, quality: str) -> list:

@@ -11,6 +11,7 @@ import numpy as np
 from .. import _core
 from ..closures import narrow_lobes
 from ..closures.closure_table import LightGrid, column_albedos, grid_for, sampled, view_cosines
+from ..common.progress import silent
 from ..kinds.bases import PrincipledBase
 from ..kinds.table import PRINCIPLED
 from ..material.stack import Stack
@@ -111,8 +112,8 @@ def _values(ids: tuple[str, ...], grid: LightGrid, stride: int) -> np.ndarray:
 
 def _bare(base: PrincipledBase, gauge: Gauge) -> Slices:
     """The slices of the base without layers."""
-    bare = solve_rows(Stack([], replace(base, inputs=())), gauge.quality, gauge.threads, _silent)
-    seen = gauge.seen(bare, _silent)  # a color from the table has three channels, also where all are equal
+    bare = solve_rows(Stack([], replace(base, inputs=())), gauge.quality, gauge.threads, silent)
+    seen = gauge.seen(bare, silent)  # a color from the table has three channels, also where all are equal
 
     def kept(part):
         return None if part is None else part[:, :, :gauge.channels]
@@ -128,7 +129,3 @@ def _principled(base: PrincipledBase, weight: np.ndarray, wanted: Slices, gauge:
     if wanted.lobes is not None and clean.lobes is not None and base.alpha < BROAD:
         values = values + wanted.lobes - weight[..., None] * clean.lobes
     return values
-
-
-def _silent(_fraction: float, _text: str) -> None:
-    """A step without progress."""

@@ -26,6 +26,10 @@ def stepper(work: str, progress: Progress | None, cancel: Callable[[], bool] | N
     return step
 
 
+def silent(_fraction: float, _text: str) -> None:
+    """A step function without progress and cancellation."""
+
+
 def portion(step: Progress, first: float, last: float) -> Progress:
     """A step function for one part of the work: its range 0 to 1 is [first, last] of the whole."""
     return lambda fraction, text: step(first + (last - first) * fraction, text)

@@ -12,10 +12,10 @@ import numpy as np
 
 from ..common.arguments import check_field, check_whole, finite_array
 from ..common.errors import ArgumentError
-from ..common.progress import Progress, portion, stepper
+from ..common.progress import Progress, portion, silent, stepper
 from ..interior.estimates import ExitEstimate, LightEstimate
 from ..interior.grid import Interior
-from ..interior.parts import WalkPart, job_of, merge_passes, part_of
+from ..interior.parts import WalkPart, job_of, merge_passes
 from ..interior.solid import Solid
 from ..interior.walk import MOST_SAMPLES, Lit, Surface, Walker, checked_lit
 from ..kinds.interiors import NOISE
@@ -93,7 +93,7 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
 
     def show(estimate, done: float) -> None:
         if job.shown is not None:
-            job.shown(MapWalk(places, estimate, walker, lambda fraction, text: None, began, done))
+            job.shown(MapWalk(places, estimate, walker, silent, began, done))
 
     walks = parts.samples or job.samples
     if walks is None:
@@ -111,8 +111,7 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
             job.spread(task, shards, keep, within)
             return
         for place, shard in enumerate(shards):
-            keep(part_of(one, shard, task.of(walker), used,
-                         portion(within, place / len(shards), (place + 1) / len(shards))))
+            keep(task.part(shard, walker, portion(within, place / len(shards), (place + 1) / len(shards))))
 
     done = parts.run(passes, compute, portion(step, SETTING_UP, 1.0), lambda found: show(
         merge_passes(found), (passes[len(found) - 1]["first"] + passes[len(found) - 1]["samples"]) / walks))

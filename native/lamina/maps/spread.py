@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.progress import Progress
+from ..common.progress import Progress, silent
 from ..interior.grid import Interior
 from ..interior.parts import WalkPart, part_of
 from ..interior.solid import Solid
@@ -32,14 +32,12 @@ class WalkTask:
     def walker(self) -> Walker:
         """The walker of this run and of runs that differ in their samples, for one thread."""
         return Walker(self.solid, self.interior, self.surface, self.points.positions, self.points.normals,
-                      self.directions, 1, self.job["seed"], 1, lambda fraction, text: None)
+                      self.directions, 1, self.job["seed"], 1, silent)
 
-    def of(self, walker: Walker) -> Walker:
-        """The walker for the samples of this run."""
-        return walker.with_samples(self.job["first"], self.job["samples"])
-
-    def part(self, shard: tuple[int, int], walker: Walker) -> WalkPart:
-        return part_of(self.job, shard, self.of(walker), self.lit, lambda fraction, text: None)
+    def part(self, shard: tuple[int, int], walker: Walker, step: Progress = silent) -> WalkPart:
+        """Part `shard` of this run, by a walker of the run or of one that differs in its samples."""
+        own = walker.with_samples(self.job["first"], self.job["samples"])
+        return part_of(self.job, shard, own, self.lit, step)
 
 
 # spread(task, parts, function that keeps a part, progress)

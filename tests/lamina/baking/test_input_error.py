@@ -105,3 +105,10 @@ def test_bakes_while_a_slider_moves_leave_the_ranges_out():
     lut = baked("textured")
     again = lamina.bake(STACKS["textured"], "preview", closures=lut.closures)
     assert "input_error" not in again.report and again.report["fit_error"] == lut.report["fit_error"]
+
+
+def test_progress_never_falls():
+    said = []
+    lamina.bake(Stack([Medium(0.9, 0.3)], Lambert(0.5, textured=True)), "preview",
+                progress=lambda share, _: said.append(share))
+    assert said == sorted(said) and said[-1] == 1.0

@@ -13,6 +13,7 @@ from lamina import ArgumentError, Cancelled, HenyeyGreenstein, Medium, Stack, di
 
 dask = pytest.importorskip("distributed", reason="Dask is not installed: there is no cluster to test")
 
+with_embree = pytest.mark.skipif(dust.available() != "", reason=dust.available())
 SLAB = Stack([Medium([0.9, 0.8, 0.6], 2.0, HenyeyGreenstein(0.5))])
 MARBLE = Stack([Medium(sigma_s=2.0, sigma_a=0.02, thickness=5.0)])
 CORNERS = np.array([[x, y, z] for x in (0, 5) for y in (0, 5) for z in (0, 5)], float)
@@ -50,9 +51,8 @@ def test_a_searchlight(client):
     assert distributed.estimate_searchlight(client, MARBLE, **given) == lamina.estimate_searchlight(MARBLE, **given)
 
 
+@with_embree
 def test_walks_in_a_mesh(client):
-    if dust.available():
-        pytest.skip(dust.available())
     solid = lamina.Solid(CORNERS, TRIANGLES)
     interior, _ = lamina.interior_of_stack(Stack([Medium(sigma_s=1.0, sigma_a=0.1, thickness=1.0)]))
     given = {"points": [[2.5, 2.5, 5.0], [1.0, 1.0, 5.0], [2.0, 3.0, 0.0]],
@@ -66,7 +66,7 @@ def test_walks_in_a_mesh(client):
     assert found.lamps == alone.lamps and found.sky == alone.sky
 
 
-@pytest.mark.skipif(bool(dust.available()), reason="no Embree")
+@with_embree
 @pytest.mark.parametrize("kind", ["relightable", "lit"])
 def test_images_of_an_interior_though_a_worker_is_killed(client, tmp_path, kind):
     solid = lamina.Solid(CORNERS, TRIANGLES)
@@ -90,9 +90,8 @@ def test_images_of_an_interior_though_a_worker_is_killed(client, tmp_path, kind)
         assert one.tobytes() == other.tobytes()
 
 
+@with_embree
 def test_a_cancelled_map_keeps_its_parts(client, tmp_path):
-    if dust.available():
-        pytest.skip(dust.available())
     solid = lamina.Solid(CORNERS, TRIANGLES)
     interior, _ = lamina.interior_of_stack(Stack([Medium(sigma_s=1.0, sigma_a=0.5, thickness=1.0)]))
     said = []
@@ -111,9 +110,8 @@ def test_bakes_in_their_order(client):
     assert tables == [lamina.bake(stack, "preview") for stack in stacks]
 
 
+@with_embree
 def test_dust_of_several_meshes(client):
-    if dust.available():
-        pytest.skip(dust.available())
     plates = [dust.Mesh(np.array([[0, 0, z], [1, 0, z], [1, 1, z], [0, 1, z]], float), np.array([[0, 1, 2], [0, 2, 3]]))
               for z in (0.0, 0.3)]
     found = distributed.settle_each(client, plates, settings=dust.Settling(amount=2.0))
