@@ -24,6 +24,11 @@ OLDEST_MACOS = [11, 0, 0]
 LINUX_LIBRARIES = re.compile(r"lib(c|m|dl|rt|pthread)\.so\.\d+|ld-linux-[a-z0-9-]+\.so\.\d+")
 WINDOWS_LIBRARIES = re.compile(r"(kernel32|ntdll|advapi32|api-ms-win-[a-z0-9-]+)\.dll", re.IGNORECASE)
 MACOS_LIBRARIES = re.compile(r"/usr/lib/libSystem\.B\.dylib")
+# zig's linker cannot hide symbols in libraries of macOS. Its loader looks up each symbol in one library only, so the
+# names of Embree meet no others. Only weak definitions are shared by all libraries: here operator new and delete, which
+# call malloc and free everywhere.
+MACOS_EMBREE = re.compile(r"__ZN6embree\w+")
+MACOS_WEAK = re.compile(r"__Z(n|d)(a|w|l)\w+")
 
 
 def module_faults(data, platform, python, module):
@@ -73,11 +78,17 @@ def _macos_faults(binary, platform, python, module):
     needed = [library.name for library in binary.libraries
               if library.command != lief.MachO.LoadCommand.TYPE.ID_DYLIB]
     yield from _foreign(needed, MACOS_LIBRARIES)
-    exported = {symbol.name for symbol in binary.exported_symbols}
+    exported = {symbol.name for symbol in binary.exported_symbols if not _may_be_exported(symbol)}
     yield from _exports(exported - {"__mh_dylib_header", "___dso_handle"}, f"_PyInit_{module}")
     # Apple's processors run no module without a signature; the linker makes one.
     if not binary.has_code_signature:
         yield "has no signature"
+
+
+def _may_be_exported(symbol):
+    """True for a symbol of macOS that meets no symbol of another library."""
+    weak = symbol.export_info.has(lief.MachO.ExportInfo.FLAGS.WEAK_DEFINITION)
+    return (MACOS_WEAK if weak else MACOS_EMBREE).fullmatch(symbol.name) is not None
 
 
 def _foreign(libraries, allowed):

@@ -42,6 +42,8 @@ SELECTION = (
 # Imports both modules, solves a case of tests/data/reference_cases.json, bakes, and traces rays.
 TASTE = ("tests/lamina/solver/test_reference_cases.py", "tests/core/test_mesh.py")
 NEEDS_MORE = "*/test_metal_colours.py"  # Mitsuba and SciPy
+# Starts the interpreter again, which the kernel cannot run: qemu runs only the first process.
+STARTS_ANOTHER = "tests/core/test_mesh.py::test_without_the_layer_all_else_works_and_dust_says_why"
 
 
 def tests_of(platform, python):
@@ -68,8 +70,9 @@ def main():
             print(f"{name}: " + "; ".join(faults), flush=True)
         elif can_run(platform, python):
             print(f"{name}: running", flush=True)
-            code = Runner(platform, python, wheel).run(
-                "-m", "pytest", "-p", "no:cacheprovider", f"--ignore-glob={NEEDS_MORE}", *tests_of(platform, python))
+            left_out = [f"--deselect={STARTS_ANOTHER}"] * (platform.name == "linux-arm64")
+            code = Runner(platform, python, wheel).run("-m", "pytest", "-p", "no:cacheprovider", *left_out,
+                                                       f"--ignore-glob={NEEDS_MORE}", *tests_of(platform, python))
             failed += [name] * (code != 0)
         else:
             print(f"{name}: checked, not run: this machine has no way to run it", flush=True)

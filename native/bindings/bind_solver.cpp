@@ -119,6 +119,8 @@ void bind_solves(py::module_& module) {
   module.def("solve", &lamina::solve, py::arg("stack"), py::arg("tolerance"), py::arg("pool"), unlocked);
   module.def("solve_roughly", &lamina::solve_roughly, py::arg("stack"), py::arg("tolerance"), py::arg("nodes"),
              py::arg("pool"), unlocked);
+  module.def("solve_mean", &lamina::solve_mean, py::arg("stack"), py::arg("tolerance"), py::arg("pool"), unlocked,
+             "Solves the mean over azimuths alone: only fluxes can be asked.");
   module.def(
       "solve_at",
       [](const Stack& stack, int nodes, double azimuth_tolerance, ThreadPool& pool, double thinnest) {

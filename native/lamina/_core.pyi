@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'ScatteringWalk', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'guided_transfer_walk', 'joined_media', 'lateral_flux', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slices', 'solve', 'solve_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'ScatteringWalk', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'guided_transfer_walk', 'joined_media', 'lateral_flux', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -489,6 +489,10 @@ def solve(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, 
 def solve_at(stack: Stack, nodes: typing.SupportsInt | typing.SupportsIndex, azimuth_tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool, thinnest: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> Solution:
     """
     Solves at a given resolution, without refinement; the checks give its accuracy.
+    """
+def solve_mean(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> Solution:
+    """
+    Solves the mean over azimuths alone: only fluxes can be asked.
     """
 def solve_roughly(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, nodes: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> Solution:
     ...

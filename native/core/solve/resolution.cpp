@@ -176,10 +176,8 @@ void refuse_needles(const Stack& stack, double tolerance) {
   }
 }
 
-}  // namespace
-
-Resolution choose_resolution(const Stack& stack, double tolerance) {
-  refuse_needles(stack, tolerance);
+/// The resolution for the phase functions and thicknesses of the stack's media.
+Resolution resolution_of_media(const Stack& stack, double tolerance) {
   int nodes = fewest_nodes(tolerance);
   double thinnest = 1.0;
   const auto resolve = [&](double albedo, const PhaseFunction& phase) {
@@ -214,6 +212,21 @@ Resolution choose_resolution(const Stack& stack, double tolerance) {
   resolution.thinnest = std::max(thinnest, kLeastDivision);
   resolution.tolerance = tolerance;
   resolution.azimuth_tolerance = 0.03 * tolerance;
+  return resolution;
+}
+
+}  // namespace
+
+Resolution choose_resolution(const Stack& stack, double tolerance) {
+  refuse_needles(stack, tolerance);
+  return resolution_of_media(stack, tolerance);
+}
+
+Resolution choose_mean_resolution(const Stack& stack, double tolerance) {
+  Resolution resolution = resolution_of_media(stack, tolerance);
+  resolution.only_mean = true;
+  // The checks of returned values need all azimuth orders.
+  resolution.tolerance = std::numeric_limits<double>::infinity();
   return resolution;
 }
 

@@ -14,6 +14,7 @@ struct Resolution {
   double thinnest = 1.0;            ///< least optical thickness that the nodes must resolve
   double azimuth_tolerance = 3e-5;  ///< orders are added until their relative contribution is below this
   double tolerance = 1e-3;          ///< largest admitted estimate of the relative pointwise error
+  bool only_mean = false;           ///< true if only the mean over azimuths is solved: fluxes, and no directions
 
   int moments() const { return 2 * nodes; }
 };
@@ -34,6 +35,9 @@ inline constexpr double kLeastDivision = 1e-5;
 /// moments, and |chi_2n| is left to the truncation of the forward peak. `tolerance` is the relative pointwise error for
 /// cosines >= .05. Throws std::runtime_error if the largest number of nodes is not enough.
 Resolution choose_resolution(const Stack& stack, double tolerance);
+
+/// The resolution for the mean over azimuths alone: facets may have any width.
+Resolution choose_mean_resolution(const Stack& stack, double tolerance);
 
 /// Number of azimuth orders for three successive lobes at the relative error `tolerance`; 0 if light cannot pass from
 /// lobe to lobe. Two successive lobes are integrated separately, see FacetMeetings.

@@ -143,7 +143,7 @@ void Solution::solve(ThreadPool& pool) {
   checks_.quadrature = set_->moment_error();
   const std::size_t media = scatterers_.size();
   const int fewest = fewest_orders();
-  const int most = std::max(resolution_.moments(), fewest);
+  const int most = resolution_.only_mean ? 1 : std::max(resolution_.moments(), fewest);
   for (int first = 0; first < most; first += kBlock) {
     const int last = std::min(first + kBlock, most);
     multiple_.resize(static_cast<std::size_t>(last), std::vector<MultipleScattering>(media));
@@ -158,7 +158,8 @@ void Solution::solve(ThreadPool& pool) {
       checks_.worsen(checks);
     }
     limit_modes();
-    if (last >= fewest && share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
+    if (last < most && last >= fewest &&
+        share_of_order(last - 1) + share_of_order(last - 2) < resolution_.azimuth_tolerance) {
       break;
     }
   }

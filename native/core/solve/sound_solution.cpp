@@ -42,6 +42,12 @@ Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPo
   return solution;
 }
 
+Solution solve_mean(const Stack& stack, double tolerance, ThreadPool& pool) {
+  Solution solution(resolved_sublayers(stack, tolerance, pool), choose_mean_resolution(stack, tolerance), pool);
+  solution.require_sound();
+  return solution;
+}
+
 Solution solve_at(const Stack& stack, const Resolution& resolution, ThreadPool& pool) {
   return checked(Solution(resolved_sublayers(stack, resolution.tolerance, pool), resolution, pool), pool);
 }

@@ -12,6 +12,9 @@ Solution solve(const Stack& stack, double tolerance, ThreadPool& pool);
 /// Solves with `nodes` nodes per hemisphere, without refinement: a fast preview without guaranteed accuracy.
 Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPool& pool);
 
+/// Solves only the mean over azimuths, for fluxes: facets may be too narrow for a solve of all orders.
+Solution solve_mean(const Stack& stack, double tolerance, ThreadPool& pool);
+
 /// Solves at one resolution; failed checks are recorded but do not throw.
 Solution solve_at(const Stack& stack, const Resolution& resolution, ThreadPool& pool);
 

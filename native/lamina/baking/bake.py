@@ -80,7 +80,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     `basis`: "standard" renders about as fast as a Principled BSDF with coat and sheen; "accurate" takes some twenty
     closures.
     Smooth boundaries are exact, with a closure of their own, "mirror:ALPHA". Facets narrower than alpha .03 are solved
-    as smooth, and only this closure has their width.
+    as mirrors with the energy of the facets, and only this closure has their width.
     The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2
     error over solid angle relative to the slice's norm; `worst_slice` and `worst_slice_transmission`, the largest
     of these errors and where it is (`mu_o`, `channel`, `side` of the viewer, `tau` of a varying layer); those of
@@ -120,7 +120,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
         return Lut(header, table, time.perf_counter() - started)
 
     # Solve the stack for each thickness of its varying layer
-    solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), quality, threads, steps["solve"], row_stride, nodes)
+    solved = solve_rows(on_lambert(stack), quality, threads, steps["solve"], row_stride, nodes)
     pool = thread_pool(threads)
     grid = grid_for(quality, narrow_lobes.narrowest(stack))
 
@@ -152,7 +152,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     # Weigh the light of a shader below, or fit the light that a textured base adds
     below_error, own = None, None
     if base is not None and isinstance(stack.base, ShaderBase):
-        made, below_error = shader_parts(narrow_lobes.resolved(stack), solved, seen["reflection"],
+        made, below_error = shader_parts(stack, solved, seen["reflection"],
                                          fitted["reflection"], base, grid, quality, threads, steps["base"])
         parts |= made
     elif base is not None:

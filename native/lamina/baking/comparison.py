@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..closures import narrow_lobes
 from ..closures.axes import column_angles
 from ..closures.closure_table import view_cosines
 from ..common.errors import ArgumentError
@@ -75,7 +74,7 @@ def compare(header: dict, weights: np.ndarray, own: Stack, stack: Stack, threads
     gauge = Gauge.of(own if is_covered(own) else stack, header["quality"], threads, channels)
 
     # Solve the stack, and evaluate its slices
-    solved = solve_rows(on_lambert(narrow_lobes.resolved(stack)), gauge.quality, threads, steps["solve"])
+    solved = solve_rows(on_lambert(stack), gauge.quality, threads, steps["solve"])
     solved = replace(solved, sides=max(solved.sides, header["sides"], key=len))
     seen = slices(solved, gauge.grid, gauge.pool, steps["evaluate"])
     whole = {kind: norms(part.values, gauge.grid) for kind, part in seen.items()}

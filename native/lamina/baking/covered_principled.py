@@ -22,7 +22,7 @@ import numpy as np
 
 from .._core import ThreadPool
 from ..closures import following_lobes, lobes, narrow_lobes
-from ..closures.closure_table import LightGrid, grid_for, view_cosines
+from ..closures.closure_table import LightGrid, column_albedos, grid_for, view_cosines
 from ..common.progress import Progress, portion
 from ..kinds.bases import LEAST_ALPHA, Black, PrincipledBase
 from ..kinds.boundaries import Interface
@@ -37,7 +37,8 @@ from .principled_base import ROUGH_STRIDE
 from .slices import Slices, SolvedRows, along_rows, slices, solve_rows
 from .stack_fit import StackFit
 
-# Roughnesses of the table, uniform from 0 to 1. Facets of the first SHARP ones are solved as mirrors.
+# Roughnesses of the table, uniform from 0 to 1. Facets of the first SHARP ones are solved as mirrors with the energy of
+# the facets.
 ROUGHNESSES, SHARP = 11, 2
 HALF = 0.5
 
@@ -91,7 +92,7 @@ class _Work:
         return metallic == 0.0 and (matched or self.base.specular == 0.0)
 
     def _solved(self, base, step: Progress) -> SolvedRows:
-        stack = narrow_lobes.resolved(self.stack.with_facets(self.stack.layers, base))
+        stack = self.stack.with_facets(self.stack.layers, base)
         return solve_rows(stack, self.quality, self.threads, step, self.stride, self.nodes)
 
 
@@ -161,7 +162,7 @@ def _light(work: _Work, metallic: float, black: Slices, has_colors: bool, step: 
     bare = Slices(black.values[:, rows], black.albedo[:, rows], None, black.direct[:, rows])
     found: list[BaseLight] = []
     for base, part in work.at_each_roughness(replace(work.base, metallic=metallic), step):
-        if found and (work.is_diffuse(metallic) or base.alpha == 0.0):
+        if found and work.is_diffuse(metallic):
             found.append(found[0])  # equal for the solver
         elif not has_colors:
             found.append(BaseLight(beyond(work.over(base, part)[1], bare)))
@@ -233,5 +234,15 @@ def _with_mirror(fit: FollowingFit, light: Slices, names: list[str]) -> np.ndarr
             mine = slice(sharp * rows, (sharp + 1) * rows)
             lobe = np.maximum(direct[:, mine] - direct[:, next_rows], 0.0)
             direct[:, mine] -= lobe
-            weights[:, :, mine] += shares * lobe[:, None]
+            albedo = _albedos(names, fit.roughnesses[sharp])
+            weights[:, :, mine] += shares * lobe[:, None] / albedo[:, None, None]
     return np.concatenate([weights, direct[:, None]], axis=1)
+
+
+def _albedos(names: list[str], roughness: float) -> np.ndarray:
+    """Directional albedos [closure, column] at this roughness; 1 for microfacets too narrow for a table."""
+    found = np.ones((len(names), len(view_cosines())))
+    for number, name in enumerate(names):
+        if not following_lobes.is_sharp(name, roughness, LEAST_ALPHA):
+            found[number] = column_albedos((following_lobes.at(name, roughness),))[:, 0]
+    return found

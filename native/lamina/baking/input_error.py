@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..closures import narrow_lobes
 from ..closures.closure_table import view_cosines
 from ..common.progress import Progress, portion, silent
 from ..kinds.bases import Lambert, PrincipledBase
@@ -38,7 +37,7 @@ def own_slices(stack: Stack, quality: str, threads: int, stride: int, nodes: int
                step: Progress) -> tuple[SolvedRows, Slices]:
     """(every `stride`-th row of thickness, its slices) at the base's own values, on the grid of the bake."""
     gauge = Gauge.of(stack, quality, threads, stack.channels)
-    solved = solve_rows(narrow_lobes.resolved(stack), quality, threads, portion(step, 0.0, 0.3), stride, nodes)
+    solved = solve_rows(stack, quality, threads, portion(step, 0.0, 0.3), stride, nodes)
     return solved, slices(solved, gauge.grid, gauge.pool, portion(step, 0.3, 1.0))["reflection"]
 
 
@@ -81,7 +80,7 @@ def _errors_at(header: dict, weights: np.ndarray, stack: Stack, base, threads: i
     shown = Stack(stack.layers, base)
     function = with_inputs_of(FittedFunction(header, weights, stack.base), base)
     gauge = Gauge.of(stack, header["quality"], threads, shown.channels, COLUMN_STRIDE)
-    solved = solve_rows(narrow_lobes.resolved(shown), gauge.quality, threads, silent, only=ROWS)
+    solved = solve_rows(shown, gauge.quality, threads, silent, only=ROWS)
     wanted = gauge.seen(solved, silent)
     stated = _columns() >= STATED_COSINE
     errors = slice_errors(function, solved, wanted, "reflection", gauge, norms(wanted.values, gauge.grid))[..., stated]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from .. import _core
 from ..kinds.boundaries import Interface
 from ..material.stack import Stack
+from ..solver.sharp_facets import as_mirrors, lose_light
 
 FIRST = "0.1.0"  # tables of this version do not name a version
 
@@ -31,7 +32,14 @@ def _has_rough_boundary(stack: Stack) -> bool:
     return any(isinstance(layer, Interface) and layer.alpha > 0.0 for layer in stack.layers)
 
 
-CHANGES = (Change("0.2.0", "rough boundaries", _has_rough_boundary),)
+def _has_sharp_facets(stack: Stack) -> bool:
+    return lose_light(stack, as_mirrors(stack))
+
+
+CHANGES = (
+    Change("0.2.0", "rough boundaries", _has_rough_boundary),
+    Change("0.2.0", "narrow facets below other boundaries", _has_sharp_facets),
+)
 
 
 def changes(version: str, stack: Stack) -> list[Change]:

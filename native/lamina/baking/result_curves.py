@@ -9,14 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..closures import narrow_lobes
 from ..closures.axes import column_angles
 from ..closures.closure_table import LOWEST_COSINE, view_cosines
 from ..kinds.bases import ShaderBase
 from ..kinds.fields import channel
 from ..kinds.table import BASE_WEIGHT, THROWN_BACK, lobe_of
 from ..material.stack import Stack
-from ..solver.solve import ScatteringFunction, solve
+from ..solver.solve import ScatteringFunction, solve_with_mirrors
 from . import geometric_series
 from .fitted_function import FittedFunction
 from .lut import Lut
@@ -45,7 +44,7 @@ def result_curves(stack: Stack, lut: Lut, threads: int = 0) -> dict:
     A base that another shader renders is taken to be a Lambert surface of the stack's reflectance. Raises SolveError.
     """
     solver = {"quality": lut.header["quality"], "threads": threads, "nodes": lut.report["solver"]["nodes"]}
-    exact = solve(on_lambert(narrow_lobes.resolved(stack)), **solver)
+    exact = solve_with_mirrors(on_lambert(stack), **solver)
     mu = view_cosines()[list(VIEW_COLUMNS)]
     is_sheet = stack.base is None
     every = column_angles()[list(ALBEDO_COLUMNS)]

@@ -22,7 +22,7 @@ from ..kinds.fields import channel
 from ..kinds.table import BASE_WEIGHT, THROWN_BACK
 from ..material.layers import Medium
 from ..material.stack import Stack
-from ..solver.solve import solve
+from ..solver.solve import solve_with_mirrors
 from .base_texture import TexturedBase
 from .mixture import FittedMixture, Mixture, norms, relative
 from .slices import Slices, SolvedRows
@@ -56,7 +56,7 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
     step(0.0, "Solving the stack on metal")
     metal = _reflected(_thicknesses(Stack(stack.layers, METAL), solved, rows, quality, threads))
     nothing = Medium(albedo=[0.5] * stack.channels, tau=0.0)
-    bare = _reflected([solve(Stack([nothing], METAL), quality, threads)])[0]
+    bare = _reflected([solve_with_mirrors(Stack([nothing], METAL), quality, threads)])[0]
     step(0.9, "Solving the stack on metal")
 
     # Weights for a Lambert surface, for a metal, and their geometric mean
@@ -104,7 +104,7 @@ def shader_parts(stack: Stack, solved: SolvedRows, black: Slices, dark: FittedMi
 
 def _thicknesses(stack: Stack, solved: SolvedRows, rows: list[int], quality: str, threads: int):
     """The scattering functions of `stack` at these of the solved rows."""
-    full = solve(stack, quality, threads)
+    full = solve_with_mirrors(stack, quality, threads)
     if stack.varying is None:
         return [full]
     taus = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]

@@ -14,7 +14,7 @@ from ..closures.axes import tau_at, tau_rows
 from ..closures.closure_table import LightGrid, view_cosines
 from ..common.errors import StackError
 from ..material.stack import Stack
-from ..solver.solve import ScatteringFunction, solve
+from ..solver.solve import ScatteringFunction, solve_with_mirrors
 
 SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
 PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
@@ -72,7 +72,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     """Solves every `stride`-th row and the last, or `only` these rows; `step(fraction, text)` is called before each and
     may raise to cancel."""
     step(0.0, "Solving the stack")
-    full = solve(stack, quality, threads, nodes)
+    full = solve_with_mirrors(stack, quality, threads, nodes)
     # Seen from below, the sheet is the reversed stack; if both are equal, one side is used for both.
     symmetric = stack.turned().canonical() == stack.canonical()
     is_sheet = stack.base is None
@@ -160,4 +160,8 @@ def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, gri
         part = part if len(distinct) == len(solutions) else part[:, every]
         return part.reshape(*shape, *part.shape[2:])
 
-    return [None if part is None else by_channel(part) for part in parts]
+    values, lobes, albedo, direct = (None if part is None else by_channel(part) for part in parts)
+    lost = [found for function in functions if (found := function.lost_by_facets(mu_o)) is not None]
+    if lost:  # reflected to the top: the only sight of a stack on a base
+        direct = np.maximum(direct - np.stack(lost).swapaxes(1, 2), 0.0)
+    return values, lobes, albedo, direct

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -12,8 +11,9 @@ from ..kinds.bases import LEAST_ALPHA, Conductor, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..material.stack import Stack
+from ..solver.sharp_facets import is_sharp
 
-# Facets narrower than LEAST_ALPHA are solved as smooth, and only their closure has their width.
+# Facets narrower than LEAST_ALPHA are solved as mirrors, and only their closure has their width.
 # From this width on, the light grid for smooth slices also resolves a lobe.
 BROAD_ALPHA = 0.45
 # Width of the lobe of light scattered forward through a sheet.
@@ -25,11 +25,6 @@ STEP = 1.35
 LEANS = (0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
 AWAY = (-0.2, -0.05, 0.1)
 CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
-
-
-def resolved(stack: Stack) -> Stack:
-    """The stack as a bake solves it: with smooth boundaries in place of facets too narrow for a table."""
-    return stack.with_facets([_smoothed(layer) for layer in stack.layers], _smoothed(stack.base))
 
 
 def narrowest(stack: Stack) -> float | None:
@@ -45,7 +40,7 @@ def narrowest(stack: Stack) -> float | None:
 
 
 def closures(stack) -> list[str]:
-    """Ids of the closures made for the rough boundaries of `resolved(stack)`."""
+    """Ids of the closures made for the rough boundaries of the solved stack."""
     ids: list[str] = []
     rough = _rough(stack)
     for surface, above, below in rough:
@@ -75,26 +70,18 @@ def closures(stack) -> list[str]:
 
 
 def _widths(surface) -> tuple[float, ...]:
-    """The widths of the facets of a surface that are solved as smooth."""
+    """The widths of the facets of a surface that are solved as mirrors."""
     if isinstance(surface, PrincipledBase):
         own = surface.roughness**2 if surface.alpha == 0.0 else 0.0
         return (own, surface.coat_roughness**2 if surface.coat > 0.0 else 0.0)
-    return (surface.alpha,) if _is_sharp(surface) else ()
+    return (surface.alpha,) if is_sharp(surface) else ()
 
 
 def mirror(stack: Stack) -> str:
-    """Id of the closure for light that smooth boundaries of `resolved(stack)` reflect. Its width is that of the widest
-    facets that are solved as smooth, seen through the media above."""
+    """Id of the closure for light that smooth boundaries of the solved stack reflect. Its width is that of the widest
+    facets that are solved as mirrors, seen through the media above."""
     widths = [0.0, *(width * above for surface, above, _ in _in_order(stack) for width in _widths(surface))]
     return f"mirror:{_rounded(max(widths)):g}"
-
-
-def _is_sharp(surface) -> bool:
-    return isinstance(surface, Interface | Conductor) and 0.0 < surface.alpha < LEAST_ALPHA
-
-
-def _smoothed(surface):
-    return replace(surface, alpha=0.0) if _is_sharp(surface) else surface
 
 
 def _in_order(stack: Stack) -> list[tuple]:

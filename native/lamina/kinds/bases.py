@@ -18,8 +18,8 @@ from .phases import Isotropic, PhaseFunction
 __all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "PrincipledBase", "ShaderBase"]
 
 
-# Facets narrower than this are solved as smooth, and only their closure has their width: the neglected light is of the
-# order of alpha^2. The coat of a Principled material is always solved as a mirror.
+# A bake solves facets narrower than this as mirrors, and only their closure has their width: see solver.sharp_facets.
+# The coat of a Principled material is always solved as a mirror.
 LEAST_ALPHA = 0.03
 
 
@@ -198,14 +198,15 @@ class PrincipledBase(Base):
 
     @property
     def alpha(self) -> float:
-        """The width of the facets as the solver takes it: 0 for lobes that are too narrow to resolve."""
+        """The width of the facets in a solve of all azimuth orders: 0 for a mirror in place of narrow facets."""
         alpha = self.roughness**2
         return alpha if alpha >= LEAST_ALPHA else 0.0
 
-    def below(self, ior_above: float, index: int) -> tuple:
-        """Like in_channel, below a medium of this index."""
+    def below(self, ior_above: float, index: int, all_facets: bool = False) -> tuple:
+        """Like in_channel, below a medium of this index. `all_facets`: with facets however narrow."""
+        alpha = self.roughness**2 if all_facets else self.alpha
         return (self.kind, channel(self.color, index), self.metallic, self.roughness, max(1.0, self.ior / ior_above),
-                self.specular, self.coat, self.coat_roughness, max(1.0, self.coat_ior / ior_above), self.alpha)
+                self.specular, self.coat, self.coat_roughness, max(1.0, self.coat_ior / ior_above), alpha)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from ..material.layers import Medium
 from ..material.profile import THICKNESS
 from ..material.stack import Stack
 from ..material.thickness import check_opaque, with_thickness
-from . import labelled
+from . import labelled, sharp_facets
 
 TOLERANCE = {"preview": 1e-2, "final": 1e-3}
 _SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
@@ -50,19 +50,61 @@ def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int 
     ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
     Method: discrete ordinates per azimuth order, solved by modes (Nakajima and Tanaka 1986), layers joined
     by the adding equations (van de Hulst 1963), truncation of the forward peak with exact single
-    scattering (Nakajima and Tanaka 1988)."""
+    scattering (Nakajima and Tanaka 1988).
+    A PrincipledBase of roughness below .173 is solved as a mirror. Below an Interface the mirror has the energy of the
+    facets."""
     stack = as_stack(stack)
-    tolerance = tolerance_of(quality)
-    nodes = check_nodes(nodes)
-    pool = thread_pool(threads)
-    solved: dict = {}
-    channels = []
-    for index in range(stack.channels):
-        key, layers, base = core_stack(stack, index)
-        if key not in solved:
-            solved[key] = _solve_channel(_core.Stack(layers, base), tolerance, nodes, pool)
-        channels.append(solved[key])
-    return ScatteringFunction(stack, channels, pool, (solve, (stack, quality, threads, nodes)), (tolerance, nodes))
+    return _solved(stack, stack, quality, threads, nodes, solve)
+
+
+def solve_with_mirrors(stack: Stack, quality: str = "final", threads: int = 0,
+                       nodes: int | None = None) -> ScatteringFunction:
+    """Like solve, with mirrors in place of all facets narrower than alpha .03. On an opaque base, the mirrors have the
+    energy of the facets."""
+    return _solved(sharp_facets.as_mirrors(stack), stack, quality, threads, nodes, solve_with_mirrors)
+
+
+def _solved(shown: Stack, stack: Stack, quality: str, threads: int, nodes: int | None, made: Callable):
+    """The scattering function of `shown`, in which mirrors replace sharp facets of `stack`."""
+    method = _Method(tolerance_of(quality), check_nodes(nodes), thread_pool(threads))
+    again = (made, (stack, quality, threads, nodes))
+    facets = None
+    if sharp_facets.lose_light(stack, shown):
+        mean = replace(method, only_mean=True)
+        facets = ScatteringFunction(stack, mean.channels(stack), mean, again)
+    return ScatteringFunction(shown, method.channels(shown), method, again, facets)
+
+
+@dataclass(frozen=True)
+class _Method:
+    """How the channels of a stack are solved. `only_mean`: the mean over azimuths alone, which gives fluxes, for facets
+    of any width."""
+
+    tolerance: float
+    nodes: int | None
+    pool: _core.ThreadPool
+    only_mean: bool = False
+
+    def channels(self, stack: Stack) -> list[_core.Solution]:
+        """The solution of each channel; channels with equal parts share one."""
+        solved: dict = {}
+        channels = []
+        for index in range(stack.channels):
+            key, layers, base = core_stack(stack, index, self.only_mean)
+            if key not in solved:
+                solved[key] = self._solve(_core.Stack(layers, base))
+            channels.append(solved[key])
+        return channels
+
+    def channel(self, stack: Stack, index: int) -> _core.Solution:
+        return self._solve(_core.Stack(*core_stack(stack, index, self.only_mean)[1:]))
+
+    def _solve(self, core: _core.Stack) -> _core.Solution:
+        if self.only_mean:
+            return or_solve_error(lambda: _core.solve_mean(core, self.tolerance, self.pool))
+        if self.nodes is not None:
+            return or_solve_error(lambda: _core.solve_roughly(core, self.tolerance, self.nodes, self.pool))
+        return or_solve_error(lambda: _core.solve(core, self.tolerance, self.pool))
 
 
 def check_nodes(nodes: int | None) -> int | None:
@@ -80,8 +122,9 @@ def tolerance_of(quality: str) -> float:
     return TOLERANCE[check_choice(quality, "quality", TOLERANCE)]
 
 
-def core_stack(stack: Stack, index: int):
-    """(key, layers, base) of one channel, as the core takes them; channels with the same key share one solution."""
+def core_stack(stack: Stack, index: int, all_facets: bool = False):
+    """(key, layers, base) of one channel, as the core takes them; channels with the same key share one solution.
+    `all_facets`: a PrincipledBase keeps facets that are too narrow for a solve of all azimuth orders."""
     entries: list[tuple] = []
     for number, layer in enumerate(stack.layers):
         if isinstance(layer, Interface):
@@ -97,7 +140,7 @@ def core_stack(stack: Stack, index: int):
     if isinstance(stack.base, Conductor):
         base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index), stack.base.compensate)
     elif isinstance(stack.base, PrincipledBase):
-        base = stack.base.below(_index_above_base(stack, index), index)
+        base = stack.base.below(_index_above_base(stack, index), index, all_facets)
     elif stack.base is not None:
         base = stack.base.in_channel(index)
     return (tuple(entries), base), [kind(*values) for kind, values in entries], core_base(base)
@@ -118,12 +161,6 @@ def core_base(base: tuple) -> _core.Base:
 def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
     """The surface's facets in one channel."""
     return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated)
-
-
-def _solve_channel(core: _core.Stack, tolerance: float, nodes: int | None, pool) -> _core.Solution:
-    if nodes is not None:
-        return or_solve_error(lambda: _core.solve_roughly(core, tolerance, nodes, pool))
-    return or_solve_error(lambda: _core.solve(core, tolerance, pool))
 
 
 def or_solve_error(call):
@@ -148,13 +185,14 @@ class ScatteringFunction:
     over channels. A pickled function holds the arguments of its making, and is solved again when it is loaded, with
     the same result."""
 
-    def __init__(self, stack: Stack | Callable[[], Stack], channels: list, pool, made: tuple,
-                 effort: tuple[float, int | None]):
+    def __init__(self, stack: Stack | Callable[[], Stack], channels: list, method: _Method, made: tuple,
+                 facets: ScatteringFunction | None = None):
         self._stack = stack  # or a function that makes the stack, for previews that never look at it
         self._channels = channels
-        self._pool = pool
+        self._pool = method.pool
         self._made = made  # (callable, arguments) that make this function
-        self._effort = effort  # (tolerance, nodes) of the solve
+        self._method = method
+        self._facets = facets  # the fluxes of the stack with facets in place of mirrors, or None
 
     @property
     def stack(self) -> Stack:
@@ -205,6 +243,7 @@ class ScatteringFunction:
             count = len(taus)
         check_opaque(stack, layer, taus)
         changed = functools.cache(lambda: with_thickness(stack, layer, taus))
+
         made: dict = {}
         channels = []
         for index in range(count):
@@ -214,12 +253,12 @@ class ScatteringFunction:
             if key not in made:
                 if medium.profile is not None and tau > 0.0 and medium.optics(own)[1] == 0.0:
                     # The core was given a clear layer in place of a profile without thickness
-                    made[key] = _solve_channel(_core.Stack(*core_stack(changed(), index)[1:]), *self._effort,
-                                               self._pool)
+                    made[key] = self._method.channel(changed(), index)
                 else:
                     made[key] = or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
             channels.append(made[key])
-        return self._derived(changed, channels, (ScatteringFunction.with_thickness, (self, layer, taus)))
+        facets = self._facets and self._facets.with_thickness(layer, taus)
+        return self._derived(changed, channels, (ScatteringFunction.with_thickness, (self, layer, taus)), facets)
 
     def with_base_reflectance(self, reflectance: float) -> ScatteringFunction:
         """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; takes almost
@@ -232,10 +271,12 @@ class ScatteringFunction:
         made = {id(solution): solution.with_reflectance(reflectance) for solution in self._channels}
         return self._derived(functools.cache(lambda: stack.with_facets(stack.layers, base)),
                              [made[id(solution)] for solution in self._channels],
-                             (ScatteringFunction.with_base_reflectance, (self, reflectance)))
+                             (ScatteringFunction.with_base_reflectance, (self, reflectance)),
+                             self._facets and self._facets.with_base_reflectance(reflectance))
 
-    def _derived(self, stack: Callable[[], Stack], channels: list, made: tuple) -> ScatteringFunction:
-        return ScatteringFunction(stack, channels, self._pool, made, self._effort)
+    def _derived(self, stack: Callable[[], Stack], channels: list, made: tuple,
+                 facets: ScatteringFunction | None) -> ScatteringFunction:
+        return ScatteringFunction(stack, channels, self._method, made, facets)
 
     def brdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
         """BRDF in 1/sr, without specular parts. `mu_o`, `mu_i` in (0, 1], `dphi` in radians with 0 forward (light keeps
@@ -273,6 +314,14 @@ class ScatteringFunction:
         _, _, diffuse, direct = self._fluxes(mu0, side)
         return (diffuse, direct) if parts else diffuse + direct
 
+    def lost_by_facets(self, mu0) -> np.ndarray | None:
+        """What facets that are solved as mirrors reflect less than these: the difference of the fluxes reflected to
+        the top, shape of mu0 + (channels,), at least 0; None if all mirrors are smooth."""
+        if self._facets is None:
+            return None
+        as_mirrors, as_facets = (sum(function._solved_fluxes(mu0, "top")[:2]) for function in (self, self._facets))
+        return np.maximum(as_mirrors - as_facets, 0.0)
+
     def absorption(self, mu0, side: str = "top") -> np.ndarray:
         """The absorbed share of the incident flux: 1 - reflectance - transmittance."""
         return 1.0 - sum(self._fluxes(mu0, side))
@@ -298,6 +347,14 @@ class ScatteringFunction:
             self.stack.require_air_below()
 
     def _fluxes(self, mu0, side: str):
+        """(scattered, mirrored, diffusely and directly transmitted), where mirrors have the energy of facets."""
+        scattered, mirrored, diffuse, direct = self._solved_fluxes(mu0, side)
+        lost = self.lost_by_facets(mu0)
+        if lost is not None:
+            mirrored = np.maximum(mirrored - lost, 0.0)
+        return scattered, mirrored, diffuse, direct
+
+    def _solved_fluxes(self, mu0, side: str):
         where = side_of(side)
         self._check_below(_core.Path.reflect, side)
         if isinstance(mu0, str):
