@@ -40,6 +40,10 @@ COATED = {
     "base": {"kind": "lambert", "reflectance": [0.5, 0.3, 0.1]},
 }
 BASE_COLOUR = (0.8, 0.8, 0.8, 1.0)
+# Dust and varnish on the Principled material of the comparison, by the inputs of the node group.
+DUST = {"kind": "medium", "albedo": [0.9, 0.88, 0.84], "tau": 1.0, "phase": {"kind": "hg", "g": 0.6}, "varying": True}
+VARNISH = {"kind": "interface", "ior": 1.5}
+INPUTS = {"": [], ", color": ["color"], ", all inputs": ["color", "metallic", "roughness"]}
 PRINCIPLED = "Principled"
 
 
@@ -61,6 +65,12 @@ def scenes(stack):
         for basis in ("standard", "accurate"):
             title = f"Lamina, {name}, {basis}"
             material, luts[title] = extension.bake(title, layers, basis=basis)
+            bodies[title] = ("baked", material)
+    for name, layer in (("dust", DUST), ("varnish", VARNISH)):
+        for words, inputs in INPUTS.items():
+            title = f"Lamina, {name} on Principled{words}"
+            base = {"kind": "principled", "color": list(BASE_COLOUR[:3]), "roughness": 0.5, "inputs": inputs}
+            material, luts[title] = extension.bake(title, {"schema": 1, "layers": [layer], "base": base})
             bodies[title] = ("baked", material)
     bodies |= {
         PRINCIPLED: ("baked", principled()),
@@ -118,13 +128,13 @@ def table(measured):
 def show(rows):
     """The rows as text."""
     lines = [
-        f"{'':28} {'M samples/':>11} {'time over':>22} {'noise at':>12} {'time over Principled':>21}",
-        f"{'':28} {'CPU-second':>11} {'Principled (range)':>22} {SAMPLES:4} samples {'at equal noise':>21}",
+        f"{'':40} {'M samples/':>11} {'time over':>22} {'noise at':>12} {'time over Principled':>21}",
+        f"{'':40} {'CPU-second':>11} {'Principled (range)':>22} {SAMPLES:4} samples {'at equal noise':>21}",
     ]
     for row in rows:
         spread = f"{row['time_over_principled_least']:.2f}..{row['time_over_principled_most']:.2f}"
         lines.append(
-            f"{row['material']:28} {row['million_samples_per_cpu_second']:11.2f} "
+            f"{row['material']:40} {row['million_samples_per_cpu_second']:11.2f} "
             f"{row['time_over_principled']:8.2f} {'(' + spread + ')':>13} {row['noise']:12.1%} "
             f"{row['time_to_equal_noise_over_principled']:21.2f}"
         )

@@ -14,6 +14,14 @@ ROOT = Path(__file__).resolve().parent.parent
 WINE = Path("/usr/lib/wine/wine64")
 # On Python 3.11, Blender's numpy; on the newer Pythons, one version for both.
 NUMPY = {"3.11": "1.26.4", "3.13": "2.3.5", "3.14": "2.3.5"}
+# Wine 8 lacks functions that numpy needs from 2.2 on. On Python 3.14 there is no older numpy.
+WINE_NUMPY = {"3.11": "1.26.4", "3.13": "2.1.3"}
+# Wine 8 aborts at functions that it lacks. Python has replacements for these two: the management service and CopyFile2.
+FOR_WINE = """import sys
+import _winapi
+sys.modules["_wmi"] = None
+vars(_winapi).pop("CopyFile2", None)
+"""
 PIP_TAGS = {"windows-x64": ["win_amd64"], "linux-x64": ["manylinux_2_28_x86_64", "manylinux2014_x86_64"],
             "linux-arm64": ["manylinux_2_28_aarch64", "manylinux2014_aarch64"]}
 
@@ -36,12 +44,15 @@ class Runner:
         if not folder.exists():
             with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
                 tags = [x for tag in PIP_TAGS[self.platform.name] for x in ("--platform", tag)]
+                numpy = (WINE_NUMPY if self.platform.name.startswith("windows") else NUMPY)[self.python]
                 command = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", *tags,
                            "--target", f"{scratch}/site", "--python-version", self.python, "--only-binary=:all:",
-                           f"numpy=={NUMPY[self.python]}", "pytest==9.2.0", "hypothesis==6.170.15"]
+                           f"numpy=={numpy}", "pytest==9.2.0", "hypothesis==6.170.15"]
                 if self.platform.name.startswith("windows"):
                     command.append("colorama")  # pytest asks for it on Windows, which pip does not see from here
                 subprocess.run(command, check=True)
+                if self.platform.name.startswith("windows"):
+                    Path(scratch, "site", "sitecustomize.py").write_text(FOR_WINE)
                 Path(scratch, "site").rename(folder)
         for old in folder.glob("lamina/_*"):
             old.unlink()
@@ -50,7 +61,7 @@ class Runner:
         return folder
 
     def run(self, *arguments):
-        """Exit code of the Python with `arguments`. What the Python prints is printed here.
+        """(exit code, last line) of the Python with `arguments`. What the Python prints is printed here.
 
         The output passes a pipe, because Python under wine does not start when its output is a file.
         """
@@ -59,10 +70,12 @@ class Runner:
                      "OPENBLAS_NUM_THREADS": "1", **variables}
         with subprocess.Popen([*command, *map(str, arguments)], env=variables, cwd=ROOT, stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+            last = b""
             for line in process.stdout:
                 sys.stdout.buffer.write(line)
                 sys.stdout.flush()
-        return process.returncode
+                last = line if line.strip() else last
+        return process.returncode, last.decode(errors="replace")
 
     def _windows_x64(self):
         if not WINE.exists():

@@ -2,9 +2,10 @@
 """The nodes inside a material's group: from the view angle to a sum of weighted closures.
 
 u = (theta_o / (pi/2) * 63 + .5) / 64 and v = (strip * rows + t * (rows - 1) + .5) / height address the
-texel centres of the LUT (see lamina.Lut). Every closure reads its own strip; the strips of a sheet's
-bottom side follow those of its top side, and back faces read them. Cycles has already turned the
-normal towards the viewer there.
+texel centres of the LUT (see lamina.Lut). Each texture's own mapping computes u and adds the strip: Cycles
+runs one instruction for a mapping, and two for a node with a constant. Every closure reads its own strip; the
+strips of a sheet's bottom side follow those of its top side, and back faces read them. Cycles has already
+turned the normal towards the viewer there.
 """
 
 import math
@@ -24,6 +25,7 @@ from . import (
     roughness_graph,
     shader_base_graph,
     side_graph,
+    thin_sheet,
 )
 from .graph import Graph
 
@@ -98,13 +100,14 @@ def _draw(graph, lut, eevee, image, recipe_of):
 
     graph.begin_frame("Normal (the surface's own when the input is empty)", NORMAL_COLOUR)
     normal = _normal(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
-    graph.begin_frame("View angle to column u", ANGLE_COLOUR)
-    cosine, angle, u = _column(graph, incoming, normal, columns)
+    graph.begin_frame("View angle", ANGLE_COLOUR)
+    cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
+    angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
     graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
     v = _row(graph, lut, inputs, backfacing, rows, height)
     graph.end_frame()
-    corner = graph.node("ShaderNodeCombineXYZ", 5.6, 3, "u, v")
-    graph.set(corner.inputs[0], u)
+    corner = graph.node("ShaderNodeCombineXYZ", 5.6, 3, "view angle, v")
+    graph.set(corner.inputs[0], angle)
     graph.set(corner.inputs[1], v)
 
     graph.begin_frame("Directions of the closures", NORMAL_COLOUR)
@@ -116,12 +119,12 @@ def _draw(graph, lut, eevee, image, recipe_of):
             directions.view_angle(multiple)
 
     def look_up(corner, index, column, line, label):
-        first_row = (index * strip_rows + 0.5) / height
-        place = graph.vector("ADD", column, line, f"strip {index}", corner, (0.0, first_row, 0.0))
         texture = graph.node("ShaderNodeTexImage", column + 1, line, label)
         texture.image = image
         texture.interpolation, texture.extension = "Linear", "EXTEND"
-        graph.link(place, texture.inputs[0])
+        texture.texture_mapping.scale = ((columns - 1) / columns / (math.pi / 2), 1.0, 1.0)
+        texture.texture_mapping.translation = (0.5 / columns, (index * strip_rows + 0.5) / height, 0.0)
+        graph.link(corner, texture.inputs[0])
         return texture.outputs["Color"]
 
     around = roughness_graph.around(graph, inputs, corner.outputs[0], v, roughness_rows(lut), rows / height,
@@ -199,6 +202,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
     output = graph.node("NodeGroupOutput", 14.6, len(strips) - 1, folded=False)
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
+    thin_sheet.draw(graph, lut, output)
 
 
 def _again_and_again(graph, line, label, weight, colour, thrown_back):
@@ -222,14 +226,6 @@ def _normal(graph, given, own):
     graph.link(given, second)
     result = next(socket for socket in mix.outputs if socket.identifier == "Result_Vector")
     return graph.vector("NORMALIZE", 2.4, 1, "N", result)
-
-
-def _column(graph, incoming, normal, columns):
-    cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
-    angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
-    last = columns - 1
-    share = graph.math("MULTIPLY", 1.4, 4, "columns per radian", angle, last / columns / (math.pi / 2))
-    return cosine, angle, graph.math("ADD", 2.4, 4, "u", share, 0.5 / columns)
 
 
 def _row(graph, lut, inputs, backfacing, rows, height):

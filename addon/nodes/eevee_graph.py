@@ -11,19 +11,22 @@ from ..kinds.table import METAL, PREFIX
 from . import eevee_lookup, lut_image, mix_shader
 
 LABEL = "Eevee"
-_WITH_ROUGHNESS = ("glossy", "mirror", "through")
+_STRAIGHT_ON = ("through", "straight")
+_WITH_ROUGHNESS = ("glossy", "mirror", *_STRAIGHT_ON)
 
 # Index of the refraction for light that comes through a sheet. Eevee makes the lobe of the index 3/2 narrower
 # than the roughness says, by this factor.
 _IOR, _NARROWING = 1.5, (1.0 - 1.0 / 1.5) ** 0.5
 
 _GLOSSY = ("ShaderNodeBsdfAnisotropic", {"distribution": "MULTI_GGX"})
+_REFRACTION = ("ShaderNodeBsdfRefraction", {"distribution": "GGX"})
 _NODES = {
     "diffuse": ("ShaderNodeBsdfDiffuse", {}),
     "glossy": _GLOSSY,
     "mirror": _GLOSSY,
     "translucent": ("ShaderNodeBsdfTranslucent", {}),
-    "through": ("ShaderNodeBsdfRefraction", {"distribution": "GGX"}),
+    "through": _REFRACTION,
+    "straight": _REFRACTION,
     "transparent": ("ShaderNodeBsdfTransparent", {}),
 }
 
@@ -93,7 +96,7 @@ def _closure(graph, line, kind, weight, roughness, normal, incoming):
     for key, value in enums.items():
         setattr(node, key, value)
     graph.link(weight, node.inputs["Color"])
-    if kind == "through":
+    if kind in _STRAIGHT_ON:
         # About the view direction, a refraction goes straight on.
         graph.link(incoming, node.inputs["Normal"])
         node.inputs["IOR"].default_value = _IOR

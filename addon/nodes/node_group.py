@@ -21,6 +21,7 @@ from . import (
     own_nodes,
     principled,
     side_graph,
+    thin_sheet,
 )
 from .group_sockets import LARGEST
 
@@ -44,17 +45,22 @@ def build(material, lut):
     old_tau = group.get("lamina_largest_tau")
     base = group_sockets.of_base(lut)
     added = group_sockets.add_missing(group, tau, base)
+    is_thin = thin_sheet.add_missing(group, lut)
     try:
         closure_graph.draw(group, lut, eevee, image, recipe_of)
     except BaseException:
         image_removal.remove(image)
         group_sockets.remove(group, added)
+        if is_thin:
+            thin_sheet.remove(group)
         if is_new:
             bpy.data.node_groups.remove(group)
         raise
     for node in old_nodes:
         group.nodes.remove(node)
     group_sockets.settle(group, tau, base)
+    if not thin_sheet.is_sheet(lut):
+        thin_sheet.remove(group)
     _replace_images(old_images, image)
     _note_origin(group, lut)
     group["lamina_layout"] = _layout(lut, eevee)
@@ -76,6 +82,8 @@ def build(material, lut):
         for node in group_nodes(material)[:1]:
             in_place.settle_after(material, node)
     group["lamina_base_kind"] = kind
+    for node in group_nodes(material):
+        thin_sheet.connect(material, node)
     return group
 
 
@@ -191,6 +199,7 @@ def connect(material, group=None):
         fed = before.kept(tree, VOLUME)
         if fed is not None:
             links.connect(fed, volume)
+    thin_sheet.connect(material, node)
     return node
 
 

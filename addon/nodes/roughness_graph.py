@@ -46,6 +46,11 @@ def around(graph, inputs, corner, v, count, step, is_alone):
 
 def between(graph, column, line, share, lower, upper):
     """`lower` at the share 0, `upper` at 1."""
-    change = graph.vector("SUBTRACT", column, line, "change", upper, lower)
-    part = graph.scale(column, line, "part", change, share)
-    return graph.vector("ADD", column, line, "between", lower, part)
+    node = graph.node("ShaderNodeMix", column, line, "between")
+    node.data_type = "VECTOR"
+    node.clamp_factor = False
+    chosen = {socket.identifier: socket for socket in node.inputs}
+    graph.link(share, chosen["Factor_Float"])
+    graph.link(lower, chosen["A_Vector"])
+    graph.link(upper, chosen["B_Vector"])
+    return next(socket for socket in node.outputs if socket.identifier == "Result_Vector")

@@ -9,7 +9,7 @@ import pytest
 from chroot_blender import INSIDE
 
 # The root mean square difference that is allowed, relative to the root mean square of Cycles' picture
-BALLS = {"snow-fresh": 0.07, "dusty-bronze+": 0.07, "varnished paint": 0.15, "varnished gold": 0.15}
+BALLS = {"snow-fresh": 0.07, "dusty-bronze+": 0.07, "paper": 0.05, "varnished paint": 0.15, "varnished gold": 0.15}
 
 
 @pytest.fixture(scope="module")

@@ -20,8 +20,8 @@ from ..kinds.table import is_covered, lobe_of
 from .lut import Lut
 
 DIFFUSE, GLOSSY, MIRROR = "diffuse", "glossy", "mirror"
-TRANSLUCENT, THROUGH, TRANSPARENT = "translucent", "through", "transparent"
-KINDS = (DIFFUSE, GLOSSY, MIRROR, TRANSLUCENT, THROUGH, TRANSPARENT)
+TRANSLUCENT, THROUGH, TRANSPARENT, STRAIGHT = "translucent", "through", "transparent", "straight"
+KINDS = (DIFFUSE, GLOSSY, MIRROR, TRANSLUCENT, THROUGH, TRANSPARENT, STRAIGHT)
 # Narrower lobes are mirrors, wider ones are diffuse or translucent: a cosine is as high as a GGX lobe of width 1/2.
 NARROWEST, WIDEST = 0.04, 0.5
 # Transmitted lobes from this width on are translucent: their tails are wider than those of a GGX lobe.
@@ -59,7 +59,20 @@ def few_closures(lut: Lut) -> RealTimeTable:
             height += light.mean(axis=-1) / kind_of(lobe_of(name))[1] ** 2
         texels[:, place, ..., :3] = total
         texels[:, place, ..., 3] = _roughness(total.mean(axis=-1), height, group)
-    return RealTimeTable(list(members), texels)
+    return _with_grey_transparency(list(members), texels)
+
+
+def _with_grey_transparency(strips: list[str], texels: np.ndarray) -> RealTimeTable:
+    """Eevee makes the color of a Transparent closure grey. The grey part of the unscattered light, the least of the
+    channels, stays transparent. The rest becomes a narrow lobe straight on, so that all channels keep their energy."""
+    unscattered = texels[:, strips.index(TRANSPARENT), ..., :3] if TRANSPARENT in strips else np.zeros(1)
+    grey = unscattered.min(axis=-1, keepdims=True)
+    if np.all(unscattered == grey):
+        return RealTimeTable(strips, texels)
+    colored = np.full((*texels[:, 0].shape[:-1], 4), math.sqrt(LEAST_ALPHA), np.float32)
+    colored[..., :3] = unscattered - grey
+    unscattered[...] = grey
+    return RealTimeTable([*strips, STRAIGHT], np.concatenate([texels, colored[:, None]], axis=1))
 
 
 def _roughness(total: np.ndarray, height: np.ndarray, group: list[str]) -> np.ndarray:

@@ -64,3 +64,15 @@ def test_strips_of_a_colored_base_keep_their_prefix():
     assert any(name.startswith("metal/") for name in table.strips)
     assert any(name.startswith("base/") for name in table.strips)
     assert np.isfinite(table.texels).all() and (table.texels >= 0.0).all() and (table.texels[..., 3] <= 1.0).all()
+
+
+def test_eevees_transparency_is_grey():
+    """Colored unscattered light is split into a grey part, which Eevee can show, and a narrow lobe straight on."""
+    lut = lamina.bake(Stack([Medium(albedo=0.5, tau=[0.2, 0.5, 1.0])]), "preview")
+    table = few_closures(lut)
+    grey, colored = (table.texels[0, table.strips.index(name), 0] for name in ("transparent", "straight"))
+    unscattered = lut.weights[0, lut.closures.index("transparent"), 0]
+    assert np.all(grey[:, :3] == grey[:, :1]) and np.all(colored[:, :3].min(axis=-1) == 0.0)
+    assert grey[:, :3] + colored[:, :3] == pytest.approx(unscattered)
+    white = few_closures(lamina.bake(Stack([Medium(albedo=0.5, tau=0.5)]), "preview"))
+    assert "straight" not in white.strips
