@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Thin sheets in Eevee. Eevee takes every object as a solid body, whose light passes two surfaces: the colors of
-Translucent closures then count twice. A Thickness of 0 at the material's output makes the surface a sheet. Cycles
-ignores the socket."""
+"""Thin sheets in Eevee. Eevee takes every object as a solid body, whose light passes two surfaces: the colors
+of Translucent closures then count twice. A Thickness of 0 at the material's output makes the surface a sheet.
+Cycles ignores the socket."""
 
 from . import links
 
