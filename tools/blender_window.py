@@ -149,7 +149,26 @@ def perform(story):
     Each value of the generator is the time in seconds before the next step."""
     bpy.context.preferences.view.show_splash = bpy.context.preferences.view.show_tooltips = False
 
+    class Step(bpy.types.Operator):
+        """One step; operators may always write to data-blocks, and timers in Blender 4.3 not always"""
+
+        bl_idname = "lamina_test.step"
+        bl_label = "Step"
+        bl_options = {"INTERNAL"}
+
+        def execute(self, _context):
+            nonlocal wait
+            wait = taken()
+            return {"FINISHED"}
+
+    bpy.utils.register_class(Step)
+    wait = 0.0
+
     def step():
+        bpy.ops.lamina_test.step()
+        return wait
+
+    def taken():
         try:
             with bpy.context.temp_override(window=WINDOW):
                 return next(story)

@@ -12,7 +12,7 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, handlers, native, preferences, redraw, renders
+from ..base import changes, handlers, native, preferences, redraw, renders, timers
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import stack_io
 from ..nodes import node_group
@@ -103,7 +103,7 @@ def mark(material):
     if _can_follow(material):
         followed = _follow(material)
         followed.changed, followed.touched = True, time.monotonic()
-        handlers.start_timer(poll)
+        timers.start(poll)
 
 
 def switch(material):
@@ -264,7 +264,7 @@ def register():
 
 def unregister():
     stop()
-    handlers.end_timer(poll)
+    timers.end(poll)
     changes.listeners.remove(mark)
     changes.switches.remove(switch)
     handlers.remove(HANDLERS)

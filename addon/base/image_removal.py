@@ -11,7 +11,7 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from . import handlers, renders
+from . import handlers, renders, timers
 from .worker import with_uid
 
 INTERVAL = 1.0  # seconds between two looks
@@ -28,7 +28,7 @@ def remove(image):
         return
     image.name = f"{image.name} (unused)"  # leaves the name to another image
     _unused.append((image.session_uid, image.users, time.monotonic()))
-    handlers.start_timer(poll, INTERVAL)
+    timers.start(poll, INTERVAL)
 
 
 def remove_unused(images):
@@ -72,6 +72,6 @@ def register():
 
 
 def unregister():
-    handlers.end_timer(poll)
+    timers.end(poll)
     handlers.remove(HANDLERS)
     _unused.clear()

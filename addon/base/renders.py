@@ -7,9 +7,15 @@ import bpy
 from . import data_image
 
 
+# From this version on, stop_previews() ends renders of previews.
+STOPS_PREVIEWS = (5, 2, 0)
+
+
 def is_running():
-    """True during a render of the scene. Changes to nodes and images must wait until it ends."""
-    return any(bpy.app.is_job_running(job) for job in ("RENDER", "OBJECT_BAKE"))
+    """True during a render that would crash at changes to nodes and images: changes must wait until it ends. Such
+    are renders of the scene, and in earlier versions those of previews, which take some tenths of a second."""
+    jobs = ("RENDER", "OBJECT_BAKE", *(("RENDER_PREVIEW",) if bpy.app.version < STOPS_PREVIEWS else ()))
+    return any(bpy.app.is_job_running(job) for job in jobs)
 
 
 def stop_previews():
@@ -18,8 +24,9 @@ def stop_previews():
 
     Blender's own operators on nodes stop these renders as well; Python has no function for this. The
     operator that unpacks an image stops them first, here for an image that exists for this purpose alone.
-    Nothing is stopped before Blender 5.2: in 4.3, Python may not write to data-blocks afterwards (tried)."""
-    if bpy.app.version < (5, 2, 0) or bpy.app.background or not bpy.app.is_job_running("RENDER_PREVIEW"):
+    Nothing is stopped before Blender 5.2: in 4.3, Python may not write to data-blocks afterwards (tried).
+    There, finished bakes wait instead, see is_running()."""
+    if bpy.app.version < STOPS_PREVIEWS or bpy.app.background or not bpy.app.is_job_running("RENDER_PREVIEW"):
         return
     image = data_image.black("Lamina previews", 1)
     with bpy.context.temp_override(edit_image=image):

@@ -67,8 +67,8 @@ def open_ior(material):
 def remove_layer(material):
     """Remove the active layer; the one that takes its place becomes active."""
     settings = material.lamina
-    settings.layers.remove(settings.active_index)
-    settings.active_index = max(0, min(settings.active_index, len(settings.layers) - 1))
+    settings.layers.remove(_active_index(settings))
+    settings.active_index = _active_index(settings)
     changes.tell(material)
 
 
@@ -76,7 +76,7 @@ def duplicate_layer(material):
     """Put a copy of the active layer below it, select it and return it. The copy does not vary, because only
     one layer may vary."""
     settings = material.lamina
-    index = settings.active_index
+    index = _active_index(settings)
     copy, source = settings.layers.add(), settings.layers[index]
     _copy(source, copy)
     copy.name = unique_name(material, source.name)
@@ -86,7 +86,7 @@ def duplicate_layer(material):
 def move_layer(material, direction):
     """Move the active layer 'UP' or 'DOWN'. Returns True if it moved."""
     settings = material.lamina
-    index = settings.active_index
+    index = _active_index(settings)
     target = index + (-1 if direction == "UP" else 1)
     if not 0 <= target < len(settings.layers):
         return False
@@ -101,6 +101,11 @@ def active_layer(material):
     settings = material.lamina
     index = settings.active_index
     return settings.layers[index] if 0 <= index < len(settings.layers) else None
+
+
+def _active_index(settings):
+    """The index of the active layer, or of the nearest one: scripts may give any number."""
+    return max(0, min(settings.active_index, len(settings.layers) - 1))
 
 
 def unique_name(material, wanted):

@@ -7,7 +7,7 @@ Each step takes a material from schema n to n + 1. Steps are never edited, only 
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import handlers
+from ..base import handlers, timers
 from . import material_properties
 
 STEPS = {}
@@ -64,9 +64,9 @@ HANDLERS = {"load_post": _on_load}
 
 def register():
     handlers.add(HANDLERS)
-    handlers.start_timer(_once)
+    timers.start(_once)
 
 
 def unregister():
     handlers.remove(HANDLERS)
-    handlers.end_timer(_once)
+    timers.end(_once)

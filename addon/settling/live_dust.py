@@ -12,7 +12,7 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, handlers, messages, native, preferences, redraw, renders
+from ..base import changes, handlers, messages, native, preferences, redraw, renders, timers
 from ..base.worker import Place, with_uid
 from . import dust_job, dust_settings, object_dust
 
@@ -52,7 +52,7 @@ def mark(obj):
         return
     followed = _followed.setdefault(obj.session_uid, _Object())
     followed.changed, followed.touched = True, time.monotonic()
-    handlers.start_timer(poll)
+    timers.start(poll)
 
 
 def switch(obj):
@@ -179,7 +179,7 @@ def register():
 
 def unregister():
     stop()
-    handlers.end_timer(poll)
+    timers.end(poll)
     changes.dust_listeners.remove(mark)
     changes.dust_switches.remove(switch)
     handlers.remove(HANDLERS)

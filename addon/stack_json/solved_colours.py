@@ -11,7 +11,7 @@ import logging
 import math
 import threading
 
-from ..base import handlers, messages, native, redraw
+from ..base import messages, native, redraw, timers
 from ..kinds.limits import STACK_SCHEMA
 from . import stack_check, stack_write
 
@@ -94,7 +94,7 @@ def _ask(what, text, place):
     known = _answers.get(question)
     if known is None:
         _wanted[place] = question
-        handlers.start_timer(look, LOOK)
+        timers.start(look, LOOK)
         return _latest.get(place)
     _wanted.pop(place, None)
     _latest[place] = known
@@ -130,7 +130,7 @@ def register():
 
 def unregister():
     global _worker
-    handlers.end_timer(look)
+    timers.end(look)
     if _worker is not None:
         _worker.join()
         _worker = None

@@ -15,7 +15,7 @@ def removal(addon, monkeypatch):
     monkeypatch.setattr(module, "bpy", SimpleNamespace(app=app, data=bpy.data))
     monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: state.now))
     monkeypatch.setattr(module.renders, "is_running", lambda: state.job == "RENDER")
-    monkeypatch.setattr(module.handlers, "start_timer", lambda *_: None)
+    monkeypatch.setattr(module.timers, "start", lambda *_: None)
     yield SimpleNamespace(module=module, state=state)
     module._unused.clear()
 
