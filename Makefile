@@ -3,7 +3,8 @@
 #   make demo        pictures of the scenes; SCENE=, QUALITY= and OPTIONS= choose
 #   make check       before a commit: lint, the core's tests and a sample of the others
 #   make test        lint, documentation and all tests
-#   make test-bpy52 test-blender lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
+#   make test-bpy52 test-blender    the same tests in Blender 5.2, and tests in a Blender with a window
+#   make lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
 #   make release test-release    wheels and extensions for all platforms, and tests of them: docs/releasing.md
 
 SHELL := /bin/bash
@@ -44,7 +45,7 @@ BPY52_PART := test_addon_versions.py baking/test_addon_bake.py nodes/test_addon_
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo check test test-bpy52 test-bpy52-part test-blender lint docs bench study study-hard figures previews \
+.PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part lint docs bench study study-hard figures previews \
 	assets stubs sanitize fuzz wheel extension release test-release clean
 .DEFAULT_GOAL := demo
 
@@ -85,6 +86,10 @@ endif
 # In a Blender executable and its window: BLENDER=trixie is Blender 4.3, BLENDER=sid is 5.2. Needs root.
 test-blender: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/wheel-$(p))
 	tools/test_blender.sh $(RUN) $(BLENDER)
+
+# A sample of them in Blender 4.3.
+test-blender-part: build/stamps/extension $(patsubst %,build/stamps/wheel-%,$(filter python3.13,$(OTHER_PYTHONS)))
+	tools/test_blender.sh $(RUN) trixie -k "test_background or (test_story and (bake or live))"
 
 # Before a commit, within two minutes once all is built.
 check: build/stamps/wheel build/stamps/develop

@@ -6,14 +6,14 @@ import bpy
 
 from . import data_image
 
-
 # From this version on, stop_previews() ends renders of previews.
 STOPS_PREVIEWS = (5, 2, 0)
 
 
 def is_running():
-    """True during a render that would crash at changes to nodes and images: changes must wait until it ends. Such
-    are renders of the scene, and in earlier versions those of previews, which take some tenths of a second."""
+    """True during a render that would crash at changes to nodes and images: changes must wait until it ends.
+    Such are renders of the scene, and before STOPS_PREVIEWS those of previews, which take some tenths of a
+    second."""
     jobs = ("RENDER", "OBJECT_BAKE", *(("RENDER_PREVIEW",) if bpy.app.version < STOPS_PREVIEWS else ()))
     return any(bpy.app.is_job_running(job) for job in jobs)
 

@@ -217,3 +217,18 @@ def test_remove_stack(addon, lamina, material, call):
     assert not material.lamina.enabled and not material.lamina.layers
     assert not bpy.data.node_groups and not bpy.data.images
     assert {node.name for node in material.node_tree.nodes} == nodes
+
+
+@pytest.mark.parametrize("index", [-3, 7, 165337089])
+def test_an_index_out_of_range_means_the_nearest_layer(addon, material, index):
+    """Scripts may give any index."""
+    layers = material.lamina.layers
+    for change, more in ((addon.editing.layer_list.duplicate_layer, 1), (addon.editing.layer_list.remove_layer, -1)):
+        before = len(layers)
+        material.lamina.active_index = index
+        change(material)
+        assert len(layers) == before + more
+    material.lamina.active_index = index
+    addon.editing.layer_list.move_layer(material, "UP")
+    addon.editing.layer_list.add_layer(material)
+    assert 0 <= material.lamina.active_index < len(layers)
