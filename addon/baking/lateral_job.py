@@ -9,7 +9,7 @@ from ..base import native
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import stack_io
 from ..nodes import lateral_group, portal_graph, relightable_graph
-from . import volume_bounces
+from . import portal_reach, volume_bounces
 
 log = logging.getLogger(__name__)
 
@@ -77,6 +77,7 @@ def _apply(material, scene, output, found, length):
         return relightable_graph.draw(graph, found, socket)
 
     lateral_group.build(material, output.capitalize(), draw, length)
+    portal_reach.note(material.lamina.lateral_group, output, found)
     if output == "PORTAL" and found.first is not None:
         material.lamina.lateral_scatterings = found.first.count
     raised = "" if scene is None else volume_bounces.provide(scene, material)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..baking import lateral_job, volume_bounces
+from ..baking import lateral_job, portal_reach, volume_bounces
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
 
@@ -25,6 +25,9 @@ class LAMINA_PT_lateral(MaterialPanel, bpy.types.Panel):
         layout.operator("lamina.lateral", icon="LIGHT_HEMI")
         if material.lamina.lateral_report:
             draw_sentence(context, layout, material.lamina.lateral_report)
+        thin = portal_reach.too_thin(context.object, material, lateral_job.millimetre(context.scene))
+        if thin:
+            draw_sentence(context, layout, thin, "ERROR", alert=True)
         shortage = volume_bounces.shortage(context.scene, material)
         if shortage:
             draw_sentence(context, layout, shortage, "ERROR", alert=True)

@@ -192,7 +192,7 @@ def drawn(addon, material):
     preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
     region = SimpleNamespace(width=400.0)
     context = SimpleNamespace(
-        material=material, scene=bpy.context.scene, region=region, preferences=preferences
+        object=None, material=material, scene=bpy.context.scene, region=region, preferences=preferences
     )
     addon.ui.lateral_panel.LAMINA_PT_lateral.draw(SimpleNamespace(layout=Layout()), context)
     return found
@@ -245,3 +245,20 @@ def test_the_operator_says_how_the_work_ended(addon, lamina, marble, end):
         assert text == f"Layer 2 “{name}”, optical thickness = 3: an error of this test"
     else:
         assert (result, level, text) == ({"CANCELLED"}, "INFO", "Cancelled; the earlier nodes are kept")
+
+
+def test_a_thin_object_is_named(addon, lamina, marble):
+    """Where the portal's sources would lie outside the object, the panel says what to choose instead."""
+    slab = lamina.Medium(sigma_s=3.0, sigma_a=0.33, thickness=float("inf"))
+    addon.editing.stack_io.assign_stack(marble, lamina.Stack([slab]))
+    job, reach = addon.baking.lateral_job, addon.baking.portal_reach
+    tables = job.make(marble, quality="preview", output="PORTAL")
+    millimetre = job.millimetre(bpy.context.scene)
+    shown = SimpleNamespace(type="MESH", name="Cup", dimensions=(0.1, 0.1, 4.0 * tables.distance[0] * millimetre))
+    assert reach.too_thin(shown, marble, millimetre) == ""
+    shown.dimensions = (0.1, 0.1, 1.5 * tables.distance[0] * millimetre)
+    told = reach.too_thin(shown, marble, millimetre)
+    assert told.startswith(f"Cup is {1.5 * tables.distance[0]:.3g} mm thick") and "Relightable" in told
+    job.make(marble, quality="preview", output="RELIGHTABLE")
+    assert reach.too_thin(shown, marble, millimetre) == ""
+    assert reach.too_thin(None, marble, millimetre) == ""
