@@ -2,12 +2,17 @@
 """Blender's renders in threads of their own. Blender crashes if such a render reads a node tree or an image
 while the main thread changes or removes it (seen in 4.3 and 5.2)."""
 
+import time
+
 import bpy
 
 from . import data_image
 
 # From this version on, stop_previews() ends renders of previews.
 STOPS_PREVIEWS = (5, 2, 0)
+# Seconds in which a render of a preview copies its scene, and in which no other render starts, because the
+# main thread is busy with one operator.
+COPY, AGAIN = 0.1, 0.05
 
 
 def is_running():
@@ -18,17 +23,31 @@ def is_running():
     return any(bpy.app.is_job_running(job) for job in jobs)
 
 
+_waited = 0.0  # when _wait_for_the_copy last ended; time.monotonic()
+
+
 def stop_previews():
-    """Stop all renders of previews, such as the ball beside a material's name. Call this before nodes or
-    images of materials change. After the change Blender renders the previews again.
+    """Stop all renders of previews, such as the ball beside a material's name. Call this before nodes, images
+    or layers of materials change. After the change Blender renders the previews again.
 
     Blender's own operators on nodes stop these renders as well; Python has no function for this. The
     operator that unpacks an image stops them first, here for an image that exists for this purpose alone.
     Nothing is stopped before Blender 5.2: in 4.3, Python may not write to data-blocks afterwards (tried).
-    There, finished bakes wait instead, see is_running()."""
-    if bpy.app.version < STOPS_PREVIEWS or bpy.app.background or not bpy.app.is_job_running("RENDER_PREVIEW"):
+    There, finished bakes wait until the end of the render, see is_running(), and operators only until the
+    render has copied its scene."""
+    if bpy.app.background or not bpy.app.is_job_running("RENDER_PREVIEW"):
+        return
+    if bpy.app.version < STOPS_PREVIEWS:
+        _wait_for_the_copy()
         return
     image = data_image.black("Lamina previews", 1)
     with bpy.context.temp_override(edit_image=image):
         bpy.ops.image.unpack(method="REMOVE", id=image.name)
     bpy.data.images.remove(image)
+
+
+def _wait_for_the_copy():
+    global _waited
+    if time.monotonic() - _waited > AGAIN:
+        time.sleep(COPY)
+    _waited = time.monotonic()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Functions that edit the layer list of a material. The top layer is first."""
 
-from ..base import changes, preferences
+from ..base import changes, preferences, renders
 from ..nodes import node_group, thickness
 from ..properties import migration
 from ..stack_json.stack_read import FIRST_NAMES
@@ -11,6 +11,7 @@ NOT_COPIED = ("name", "varying", "roughness")  # roughness is computed from alph
 
 def add_stack(material):
     """Give `material` a first stack: a thin layer over the present colour of the material."""
+    renders.stop_previews()
     settings = material.lamina
     migration.start(material)
     if not settings.layers:
@@ -66,6 +67,7 @@ def open_ior(material):
 
 def remove_layer(material):
     """Remove the active layer; the one that takes its place becomes active."""
+    renders.stop_previews()
     settings = material.lamina
     settings.layers.remove(_active_index(settings))
     settings.active_index = _active_index(settings)
@@ -75,6 +77,7 @@ def remove_layer(material):
 def duplicate_layer(material):
     """Put a copy of the active layer below it, select it and return it. The copy does not vary, because only
     one layer may vary."""
+    renders.stop_previews()
     settings = material.lamina
     index = _active_index(settings)
     copy, source = settings.layers.add(), settings.layers[index]
@@ -90,6 +93,7 @@ def move_layer(material, direction):
     target = index + (-1 if direction == "UP" else 1)
     if not 0 <= target < len(settings.layers):
         return False
+    renders.stop_previews()
     settings.layers.move(index, target)
     settings.active_index = target
     changes.tell(material)
@@ -121,6 +125,7 @@ def unique_name(material, wanted):
 
 
 def _new_layer(material, kind):
+    renders.stop_previews()
     name = unique_name(material, FIRST_NAMES[kind])
     layer = material.lamina.layers.add()
     layer.kind, layer.name = kind, name

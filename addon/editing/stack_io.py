@@ -6,7 +6,7 @@
 
 import json
 
-from ..base import changes, native
+from ..base import changes, native, renders
 from ..properties import migration
 from ..stack_json import stack_check, stack_read, stack_write
 
@@ -38,6 +38,7 @@ def assign(material, data):
     base = stack_read.base(data.get("base"))
     settings = material.lamina
     migration.start(material)
+    renders.stop_previews()
     settings.layers.clear()
     for values in layers:
         _write(settings.layers.add(), values)

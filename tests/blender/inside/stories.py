@@ -130,7 +130,8 @@ def act(panel, chance):
     with window.on(panel):
         try:
             if operator.poll():
-                operator(chance.choice(["INVOKE_DEFAULT", "EXEC_DEFAULT"]))
+                ways = ["INVOKE_DEFAULT"] if name in LONG else ["INVOKE_DEFAULT", "EXEC_DEFAULT"]
+                operator(chance.choice(ways))
         except RuntimeError as error:
             assert "Traceback" not in str(error), f"lamina.{name}: {error}"
         except TypeError as error:  # an argument that the panel's button gives is missing
@@ -154,8 +155,10 @@ def change(owner, chance):
         setattr(owner, chosen.identifier, value)
 
 
-# Operators that open a file dialogue, which waits for a user.
-NEVER = ("stack_export", "stack_import", "preset_save", "profile_replace", "phase_replace")
+# Operators that open a file dialogue, which waits for a user, and the one that timers call.
+NEVER = ("stack_export", "stack_import", "preset_save", "profile_replace", "phase_replace", "timer")
+# Long work runs beside the window, as buttons start it: scripts would wait for its end.
+LONG = ("bake", "dust_settle", "interior", "lateral")
 
 
 def layered(panel):
