@@ -24,6 +24,8 @@ sys.path.insert(0, str(ROOT / "demo_scenes"))
 import extension  # noqa: E402
 import output  # noqa: E402
 
+from lamina.kinds import table as kinds_table  # noqa: E402
+
 SAMPLES = 32  # number of samples for the noise
 MANY, FEW = 64, 4  # samples of the two timed renders
 DUSTY = {
@@ -169,7 +171,7 @@ def main(argv=None):
     output.save_json(arguments.out, facts)
     print(show(rows))
     for name, lut in luts.items():
-        print(f"{name}: {lut.report['closures']} closures, fit error {lut.report['fit_error']:.2%}")
+        print(f"{name}: {_facts(lut)['closures']} closures, fit error {lut.report['fit_error']:.2%}")
     print(f"wrote {arguments.out}")
     return 0
 
@@ -178,7 +180,11 @@ def _facts(lut):
     """The columns that describe a table; empty for materials that are not baked."""
     if lut is None:
         return {}
-    return {"closures": lut.report["closures"], "fit_error": lut.report["fit_error"], "ids": lut.closures}
+    # A closure may have several strips of the table.
+    count = len({name for name in lut.closures if kinds_table.lobe_of(name)})
+    if kinds_table.is_covered(lut.closures):
+        count = len({kinds_table.lobe_of(name) for name in lut.closures} - {""})
+    return {"closures": count, "fit_error": lut.report["fit_error"], "ids": lut.closures}
 
 
 def _noise(stage):
