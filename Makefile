@@ -45,8 +45,8 @@ BPY52_PART := test_addon_versions.py baking/test_addon_bake.py nodes/test_addon_
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part lint docs bench study study-hard figures previews \
-	assets stubs sanitize fuzz wheel extension release test-release clean
+.PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part lint docs bench study study-hard \
+	figures previews assets stubs sanitize fuzz wheel extension release test-release clean
 .DEFAULT_GOAL := demo
 
 # In a fresh clone the slab is rendered as soon as the solver is compiled: the slab needs neither walks nor dust.

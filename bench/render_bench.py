@@ -180,11 +180,10 @@ def _facts(lut):
     """The columns that describe a table; empty for materials that are not baked."""
     if lut is None:
         return {}
-    # A closure may have several strips of the table.
-    count = len({name for name in lut.closures if kinds_table.lobe_of(name)})
-    if kinds_table.is_covered(lut.closures):
-        count = len({kinds_table.lobe_of(name) for name in lut.closures} - {""})
-    return {"closures": count, "fit_error": lut.report["fit_error"], "ids": lut.closures}
+    # Of a base below an interface, all strips of one closure are added before the closure is evaluated.
+    added = kinds_table.is_covered(lut.closures)
+    drawn = {lobe if added else name for name in lut.closures if (lobe := kinds_table.lobe_of(name))}
+    return {"closures": len(drawn), "fit_error": lut.report["fit_error"], "ids": lut.closures}
 
 
 def _noise(stage):

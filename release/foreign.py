@@ -44,14 +44,15 @@ class Runner:
         if not folder.exists():
             with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
                 tags = [x for tag in PIP_TAGS[self.platform.name] for x in ("--platform", tag)]
-                numpy = (WINE_NUMPY if self.platform.name.startswith("windows") else NUMPY)[self.python]
+                is_windows = self.platform.name == "windows-x64"
+                numpy = (WINE_NUMPY if is_windows else NUMPY)[self.python]
                 command = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", *tags,
                            "--target", f"{scratch}/site", "--python-version", self.python, "--only-binary=:all:",
                            f"numpy=={numpy}", "pytest==9.2.0", "hypothesis==6.170.15"]
-                if self.platform.name.startswith("windows"):
+                if is_windows:
                     command.append("colorama")  # pytest asks for it on Windows, which pip does not see from here
                 subprocess.run(command, check=True)
-                if self.platform.name.startswith("windows"):
+                if is_windows:
                     Path(scratch, "site", "sitecustomize.py").write_text(FOR_WINE)
                 Path(scratch, "site").rename(folder)
         for old in folder.glob("lamina/_*"):

@@ -10,9 +10,11 @@ from . import data_image
 
 # From this version on, stop_previews() ends renders of previews.
 STOPS_PREVIEWS = (5, 2, 0)
-# Seconds in which a render of a preview copies its scene, and in which no other render starts, because the
-# main thread is busy with one operator.
+# Seconds: in COPY a render of a preview copies its scene. For AGAIN after a wait no other render starts,
+# because the main thread is busy with one operator.
 COPY, AGAIN = 0.1, 0.05
+
+_waited = 0.0  # when _wait_for_the_copy last ended; time.monotonic()
 
 
 def is_running():
@@ -21,9 +23,6 @@ def is_running():
     second."""
     jobs = ("RENDER", "OBJECT_BAKE", *(("RENDER_PREVIEW",) if bpy.app.version < STOPS_PREVIEWS else ()))
     return any(bpy.app.is_job_running(job) for job in jobs)
-
-
-_waited = 0.0  # when _wait_for_the_copy last ended; time.monotonic()
 
 
 def stop_previews():

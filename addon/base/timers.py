@@ -10,7 +10,7 @@ import functools
 import bpy
 
 _called = {}  # a timer's function: what Blender calls
-_due = []  # [function, its result]
+_due = []  # what the operator calls
 
 
 class LAMINA_OT_timer(bpy.types.Operator):
@@ -22,16 +22,15 @@ class LAMINA_OT_timer(bpy.types.Operator):
     def execute(self, _context):
         if not _due:
             return {"CANCELLED"}
-        function, _ = _due.pop()
-        _due.append((function, function()))
+        _due.pop()()
         return {"FINISHED"}
 
 
 def start(function, seconds=0.0):
     """Let Blender call `function` after this time, unless its timer already runs. `function` returns the
     seconds until the next call, or None at the end."""
-    # Nothing runs timers in the background, and one left there at the exit would hang Blender.
     called = _called.setdefault(function, functools.partial(_call, function))
+    # Nothing runs timers in the background, and one left there at the exit would hang Blender.
     if not bpy.app.background and not bpy.app.timers.is_registered(called):
         bpy.app.timers.register(called, first_interval=seconds)
 
@@ -52,9 +51,12 @@ def unregister():
 
 
 def _call(function):
-    _due[:] = [(function, None)]
-    try:
-        bpy.ops.lamina.timer()
-        return _due[0][1] if _due else None
-    finally:
-        _due.clear()
+    wait = None
+
+    def call():
+        nonlocal wait
+        wait = function()
+
+    _due[:] = [call]
+    bpy.ops.lamina.timer()
+    return wait

@@ -136,7 +136,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
             place = corner.outputs[0] if around is None else around.corners[0]
             return look_up(place, index, column, line, label)
         lower, upper = (look_up(one, index, column, line, label) for one in around.corners)
-        return roughness_graph.between(graph, column + 1.6, line, around.share, lower, upper)
+        return graph.mix("VECTOR", column + 1.6, line, "between", around.share, lower, upper)
 
     graph.begin_frame("Texels for Eevee", ANGLE_COLOUR)
     chooser = eevee_graph.is_eevee(graph)
@@ -216,16 +216,8 @@ def _normal(graph, given, own):
     """The group's Normal input, or the surface's normal while nothing is linked to it (a zero vector)."""
     length = graph.vector("LENGTH", -0.6, 0, "length", given)
     is_given = graph.math("GREATER_THAN", 0.4, 0, "is given", length, 0.5)
-    mix = graph.node("ShaderNodeMix", 1.4, 1, "normal")
-    mix.data_type = "VECTOR"
-    factor, first, second = (
-        socket for socket in mix.inputs if socket.identifier in ("Factor_Float", "A_Vector", "B_Vector")
-    )
-    graph.link(is_given, factor)
-    graph.link(own, first)
-    graph.link(given, second)
-    result = next(socket for socket in mix.outputs if socket.identifier == "Result_Vector")
-    return graph.vector("NORMALIZE", 2.4, 1, "N", result)
+    chosen = graph.mix("VECTOR", 1.4, 1, "normal", is_given, own, given)
+    return graph.vector("NORMALIZE", 2.4, 1, "N", chosen)
 
 
 def _row(graph, lut, inputs, backfacing, rows, height):

@@ -8,7 +8,7 @@ out Eevee's closures before rendering.
 """
 
 from ..kinds.table import METAL, PREFIX
-from . import eevee_lookup, lut_image, mix_shader
+from . import lut_image, mix_shader
 
 LABEL = "Eevee"
 _STRAIGHT_ON = ("through", "straight")
@@ -67,9 +67,8 @@ def chosen(graph, line, chooser, cycles, eevee):
 
 def chosen_value(graph, line, chooser, cycles, eevee):
     """The same of two colors."""
-    value = eevee_lookup.mixed(graph, 8.6, line, chooser, cycles, eevee)
+    value = graph.mix("RGBA", 8.6, line, "Cycles or Eevee", chooser, cycles, eevee)
     value.node.inputs[0].default_value = 0.0
-    value.node.label = "Cycles or Eevee"
     return value
 
 
@@ -84,9 +83,8 @@ def scaled(graph, line, chooser, color, factor):
 def dark(graph, line, chooser, color):
     """`color` in Cycles, black in Eevee. Eevee raises the tint of a coat to the power 1 / (view cosine). This
     overflows near grazing, and then even a shader without weight is not a number."""
-    value = eevee_lookup.mixed(graph, 9.6, line, chooser, color, (0.0, 0.0, 0.0, 1.0))
+    value = graph.mix("RGBA", 9.6, line, "Cycles only", chooser, color, (0.0, 0.0, 0.0, 1.0))
     value.node.inputs[0].default_value = 0.0
-    value.node.label = "Cycles only"
     return value
 
 

@@ -67,17 +67,5 @@ class Texels:
         return [texture.outputs[name] for name in names]
 
     def _mixed(self, column, line, share, first, second):
-        return [mixed(self.graph, column + 1.6, line, share, one, other)
+        return [self.graph.mix("RGBA", column + 1.6, line, "between", share, one, other)
                 for one, other in zip(first, second, strict=True)]
-
-
-def mixed(graph, column, line, share, first, second):
-    """The color or number `first` at the share 0, `second` at 1. Cycles leaves the node out if the share is a
-    fixed 0."""
-    node = graph.node("ShaderNodeMix", column, line, "between")
-    node.data_type = "RGBA"
-    chosen = {socket.identifier: socket for socket in node.inputs}
-    graph.link(share, chosen["Factor_Float"])
-    graph.link(first, chosen["A_Color"])
-    graph.set(chosen["B_Color"], second)
-    return next(socket for socket in node.outputs if socket.identifier == "Result_Color")

@@ -46,14 +46,14 @@ def of_base(lut):
 def add_missing(group, tau, base):
     """Add the missing sockets for a table of largest thickness `tau`, or None, and inputs of the base `base`.
     Returns the names of the added inputs."""
-    if "Shader" not in _sockets(group, "OUTPUT"):
+    if "Shader" not in named(group, "OUTPUT"):
         group.interface.new_socket("Shader", in_out="OUTPUT", socket_type=_SHADER)
     wanted = {"Normal": None, **base}
     if tau is not None:
         wanted |= {side_graph.FRONT: min(tau, LARGEST), side_graph.BACK: side_graph.AS_FRONT}
     added = []
     for name, kind, description in INPUTS:
-        if name not in wanted or name in _sockets(group, "INPUT"):
+        if name not in wanted or name in named(group, "INPUT"):
             continue
         socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
         if name == "Normal":
@@ -69,12 +69,12 @@ def add_missing(group, tau, base):
 def remove(group, names):
     """Remove these inputs."""
     for name in names:
-        group.interface.remove(_sockets(group, "INPUT")[name])
+        group.interface.remove(named(group, "INPUT")[name])
 
 
 def settle(group, tau, base):
     """Ranges and defaults of the sockets for thickness. Removes the inputs that the table does not have."""
-    sockets = _sockets(group, "INPUT")
+    sockets = named(group, "INPUT")
     unwanted = {name for name, *_ in INPUTS} - {"Normal", *base}
     for name, lowest in ((side_graph.FRONT, 0.0), (side_graph.BACK, side_graph.AS_FRONT)):
         if tau is not None and name in sockets:
@@ -101,7 +101,7 @@ def follow_base(group, base, added=()):
     for name, value in base.items():
         if value is None:
             continue
-        socket = _sockets(group, "INPUT")[name]
+        socket = named(group, "INPUT")[name]
         old, socket.default_value = _plain(socket.default_value), value
         for given in _used(group, name):
             if not given.is_linked and (name in added or _plain(given.default_value) == old):
@@ -116,7 +116,8 @@ def _used(group, name):
             if node.type == "GROUP" and node.node_tree == group and name in node.inputs]
 
 
-def _sockets(group, in_out):
+def named(group, in_out):
+    """{name: interface socket} of the group's sockets, in_out "INPUT" or "OUTPUT"."""
     return {item.name: item for item in group.interface.items_tree
             if item.item_type == "SOCKET" and item.in_out == in_out}
 

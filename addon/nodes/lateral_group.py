@@ -4,7 +4,7 @@
 import bpy
 
 from ..base import image_removal, renders
-from . import before, graph, node_group
+from . import before, graph, group_sockets, node_group
 
 MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
 
@@ -90,7 +90,7 @@ def _names(group):
 
 def _settle_volume(group, wanted):
     """Give the group an output for a volume, or remove that output."""
-    found = next((item for item in group.interface.items_tree if item.name == node_group.VOLUME), None)
+    found = group_sockets.named(group, "OUTPUT").get(node_group.VOLUME)
     if wanted and found is None:
         group.interface.new_socket(node_group.VOLUME, in_out="OUTPUT", socket_type="NodeSocketShader")
     elif not wanted and found is not None:

@@ -42,15 +42,3 @@ def around(graph, inputs, corner, v, count, step, is_alone):
     second = graph.vector("ADD", 6.2, 14.6, "row above", first, (0.0, step, 0.0))
     low = graph.math("ADD", 5.4, 14.6, "v below", v, up)
     return Around((first, second), (low, graph.math("ADD", 5.4, 15.6, "v above", low, step)), share)
-
-
-def between(graph, column, line, share, lower, upper):
-    """`lower` at the share 0, `upper` at 1."""
-    node = graph.node("ShaderNodeMix", column, line, "between")
-    node.data_type = "VECTOR"
-    node.clamp_factor = False
-    chosen = {socket.identifier: socket for socket in node.inputs}
-    graph.link(share, chosen["Factor_Float"])
-    graph.link(lower, chosen["A_Vector"])
-    graph.link(upper, chosen["B_Vector"])
-    return next(socket for socket in node.outputs if socket.identifier == "Result_Vector")

@@ -3,7 +3,7 @@
 of Translucent closures then count twice. A Thickness of 0 at the material's output makes the surface a sheet.
 Cycles ignores the socket."""
 
-from . import links
+from . import group_sockets, links
 
 OUTPUT = "Eevee Thickness"  # of the group
 _INPUT = "Thickness"  # of the material's output
@@ -15,7 +15,7 @@ def is_sheet(lut):
 
 def add_missing(group, lut):
     """Give the group of a sheet the output. Returns True if the output is new."""
-    if not is_sheet(lut) or _outputs(group):
+    if not is_sheet(lut) or OUTPUT in group_sockets.named(group, "OUTPUT"):
         return False
     group.interface.new_socket(OUTPUT, in_out="OUTPUT", socket_type="NodeSocketFloat",
                                description="0: Eevee shows a thin sheet, not a solid body")
@@ -24,8 +24,9 @@ def add_missing(group, lut):
 
 def remove(group):
     """Take the output away."""
-    for item in _outputs(group):
-        group.interface.remove(item)
+    found = group_sockets.named(group, "OUTPUT").get(OUTPUT)
+    if found is not None:
+        group.interface.remove(found)
 
 
 def draw(graph, lut, output):
@@ -50,8 +51,3 @@ def connect(material, node):
             tree.links.remove(link)
     if OUTPUT in node.outputs and node.name in feeding and not thickness.is_linked:
         tree.links.new(node.outputs[OUTPUT], thickness)
-
-
-def _outputs(group):
-    return [item for item in group.interface.items_tree
-            if item.item_type == "SOCKET" and item.in_out == "OUTPUT" and item.name == OUTPUT]

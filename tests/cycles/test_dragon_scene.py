@@ -10,8 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-
-from lamina import dust
+from needs_embree import with_embree
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "demo_scenes"))
@@ -186,7 +185,7 @@ def test_a_bad_file_is_refused_in_a_sentence(tmp_path, name, text, says):
         mesh_file.load(path, 0.3, 0.2)
 
 
-@pytest.mark.skipif(bool(dust.available()), reason=dust.available())
+@with_embree
 def test_the_scene_renders_cleaner_and_dustier(tmp_path, addon, monkeypatch, rough_dragon):
     monkeypatch.setattr(extension, "PACKAGE", addon.__name__)
     monkeypatch.setattr(sculpture, "build", lambda *grid: rough_dragon)

@@ -241,8 +241,6 @@ def _with_mirror(fit: FollowingFit, light: Slices, names: list[str]) -> np.ndarr
 
 def _albedos(names: list[str], roughness: float) -> np.ndarray:
     """Directional albedos [closure, column] at this roughness; 1 for microfacets too narrow for a table."""
-    found = np.ones((len(names), len(view_cosines())))
-    for number, name in enumerate(names):
-        if not following_lobes.is_sharp(name, roughness, LEAST_ALPHA):
-            found[number] = column_albedos((following_lobes.at(name, roughness),))[:, 0]
+    found = column_albedos(tuple(following_lobes.at(name, roughness) for name in names)).T.copy()
+    found[[following_lobes.is_sharp(name, roughness, LEAST_ALPHA) for name in names]] = 1.0
     return found

@@ -65,7 +65,9 @@ def few_closures(lut: Lut) -> RealTimeTable:
 def _with_grey_transparency(strips: list[str], texels: np.ndarray) -> RealTimeTable:
     """Eevee makes the color of a Transparent closure grey. The grey part of the unscattered light, the least of the
     channels, stays transparent. The rest becomes a narrow lobe straight on, so that all channels keep their energy."""
-    unscattered = texels[:, strips.index(TRANSPARENT), ..., :3] if TRANSPARENT in strips else np.zeros(1)
+    if TRANSPARENT not in strips:
+        return RealTimeTable(strips, texels)
+    unscattered = texels[:, strips.index(TRANSPARENT), ..., :3]
     grey = unscattered.min(axis=-1, keepdims=True)
     if np.all(unscattered == grey):
         return RealTimeTable(strips, texels)

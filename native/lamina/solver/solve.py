@@ -317,10 +317,12 @@ class ScatteringFunction:
     def lost_by_facets(self, mu0) -> np.ndarray | None:
         """What facets that are solved as mirrors reflect less than these: the difference of the fluxes reflected to
         the top, shape of mu0 + (channels,), at least 0; None if all mirrors are smooth."""
-        if self._facets is None:
-            return None
-        as_mirrors, as_facets = (sum(function._solved_fluxes(mu0, "top")[:2]) for function in (self, self._facets))
-        return np.maximum(as_mirrors - as_facets, 0.0)
+        return None if self._facets is None else self._lost(mu0, *self._solved_fluxes(mu0, "top")[:2])
+
+    def _lost(self, mu0, scattered: np.ndarray, mirrored: np.ndarray) -> np.ndarray:
+        """lost_by_facets, with the fluxes that are reflected to the top."""
+        assert self._facets is not None
+        return np.maximum(scattered + mirrored - sum(self._facets._solved_fluxes(mu0, "top")[:2]), 0.0)
 
     def absorption(self, mu0, side: str = "top") -> np.ndarray:
         """The absorbed share of the incident flux: 1 - reflectance - transmittance."""
@@ -349,9 +351,8 @@ class ScatteringFunction:
     def _fluxes(self, mu0, side: str):
         """(scattered, mirrored, diffusely and directly transmitted), where mirrors have the energy of facets."""
         scattered, mirrored, diffuse, direct = self._solved_fluxes(mu0, side)
-        lost = self.lost_by_facets(mu0)
-        if lost is not None:
-            mirrored = np.maximum(mirrored - lost, 0.0)
+        if self._facets is not None and side == "top":
+            mirrored = np.maximum(mirrored - self._lost(mu0, scattered, mirrored), 0.0)
         return scattered, mirrored, diffuse, direct
 
     def _solved_fluxes(self, mu0, side: str):

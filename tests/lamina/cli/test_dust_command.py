@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from needs_embree import with_embree
 
 from lamina import dust
 from lamina.cli import dust_command, main
@@ -36,7 +37,7 @@ def plate(tmp_path, monkeypatch):
     return "plate.ply"
 
 
-@pytest.mark.skipif(bool(dust.available()), reason=dust.available())
+@with_embree
 def test_arrays_and_statistics(plate, capsys):
     words = ["dust", plate, "-o", "out.npz", "--amount", "2", "--up", "y", "--rays", "16", "--threads", "1"]
     assert main([*words, "--two-sided"]) == 0
@@ -47,7 +48,7 @@ def test_arrays_and_statistics(plate, capsys):
     assert dust.Settling(**header["settings"]).tau == 2.0
 
 
-@pytest.mark.skipif(bool(dust.available()), reason=dust.available())
+@with_embree
 @pytest.mark.parametrize(("words", "sentence", "code"), [
     (["--spread", "95"], "--spread 95: must lie in [0, 85.94] degrees", 2),
     (["--repose", "200"], "--repose 200: must lie in [0, 180] degrees", 2),

@@ -7,13 +7,13 @@ import sys
 
 import numpy as np
 import pytest
+from needs_embree import with_embree
 
 import lamina
 from lamina import ArgumentError, Cancelled, HenyeyGreenstein, Medium, Stack, distributed, dust
 
 dask = pytest.importorskip("distributed", reason="Dask is not installed: there is no cluster to test")
 
-with_embree = pytest.mark.skipif(dust.available() != "", reason=dust.available())
 SLAB = Stack([Medium([0.9, 0.8, 0.6], 2.0, HenyeyGreenstein(0.5))])
 MARBLE = Stack([Medium(sigma_s=2.0, sigma_a=0.02, thickness=5.0)])
 CORNERS = np.array([[x, y, z] for x in (0, 5) for y in (0, 5) for z in (0, 5)], float)

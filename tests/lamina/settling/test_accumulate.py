@@ -4,10 +4,11 @@
 import numpy as np
 import pytest
 from dust_meshes import plate
+from needs_embree import with_embree
 
 from lamina import dust
 
-pytestmark = pytest.mark.skipif(bool(dust.available()), reason=dust.available())
+pytestmark = with_embree
 
 
 def settled(amount, roof=None, **more):

@@ -6,13 +6,14 @@ import math
 import numpy as np
 import pytest
 from dust_meshes import box, moved, plate, sphere, subdivided, torus
+from needs_embree import with_embree
 from z_limit import z_limit
 
 from lamina import dust
 from lamina.dust import Mesh, Points, Settling, settle
 from lamina.settling.mesh import vertex_points
 
-pytestmark = pytest.mark.skipif(bool(dust.available()), reason=dust.available())
+pytestmark = with_embree
 
 STILL = {"repose": math.pi, "concavity": 0.0}  # all arriving dust stays
 

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from dust_meshes import box, moved, plate, sphere, subdivided, torus
+from needs_embree import with_embree
 from z_limit import z_limit
 
 from lamina import dust
@@ -13,7 +14,7 @@ from lamina.dust import Mesh, Settling, settle, texel_points
 from lamina.settling.corners import corners_of
 from lamina.settling.mesh import checked_mesh, vertex_points
 
-pytestmark = pytest.mark.skipif(bool(dust.available()), reason=dust.available())
+pytestmark = with_embree
 
 CUBE = box((-1, -1, -1), (1, 1, 1))
 

@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dust_meshes import box, plate, sphere, torus
+from needs_embree import with_embree
 from z_limit import z_limit
 
 from lamina import dust
 from lamina.dust import Mesh, Points, Settling, dilate, settle, settle_image, texel_points
 from lamina.settling import texels
 
-pytestmark = pytest.mark.skipif(bool(dust.available()), reason=dust.available())
+pytestmark = with_embree
 
 
 def planar_uvs(mesh):

@@ -4,11 +4,12 @@
 import numpy as np
 import pytest
 from dust_meshes import plate, sphere
+from needs_embree import with_embree
 
 from lamina import dust
 from lamina.dust import Settling, dilate, settle, texel_points
 
-pytestmark = pytest.mark.skipif(bool(dust.available()), reason=dust.available())
+pytestmark = with_embree
 
 
 def planar_uvs(mesh):

@@ -12,7 +12,7 @@ from lamina.solver.solve import solve_with_mirrors
 VIEWS = np.cos(np.radians([50.0, 64.0, 70.0, 75.0, 80.0]))
 COVERS = {"varnish": [Interface(1.5)], "hazy varnish": [Interface(1.4), Medium(tau=0.3, albedo=0.9)],
           "honed varnish": [Interface(1.5, alpha=0.01)]}
-# The stacks of the test below are one family: with 45 comparisons, 3.3 standard errors occur by chance once in 25 runs.
+# Standard errors. By chance one of the 45 comparisons below exceeds this limit in one of 25 sets of seeds.
 MOST = 3.3
 
 
