@@ -23,7 +23,9 @@ def draw(graph, tables, length, name):
 
     `tables`: lamina.PortalTables; `length`: the socket with the number of Blender units per millimetre;
     `name`: name of the image."""
-    rows = {portal_image.WEIGHTS: tables.weights, portal_image.VIEWS: tables.views / _share(tables)}
+    # Over the share of the views that take the portal, times the solid angle of the rays in hemispheres.
+    views = tables.views * ((1.0 - tables.least_cosine) / (1.0 - tables.entering))
+    rows = {portal_image.WEIGHTS: tables.weights, portal_image.VIEWS: views}
     image = portal_image.create(name, tables.depths, {**rows, portal_image.SHARES: tables.shares})
     geometry = graph.node("ShaderNodeNewGeometry", -3, 4)
     light_path = graph.node("ShaderNodeLightPath", -3, 10)
@@ -44,9 +46,12 @@ def draw(graph, tables, length, name):
 def _to_the_source(graph, tables, length, geometry, image, chance):
     """The portal from the front face to the source."""
     normal = geometry.outputs["Normal"]
-    cosine, sine = _cosine(graph, chance[0], tables.least_cosine)
+    if tables.weighted_at_exit:
+        cosine, sine = _uniform_cosine(graph, chance[0], tables.least_cosine)
+    else:
+        cosine, sine = _lambert_cosine(graph, chance[0])
     # A full turn for the random numbers that rays into the volume leave over.
-    turn = 2.0 * math.pi * (1.0 if tables.first is None else 1.0 / (1.0 - portal_volume.ENTERING))
+    turn = 2.0 * math.pi / (1.0 - tables.entering)
     direction = _direction(graph, normal, cosine, sine, chance[1], turn)
     place = portal_exit.place_of_depth(graph, direction)
     depth = portal_image.row(graph, image, portal_image.DEPTHS, "depth of the source", place, "Closest")
@@ -68,12 +73,6 @@ def _to_the_source(graph, tables, length, geometry, image, chance):
     return portal.outputs[0]
 
 
-def _share(tables):
-    """The share of the views that take the portal, over the solid angle of its rays in hemispheres."""
-    views = 1.0 if tables.first is None else 1.0 - portal_volume.ENTERING
-    return views / (1.0 - tables.least_cosine)
-
-
 def _chance(graph, position, length):
     """Two random numbers, uniform in [0, 1), for the shading point."""
     fine = graph.math("DIVIDE", -2, 6, "steps", NOISE_SCALE, length)
@@ -85,12 +84,17 @@ def _chance(graph, position, length):
     return tuple(parts.outputs)[:2]
 
 
-def _cosine(graph, chance, least):
-    """(cosine, sine) of the angle between the source's ray and the normal: cosines are uniform in
-    [least, 1]."""
+def _lambert_cosine(graph, chance):
+    """(cosine, sine) of the angle between the source's ray and the normal, by Lambert's law: the square of
+    the cosine is uniform in (0, 1)."""
+    square = graph.math("MAXIMUM", 0, 7, "above the horizon", chance, 1.0e-12)
+    rest = graph.math("SUBTRACT", 1, 7, "rest", 1.0, square)
+    return graph.math("SQRT", 2, 7, "cosine", square), graph.math("SQRT", 3, 7, "sine", rest)
+
+
+def _uniform_cosine(graph, chance, least):
+    """The same with cosines uniform in [least, 1]."""
     cosine = graph.math("MULTIPLY_ADD", 0, 7, "cosine", chance, 1.0 - least, least)
-    if least == 0.0:
-        cosine = graph.math("MAXIMUM", 0, 7, "above the horizon", cosine, 1.0e-6)
     square = graph.math("MULTIPLY", 1, 7, "square", cosine, cosine)
     rest = graph.math("SUBTRACT", 2, 7, "rest", 1.0, square)
     return cosine, graph.math("SQRT", 3, 7, "sine", graph.math("MAXIMUM", 2, 7, "", rest, 0.0))
@@ -112,12 +116,25 @@ def _direction(graph, normal, cosine, sine, chance, turn):
 
 
 def _by_side(graph, tables, length, geometry, light_path, shader, volume, weight):
-    """The shader of both faces.
+    """The shader of both faces: on the back face, rays from the source show the light from outside, and the
+    front face gets `shader`."""
+    lit = graph.node("ShaderNodeBsdfTranslucent", 6, 9, "light from outside")
+    _colour(graph, lit, portal_volume.rgb(tables.entry.diffuse), weight)
+    behind, front = lit.outputs[0], shader
+    if tables.entry.toon.any():
+        leave, front = _by_toon(graph, tables, length, geometry, light_path, shader, weight)
+        behind = mix_shader.added(graph, 7, 9, "all that enters", behind, leave)
+    if volume is not None:
+        behind = portal_volume.behind(graph, light_path, behind)
+    return mix_shader.between(graph, 7, 6, "from inside", geometry.outputs["Backfacing"], front, behind)
 
-    Back face: rays from the source show the light from outside, by a Translucent closure. Cycles cannot
-    sample a Toon closure there, so a part of the rays goes on to a point just outside, and back to the front
-    face. Front face: rays as short as that step show the Toon closure. All others are views and get
-    `shader`."""
+
+def _by_toon(graph, tables, length, geometry, light_path, shader, weight):
+    """The shaders (back face, front face) of light that enters as a Toon closure reflects it.
+
+    Cycles cannot sample a Toon closure on a back face, so a part of the rays goes on to a point just outside,
+    and back to the front face. There rays as short as that step show the Toon closure. All others are views
+    and get `shader`."""
     normal, position = geometry.outputs["True Normal"], geometry.outputs["Position"]
     step = _step(graph, tables, length, position)
     leave = graph.node("ShaderNodeBsdfRayPortal", 6, 8, "to the outside")
@@ -125,11 +142,6 @@ def _by_side(graph, tables, length, geometry, light_path, shader, volume, weight
     outside = graph.vector("SUBTRACT", 5, 9, "outside", position, graph.scale(4, 9, "a step", normal, step))
     graph.link(outside, leave.inputs["Position"])
     graph.link(normal, leave.inputs["Direction"])
-    lit = graph.node("ShaderNodeBsdfTranslucent", 6, 9, "light from outside")
-    _colour(graph, lit, portal_volume.rgb(tables.entry.diffuse), weight)
-    behind = mix_shader.added(graph, 7, 9, "all that enters", lit.outputs[0], leave.outputs[0])
-    if volume is not None:
-        behind = portal_volume.behind(graph, light_path, behind)
     toon = graph.node("ShaderNodeBsdfToon", 4, 15, "light from outside")
     toon.component = "DIFFUSE"
     toon.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
@@ -138,7 +150,7 @@ def _by_side(graph, tables, length, geometry, light_path, shader, volume, weight
     limit = graph.math("MULTIPLY", 4, 12, "twice", step, 2.0)
     near = graph.math("LESS_THAN", 5, 12, "came from the step", light_path.outputs["Ray Length"], limit)
     front = mix_shader.between(graph, 6, 6, "from outside", near, shader, toon.outputs[0])
-    return mix_shader.between(graph, 7, 6, "from inside", geometry.outputs["Backfacing"], front, behind)
+    return leave.outputs[0], front
 
 
 def _colour(graph, node, colour, weight):

@@ -26,13 +26,12 @@ def row(graph, image, number, label, place, interpolation):
     """Look up a row of the image at a coordinate in [0, 1]: 0 is the first texel, 1 the last. Returns the
     colour."""
     half = 0.5 / image.size[0]
-    at = graph.node("ShaderNodeCombineXYZ", 2, 2 * number, label)
-    line = graph.math("MULTIPLY_ADD", 1, 2 * number, "to texels", place, 1.0 - 2.0 * half, half)
-    graph.link(line, at.inputs[0])
-    at.inputs[1].default_value = (number + 0.5) / ROWS
     node = graph.node("ShaderNodeTexImage", 3, 2 * number, label)
     node.image, node.interpolation, node.extension = image, interpolation, "EXTEND"
-    graph.link(at.outputs[0], node.inputs["Vector"])
+    # From the coordinate to the centers of the row's texels.
+    node.texture_mapping.scale = (1.0 - 2.0 * half, 0.0, 0.0)
+    node.texture_mapping.translation = (half, (number + 0.5) / ROWS, 0.0)
+    graph.link(place, node.inputs["Vector"])
     return node.outputs["Color"]
 
 

@@ -12,23 +12,21 @@ import numpy as np
 
 from . import mix_shader
 
-ENTERING = 0.4  # share of the views that enter the volume
-
 
 def with_volume(graph, tables, length, light_path, portal, chance):
     """The sockets (shader, volume) of `portal` together with the first orders of scattering.
 
     `tables`: lamina.PortalTables; `length`: socket with the Blender units per millimetre; `chance`: socket
-    with a random number in [0, 1). Where `chance` is at least ENTERING, the portal is used, which must be
-    weighted with 1 / (1 - ENTERING)."""
+    with a random number in [0, 1). Where `chance` is at least `tables.entering`, the portal is used, which
+    must be weighted with 1 / (1 - tables.entering)."""
     inside = _is_inside(graph, light_path)
     scatterings = _scatterings(graph, light_path)
     enter = graph.node("ShaderNodeBsdfRefraction", 4, 3, "into the volume")
-    enter.inputs["Color"].default_value = (1.0 / ENTERING,) * 3 + (1.0,)
+    enter.inputs["Color"].default_value = (1.0 / tables.entering,) * 3 + (1.0,)
     enter.inputs["IOR"].default_value, enter.inputs["Roughness"].default_value = 1.0, 0.0
     local = graph.node("ShaderNodeBsdfDiffuse", 4, 2, "seen through one face")
     local.inputs["Color"].default_value = (*rgb(tables.albedo), 1.0)
-    chosen = graph.math("LESS_THAN", 4, 4, "enters", chance, ENTERING)
+    chosen = graph.math("LESS_THAN", 4, 4, "enters", chance, tables.entering)
     shader = mix_shader.between(graph, 5, 4, "volume or portal", chosen, portal, enter.outputs[0])
     indirect = graph.math("MAXIMUM", 3, 2, "or scattered before", inside, scatterings)
     shader = mix_shader.between(graph, 5, 3, "seen through one face", indirect, shader, local.outputs[0])

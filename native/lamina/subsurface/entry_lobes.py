@@ -12,6 +12,7 @@ from ..closures.lobes import diffuse, toon
 SIZES, SMOOTHS = np.linspace(0.1, 0.9, 17), np.linspace(0.1, 0.9, 9)
 _NODES, _WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(64))
 COSINES = _NODES + 0.5  # incidence cosines of the fit
+ENOUGH = 0.03  # error of a Diffuse closure alone, relative to all light, that saves the Toon closure's two rays
 
 
 class EntryLobes(NamedTuple):
@@ -26,14 +27,22 @@ class EntryLobes(NamedTuple):
     error: float
 
 
-def fit(entering: np.ndarray) -> EntryLobes:
+def mean(entering: np.ndarray) -> np.ndarray:
+    """Mean over Lambertian light of values at COSINES, shape (64, channels)."""
+    return 2.0 * (_WEIGHTS * COSINES) @ entering
+
+
+def fit(entering: np.ndarray, share: np.ndarray) -> EntryLobes:
     """Closures with the directions of `entering`: light that enters at COSINES, as a share of the incident light, shape
     (64, channels). Only the dependence on direction counts: the closures together reflect all light. A channel without
-    light gets the Diffuse closure."""
+    light gets the Diffuse closure. `share`, (channels,): share of this light in all light of the surface."""
     entering = np.where(np.any(entering > 0.0, axis=0), entering, 1.0)
-    mean = 2.0 * (_WEIGHTS * COSINES) @ entering
-    wanted = entering / mean * COSINES[:, None] / np.pi  # times the cosine, like closures
+    wanted = entering / mean(entering) * COSINES[:, None] / np.pi  # times the cosine, like closures
     flat, _ = _lobe(diffuse())
+    alone = _error(wanted, wanted - flat[:, None])
+    if np.max(alone * share) < ENOUGH:
+        return EntryLobes(np.ones(len(alone)), np.zeros(len(alone)), float(SIZES[0]), float(SMOOTHS[0]),
+                          float(np.max(alone)))
     found = []
     for size in SIZES:
         for smooth in SMOOTHS[size + SMOOTHS <= 1.0 + 1e-9]:
@@ -41,11 +50,15 @@ def fit(entering: np.ndarray) -> EntryLobes:
             # Shares 1 - w and w of the light; least squares for w, clamped to [0, 1].
             apart = cone - flat
             square = np.sum(_WEIGHTS * apart**2)
-            share = np.clip((_WEIGHTS * apart) @ (wanted - flat[:, None]) / square, 0.0, 1.0)
-            left = wanted - flat[:, None] - apart[:, None] * share
-            error = float(np.sqrt(np.max(_WEIGHTS @ left**2 / (_WEIGHTS @ wanted**2))))
-            found.append(EntryLobes(1.0 - share, share / whole, float(size), float(smooth), error))
+            of_toon = np.clip((_WEIGHTS * apart) @ (wanted - flat[:, None]) / square, 0.0, 1.0)
+            error = float(np.max(_error(wanted, wanted - flat[:, None] - apart[:, None] * of_toon)))
+            found.append(EntryLobes(1.0 - of_toon, of_toon / whole, float(size), float(smooth), error))
     return min(found, key=lambda one: one.error)
+
+
+def _error(wanted: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """Root mean square of `left` over solid angle, relative to that of `wanted`, by channel."""
+    return np.sqrt(_WEIGHTS @ left**2 / (_WEIGHTS @ wanted**2))
 
 
 def _lobe(lobe) -> tuple[np.ndarray, float]:

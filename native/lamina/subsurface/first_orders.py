@@ -21,9 +21,9 @@ from .depth_cells import growing_edges
 from .first_flights import FirstFlights
 from .single_scattering import SingleScattering
 
-# Number of orders for isotropic scattering. By similarity, light forgets its direction after 1 / (1 - g) scatterings.
-# MOST keeps the time and the noise of renders in bounds.
-ISOTROPIC, MOST = 4, 14
+# Light forgets its direction after 1 / (1 - g) scatterings, by similarity. ISOTROPIC: number of orders for one such
+# scattering; MORE: for each further one. MOST keeps the time and the noise of renders in bounds.
+ISOTROPIC, MORE, MOST = 2, 4, 14
 # Per mean free path. Orders from the second on fall below 1e-3 of their flux beyond the last frequency.
 FREQUENCIES = np.concatenate([[0.0], np.geomspace(0.08, 30.0, 25)])
 WIDTHS = np.geomspace(0.02, 25.0, 30)  # of the Gaussians, in mean free paths
@@ -74,11 +74,11 @@ def of_stack(stack: Stack, count: int | None = None) -> FirstOrders | None:
 
 
 def count_for(g: float) -> int:
-    """Number of orders for the mean cosine `g`: ISOTROPIC transport mean free paths, at most MOST; 1 beyond the |g| of
-    QUADRATURE."""
+    """Number of orders for the mean cosine `g`; 1 beyond the |g| of QUADRATURE."""
     if _is_single(g):
         return 1
-    return int(min(round(ISOTROPIC / (1.0 - max(g, 0.0))), MOST))
+    forward = max(g, 0.0)
+    return int(min(round(ISOTROPIC + MORE * forward / (1.0 - forward)), MOST))
 
 
 def _is_single(g: float) -> bool:

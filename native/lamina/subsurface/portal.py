@@ -2,18 +2,21 @@
 """Tables for a tabulated BSSRDF of a stack, rendered in Cycles by its Ray Portal BSDF.
 
 The portal moves the camera ray to a source below the shading point, with a random direction. The ray hits the surface
-from inside and evaluates ordinary closures there. If directions are uniform over the upper hemisphere, the hits of a
-source at depth z have the density z / (2 pi t^3) on a plane, at the distance r and the path length t, where
-t^2 = r^2 + z^2. Weights turn the mean of these densities over all depths into the stack's profile.
+from inside and evaluates ordinary closures there. Weights turn the mean density of hits of all depths on a plane into
+the stack's profile. A hit on the plane has the distance r from the shading point; the ray from depth z has the length
+t, where t^2 = r^2 + z^2.
 
-* With the first orders of scattering by a volume, the weight depends on r. Each ray hits a curved surface, too, so a
-  curved surface reflects as much light as a plane, unless the source lies beyond the centre of the body.
-* Otherwise the hit is weighted where the ray leaves. The weight contains the factor (1 + k t) exp(-k (t - z)) for a
-  diffusing medium with the decay k (see source_depths), and the ratio of z / (2 pi t^3) to the density of hits on the
-  actual surface. Ways through a convex body are shorter than below a plane, so more light leaves."""
+* With the first orders of scattering by a volume, directions follow Lambert's law, with the density z^2 / (pi t^4) of
+  hits: steep rays are likely, as distant exits are rare. The weight depends on r. Each ray hits a curved surface, too,
+  so a curved surface reflects as much light as a plane, unless the source lies beyond the centre of the body.
+* Otherwise directions are uniform, with the density z / (2 pi t^3), and the hit is weighted where the ray leaves. The
+  weight contains the factor (1 + k t) exp(-k (t - z)) for a diffusing medium with the decay k (see source_depths), and
+  the ratio of z / (2 pi t^3) to the density of hits on the actual surface. Ways through a convex body are shorter than
+  below a plane, so more light leaves."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -33,12 +36,11 @@ from .source_depths import Sources, flux_density
 from .stack_nodes import boundary_on_top, require_finite_distance
 
 DEPTHS, WEIGHTS, VIEWS = 1024, 1024, 256  # sizes of the tables
-# Ratio of source depth to exit distance at equal quantiles. The profile of an isotropic half-space equals that of
-# sources with absorption. Up to the median the depths of these sources have this ratio (albedo .9).
-DEPTH_SHARE = 0.9
 LEAST_COSINE = -0.05  # of rays that are weighted at the exit: a convex surface reaches below the source
 LEAST_LIGHT = 1e-4  # through the portal: less, as in a dark channel after the first orders, has no exact direction
 LARGEST_WEIGHT = 2.0  # of rays that are weighted at the exit, by distance
+LEAST_ENTERING, MOST_ENTERING = 0.1, 0.85  # limits of the share of the views that enter the volume
+COST = 1.6  # time of a path in the volume, in paths through the portal
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +51,12 @@ class PortalTables(ByContent):
     depth of its source. `decay`, (channels,): decay k of the light along a ray, 1/mm, 0 for none. `weights`,
     (WEIGHTS, channels): weight of a ray by the distance r on the plane, at r / (r + scale) = k / (WEIGHTS - 1).
     `views`, (VIEWS, channels): share of the light entering below the boundary that goes through the portal, at the view
-    cosine k / (VIEWS - 1). `first`: the orders of scattering that do not go through the portal, or None.
-    `entry`: closures for the directions from which light enters. `ior`, `roughness`: the boundary on top, ior 1.01 for
-    none. `albedo`, `distance`, (channels,): exit albedo and mean exit distance of all light without the boundary's
-    reflection, for a view along the normal. `profile_error`: largest error, from the tables' resolution, of the flux
-    within any distance, relative to the total flux."""
+    cosine k / (VIEWS - 1). `first`: the orders of scattering that do not go through the portal, or None. `entering`:
+    share of the views that enter the volume for these orders; the others take the portal. `entry`: closures for the
+    directions from which light enters. `ior`, `roughness`: the boundary on top, ior 1.01 for none. `albedo`,
+    `distance`, (channels,): exit albedo and mean exit distance of all light without the boundary's reflection, for a
+    view along the normal. `profile_error`: largest error, from the tables' resolution, of the flux within any distance,
+    relative to the total flux."""
 
     depths: np.ndarray
     shares: np.ndarray
@@ -62,6 +65,7 @@ class PortalTables(ByContent):
     scale: float
     views: np.ndarray
     first: FirstOrders | None
+    entering: float
     entry: EntryLobes
     ior: float
     roughness: float
@@ -81,7 +85,7 @@ class PortalTables(ByContent):
 
     @property
     def least_cosine(self) -> float:
-        """The smallest cosine between a source's ray and the normal. Cosines are uniform up to 1."""
+        """The smallest cosine between a source's ray and the normal."""
         return LEAST_COSINE if self.weighted_at_exit else 0.0
 
     @property
@@ -101,7 +105,7 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
 
     If the topmost layer is a deep medium without a boundary, with isotropic scattering or Henyey and Greenstein's phase
     function, the portal leaves out the first orders of scattering, which Cycles' volume rendering adds. `scatterings`:
-    their number, 1 to 14; by default 4 for isotropic scattering, and more for forward scattering. Fewer render in less
+    their number, 1 to 14; by default 2 for isotropic scattering, and more for forward scattering. Fewer render in less
     time and with less noise, and show less of the sun's direction on curved bodies. Beyond an anisotropy of .9 there is
     always one. Other arguments and errors are those of lamina.subsurface_nodes."""
     stack = as_stack(stack)
@@ -114,14 +118,16 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     r = plane_rings.distances(scale, 8 * WEIGHTS)
     light = _profile(beam, r, first)
     sources = source_depths.fit(r, light, DEPTHS) if first is None else _quantiles(r, light)
-    weights, error = _weights(sources, scale, r, light)
+    weights, error = _weights(sources, scale, r, light, first is None)
     step(0.9, "Views")
     solved = solve(stack, quality)
     views = _views(solved, first, quality)
-    entering = _inside(solved, entry_lobes.COSINES, first, quality)[0]
-    entry = entry_lobes.fit(np.where(entering.mean(axis=0) > LEAST_LIGHT, entering, 0.0))
+    through, in_volume, _ = _inside(solved, entry_lobes.COSINES, first, quality)
+    share = _share(entry_lobes.mean(through), entry_lobes.mean(in_volume))
+    entry = entry_lobes.fit(np.where(through.mean(axis=0) > LEAST_LIGHT, through, 0.0), share)
+    entering = 0.0 if first is None else _entering(share.mean())
     step(1.0, "Done")
-    return PortalTables(*sources, weights, scale, views, first, entry, ior, roughness,
+    return PortalTables(*sources, weights, scale, views, first, entering, entry, ior, roughness,
                         (beam.reflectance - on_top) / (1.0 - on_top), distance, error)
 
 
@@ -134,20 +140,30 @@ def _profile(beam: Searchlight, r: np.ndarray, first: FirstOrders | None) -> np.
 
 
 def _quantiles(r: np.ndarray, light: np.ndarray) -> Sources:
-    """Sources without absorption, at DEPTH_SHARE of the quantiles of the exit distance."""
+    """Sources without absorption. Half of a Lambert source's light hits the plane within a distance equal to the
+    source's depth, so the depths are quantiles of the exit distance."""
     flux, channels = plane_rings.within(r, light), light.shape[1]
     ranks = (np.arange(DEPTHS) + 0.5) / DEPTHS
-    depths = DEPTH_SHARE * np.interp(ranks, (flux / np.maximum(flux[-1], LEAST_FLUX)).mean(axis=1), r)
+    depths = np.interp(ranks, (flux / np.maximum(flux[-1], LEAST_FLUX)).mean(axis=1), r)
     return Sources(depths, np.ones((DEPTHS, channels)), np.zeros(channels))
 
 
-def _weights(sources: Sources, scale: float, r: np.ndarray, light: np.ndarray) -> tuple[np.ndarray, float]:
+def _lambert_density(depths: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """Mean density of hits on a plane at the distances `r`, rays from `depths` by Lambert's law, shape (len(r),)."""
+    return np.mean(depths**2 / (math.pi * (r[:, None] ** 2 + depths**2) ** 2), axis=1)
+
+
+def _weights(sources: Sources, scale: float, r: np.ndarray, light: np.ndarray,
+             weighted_at_exit: bool) -> tuple[np.ndarray, float]:
     """(weights at WEIGHTS distances, largest error of the flux within any distance)."""
     flux = plane_rings.within(r, light)
     total = np.maximum(flux[-1], LEAST_FLUX)
     share = flux / total
-    shown = np.stack([flux_density(sources.depths, r, k) @ of_depth / DEPTHS
-                      for k, of_depth in zip(sources.decay, sources.shares.T, strict=True)], axis=1)
+    if weighted_at_exit:
+        shown = np.stack([flux_density(sources.depths, r, k) @ of_depth / DEPTHS
+                          for k, of_depth in zip(sources.decay, sources.shares.T, strict=True)], axis=1)
+    else:
+        shown = np.repeat(_lambert_density(sources.depths, r)[:, None], light.shape[1], axis=1)
     exact = light / total / np.maximum(shown, LEAST_FLUX)
     if np.any(sources.decay > 0.0):
         # The quotient is near 1, but for single scattering next to the entry, which grows like 1 / r, and for
@@ -165,16 +181,27 @@ def _views(solved: ScatteringFunction, first: FirstOrders | None, quality: str) 
     """Share of the light entering below the boundary that goes through the portal, by view cosine."""
     cosines = np.linspace(0.0, 1.0, VIEWS)
     cosines[0] = 0.25 * cosines[1]
-    inside, on_top = _inside(solved, cosines, first, quality)
+    inside, _, on_top = _inside(solved, cosines, first, quality)
     return np.clip(inside / np.maximum(1.0 - on_top, 1e-6), 0.0, 1.0)
 
 
+def _share(part: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """`part` of part + rest, 0 for no light."""
+    return part / np.maximum(part + rest, LEAST_FLUX)
+
+
+def _entering(share: float) -> float:
+    """The share of the views that enter the volume, for the portal's `share` of the light. For light without other
+    variance, the product of variance and time is least if views are in proportion to light over the root of cost."""
+    volume = (1.0 - share) / math.sqrt(COST)
+    return float(np.clip(volume / (volume + share), LEAST_ENTERING, MOST_ENTERING))
+
+
 def _inside(solved: ScatteringFunction, cosines: np.ndarray, first: FirstOrders | None,
-            quality: str) -> tuple[np.ndarray, np.ndarray]:
-    """(light through the portal, light that a boundary on top reflects), as shares of the incident light, by view
-    cosine or, by reciprocity, by incidence cosine."""
+            quality: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(light through the portal, light of the first orders, light that a boundary on top reflects), as shares of the
+    incident light, by view cosine or, by reciprocity, by incidence cosine."""
     on_top = boundary_on_top(solved.stack, cosines, quality)[0]
     inside = solved.reflectance(cosines) - on_top
-    if first is not None:
-        inside = inside - first.reflectance(cosines)
-    return np.maximum(inside, 0.0), on_top
+    in_volume = np.zeros_like(inside) if first is None else first.reflectance(cosines)
+    return np.maximum(inside - in_volume, 0.0), in_volume, on_top

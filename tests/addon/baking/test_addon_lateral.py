@@ -136,9 +136,9 @@ def test_bounces_of_the_volume(addon, milk, call, way):
         addon.baking.lateral_job.forget()
         assert job.finish() == milk
     count = milk.lamina.lateral_scatterings
-    assert count == 8 and (scene.cycles.volume_bounces, scene.cycles.max_bounces) == (7, 8)
+    assert count == 6 and (scene.cycles.volume_bounces, scene.cycles.max_bounces) == (5, 6)
     assert milk.lamina.lateral_report.endswith(
-        "Raised the scene's volume bounces from 0 to 7 and bounces from 4 to 8."
+        "Raised the scene's volume bounces from 0 to 5 and bounces from 4 to 6."
     )
     scene.cycles.volume_bounces, scene.cycles.max_bounces = 20, 30
     addon.baking.lateral_job.make(milk, quality="preview")
@@ -151,17 +151,17 @@ def test_too_few_bounces(addon, milk, call):
     scene, bounces = bpy.context.scene, addon.baking.volume_bounces
     addon.baking.lateral_job.make(milk, quality="preview")
     assert bounces.shortage(scene, milk) == ""
-    scene.cycles.volume_bounces = 6
-    assert "allows 6 volume bounces" in bounces.shortage(scene, milk)
+    scene.cycles.volume_bounces = 4
+    assert "allows 4 volume bounces" in bounces.shortage(scene, milk)
     assert call(bpy.ops.lamina.lateral_bounces, milk) == {"FINISHED"}
-    assert scene.cycles.volume_bounces == 7 and bounces.shortage(scene, milk) == ""
-    scene.cycles.max_bounces = 7
-    assert "7 in total" in bounces.shortage(scene, milk)
+    assert scene.cycles.volume_bounces == 5 and bounces.shortage(scene, milk) == ""
+    scene.cycles.max_bounces = 5
+    assert "5 in total" in bounces.shortage(scene, milk)
     link = milk.node_tree.get_output_node("CYCLES").inputs["Volume"].links[0]
     milk.node_tree.links.remove(link)
     assert bounces.shortage(scene, milk) == ""
     addon.baking.lateral_job.make(milk, quality="preview")
-    assert scene.cycles.max_bounces == 8
+    assert scene.cycles.max_bounces == 6
     scene.cycles.volume_bounces = 0
     addon.baking.lateral_job.make(milk, quality="preview", output="RELIGHTABLE")
     assert bounces.shortage(scene, milk) == "" and scene.cycles.volume_bounces == 0

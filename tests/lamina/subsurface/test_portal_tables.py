@@ -43,7 +43,8 @@ def drawn(tables, seed):
     rng = np.random.default_rng(seed)
     source = rng.integers(0, DEPTHS, COUNT)
     depth = tables.depths[source]
-    cosine = 1.0 - (1.0 - tables.least_cosine) * rng.random(COUNT)
+    chance = rng.random(COUNT)
+    cosine = 1.0 - (1.0 - tables.least_cosine) * chance if tables.weighted_at_exit else np.sqrt(1.0 - chance)
     way = depth / np.where(cosine > 0.0, cosine, 1e-9)
     r = way * np.sqrt(1.0 - cosine**2)
     place = r / (r + tables.scale)
@@ -69,7 +70,7 @@ def test_profile_on_a_plane(name):
         if tables.first is not None:
             exact = exact - inside(tables.first, radius)
         # At quality "preview" the searchlight errs by up to 1e-4 of the incident flux.
-        assert np.all(np.abs(flux - exact) < limit * error + 5e-4 * beam.reflectance + 2e-5)
+        assert np.all(np.abs(flux - exact) < limit * error + 1e-4)
 
 
 def inside(first, radius):
@@ -150,7 +151,7 @@ def test_first_orders_of_a_dark_medium(g):
 def test_number_of_orders():
     """The number grows with the transport mean free path, up to a limit. Above g = .9 it is 1."""
     counts = [first_orders.count_for(g) for g in (-0.5, 0.0, 0.3, 0.5, 0.8, 0.9, 0.95)]
-    assert counts == [4, 4, 6, 8, 14, 14, 1]
+    assert counts == [2, 2, 4, 6, 14, 14, 1]
 
 
 def test_the_furnace():
@@ -178,10 +179,11 @@ def test_views():
 
 
 def test_directions_of_entry():
-    """The closures follow the light that enters by direction, and reflect all light together."""
+    """The closures follow the light that enters by direction, and reflect all light together. The Toon closure is left
+    out where the error of the Diffuse closure alone is less than 3 % of all light."""
     for name, stack in STACKS.items():
         tables, mu = tables_of(name), entry_lobes.COSINES
-        entering = lamina.solve(stack).reflectance(mu)
+        entering = everything = lamina.solve(stack).reflectance(mu)
         if tables.has_boundary:
             entering = entering - lamina.solve(Stack(stack.layers[:1])).reflectance(mu)
         if tables.first is not None:
@@ -196,14 +198,16 @@ def test_directions_of_entry():
         found, entering = found[:, lit], entering[:, lit]
         wanted = entering * mu[:, None] / (2.0 * math.pi * weights @ (entering * mu[:, None]))
         error = np.sqrt(np.max(weights @ (found - wanted) ** 2 / (weights @ wanted**2)))
-        lambert = np.sqrt(np.max(weights @ (mu[:, None] / math.pi - wanted) ** 2 / (weights @ wanted**2)))
-        assert error < max(0.6 * lambert, 0.01), name
+        lambert = np.sqrt(weights @ (mu[:, None] / math.pi - wanted) ** 2 / (weights @ wanted**2))
+        share = (weights * mu) @ entering / ((weights * mu) @ everything[:, lit])
+        assert np.any(tables.entry.toon) == (name != "isotropic") == (np.max(lambert * share) > 0.03)
+        assert error < max(0.6 * lambert.max(), 0.01) or name == "isotropic", name
         assert error == pytest.approx(tables.entry.error, abs=1e-3)
 
 
 def test_what_the_volume_scatters():
     assert tables_of("skin").first is None
-    for name, g, count in (("isotropic", 0.0, 4), ("forward", 0.8, 14)):
+    for name, g, count in (("isotropic", 0.0, 2), ("forward", 0.8, 14)):
         first = tables_of(name).first
         medium = first.medium
         assert medium.sigma_s == pytest.approx([0.5, 0.9, 0.99]) and medium.sigma_a == pytest.approx([0.5, 0.1, 0.01])
