@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How a wheel of another platform is run on this machine: its Python, the emulator and the packages of the tests."""
 
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,18 +26,18 @@ NEW_GLIBC = ("trixie", "glibc-2.41", ("libc6", "libgcc-s1", "libstdc++6", "zlib1
                                       "libpython3.13-stdlib"))
 
 
-class CannotRun(Exception):
+class CannotRunError(Exception):
     """This machine cannot run a wheel; the message is the reason."""
 
 
 class Runner:
-    """Runs a platform's Python with one wheel of lamina and nothing else of this machine. Raises CannotRun."""
+    """Runs a platform's Python with one wheel of lamina and nothing else of this machine. Raises CannotRunError."""
 
     def __init__(self, platform, python, wheel):
         self.platform, self.python = platform, python
         self._prepare = {"windows-x64": self._windows, "linux-x64": self._linux_x64, "linux-arm64": self._linux_arm64}
         if platform.name not in self._prepare:
-            raise CannotRun(f"there is no {platform.name} here")
+            raise CannotRunError(f"there is no {platform.name} here")
         self.site = self._site(wheel)
 
     def _site(self, wheel):
@@ -54,8 +55,7 @@ class Runner:
                     command.append("colorama")  # pytest asks for it on Windows, which pip does not see from here
                 subprocess.run(command, check=True)
                 Path(scratch, "site").rename(folder)
-        for old in folder.glob("lamina/_*"):
-            old.unlink()
+        shutil.rmtree(folder / "lamina", ignore_errors=True)
         with zipfile.ZipFile(wheel) as opened:
             opened.extractall(folder)
         return folder
@@ -81,13 +81,13 @@ class Runner:
         """The folder of the platform's Python that Maven has."""
         classifier = classifier_of(self.platform, self.python)
         if classifier != self.platform.classifier:
-            raise CannotRun(f"there is no Python {self.python} of {self.platform.name}")
+            raise CannotRunError(f"there is no Python {self.python} of {self.platform.name}")
         pythons.fetch({(self.python, classifier)})
         return pythons.folder_of(self.python, classifier)
 
     def _windows(self):
         if not wine.PROGRAM.exists():
-            raise CannotRun("the Debian package wine64 is missing")
+            raise CannotRunError("the Debian package wine64 is missing")
         wine.put_start(self.site)
         return [wine.PROGRAM, self._maven() / "python.exe"], {
             "WINEPREFIX": str(BUILD / "wine"), "WINEDEBUG": "-all", "PYTHONPATH": wine.name_of(self.site)}
@@ -97,7 +97,7 @@ class Runner:
         suite, name, packages = glibc
         root = pythons.cache() / f"{name}-{architecture}"
         if subprocess.run([ROOT / "release" / "debian_packages.sh", suite, architecture, root, *packages]).returncode:
-            raise CannotRun(f"it needs packages of Debian {suite}")
+            raise CannotRunError(f"it needs packages of Debian {suite}")
         folders = {found.resolve() for under in ("lib", "usr/lib") for found in root.glob(f"{under}/*-linux-gnu")}
         return root, sorted(map(str, folders))
 

@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 import check_wheel
-from foreign import CannotRun, Runner
+from foreign import CannotRunError, Runner
 from platforms import chosen, parser_of, wheel_name
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -52,7 +52,7 @@ def tests_of(platform, python):
 
 
 def passes(platform, python, wheel):
-    """True if the tests pass with the wheel. Raises CannotRun."""
+    """True if the tests pass with the wheel. Raises CannotRunError."""
     left_out = [f"--deselect={STARTS_ANOTHER}"] * (platform.name == "linux-arm64")
     code, last = Runner(platform, python, wheel).run("-m", "pytest", "-p", "no:cacheprovider", *left_out,
                                                      f"--ignore-glob={NEEDS_MORE}", *tests_of(platform, python))
@@ -75,7 +75,7 @@ def main():
         print(f"{name}: running", flush=True)
         try:
             failed += [name] * (not passes(platform, python, wheel))
-        except CannotRun as reason:
+        except CannotRunError as reason:
             print(f"{name}: checked, not run: {reason}", flush=True)
     print("failed: " + ", ".join(failed) if failed else "all wheels are right")
     return 1 if failed else 0

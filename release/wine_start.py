@@ -5,11 +5,10 @@ Wine ends the program at a function that it lacks. Python has replacements for t
 numpy needs functions of complex numbers: their stubs in wine's C library get a jump to those of wine_math.dll.
 """
 
+import _winapi
 import ctypes
 import sys
 from pathlib import Path
-
-import _winapi
 
 STUB = bytes.fromhex("4883ec28488d0d")  # how wine's stubs start; each is 24 bytes long
 READ_WRITE_EXECUTE = 0x40
