@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pythons
 import wine
-from platforms import classifier_of
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "release"
@@ -37,7 +36,7 @@ class Runner:
         self.platform, self.python = platform, python
         self._prepare = {"windows-x64": self._windows, "linux-x64": self._linux_x64, "linux-arm64": self._linux_arm64}
         if platform.name not in self._prepare:
-            raise CannotRunError(f"there is no {platform.name} here")
+            raise CannotRunError(f"nothing here emulates {platform.name}")
         self.site = self._site(wheel)
 
     def _site(self, wheel):
@@ -79,11 +78,9 @@ class Runner:
 
     def _maven(self):
         """The folder of the platform's Python that Maven has."""
-        classifier = classifier_of(self.platform, self.python)
-        if classifier != self.platform.classifier:
-            raise CannotRunError(f"there is no Python {self.python} of {self.platform.name}")
-        pythons.fetch({(self.python, classifier)})
-        return pythons.folder_of(self.python, classifier)
+        one = self.python, self.platform.classifier
+        pythons.fetch({one})
+        return pythons.folder_of(*one)
 
     def _windows(self):
         if not wine.PROGRAM.exists():

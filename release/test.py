@@ -3,10 +3,9 @@
 
     python release/test.py [--platforms NAME...] [--pythons VERSION...] [--wheels dist/wheels]
 
-On Python 3.11 the selection below runs, with the tolerances of the ordinary tests. On the other Pythons and under qemu,
-which takes thirty times as long, QUICK runs; the core's code is the same for all Pythons. The wheels for macOS are
-checked, not run. Left out everywhere: tests whose oracles (SciPy, PythonicDISORT, Mitsuba) are not installed there, and
-Blender's.
+The selection below runs with the tolerances of the ordinary tests; under qemu, which takes thirty times as long, QUICK
+alone. The wheels for macOS are checked, not run. Left out everywhere: tests whose oracles (SciPy, PythonicDISORT,
+Mitsuba) are not installed there, and Blender's.
 """
 
 import re
@@ -47,15 +46,13 @@ NEEDS_MORE = "*/test_metal_colours.py"  # Mitsuba and SciPy
 STARTS_ANOTHER = "tests/core/test_mesh.py::test_without_the_layer_all_else_works_and_dust_says_why"
 
 
-def tests_of(platform, python):
-    return SELECTION if python == "3.11" and platform.name != "linux-arm64" else QUICK
-
-
 def passes(platform, python, wheel):
     """True if the tests pass with the wheel. Raises CannotRunError."""
-    left_out = [f"--deselect={STARTS_ANOTHER}"] * (platform.name == "linux-arm64")
-    code, last = Runner(platform, python, wheel).run("-m", "pytest", "-p", "no:cacheprovider", *left_out,
-                                                     f"--ignore-glob={NEEDS_MORE}", *tests_of(platform, python))
+    tests = SELECTION
+    if platform.name == "linux-arm64":
+        tests = (*QUICK, f"--deselect={STARTS_ANOTHER}")
+    code, last = Runner(platform, python, wheel).run("-m", "pytest", "-p", "no:cacheprovider",
+                                                     f"--ignore-glob={NEEDS_MORE}", *tests)
     return code == 0 and bool(re.match(r"\d+ passed\b", last))  # a program that wine aborts has the exit code 0
 
 

@@ -29,13 +29,13 @@ Parts parted(std::complex<typename Parts::Real> z) {
 
 // The names are those of C, for float, double and long double, which is a double on Windows.
 #define EXPORTED extern "C" __declspec(dllexport)
-#define COMPLEX(name, function)                                                                \
-  EXPORTED Single lamina_##name##f(Single z) { return parted<Single>(function(joined(z))); }   \
-  EXPORTED Double lamina_##name(Double z) { return parted<Double>(function(joined(z))); }      \
+#define COMPLEX(name, function)                                                              \
+  EXPORTED Single lamina_##name##f(Single z) { return parted<Single>(function(joined(z))); } \
+  EXPORTED Double lamina_##name(Double z) { return parted<Double>(function(joined(z))); }    \
   EXPORTED Double lamina_##name##l(Double z) { return parted<Double>(function(joined(z))); }
-#define REAL(name, function)                                                     \
-  EXPORTED float lamina_##name##f(Single z) { return function(joined(z)); }      \
-  EXPORTED double lamina_##name(Double z) { return function(joined(z)); }        \
+#define REAL(name, function)                                                \
+  EXPORTED float lamina_##name##f(Single z) { return function(joined(z)); } \
+  EXPORTED double lamina_##name(Double z) { return function(joined(z)); }   \
   EXPORTED double lamina_##name##l(Double z) { return function(joined(z)); }
 
 REAL(cabs, std::abs)

@@ -18,8 +18,8 @@ def client():
 
 @pytest.fixture
 def a_worker_killed(client):
-    """`with a_worker_killed(when) as progress`: `progress` kills a worker once, when `when(share, text)` is true. At the
-    end, a worker has been killed, and the cluster has started another one."""
+    """`with a_worker_killed(when) as progress`: `progress` kills a worker once, when `when(share, text)` is true. The
+    end of the block waits until the cluster has started another worker."""
 
     @contextlib.contextmanager
     def killing(when):

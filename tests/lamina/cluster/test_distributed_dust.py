@@ -51,11 +51,12 @@ def test_not_more_parts_than_points(client):
     assert texts[-1] == f"{len(found.tau) + 1} of {len(found.tau) + 1} parts"
 
 
-def test_dust_though_a_worker_is_killed(client, a_worker_killed):
-    mesh = sphere(200, 400)
+def test_a_large_mesh_though_a_worker_is_killed(client, a_worker_killed, recwarn):
+    mesh, given = sphere(300, 600), {"settings": Settling(amount=1.0, rays=64), "seed": 3}
     with a_worker_killed(lambda share, _text: share > 0.0) as progress:
-        found, = distributed.settle_each(client, [mesh], [GROUND], seed=3, parts=24, progress=progress)
-    require_same(found, dust.settle(mesh, occluders=[GROUND], seed=3))
+        found, = distributed.settle_each(client, [mesh], [GROUND], parts=24, progress=progress, **given)
+    require_same(found, dust.settle(mesh, occluders=[GROUND], **given))
+    assert not [one for one in recwarn if "large graph" in str(one.message)]  # Dask's advice from 10 MB on
 
 
 def test_several_meshes_are_in_each_others_way_and_share_the_parts(client):
