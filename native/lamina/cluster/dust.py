@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import threading
 import uuid
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -17,8 +16,7 @@ from ..settling.parts import PartedDust
 from ..settling.rays import Rays
 from ..settling.settle import Dust
 from .gather import checked, gather, shards
-
-_own = threading.local()  # the last scene of each thread, as threads that share a scene wait for each other
+from .kept import kept
 
 
 def settle_each(client, surfaces: Sequence[Mesh], occluders: Iterable[Mesh] = (), settings: Settling | None = None,
@@ -70,10 +68,5 @@ def _ranges(client, counts: list[int], parts: int | None) -> list[list[tuple[int
 def _part(run: str, works: list, number: int, points: tuple[int, int] | None) -> Any:
     """The rays of the points [first, last) of a surface; None: its grains that are traced from above."""
     place, starts, window = works[number]
-    if getattr(_own, "scene", None) != (run, number):
-        _own.scene = _own.rays = None  # frees the memory first
-        _own.rays = Rays(place, 1, silent)
-        _own.scene = run, number
-    if points is None:
-        return _own.rays.grains(window)
-    return _own.rays.traced(starts.part(*points), points[0], silent)
+    rays = kept((run, number), lambda: Rays(place, 1, silent))
+    return rays.grains(window) if points is None else rays.traced(starts.part(*points), points[0], silent)
