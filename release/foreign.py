@@ -109,6 +109,8 @@ class Runner:
         return [root / "lib/x86_64-linux-gnu/ld-2.31.so", "--library-path", path, program], variables
 
     def _linux_arm64(self):
+        if not shutil.which("qemu-aarch64"):
+            raise CannotRunError("the Debian package qemu-user is missing")
         root, paths = self._libraries("arm64", OLD_GLIBC if self.python == "3.11" else NEW_GLIBC)
         emulator = ["qemu-aarch64", "-L", root, "-E"]
         variables = {"PYTHONPATH": str(self.site)}
