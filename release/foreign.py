@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How a wheel of another platform is run on this machine: its Python, the emulator and the packages of the tests."""
 
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -8,55 +9,52 @@ import zipfile
 from pathlib import Path
 
 import pythons
-from platforms import classifier_of
+import wine
 
 ROOT = Path(__file__).resolve().parent.parent
-WINE = Path("/usr/lib/wine/wine64")
+BUILD = ROOT / "build" / "release"
 # On Python 3.11, Blender's numpy; on the newer Pythons, one version for both.
 NUMPY = {"3.11": "1.26.4", "3.13": "2.3.5", "3.14": "2.3.5"}
-# Wine 8 lacks functions that numpy needs from 2.2 on. On Python 3.14 there is no older numpy.
-WINE_NUMPY = {"3.11": "1.26.4", "3.13": "2.1.3"}
-# Wine 8 aborts at functions that it lacks. Python has replacements for these two: the management service and CopyFile2.
-FOR_WINE = """import sys
-import _winapi
-sys.modules["_wmi"] = None
-vars(_winapi).pop("CopyFile2", None)
-"""
 PIP_TAGS = {"windows-x64": ["win_amd64"], "linux-x64": ["manylinux_2_28_x86_64", "manylinux2014_x86_64"],
             "linux-arm64": ["manylinux_2_28_aarch64", "manylinux2014_aarch64"]}
+# The C libraries that the wheels for Linux run with: the first from the packages of Debian 11, the second from those of
+# Debian 13, which are unpacked with the Python 3.13 that Maven lacks for ARM.
+OLD_GLIBC = ("bullseye", "glibc-2.31", ("libc6", "libgcc-s1", "libstdc++6", "zlib1g", "libffi7"))
+NEW_GLIBC = ("trixie", "glibc-2.41", ("libc6", "libgcc-s1", "libstdc++6", "zlib1g", "libffi8", "libexpat1",
+                                      "libbz2-1.0", "liblzma5", "python3.13-minimal", "libpython3.13-minimal",
+                                      "libpython3.13-stdlib"))
+
+
+class CannotRunError(Exception):
+    """This machine cannot run a wheel; the message is the reason."""
 
 
 class Runner:
-    """Runs a platform's Python with one wheel of lamina and nothing else of this machine."""
+    """Runs a platform's Python with one wheel of lamina and nothing else of this machine. Raises CannotRunError."""
 
     def __init__(self, platform, python, wheel):
         self.platform, self.python = platform, python
-        classifier = classifier_of(platform, python)
-        if classifier != platform.classifier:
-            raise SystemExit(f"release: there is no Python {python} of {platform.name} to run")
-        pythons.fetch({(python, classifier)})
-        self.interpreter = pythons.folder_of(python, classifier)
+        self._prepare = {"windows-x64": self._windows, "linux-x64": self._linux_x64, "linux-arm64": self._linux_arm64}
+        if platform.name not in self._prepare:
+            raise CannotRunError(f"nothing here emulates {platform.name}")
         self.site = self._site(wheel)
 
     def _site(self, wheel):
         """A folder with numpy, pytest, hypothesis and the wheel."""
-        folder = ROOT / "build" / "release" / f"site-{self.platform.name}-{self.python}"
+        numpy = f"numpy-{NUMPY[self.python]}"
+        folder = BUILD / f"site-{self.platform.name}-{self.python}-{numpy}"
         if not folder.exists():
-            with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
+            BUILD.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=BUILD) as scratch:
                 tags = [x for tag in PIP_TAGS[self.platform.name] for x in ("--platform", tag)]
-                is_windows = self.platform.name == "windows-x64"
-                numpy = (WINE_NUMPY if is_windows else NUMPY)[self.python]
                 command = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", *tags,
                            "--target", f"{scratch}/site", "--python-version", self.python, "--only-binary=:all:",
-                           f"numpy=={numpy}", "pytest==9.2.0", "hypothesis==6.170.15"]
-                if is_windows:
+                           numpy.replace("-", "=="), "pytest==9.2.0", "hypothesis==6.170.15"]
+                if self.platform.name == "windows-x64":
                     command.append("colorama")  # pytest asks for it on Windows, which pip does not see from here
                 subprocess.run(command, check=True)
-                if is_windows:
-                    Path(scratch, "site", "sitecustomize.py").write_text(FOR_WINE)
                 Path(scratch, "site").rename(folder)
-        for old in folder.glob("lamina/_*"):
-            old.unlink()
+        shutil.rmtree(folder / "lamina", ignore_errors=True)
         with zipfile.ZipFile(wheel) as opened:
             opened.extractall(folder)
         return folder
@@ -66,7 +64,7 @@ class Runner:
 
         The output passes a pipe, because Python under wine does not start when its output is a file.
         """
-        command, variables = getattr(self, "_" + self.platform.name.replace("-", "_"))()
+        command, variables = self._prepare[self.platform.name]()
         variables = {"PATH": "/usr/bin:/bin", "HOME": "/tmp", "PYTHONDONTWRITEBYTECODE": "1", "PYTHONUTF8": "1",
                      "OPENBLAS_NUM_THREADS": "1", **variables}
         with subprocess.Popen([*command, *map(str, arguments)], env=variables, cwd=ROOT, stdin=subprocess.DEVNULL,
@@ -78,37 +76,46 @@ class Runner:
                 last = line if line.strip() else last
         return process.returncode, last.decode(errors="replace")
 
-    def _windows_x64(self):
-        if not WINE.exists():
-            raise SystemExit("release: the Debian package wine64 is missing")
-        prefix = ROOT / "build" / "release" / "wine"
-        return [WINE, self.interpreter / "python.exe"], {
-            "WINEPREFIX": str(prefix), "WINEDEBUG": "-all", "PYTHONPATH": _of_windows(self.site)}
+    def _maven(self):
+        """The folder of the platform's Python that Maven has."""
+        one = self.python, self.platform.classifier
+        pythons.fetch({one})
+        return pythons.folder_of(*one)
 
-    def _libraries(self, architecture):
-        """(folder with the libraries of Debian 11, which has glibc 2.31; library path)."""
-        root = pythons.cache() / f"glibc-2.31-{architecture}"
-        subprocess.run([ROOT / "release" / "glibc_root.sh", architecture, root], check=True)
-        folders = [self.interpreter, *sorted(root.glob("lib/*-linux-gnu")), *sorted(root.glob("usr/lib/*-linux-gnu"))]
-        return root, ":".join(map(str, folders))
+    def _windows(self):
+        if not wine.PROGRAM.exists():
+            raise CannotRunError("the Debian package wine64 is missing")
+        wine.put_start(self.site)
+        return [wine.PROGRAM, self._maven() / "python.exe"], {
+            "WINEPREFIX": str(BUILD / "wine"), "WINEDEBUG": "-all", "PYTHONPATH": wine.name_of(self.site)}
+
+    def _libraries(self, architecture, glibc):
+        """(folder with the libraries of a Debian release, their paths)."""
+        suite, name, packages = glibc
+        root = pythons.cache() / f"{name}-{architecture}"
+        if subprocess.run([ROOT / "release" / "debian_packages.sh", suite, architecture, root, *packages]).returncode:
+            raise CannotRunError(f"it needs packages of Debian {suite}")
+        folders = {found.resolve() for under in ("lib", "usr/lib") for found in root.glob(f"{under}/*-linux-gnu")}
+        return root, sorted(map(str, folders))
 
     def _linux_x64(self):
-        variables = {"PYTHONHOME": str(self.interpreter), "PYTHONPATH": str(self.site)}
-        program = self.interpreter / "bin" / f"python{self.python}"
+        interpreter = self._maven()
+        variables = {"PYTHONHOME": str(interpreter), "PYTHONPATH": str(self.site)}
+        program = interpreter / "bin" / f"python{self.python}"
         if self.python != "3.11":  # those Pythons need glibc 2.35: the machine's own
-            return [program], {**variables, "LD_LIBRARY_PATH": str(self.interpreter)}
-        root, path = self._libraries("amd64")
+            return [program], {**variables, "LD_LIBRARY_PATH": str(interpreter)}
+        root, paths = self._libraries("amd64", OLD_GLIBC)
+        path = ":".join([str(interpreter), *paths])
         return [root / "lib/x86_64-linux-gnu/ld-2.31.so", "--library-path", path, program], variables
 
     def _linux_arm64(self):
-        if self.python != "3.11":
-            raise SystemExit(f"release: Python {self.python} of {self.platform.name} needs glibc 2.35: not run")
-        root, path = self._libraries("arm64")
-        return ["qemu-aarch64", "-L", root, "-E", f"LD_LIBRARY_PATH={path}",
-                self.interpreter / "bin" / f"python{self.python}"], {
-            "PYTHONHOME": str(self.interpreter), "PYTHONPATH": str(self.site)}
-
-
-def _of_windows(path):
-    """The name of a path of this machine inside wine."""
-    return "Z:" + str(path).replace("/", "\\")
+        if not shutil.which("qemu-aarch64"):
+            raise CannotRunError("the Debian package qemu-user is missing")
+        root, paths = self._libraries("arm64", OLD_GLIBC if self.python == "3.11" else NEW_GLIBC)
+        emulator = ["qemu-aarch64", "-L", root, "-E"]
+        variables = {"PYTHONPATH": str(self.site)}
+        if self.python == "3.13":
+            return [*emulator, f"LD_LIBRARY_PATH={':'.join(paths)}", root / "usr/bin/python3.13"], variables
+        interpreter = self._maven()
+        return [*emulator, f"LD_LIBRARY_PATH={':'.join([str(interpreter), *paths])}",
+                interpreter / "bin" / f"python{self.python}"], {**variables, "PYTHONHOME": str(interpreter)}

@@ -3,10 +3,9 @@
 
     python release/test.py [--platforms NAME...] [--pythons VERSION...] [--wheels dist/wheels]
 
-On Python 3.11 the selection below runs with the tolerances of the ordinary tests; on the other Pythons TASTE runs, for
-the core's code is the same. The wheels for Windows and Python 3.14, for ARM and the newer Pythons, and for macOS are
-checked, not run. Left out everywhere: tests whose oracles (SciPy, PythonicDISORT, Mitsuba) are not installed there, and
-Blender's. Left out under qemu, which takes thirty times as long: everything but QUICK.
+The selection below runs with the tolerances of the ordinary tests; under qemu, which takes thirty times as long, QUICK
+alone. The wheels for macOS are checked, not run. Left out everywhere: tests whose oracles (SciPy, PythonicDISORT,
+Mitsuba) are not installed there, and Blender's.
 """
 
 import re
@@ -14,10 +13,11 @@ import sys
 from pathlib import Path
 
 import check_wheel
-from foreign import WINE_NUMPY, Runner
+from foreign import CannotRunError, Runner
 from platforms import chosen, parser_of, wheel_name
 
 ROOT = Path(__file__).resolve().parent.parent
+# Both modules, the reference cases of tests/data, bakes and rays.
 QUICK = (
     "tests/core/test_quadrature.py",
     "tests/core/test_thread_pool.py",
@@ -41,23 +41,19 @@ SELECTION = (
     "tests/lamina/solver/test_symmetries.py",
     "tests/lamina/walks/test_shards.py",
 )
-# Imports both modules, solves a case of tests/data/reference_cases.json, bakes, and traces rays.
-TASTE = ("tests/lamina/solver/test_reference_cases.py", "tests/core/test_mesh.py")
 NEEDS_MORE = "*/test_metal_colours.py"  # Mitsuba and SciPy
 # Starts the interpreter again, which the kernel cannot run: qemu runs only the first process.
 STARTS_ANOTHER = "tests/core/test_mesh.py::test_without_the_layer_all_else_works_and_dust_says_why"
 
 
-def tests_of(platform, python):
-    if python != "3.11":
-        return TASTE
-    return QUICK if platform.name == "linux-arm64" else SELECTION
-
-
-def can_run(platform, python):
-    if platform.name == "windows-x64":
-        return python in WINE_NUMPY
-    return platform.name != "macos-arm64" and (platform.name != "linux-arm64" or python == "3.11")
+def passes(platform, python, wheel):
+    """True if the tests pass with the wheel. Raises CannotRunError."""
+    tests = SELECTION
+    if platform.name == "linux-arm64":
+        tests = (*QUICK, f"--deselect={STARTS_ANOTHER}")
+    code, last = Runner(platform, python, wheel).run("-m", "pytest", "-p", "no:cacheprovider",
+                                                     f"--ignore-glob={NEEDS_MORE}", *tests)
+    return code == 0 and bool(re.match(r"\d+ passed\b", last))  # a program that wine aborts has the exit code 0
 
 
 def main():
@@ -72,16 +68,12 @@ def main():
         if faults:
             failed.append(name)
             print(f"{name}: " + "; ".join(faults), flush=True)
-        elif can_run(platform, python):
-            print(f"{name}: running", flush=True)
-            left_out = [f"--deselect={STARTS_ANOTHER}"] * (platform.name == "linux-arm64")
-            code, last = Runner(platform, python, wheel).run("-m", "pytest", "-p", "no:cacheprovider", *left_out,
-                                                             f"--ignore-glob={NEEDS_MORE}",
-                                                             *tests_of(platform, python))
-            # A program that wine aborts has the exit code 0.
-            failed += [name] * (code != 0 or not re.match(r"\d+ passed\b", last))
-        else:
-            print(f"{name}: checked, not run: this machine has no way to run it", flush=True)
+            continue
+        print(f"{name}: running", flush=True)
+        try:
+            failed += [name] * (not passes(platform, python, wheel))
+        except CannotRunError as reason:
+            print(f"{name}: checked, not run: {reason}", flush=True)
     print("failed: " + ", ".join(failed) if failed else "all wheels are right")
     return 1 if failed else 0
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Long work on the machines of a Dask cluster, with the bytes of one process: pip install "lamina[dask]"."""
 
+from .cluster.bakes import bakes
+from .cluster.dust import settle_each
 from .cluster.estimates import estimate, estimate_searchlight, light_in_mesh, walk_in_mesh
 from .cluster.maps import spread
-from .cluster.whole import bakes, settle_each
 
 __all__ = ["bakes", "estimate", "estimate_searchlight", "light_in_mesh", "settle_each", "spread", "walk_in_mesh"]

@@ -2,6 +2,7 @@
 """The rules of a release that need no other platform: addresses, names of wheels, toolchain files."""
 
 import re
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -62,3 +63,17 @@ def test_each_platform_has_a_toolchain_and_its_own_wheels(platform):
     names = {platforms.wheel_name("1.2.3", platform, python) for python in platforms.PYTHONS}
     assert len(names) == 3 and all(name.endswith(f"-{platform.tag}.whl") for name in names)
     assert f"lamina-1.2.3-cp313-cp313-{platform.tag}.whl" in names
+
+
+def test_without_apt_one_sentence(tmp_path):
+    command = ["/bin/sh", ROOT / "release" / "debian_packages.sh", "trixie", "arm64", tmp_path / "root", "libc6"]
+    done = subprocess.run(command, env={"PATH": str(tmp_path)}, capture_output=True, text=True)
+    assert done.returncode == 3 and not done.stdout and not (tmp_path / "root").exists()
+    assert done.stderr == "release: no packages of Debian trixie for arm64: this machine has no apt\n"
+
+
+def test_wine_gets_every_function_that_its_python_replaces():
+    names = re.search(r"NAMES = \(([^)]*)\)", (ROOT / "release" / "wine_start.py").read_text())[1]
+    source = (ROOT / "release" / "wine_math.cpp").read_text()
+    made = re.findall(r"^(?:REAL|COMPLEX)\((\w+), std::", source, re.M) + re.findall(r" lamina_(\w+)l\(", source)
+    assert sorted(re.findall(r'"(\w+)"', names)) == sorted(made)

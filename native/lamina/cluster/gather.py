@@ -6,6 +6,7 @@ depend on the workers."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -27,7 +28,10 @@ def gather(client, call: Callable, arguments: Sequence[tuple], shared: tuple, wo
     distributed = checked(client)
     step = stepper(work, progress, cancel)
     step(0.0, f"0 of {len(arguments)} parts")
-    held = client.submit(_same, shared, pure=False)
+    with warnings.catch_warnings():
+        # From 10 MB on. The ways that Dask advises instead lose the data if its worker dies.
+        warnings.filterwarnings("ignore", "Sending large graph")
+        held = client.submit(_same, shared, pure=False)
     futures = [client.submit(_apply, call, held, each, pure=False) for each in arguments]
     waiting, done = set(futures), 0
     try:

@@ -3,17 +3,13 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 
 from ..common.progress import Progress
 from ..interior.parts import WalkPart
-from ..interior.walk import Walker
 from ..maps.spread import Spread, WalkTask
 from .gather import checked, gather
-
-_lock = threading.Lock()
-_last: tuple[dict, Walker] | None = None  # of this worker: most parts of a worker belong to one run
+from .kept import kept
 
 
 def spread(client) -> Spread:
@@ -30,10 +26,5 @@ def spread(client) -> Spread:
 
 
 def _part(task: WalkTask, shard: tuple[int, int]) -> WalkPart:
-    global _last
     run = {name: value for name, value in task.job.items() if name not in ("first", "samples")}
-    with _lock:
-        if _last is None or _last[0] != run:
-            _last = run, task.walker()
-        walker = _last[1]
-    return task.part(shard, walker)
+    return task.part(shard, kept(run, task.walker))

@@ -58,24 +58,39 @@ class Forward:
     grains: int
 
 
-def trace(scene, core_fall, fall: FallFrame, surface: np.ndarray, occluders: int, scale: float, seed: int,
-          grains: int = GRAINS) -> Forward:
-    """`surface`: (n, 3) vertices of the scene's first mesh in its frame, whose unit is `scale` metres.
+@dataclass(frozen=True)
+class Window:
+    """The rectangle above a surface that grains pass through. corner, edge1, edge2: (3,) each, in the surface's frame;
+    area: in m^2."""
 
-    Grains pass through a rectangle above the surface's highest point. The rectangle is so large that each grain that
-    can touch the surface's bounding box passes through it."""
+    corner: np.ndarray
+    edge1: np.ndarray
+    edge2: np.ndarray
+    area: float
+
+
+def window_over(surface: np.ndarray, fall: FallFrame, scale: float) -> Window:
+    """`surface`: (n, 3) vertices in its frame, whose unit is `scale` metres.
+
+    The rectangle lies above the surface's highest point. It is so large that each grain that can touch the surface's
+    bounding box passes through it."""
     (low_up, top), (low1, high1), (low2, high2) = (_extent(surface, axis) for axis in
                                                   (fall.up, fall.across1, fall.across2))
     top += LIFT
     slope, depth = math.tan(fall.spread), top - low_up
     low1, high1 = _widened(low1, high1, -fall.wind1, slope, depth)
     low2, high2 = _widened(low2, high2, -fall.wind2, slope, depth)
-    area = (high1 - low1) * (high2 - low2) * scale * scale
+    corner = top * fall.up + low1 * fall.across1 + low2 * fall.across2
+    return Window(corner, (high1 - low1) * fall.across1, (high2 - low2) * fall.across2,
+                  (high1 - low1) * (high2 - low2) * scale * scale)
+
+
+def trace(scene, core_fall, window: Window, occluders: int, seed: int, grains: int = GRAINS) -> Forward:
+    """Grains through the window, in a scene of the surface and after it that number of occluders."""
+    area = window.area
     if not area > 0.0:
         return Forward(0.0, 0.0, 0.0, (0.0,) * occluders, 0.0, 0.0, 0.0, 0)
-    corner = top * fall.up + low1 * fall.across1 + low2 * fall.across2
-    counts = scene.grains(core_fall, corner, (high1 - low1) * fall.across1, (high2 - low2) * fall.across2,
-                          grains, seed ^ _STREAM)
+    counts = scene.grains(core_fall, window.corner, window.edge1, window.edge2, grains, seed ^ _STREAM)
     stopped_by = tuple(area * count / grains for count in counts[2][1:])
     front, back, missed = (area * counts[k] / grains for k in (0, 1, 3))
 

@@ -21,8 +21,9 @@ from ..kinds.dust import Settling
 from ..kinds.substances import extinction_of
 from . import embree
 from .corners import corners_of, moved_off_edges
-from .mesh import Mesh, Points, check_points, checked_mesh, vertex_points
-from .sky import OFFSET, Laid, Sky
+from .mesh import Corners, Mesh, Points, check_points, checked_mesh, vertex_points
+from .rays import OFFSET, Rays
+from .sky import Laid, Sky
 from .statistics import Statistics, Sums
 from .texels import TexelMap, spread
 
@@ -74,20 +75,11 @@ def settle(surface: Mesh, points: Points | tuple | None = None, occluders: Itera
     run = _Run(surface, occluders, settings, seed, progress, cancel, threads)
     corners = None
     if points is None:
-        corners = corners_of(run.surface)
-        points = vertex_points(run.surface, portion(run.step, 0.2, 0.25), corners)
-        points = moved_off_edges(run.surface, points, corners, INSET * run.sky.frame.scale)
+        corners, points = vertices_of(run.sky, portion(run.step, 0.2, 0.25))
     else:
         points = check_points(points)
-    count = len(points.positions)
-    tau, arrived = np.empty(count, np.float32), np.empty(count, np.float32)
-    back = np.empty(count, np.float32) if run.settings.two_sided else None
-    for part, laid in run.laid(_blocks(points), max(count, 1)):
-        tau[part], arrived[part] = laid.tau, laid.arrived
-        if back is not None:
-            back[part] = laid.tau * laid.back_share
-    return Dust(tau, arrived, run.statistics(), run.settings, seed, back,
-                None if corners is None else corners.vertex, None if corners is None else corners.point)
+    laid = run.laid(blocks_of(points), max(len(points.positions), 1))
+    return collected(len(points.positions), corners, laid, run.statistics, run.settings, seed)
 
 
 def settle_image(surface: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int], occluders: Iterable[Mesh] = (),
@@ -122,6 +114,35 @@ def settle_image(surface: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[in
     return Dust(tau, arrived, run.statistics(texels.notes()), run.settings, seed, back)
 
 
+def vertices_of(sky: Sky, step: Progress) -> tuple[Corners, Points]:
+    """The points of the surface's vertices, as settle takes them without given points."""
+    surface = sky.place.surface
+    corners = corners_of(surface)
+    points = vertex_points(surface, step, corners)
+    return corners, moved_off_edges(surface, points, corners, INSET * sky.frame.scale)
+
+
+def blocks_of(points: Points) -> Iterator[tuple[int, slice, Points]]:
+    """(first number, indices, points) of each block."""
+    for first in range(0, len(points.positions), BLOCK):
+        part = slice(first, min(first + BLOCK, len(points.positions)))
+        areas = None if points.areas is None else points.areas[part]
+        yield first, part, Points(points.positions[part], points.normals[part], areas)
+
+
+def collected(count: int, corners: Corners | None, laid: Iterable[tuple[slice, Laid]],
+              statistics: Callable[[], Statistics], settings: Settling, seed: int) -> Dust:
+    """The dust of `count` points from that of their blocks; `statistics` is called after the last block."""
+    tau, arrived = np.empty(count, np.float32), np.empty(count, np.float32)
+    back = np.empty(count, np.float32) if settings.two_sided else None
+    for part, block in laid:
+        tau[part], arrived[part] = block.tau, block.arrived
+        if back is not None:
+            back[part] = block.tau * block.back_share
+    return Dust(tau, arrived, statistics(), settings, seed, back,
+                None if corners is None else corners.vertex, None if corners is None else corners.point)
+
+
 class _Run:
     """One settling, from its meshes to its statistics."""
 
@@ -135,8 +156,9 @@ class _Run:
         self.step(0.0, "reading the meshes")
         self.surface = checked_mesh(surface, "surface")
         others = [checked_mesh(mesh, f"occluders[{index}]") for index, mesh in enumerate(occluders)]
-        others = [mesh for mesh in others if len(mesh.triangles)]
-        self.sky = Sky(self.surface, others, self.settings, seed, threads, portion(self.step, 0.05, 0.2))
+        self.sky = Sky(self.surface, [mesh for mesh in others if len(mesh.triangles)], self.settings, seed)
+        self._rays = Rays(self.sky.place, threads, portion(self.step, 0.05, 0.2))
+        self._traced = 0
         self._sums = Sums(self.settings)
 
     def laid(self, blocks: Iterator, total: int, done=lambda place: place.stop) -> Iterator[tuple[slice, Laid]]:
@@ -144,20 +166,16 @@ class _Run:
         before = 0
         for number, place, points in blocks:
             part = portion(self.step, 0.25 + 0.7 * before / total, 0.25 + 0.7 * min(done(place), total) / total)
-            laid = self.sky.lay(points, number, part)
+            starts, stays = self.sky.starts(points)
+            traced = self._rays.traced(starts, number, part, self._traced)
+            self._traced += traced.rays
+            laid = self.sky.laid(points, stays, traced)
             self._sums.add(laid.arrived, laid.stays, laid.left, points.areas)
             before = done(place)
             yield place, laid
 
     def statistics(self, notes: tuple[str, ...] = ()) -> Statistics:
-        forward = self.sky.grains()
-        self.step(1.0, f"{self.sky.rays:,} rays")
+        forward = self._rays.grains(self.sky.window())
+        self.step(1.0, f"{self._traced:,} rays")
         seconds = clock.perf_counter() - self._started
-        return self._sums.statistics(forward, self.sky.names, self.sky.rays, seconds, notes)
-
-
-def _blocks(points: Points):
-    for first in range(0, len(points.positions), BLOCK):
-        part = slice(first, min(first + BLOCK, len(points.positions)))
-        areas = None if points.areas is None else points.areas[part]
-        yield first, part, Points(points.positions[part], points.normals[part], areas)
+        return self._sums.statistics(forward, self.sky.names, self._traced, seconds, notes)

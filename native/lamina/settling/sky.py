@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sky over a surface: the dust that falls on points among triangles, and the share that stays."""
+"""The sky over a surface: from rays to the dust that falls on points, and the share that stays."""
 
 from __future__ import annotations
 
@@ -8,18 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.progress import Progress, portion
 from ..kinds.dust import Settling
-from . import balance, embree
+from . import balance
 from .balance import FallFrame
 from .mesh import Mesh, Points, common_frame, unit_normals, used_vertices
 from .patches import patches
-
-CHUNK_RAYS = 1 << 21  # between two calls of `cancel`
-# Distance of ray origins from the surface, relative to its size: 100 times the rounding of single precision, and less
-# than 1 % of an edge in a mesh of a million faces.
-OFFSET = 2.0**-17
-_SHELTER_STREAM = 0x7368_656C_7465_7200  # a stream of random numbers of its own
+from .rays import Place, Starts, Traced
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,71 +33,43 @@ class Laid:
 
 
 class Sky:
-    """Checked meshes as one scene, and rays through it. `rays` counts the rays."""
+    """Checked meshes under falling dust. `place`: what rays are traced in; `names`: of the occluders."""
 
-    def __init__(self, surface: Mesh, occluders: list[Mesh], settings: Settling, seed: int, threads: int,
-                 step: Progress):
-        layer = embree.layer()
-        self.frame = common_frame(surface)
-        self.rays = 0
+    def __init__(self, surface: Mesh, occluders: list[Mesh], settings: Settling, seed: int):
         self.names = [mesh.name for mesh in occluders]
-        self._settings, self._seed = settings, seed
-        meshes = [(self.frame.floats(mesh.vertices), mesh.triangles) for mesh in (surface, *occluders)]
-        self._used = meshes[0][0][used_vertices(surface)]
-        self._scene = layer.Scene(meshes, threads, lambda fraction: step(fraction, "sorting the faces"))
+        self.frame = common_frame(surface)
         self._fall = FallFrame.of(settings.gravity, settings.wind, settings.spread)
-        self._core = self._fall.core(layer)
-        self._options = layer.Options(settings.rays, seed, settings.two_sided, OFFSET)
-        self._sheltered = layer.Options(max(16, settings.rays // 4), seed ^ _SHELTER_STREAM, False, OFFSET)
+        self._settings, self._seed = settings, seed
+        self.place = Place(surface, occluders, self.frame, self._fall, settings, seed)
 
-    def grains(self) -> balance.Forward:
-        """Grains traced from above."""
-        return balance.trace(self._scene, self._core, self._fall, self._used, len(self.names), self.frame.scale,
-                                  self._seed)
+    def window(self) -> balance.Window:
+        """Where grains start that are traced from above."""
+        surface = self.place.surface
+        used = self.frame.floats(surface.vertices)[used_vertices(surface)]
+        return balance.window_over(used, self._fall, self.frame.scale)
 
-    def lay(self, points: Points, first: int, step: Progress) -> Laid:
-        """Dust on checked points. Their random numbers are those of the point numbers from `first`."""
-        settings = self._settings
+    def starts(self, points: Points) -> tuple[Starts, np.ndarray]:
+        """Where the rays of checked points start, and (n,) float64, the share of dust that stays by inclination."""
         positions, normals = self.frame.floats(points.positions), unit_normals(points.normals)
-        shares = self._chunks(positions, normals, first, settings.rays, portion(step, 0.0, 0.8), lambda *chunk:
-                              self._scene.arrivals(self._core, *chunk, self._options))
-        back_share = None
+        cosine = np.clip(normals.astype(np.float64) @ self._fall.up, -1.0, 1.0)
+        side = np.ones(len(positions), np.int8)
+        if self._settings.two_sided:
+            side[cosine < 0.0] = -1
+            cosine = np.abs(cosine)
+        stays = _slope_retention(np.arccos(cosine), self._settings.repose, self._settings.repose_width)
+        return Starts(positions, normals, side * (stays < 1.0)), stays
+
+    def laid(self, points: Points, stays: np.ndarray, traced: Traced) -> Laid:
+        """The dust on checked points, from `starts` and their rays."""
+        settings = self._settings
+        shares, back_share = traced.shares.astype(np.float64), None
         if settings.two_sided:
             back, shares = shares[:, 1], shares.sum(axis=1)
             back_share = np.divide(back, shares, out=np.zeros_like(shares), where=shares > 0.0)
-        stays = self._retention(positions, normals, shares, first, portion(step, 0.8, 1.0))
+        stays = stays + (1.0 - stays) * settings.concavity * (1.0 - traced.exposures.astype(np.float64))
         size = 0.2 * self.frame.scale if settings.patch is None else settings.patch
         left = patches(points.positions - self.frame.centre, settings.coverage, size, self._seed)
         return Laid(shares * settings.tau, stays, left, back_share)
-
-    def _retention(self, positions, normals, share, first: int, step: Progress) -> np.ndarray:
-        """(n,) float64: the share of arriving dust that does not slide off."""
-        settings = self._settings
-        cosine = np.clip(normals.astype(np.float64) @ self._fall.up, -1.0, 1.0)
-        if settings.two_sided:
-            normals = np.where(cosine[:, None] < 0.0, -normals, normals)
-            cosine = np.abs(cosine)
-        stays = _slope_retention(np.arccos(cosine), settings.repose, settings.repose_width)
-        sliding = (stays < 1.0) & (share > 0.0)
-        if settings.concavity > 0.0 and sliding.any():
-            reach = 0.1 if settings.reach is None else settings.reach / self.frame.scale
-            # A point without a normal costs no rays; the numbers of other points do not change.
-            needed = normals * sliding[:, None].astype(np.float32)
-            exposure = self._chunks(positions, needed, first, max(16, settings.rays // 4), step, lambda *chunk:
-                                    self._scene.exposures(*chunk, self._sheltered, reach))
-            stays += (1.0 - stays) * settings.concavity * (1.0 - exposure)
-        return stays
-
-    def _chunks(self, positions, normals, number: int, rays_a_point: int, step: Progress, trace) -> np.ndarray:
-        found = []
-        size = max(1, CHUNK_RAYS // rays_a_point)
-        for first in range(0, len(positions), size):
-            step(first / len(positions), f"{self.rays:,} rays")
-            part = slice(first, first + size)
-            values, traced = trace(positions[part], normals[part], number + first)
-            found.append(values.astype(np.float64))
-            self.rays += traced
-        return np.concatenate(found)
 
 
 def _slope_retention(slope: np.ndarray, repose: float, width: float) -> np.ndarray:

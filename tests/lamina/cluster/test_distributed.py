@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A cluster of worker processes on this machine gives the bytes of one process, also if a worker is killed."""
 
-import os
-import signal
 import sys
 
 import numpy as np
@@ -10,9 +8,9 @@ import pytest
 from needs_embree import with_embree
 
 import lamina
-from lamina import ArgumentError, Cancelled, HenyeyGreenstein, Medium, Stack, distributed, dust
+from lamina import ArgumentError, Cancelled, HenyeyGreenstein, Medium, Stack, distributed
 
-dask = pytest.importorskip("distributed", reason="Dask is not installed: there is no cluster to test")
+pytest.importorskip("distributed", reason="Dask is not installed: there is no cluster to test")
 
 SLAB = Stack([Medium([0.9, 0.8, 0.6], 2.0, HenyeyGreenstein(0.5))])
 MARBLE = Stack([Medium(sigma_s=2.0, sigma_a=0.02, thickness=5.0)])
@@ -21,27 +19,12 @@ QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (
 TRIANGLES = np.array([t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))])
 
 
-@pytest.fixture(scope="module")
-def client():
-    with (dask.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1",
-                            dashboard_address=None) as cluster, dask.Client(cluster) as client):
-        yield client
-
-
-def test_an_estimate_has_the_bytes_of_one_process_though_a_worker_is_killed(client):
-    before = set(client.run(os.getpid).values())
-    killed, seen = [], []
-
-    def progress(share, _text):
-        seen.append(share)
-        if share > 0.0 and not killed:
-            killed.append(min(before))
-            os.kill(killed[0], signal.SIGKILL)
-
-    found = distributed.estimate(client, SLAB, 0.5, 0.6, 1.0, samples=3_000_000, seed=3, progress=progress, parts=12)
-    assert killed and seen == sorted(seen) and seen[0] == 0.0 and seen[-1] == 1.0
-    client.wait_for_workers(2, timeout=60)
-    assert killed[0] not in client.run(os.getpid).values()
+def test_an_estimate_has_the_bytes_of_one_process_though_a_worker_is_killed(client, a_worker_killed):
+    seen = []
+    with a_worker_killed(lambda share, _text: share > 0.0) as killer:
+        found = distributed.estimate(client, SLAB, 0.5, 0.6, 1.0, samples=3_000_000, seed=3, parts=12,
+                                     progress=lambda share, text: (seen.append(share), killer(share, text)))
+    assert seen == sorted(seen) and seen[0] == 0.0 and seen[-1] == 1.0
     alone = lamina.estimate(SLAB, 0.5, 0.6, 1.0, samples=3_000_000, seed=3)
     assert found == alone and found.value.tobytes() == alone.value.tobytes()
 
@@ -68,7 +51,7 @@ def test_walks_in_a_mesh(client):
 
 @with_embree
 @pytest.mark.parametrize("kind", ["relightable", "lit"])
-def test_images_of_an_interior_though_a_worker_is_killed(client, tmp_path, kind):
+def test_images_of_an_interior_though_a_worker_is_killed(client, a_worker_killed, tmp_path, kind):
     solid = lamina.Solid(CORNERS, TRIANGLES)
     interior, _ = lamina.interior_of_stack(Stack([Medium(sigma_s=1.0, sigma_a=0.5, thickness=1.0)]))
     given = {"samples": 20_000, "seed": 5}
@@ -76,16 +59,9 @@ def test_images_of_an_interior_though_a_worker_is_killed(client, tmp_path, kind)
     if kind == "lit":
         make, arrays = lamina.lit_images, lambda found: (found.lamps, found.sky)
         given["lamps"] = [lamina.Lamp((0, 0, 1))]
-    before, killed = set(client.run(os.getpid).values()), []
-
-    def progress(_share, text):
-        if text.startswith("Part 2 of") and not killed:
-            killed.append(min(before))
-            os.kill(killed[0], signal.SIGKILL)
-
-    found = make(solid, interior, folder=tmp_path, progress=progress, spread=distributed.spread(client), **given)
-    assert killed and len(list(tmp_path.glob("part-*.npz"))) > 2
-    client.wait_for_workers(2, timeout=60)
+    with a_worker_killed(lambda _share, text: text.startswith("Part 2 of")) as progress:
+        found = make(solid, interior, folder=tmp_path, progress=progress, spread=distributed.spread(client), **given)
+    assert len(list(tmp_path.glob("part-*.npz"))) > 2
     for one, other in zip(arrays(found), arrays(make(solid, interior, threads=1, **given)), strict=True):
         assert one.tobytes() == other.tobytes()
 
@@ -108,17 +84,6 @@ def test_bakes_in_their_order(client):
     stacks = [SLAB, "gold", Stack([Medium(0.5, 1.0)])]
     tables = distributed.bakes(client, stacks, "preview")
     assert tables == [lamina.bake(stack, "preview") for stack in stacks]
-
-
-@with_embree
-def test_dust_of_several_meshes(client):
-    plates = [dust.Mesh(np.array([[0, 0, z], [1, 0, z], [1, 1, z], [0, 1, z]], float), np.array([[0, 1, 2], [0, 2, 3]]))
-              for z in (0.0, 0.3)]
-    found = distributed.settle_each(client, plates, settings=dust.Settling(amount=2.0))
-    for number, one in enumerate(found):
-        alone = dust.settle(plates[number], occluders=[plates[1 - number]], settings=dust.Settling(amount=2.0))
-        assert one.tau.tobytes() == alone.tau.tobytes()
-    assert found[0].tau.max() < found[1].tau.max()  # the upper plate is in the way of the lower
 
 
 def test_cancel_and_errors(client):
