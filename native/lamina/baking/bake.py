@@ -40,19 +40,20 @@ from .tau_error import tau_error
 @dataclass(frozen=True)
 class Basis:
     """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together); of
-    a Principled base, beside the BSDF: (for light of the layers, for light that the base's color changes); of a
-    Principled base below an interface: (for diffuse light of the base, for all its light)."""
+    a Principled base, beside the BSDF: (for a fixed color; for a color as an input: for the light over black, for the
+    light that the color adds to a dielectric, and to a metal); of a Principled base below an interface: (for diffuse
+    light of the base, for all its light)."""
 
     reflected: tuple[int, int, int]
     transmitted: tuple[int, int, int]
     textured_base: tuple[int, int, int]
-    principled: tuple[int, int]
+    principled: tuple[int, int, int, int]
     covered: tuple[int, int]
 
 
 CLOSURE_BASES = {
-    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (3, 3), (2, 9)),
-    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (9, 6), (4, 18)),
+    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (5, 3, 2, 4), (2, 9)),
+    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (14, 9, 6, 6), (4, 18)),
 }
 # Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},

@@ -103,9 +103,9 @@ class _Work:
 
 
 def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int, nodes: int | None,
-          given: dict[str, list[str]], counts: tuple[int, int], search: dict):
+          given: dict[str, list[str]], counts: tuple[int, int, int, int], search: dict):
     """(parts of the table by kind, the solved rows, the roughnesses of the table's axis, the slices at the base's own
-    values if it has no inputs, or None). Raises StackError."""
+    values if it has no inputs, or None). `counts`: largest numbers of closures, see bake.Basis. Raises StackError."""
     base = stack.base
     assert isinstance(base, PrincipledBase)
     roughnesses = roughness_rows() if "roughness" in base.inputs else [base.roughness]
@@ -123,8 +123,10 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
         solved, weight, rests, values = _joined(found)
         if not number:
             table[PRINCIPLED] = Mixture([PRINCIPLED], _as_strip(weight, rests.dark.albedo.shape))
-        shares = counts if rests.added is not None else (sum(counts) - 1, 0)
-        table |= _fitted(work, rests, given, prefix, shares, search, solved.rows, portion(share, 0.7, 1.0))
+        fixed, dark, of_dielectric, of_metal = counts
+        colored = rests.added is not None
+        numbers = (dark, of_metal if metallic > 0.0 else of_dielectric) if colored else (fixed, 0)
+        table |= _fitted(work, rests, given, prefix, numbers, search, solved.rows, portion(share, 0.7, 1.0))
     return table, solved, roughnesses if len(roughnesses) > 1 else [], None if base.inputs else values
 
 
