@@ -43,8 +43,10 @@ BROAD = 0.05
 NEGLIGIBLE = 1e-5
 # Colors over which errors are weighed in the choice of closures for a color input: those of the report.
 COLORS = (0.05, 0.5, 0.95)
-# With roughness as an input, only every so many rows of thickness are solved; the others are interpolated.
+# With roughness as an input, only these rows of thickness are solved; the others are interpolated. At grazing views,
+# thin layers change fastest.
 ROUGH_STRIDE = {"preview": 6, "final": 3}
+ROUGH_ROWS = {"preview": (0, 2, 6, 12, 18, 25, 32), "final": (0, 1, 3, 6, 9, 12, 15, 18, 21, 25, 29, 32)}
 
 
 def is_shown(stack: Stack) -> bool:
@@ -66,13 +68,14 @@ class _Rests:
 
 @dataclass(frozen=True)
 class _Work:
-    """What all variants of a stack share. `weight`: w, [row, column]."""
+    """What all variants of a stack share. `rows`: those of thickness that are solved, or None for every `stride`-th."""
 
     stack: Stack
     base: PrincipledBase
     quality: str
     threads: int
     stride: int
+    rows: tuple[int, ...] | None
     nodes: int | None
     grid: LightGrid
     pool: object
@@ -85,7 +88,7 @@ class _Work:
         """(the stack, the bare base) with other values."""
         base = replace(self.base, metallic=metallic, color=color, inputs=())
         layered = self.stack.with_facets(self.stack.layers, base)
-        return (solve_rows(layered, self.quality, self.threads, step, self.stride, self.nodes),
+        return (solve_rows(layered, self.quality, self.threads, step, self.stride, self.nodes, self.rows),
                 solve_rows(Stack([], base), self.quality, self.threads, step, 1, self.nodes))
 
     def rest(self, solved: SolvedRows, bare: SolvedRows, weight: np.ndarray, step: Progress) -> tuple[Slices, Slices]:
@@ -109,9 +112,9 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
     base = stack.base
     assert isinstance(base, PrincipledBase)
     roughnesses = roughness_rows() if "roughness" in base.inputs else [base.roughness]
-    if len(roughnesses) > 1:
-        stride = max(stride, ROUGH_STRIDE[quality])
-    work = _Work(stack, base, quality, threads, stride, nodes, grid_for(quality, None), thread_pool(threads))
+    few = stack.varying is not None and len(roughnesses) > 1 and stride < ROUGH_STRIDE[quality]
+    rows = ROUGH_ROWS[quality] if few else None
+    work = _Work(stack, base, quality, threads, stride, rows, nodes, grid_for(quality, None), thread_pool(threads))
     ends = (0.0, 1.0) if "metallic" in base.inputs else (base.metallic,)
     table: dict[str, Mixture] = {}
     for number, metallic in enumerate(ends):
