@@ -27,7 +27,7 @@ def spread(part: Mixture, solved: SolvedRows) -> np.ndarray:
     found = np.einsum("wr,skbr...->skbw...", matrix, blocks).reshape(sides, closures, -1, *rest)
     kept = np.maximum(found, 0.0)
     if not all(map(lobe_of, part.closures)):
-        return np.minimum(kept, 1.0)  # shares, which are no weights of closures
+        return np.minimum(kept, weights.max())  # shares, which are no weights of closures
     albedo = column_albedos(tuple(lobe_of(name) for name in part.closures)).T[None, :, None, None]
     wanted, reached = ((one * albedo).sum(axis=1, keepdims=True) for one in (found, kept))
     return kept * np.where(reached > 0.0, np.maximum(wanted, 0.0) / np.where(reached > 0.0, reached, 1.0), 0.0)
