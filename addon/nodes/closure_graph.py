@@ -147,7 +147,9 @@ def _draw(graph, lut, eevee, image, recipe_of):
         if index not in textures:
             strip(name, column, line, label)
         read = [texture.outputs["Alpha"] for texture in textures[index]]
-        return read[0] if len(read) == 1 else graph.mix("FLOAT", column + 1.6, line, label, around.share, *read)
+        if len(read) == 1:
+            return read[0]
+        return graph.mix("FLOAT", column + 1.6, line, "between", around.share, *read)
 
     graph.begin_frame("Texels for Eevee", ANGLE_COLOUR)
     chooser = eevee_graph.is_eevee(graph)

@@ -121,7 +121,7 @@ class _Choice:
     kind: str
     grid: LightGrid
     effort: Effort
-    pool: object
+    pool: _core.ThreadPool
     step: Progress
     made: tuple[str, ...]
     mixed: bool

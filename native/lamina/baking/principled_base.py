@@ -36,17 +36,18 @@ from .slices import Slices, SolvedRows, along_rows, slices, solve_rows
 
 # Widths of closures for lobes that the layers broaden, beside those of the dictionary.
 BROADENED = tuple(f"ggx:{alpha:g}" for alpha in (0.15, 0.22, 0.32, 0.45))
-# From this width on, the difference between the attenuated lobe and w times the lobe is fitted too: the lights of a
-# narrower lobe have nearly one cosine.
+# From this width on, the difference between the attenuated lobe and w times the lobe is fitted too, and counts in the
+# report. The light grid does not resolve narrower lobes, whose lights have nearly one cosine.
 BROAD = 0.05
 # A rest below this share of the albedo is rounding, as in the row without layers.
 NEGLIGIBLE = 1e-5
-# Colors over which errors are weighed in the choice of closures for a color input: those of the report.
+# Colors over which errors are weighed in the choice of closures for a color input. Black is not among them: over a
+# black metal there is so little light that its errors alone would decide.
 COLORS = (0.05, 0.5, 0.95)
-# With roughness as an input, only these rows of thickness are solved; the others are interpolated. At grazing views,
-# thin layers change fastest.
-ROUGH_STRIDE = {"preview": 6, "final": 3}
+# With roughness as an input, only these rows of thickness are solved, unless a larger stride was asked for; the others
+# are interpolated. At grazing views, thin layers change fastest.
 ROUGH_ROWS = {"preview": (0, 2, 6, 12, 18, 25, 32), "final": (0, 1, 3, 6, 9, 12, 15, 18, 21, 25, 29, 32)}
+ROUGH_STRIDE = {"preview": 6, "final": 3}
 
 
 def is_shown(stack: Stack) -> bool:
