@@ -90,7 +90,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
     height = lut_image.height_of(lut, eevee)
     used = [closures[index] for index in used_closures(lut)]
     covered = is_covered(closures)
-    strips = covered_graph.by_closure(used) if covered else {name: [name] for name in used}
+    strips = covered_graph.by_closure(used) if covered else _by_closure(used)
     recipes = [recipe_of(lobe_of(name)) for name in strips]
 
     inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
@@ -118,6 +118,8 @@ def _draw(graph, lut, eevee, image, recipe_of):
         for multiple in recipe.view_angles.values():
             directions.view_angle(multiple)
 
+    textures = {}
+
     def look_up(corner, index, column, line, label):
         texture = graph.node("ShaderNodeTexImage", column + 1, line, label)
         texture.image = image
@@ -125,6 +127,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
         texture.texture_mapping.scale = ((columns - 1) / columns / (math.pi / 2), 1.0, 1.0)
         texture.texture_mapping.translation = (0.5 / columns, (index * strip_rows + 0.5) / height, 0.0)
         graph.link(corner, texture.inputs[0])
+        textures.setdefault(index, []).append(texture)
         return texture.outputs["Color"]
 
     around = roughness_graph.around(graph, inputs, corner.outputs[0], v, roughness_rows(lut), rows / height,
@@ -138,17 +141,28 @@ def _draw(graph, lut, eevee, image, recipe_of):
         lower, upper = (look_up(one, index, column, line, label) for one in around.corners)
         return graph.mix("VECTOR", column + 1.6, line, "between", around.share, lower, upper)
 
+    def alpha(name, column, line, label):
+        """The alpha of a strip, which another closure may have read already."""
+        index = closures.index(name)
+        if index not in textures:
+            strip(name, column, line, label)
+        read = [texture.outputs["Alpha"] for texture in textures[index]]
+        if len(read) == 1:
+            return read[0]
+        return graph.mix("FLOAT", column + 1.6, line, "between", around.share, *read)
+
     graph.begin_frame("Texels for Eevee", ANGLE_COLOUR)
     chooser = eevee_graph.is_eevee(graph)
     places, share = ([v], None) if around is None else (around.places, around.share)
     varies = rows > 1 or (around is not None and share is None)
     texels = eevee_lookup.Texels(graph, image, angle, columns, places, height, strip_rows, varies, share)
 
-    def of_both(name, line, label):
-        """A strip that Cycles and Eevee share."""
-        value = strip(name, 7, line, label)
+    def of_both(name, line, label, number=None):
+        """A strip that Cycles and Eevee share. `number`: where Cycles finds it, if not in the strip."""
+        value = strip(name, 7, line, label) if number is None else number
         (exact,) = texels.read(closures.index(name), 7, line, f"{eevee_graph.LABEL} {label}", alpha=False)
-        return eevee_graph.chosen_value(graph, line, chooser, value, exact)
+        kind = "RGBA" if number is None else "FLOAT"
+        return eevee_graph.chosen_value(graph, line, chooser, value, exact, kind)
 
     gains = {}
     for prefix in ("", METAL):
@@ -165,9 +179,10 @@ def _draw(graph, lut, eevee, image, recipe_of):
     totals = {}
     for line, ((name, names), recipe) in enumerate(zip(strips.items(), recipes, strict=True)):
         prefix = METAL if name.startswith(METAL) else ""
-        weight = factors.total(line, names) if covered else strip(name, 7, line, f"weight {name}")
-        if name.removeprefix(prefix).startswith(PREFIX):
-            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gains[prefix])
+        if covered:
+            weight = factors.total(line, names)
+        else:
+            weight = _weight(graph, line, names, strip, prefix + PREFIX, gains.get(prefix))
         if recipe.weight_input == "Coat Tint":
             weight = eevee_graph.dark(graph, line, chooser, weight)
         elif covered:
@@ -188,7 +203,8 @@ def _draw(graph, lut, eevee, image, recipe_of):
         if METAL in totals:
             metallic = inputs.outputs["Metallic"]
             total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", metallic, total, totals[METAL])
-        weight = of_both(PRINCIPLED, -2, "w")
+        held = alpha(lut_image.holder_of_principled(lut), 7, -2, "w")
+        weight = of_both(PRINCIPLED, -2, "w", held)
         total = principled_graph.beside(graph, lut, inputs, normal, weight, total)
     if BASE_WEIGHT in closures:
         graph.begin_frame("Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
@@ -203,6 +219,31 @@ def _draw(graph, lut, eevee, image, recipe_of):
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
     thin_sheet.draw(graph, lut, output)
+
+
+def _by_closure(names):
+    """{strip: all strips of the same closure}: the light over a black base and the light that its color adds
+    may have the same closure. Closures of a metal stay apart, since Cycles leaves those out where Metallic
+    is 0."""
+    found = {}
+    for name in names:
+        found.setdefault((name.startswith(METAL), lobe_of(name)), []).append(name)
+    return {same[0]: same for same in found.values()}
+
+
+def _weight(graph, line, names, strip, colored, gain):
+    """The sum of the strips `names`, those with the prefix `colored` times `gain`."""
+    total = None
+    for number, name in enumerate(names):
+        place = line + 0.2 * number
+        weight = strip(name, 7, place, f"weight {name}")
+        if not name.startswith(colored):
+            total = weight if total is None else graph.vector("ADD", 9.2, place, "sum", weight, total)
+        elif total is None:
+            total = graph.vector("MULTIPLY", 9.2, place, "of the base", weight, gain)
+        else:
+            total = graph.vector("MULTIPLY_ADD", 9.2, place, "and of the base", weight, gain, total)
+    return total
 
 
 def _again_and_again(graph, line, label, weight, colour, thrown_back):

@@ -65,9 +65,9 @@ def chosen(graph, line, chooser, cycles, eevee):
     return shader
 
 
-def chosen_value(graph, line, chooser, cycles, eevee):
-    """The same of two colors."""
-    value = graph.mix("RGBA", 8.6, line, "Cycles or Eevee", chooser, cycles, eevee)
+def chosen_value(graph, line, chooser, cycles, eevee, kind="RGBA"):
+    """The same of two colors, or of two numbers with the `kind` "FLOAT"."""
+    value = graph.mix(kind, 8.6, line, "Cycles or Eevee", chooser, cycles, eevee)
     value.node.inputs[0].default_value = 0.0
     return value
 

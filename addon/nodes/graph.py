@@ -61,11 +61,11 @@ class Graph:
         return node.outputs["Vector"]
 
     def mix(self, kind, column, row, label, share, first, second):
-        """`first` at the share 0, `second` at 1. `kind`: "RGBA" or "VECTOR". Returns the output socket.
-        Cycles leaves the node out if the share is a fixed 0."""
+        """`first` at the share 0, `second` at 1. `kind`: "RGBA", "VECTOR" or "FLOAT". Returns the output
+        socket. Cycles leaves the node out if the share is a fixed 0."""
         node = self.node("ShaderNodeMix", column, row, label)
         node.data_type = kind
-        end = {"RGBA": "Color", "VECTOR": "Vector"}[kind]
+        end = {"RGBA": "Color", "VECTOR": "Vector", "FLOAT": "Float"}[kind]
         sockets = {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
         for name, value in (("Factor_Float", share), (f"A_{end}", first), (f"B_{end}", second)):
             self.set(sockets[name], value)

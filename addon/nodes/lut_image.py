@@ -5,11 +5,15 @@ The height is rounded up to a power of two, so that every texel centre is exact 
 strip bleeds into its neighbour by rounding: weights of two strips may differ a thousandfold.
 The strips of Eevee's closures follow those of the table, in blocks of as many strips, so that the
 strip of a sheet's bottom side is as far above the strip of the top side as in the table.
+
+The weight of a Principled BSDF below is one number for all colors. It is also the alpha of another strip,
+which Cycles reads anyway: each texture less saves some per cent of the render time.
 """
 
 import numpy as np
 
 from ..base import data_image
+from ..kinds.table import PRINCIPLED, THROWN_BACK, lobe_of
 
 
 def eevee_strip(lut, number):
@@ -17,6 +21,13 @@ def eevee_strip(lut, number):
     sides, count = np.shape(lut.weights)[:2]
     block, place = divmod(number, count)
     return sides * count * (1 + block) + place
+
+
+def holder_of_principled(lut):
+    """The strip whose alpha holds the weight of the Principled BSDF: one that is read at all values of the
+    inputs."""
+    names = lut.header["closures"]
+    return THROWN_BACK if THROWN_BACK in names else next(filter(lobe_of, names))
 
 
 def height_of(lut, eevee):
@@ -31,6 +42,10 @@ def create(name, lut, eevee):
     padded = np.zeros((height_of(lut, eevee), width, 4), dtype=np.float32)
     padded[:, :, 3] = 1.0
     padded[:len(texels)] = texels
+    names = lut.header["closures"]
+    if PRINCIPLED in names:
+        first = names.index(holder_of_principled(lut)) * rows
+        padded[first:first + rows, :, 3] = lut.weights[0, names.index(PRINCIPLED), ..., 0]
     for side, strips in enumerate(eevee.texels):
         for number, strip in enumerate(strips):
             first = (eevee_strip(lut, number) + side * count) * rows

@@ -103,7 +103,8 @@ void lamina::bind_fit(py::module_& module) {
   py::class_<SliceTarget>(module, "SliceTarget")
       .def_readonly("column", &SliceTarget::column)
       .def_readonly("norm2", &SliceTarget::norm2)
-      .def_readonly("albedo", &SliceTarget::albedo);
+      .def_readonly("albedo", &SliceTarget::albedo)
+      .def_readwrite("weight", &SliceTarget::weight);
 
   py::class_<SelectionOptions>(module, "SelectionOptions")
       .def(py::init<>())

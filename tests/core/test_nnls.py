@@ -61,6 +61,25 @@ def test_a_mixture_is_found_again():
     assert list(table.select(prepared, options, [], [], POOL).closures) == [1, 3, 4, 7]
 
 
+@pytest.mark.parametrize("weights, expected", [((1.0, 1e-4), 2), ((1e-4, 1.0), 5)])
+def test_a_choice_follows_the_weights_of_the_slices(weights, expected):
+    values, solid_angle, *_ = problem(7, 8)
+    targets = np.stack([values[:, 2], values[:, 5]])
+    table = _core.ClosureTable(values, solid_angle, values @ solid_angle)
+    prepared = table.targets(targets, targets @ solid_angle, POOL)
+    for target, weight in zip(prepared, np.repeat(weights, COLUMNS), strict=True):
+        target.weight = weight
+    options = _core.SelectionOptions()
+    options.closures = 1
+    found = table.select(prepared, options, [], [], POOL)
+    assert list(found.closures) == [expected]
+    # Errors are those of the slices, each times the root of its weight
+    _, errors = table.fit(prepared, [expected], POOL)
+    weighted = errors * np.sqrt(weights)[:, None]
+    assert found.mean_error == pytest.approx(weighted.mean(), rel=1e-6)
+    assert found.worst_error == pytest.approx(weighted.max(), rel=1e-6)
+
+
 def test_nearly_equal_closures_do_not_cancel():
     values, solid_angle, targets, albedo = problem(3, 6)
     values[:, 3] = values[:, 2] * (1.0 + 1e-9)

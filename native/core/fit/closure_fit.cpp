@@ -37,7 +37,6 @@ class Selector {
       candidates_.resize(static_cast<std::size_t>(grams[0].scale.size()));
       std::iota(candidates_.begin(), candidates_.end(), 0);
     }
-    for (const SliceTarget& target : targets_) total_weight_ += target.weight;
   }
 
   Selection run() {
@@ -91,6 +90,7 @@ class Selector {
   [[nodiscard]] Score score(std::span<const int> set, int changed) const {
     Score result;
     const double factor = penalty(set);
+    const auto count = static_cast<double>(targets_.size());
     double sum2 = 0.0;
     double sum = 0.0;
     double worst2 = 0.0;
@@ -99,15 +99,15 @@ class Selector {
       const SliceTarget& target = targets_[s];
       for (Index k = 0; k < x.size(); ++k) x[k] = k < fits_[s].size() && k != changed ? fits_[s][k] : 0.0;
       const double error2 =
-          fit_unit_norm(grams_[static_cast<std::size_t>(target.column)], target, set, options_.fit, x);
-      sum2 += target.weight * error2;
-      sum += target.weight * std::sqrt(error2);
+          target.weight * fit_unit_norm(grams_[static_cast<std::size_t>(target.column)], target, set, options_.fit, x);
+      sum2 += error2;
+      sum += std::sqrt(error2);
       worst2 = std::max(worst2, error2);
       // The sum already exceeds the best; the remaining terms are positive.
-      if (sum2 / total_weight_ * factor > abandon_above_) return result;
+      if (sum2 / count * factor > abandon_above_) return result;
     }
-    result.objective = factor * (sum2 / total_weight_ + options_.worst_share * worst2);
-    result.mean_error = sum / total_weight_;
+    result.objective = factor * (sum2 / count + options_.worst_share * worst2);
+    result.mean_error = sum / count;
     result.worst_error = std::sqrt(worst2);
     return result;
   }
@@ -196,7 +196,6 @@ class Selector {
   const ParallelFor& parallel_for_;
   std::vector<SmallVector> fits_;
   Score score_;
-  double total_weight_ = 0.0;
   double abandon_above_ = std::numeric_limits<double>::infinity();
 };
 

@@ -23,7 +23,7 @@ struct SelectionOptions {
 
 struct Selection {
   std::vector<int> closures;  ///< indices into the dictionary, ascending
-  double mean_error = 0.0;    ///< weighted mean of the slices' relative L2 errors
+  double mean_error = 0.0;    ///< mean of the slices' relative L2 errors, each times the root of the slice's weight
   double worst_error = 0.0;
 };
 

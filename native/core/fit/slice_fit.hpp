@@ -26,7 +26,7 @@ struct SliceTarget {
   int column = 0;       ///< index into the column Grams
   double norm2 = 0.0;   ///< squared norm of the slice
   double albedo = 0.0;  ///< exact directional albedo
-  double weight = 1.0;  ///< share in the selection's objective
+  double weight = 1.0;  ///< factor of the squared relative error in a choice of closures
   Eigen::VectorXd rhs;  ///< D
 };
 

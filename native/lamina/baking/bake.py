@@ -24,6 +24,7 @@ from ..material.stack import Stack
 from ..solver.solve import check_nodes, thread_pool, tolerance_of
 from . import covered_principled, principled_base
 from .base_texture import over_texture
+from .between_rows import LEAST, spread
 from .dropped_weights import folded
 from .fit_report import all_rows, fit_report, fitted_errors
 from .input_error import has_inputs, own_errors, own_slices, range_errors
@@ -40,19 +41,20 @@ from .tau_error import tau_error
 @dataclass(frozen=True)
 class Basis:
     """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together); of
-    a Principled base, beside the BSDF: (for light of the layers, for light that the base's color changes); of a
-    Principled base below an interface: (for diffuse light of the base, for all its light)."""
+    a Principled base, beside the BSDF: (for a fixed color; for a color as an input: for the light over black, for the
+    light that the color adds to a dielectric, and to a metal); of a Principled base below an interface: (for diffuse
+    light of the base, for all its light)."""
 
     reflected: tuple[int, int, int]
     transmitted: tuple[int, int, int]
     textured_base: tuple[int, int, int]
-    principled: tuple[int, int]
+    principled: tuple[int, int, int, int]
     covered: tuple[int, int]
 
 
 CLOSURE_BASES = {
-    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (3, 3), (2, 9)),
-    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (9, 6), (4, 18)),
+    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (5, 3, 2, 4), (2, 9)),
+    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (14, 9, 6, 6), (4, 18)),
 }
 # Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},
@@ -191,7 +193,11 @@ def _principled(stack: Stack, quality: str, basis: str, threads: int, step: Prog
         own = None
         parts, solved, rough = covered_principled.parts(stack, *options, limits.covered, limits.reflected,
                                                         SEARCH[quality])
-    weights, header = _weights(parts, solved), _header(stack, quality, basis, solved, parts)
+    if LEAST <= len(solved.rows) < len(solved.axis) and principled_base.is_shown(stack):
+        weights = _as_table(np.concatenate([spread(one, solved) for one in parts.values()], axis=1))
+    else:
+        weights = _weights(parts, solved)
+    header = _header(stack, quality, basis, solved, parts)
     if rough:
         header["axes"]["roughness"] = {"count": len(rough), "values": rough}
 
@@ -207,8 +213,12 @@ def _principled(stack: Stack, quality: str, basis: str, threads: int, step: Prog
 
 def _weights(parts: dict[str, Mixture], solved: SolvedRows) -> np.ndarray:
     """float32 [side, closure, row, column, R G B]."""
-    weights = np.concatenate([one.weights for one in parts.values()], axis=1)
-    weights = np.moveaxis(all_rows(weights, solved, 2), 3, 4)
+    return _as_table(all_rows(np.concatenate([one.weights for one in parts.values()], axis=1), solved, 2))
+
+
+def _as_table(weights: np.ndarray) -> np.ndarray:
+    """float32 [side, closure, row, column, R G B], from [side, closure, row, channel, column]."""
+    weights = np.moveaxis(weights, 3, 4)
     return np.ascontiguousarray(np.broadcast_to(weights, (*weights.shape[:4], 3)), np.float32)
 
 

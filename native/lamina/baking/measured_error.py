@@ -110,8 +110,9 @@ def _values(ids: tuple[str, ...], grid: LightGrid, stride: int) -> np.ndarray:
     return sampled(ids, grid, stride)
 
 
+@functools.lru_cache(maxsize=1)
 def _bare(base: PrincipledBase, gauge: Gauge) -> Slices:
-    """The slices of the base without layers."""
+    """The slices of the base without layers. Kept for the albedo, which is measured after the slices."""
     bare = solve_rows(Stack([], replace(base, inputs=())), gauge.quality, gauge.threads, silent)
     seen = gauge.seen(bare, silent)  # a color from the table has three channels, also where all are equal
 

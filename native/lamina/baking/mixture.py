@@ -63,13 +63,16 @@ class FittedMixture(Mixture):
 
 
 def mix(kind: str, wanted: Slices, grid: LightGrid, effort: Effort, pool, step: Progress, *, made: Sequence[str] = (),
-        given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = ()) -> FittedMixture:
+        given: Sequence[str] = (), mixed: bool = False, fixed: Sequence[str] = (),
+        whole: np.ndarray | None = None, rows: Sequence[int] | None = None) -> FittedMixture:
     """Chooses closures of a kind, from the dictionary and from those `made` for the lobes of boundaries, and fits them
     to all slices. `given` closures are fitted without a choice; all of them are ignored if one was made for other
     lobes, or if they leave a view without a closure. `mixed`: the material both reflects and transmits. `fixed`
-    closures are part of every choice, which may then hold a few more."""
+    closures are part of every choice, which may then hold a few more. `whole` [side, row, channel, column]: the norms
+    that errors of the choice are relative to, where the slices are only a part of the light; by default those of the
+    slices. `rows`: those of the choice, by default every `effort.row_stride`-th."""
     given = list(given) if all(":" not in name or name in made for name in given) else []
-    choice = _Choice(kind, grid, effort, pool, step, tuple(made), mixed, fixed)
+    choice = _Choice(kind, grid, effort, pool, step, tuple(made), mixed, fixed, whole, rows)
     values, albedo = wanted.values, wanted.albedo
     parts, share = [], 1.0
     left = errors = np.ones(albedo.shape)
@@ -118,11 +121,13 @@ class _Choice:
     kind: str
     grid: LightGrid
     effort: Effort
-    pool: object
+    pool: _core.ThreadPool
     step: Progress
     made: tuple[str, ...]
     mixed: bool
     fixed: Sequence[str]
+    whole: np.ndarray | None
+    rows: Sequence[int] | None
 
     def of(self, values, albedo, count: int, allowed, accurate: float, for_lobes: bool = False) -> list[str]:
         """At most `count` closures for these slices, or more beside fixed ones. `allowed(name)`: true if a closure may
@@ -135,7 +140,27 @@ class _Choice:
         if kept:
             beside = LOBES_BESIDE_FIXED if for_lobes else min(BESIDE_FIXED, count)
             count = min(max(count, len(kept) + beside), _core.MAX_CLOSURES)
-        return _choose(basis, values, albedo, count, self.effort, candidates, kept, self.pool, accurate)
+        return self._choose(basis, values, albedo, count, candidates, kept, accurate)
+
+    def _choose(self, basis: Closures, values, albedo, count: int, candidates, fixed, accurate: float) -> list[str]:
+        """The closures, including `fixed`, that fit all slices best: one choice for the whole material."""
+        last, effort = albedo.shape[1] - 1, self.effort
+        rows = sorted({*range(0, last, effort.row_stride), last}) if self.rows is None else list(self.rows)
+        stride = effort.column_stride
+        targets = _targets(basis, values[:, rows, :, ::stride], albedo[:, rows, :, ::stride], self.pool)
+        if self.whole is not None:
+            for target, whole in zip(targets, self.whole[:, rows, :, ::stride].ravel(), strict=True):
+                target.weight = target.norm2 / whole**2 if whole > 0.0 else 0.0
+        targets = [target for target in targets if target.norm2 > 0.0]
+        if not targets:
+            return [basis.ids[candidates[0]]]
+        options = _core.SelectionOptions()
+        options.closures = min(count, len(candidates))
+        options.overshoot, options.swap_passes = effort.overshoot, effort.exchanges
+        options.target_error = accurate
+        principled = [lobes.by_id(name).node.type == "ShaderNodeBsdfPrincipled" for name in basis.ids]
+        options.penalty = [PRINCIPLED_PENALTY if slow else 1.0 for slow in principled]
+        return [basis.ids[k] for k in basis.table.select(targets, options, candidates, fixed, self.pool).closures]
 
 
 def _fit_lobes(wanted: Slices, choice: _Choice, own: list[str]) -> _Fitted:
@@ -160,6 +185,11 @@ def reweighted(mixture: FittedMixture, weights: np.ndarray, wanted: Slices, grid
     whole = norms(wanted.values, grid)
     errors = norms(wanted.values - fitted.values(), grid) / np.where(whole > 0.0, whole, 1.0)
     return replace(mixture, weights=weights, errors=np.where(wanted.albedo > 0.0, errors, np.nan))
+
+
+def values_of(mixture: Mixture, grid: LightGrid) -> np.ndarray:
+    """The values of a mixture over a base, [side, row, channel, column, light]."""
+    return _Fitted(only(grid, False, tuple(mixture.closures)), mixture.weights).values()
 
 
 class _Fitted:
@@ -204,25 +234,6 @@ def _targets(basis: Closures, values: np.ndarray, albedo: np.ndarray, pool):
     columns = albedo.shape[3]
     flat = np.ascontiguousarray(values).reshape(-1, columns, values.shape[-1])
     return basis.table.targets(flat, np.ascontiguousarray(albedo).reshape(-1, columns), pool)
-
-
-def _choose(basis: Closures, values, albedo, count: int, effort: Effort, candidates, fixed, pool,
-            accurate) -> list[str]:
-    """The closures, including `fixed`, that fit all slices best: one choice for the whole material."""
-    rows = albedo.shape[1]
-    kept = sorted({*range(0, rows, effort.row_stride), rows - 1})
-    stride = effort.column_stride
-    targets = _targets(basis, values[:, kept, :, ::stride], albedo[:, kept, :, ::stride], pool)
-    targets = [target for target in targets if target.norm2 > 0.0]
-    if not targets:
-        return [basis.ids[candidates[0]]]
-    options = _core.SelectionOptions()
-    options.closures = min(count, len(candidates))
-    options.overshoot, options.swap_passes = effort.overshoot, effort.exchanges
-    options.target_error = accurate
-    principled = [lobes.by_id(name).node.type == "ShaderNodeBsdfPrincipled" for name in basis.ids]
-    options.penalty = [PRINCIPLED_PENALTY if slow else 1.0 for slow in principled]
-    return [basis.ids[k] for k in basis.table.select(targets, options, candidates, fixed, pool).closures]
 
 
 def norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:

@@ -31,17 +31,22 @@ from ..material.stack import Stack
 from ..solver.solve import thread_pool
 from . import geometric_series
 from .dropped_weights import folded
-from .mixture import Effort, Mixture, mix
+from .mixture import Effort, Mixture, mix, norms, values_of
 from .slices import Slices, SolvedRows, along_rows, slices, solve_rows
 
 # Widths of closures for lobes that the layers broaden, beside those of the dictionary.
 BROADENED = tuple(f"ggx:{alpha:g}" for alpha in (0.15, 0.22, 0.32, 0.45))
-# From this width on, the difference between the attenuated lobe and w times the lobe is fitted too: the lights of a
-# narrower lobe have nearly one cosine.
-BROAD = 0.15
+# From this width on, the difference between the attenuated lobe and w times the lobe is fitted too, and counts in the
+# report. The light grid does not resolve narrower lobes, whose lights have nearly one cosine.
+BROAD = 0.05
 # A rest below this share of the albedo is rounding, as in the row without layers.
 NEGLIGIBLE = 1e-5
-# With roughness as an input, only every so many rows of thickness are solved; the others are interpolated.
+# Colors over which errors are weighed in the choice of closures for a color input. Black is not among them: over a
+# black metal there is so little light that its errors alone would decide.
+COLORS = (0.05, 0.5, 0.95)
+# With roughness as an input, only these rows of thickness are solved, unless a larger stride was asked for; the others
+# are interpolated. At grazing views, thin layers change fastest.
+ROUGH_ROWS = {"preview": (0, 2, 6, 12, 18, 25, 32), "final": (0, 1, 3, 6, 9, 12, 15, 18, 21, 25, 29, 32)}
 ROUGH_STRIDE = {"preview": 6, "final": 3}
 
 
@@ -52,23 +57,26 @@ def is_shown(stack: Stack) -> bool:
 
 @dataclass(frozen=True)
 class _Rests:
-    """The rests of one metallic value: for the own color, or for black; and what a color adds. `thrown_back`: r,
-    [side, row, channel, column]."""
+    """The rests of one metallic value: for the own color, or for black; and what a color adds. `whole2`: squared norms
+    of V, [color, side, row, channel, column], for the own color or at each of COLORS. `thrown_back`: r, [side, row,
+    channel, column]."""
 
     dark: Slices
+    whole2: np.ndarray
     added: Slices | None = None
     thrown_back: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
 class _Work:
-    """What all variants of a stack share. `weight`: w, [row, column]."""
+    """What all variants of a stack share. `rows`: those of thickness that are solved, or None for every `stride`-th."""
 
     stack: Stack
     base: PrincipledBase
     quality: str
     threads: int
     stride: int
+    rows: tuple[int, ...] | None
     nodes: int | None
     grid: LightGrid
     pool: object
@@ -81,7 +89,7 @@ class _Work:
         """(the stack, the bare base) with other values."""
         base = replace(self.base, metallic=metallic, color=color, inputs=())
         layered = self.stack.with_facets(self.stack.layers, base)
-        return (solve_rows(layered, self.quality, self.threads, step, self.stride, self.nodes),
+        return (solve_rows(layered, self.quality, self.threads, step, self.stride, self.nodes, self.rows),
                 solve_rows(Stack([], base), self.quality, self.threads, step, 1, self.nodes))
 
     def rest(self, solved: SolvedRows, bare: SolvedRows, weight: np.ndarray, step: Progress) -> tuple[Slices, Slices]:
@@ -99,15 +107,15 @@ class _Work:
 
 
 def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int, nodes: int | None,
-          given: dict[str, list[str]], counts: tuple[int, int], search: dict):
+          given: dict[str, list[str]], counts: tuple[int, int, int, int], search: dict):
     """(parts of the table by kind, the solved rows, the roughnesses of the table's axis, the slices at the base's own
-    values if it has no inputs, or None). Raises StackError."""
+    values if it has no inputs, or None). `counts`: largest numbers of closures, see bake.Basis. Raises StackError."""
     base = stack.base
     assert isinstance(base, PrincipledBase)
     roughnesses = roughness_rows() if "roughness" in base.inputs else [base.roughness]
-    if len(roughnesses) > 1:
-        stride = max(stride, ROUGH_STRIDE[quality])
-    work = _Work(stack, base, quality, threads, stride, nodes, grid_for(quality, None), thread_pool(threads))
+    few = stack.varying is not None and len(roughnesses) > 1 and stride < ROUGH_STRIDE[quality]
+    rows = ROUGH_ROWS[quality] if few else None
+    work = _Work(stack, base, quality, threads, stride, rows, nodes, grid_for(quality, None), thread_pool(threads))
     ends = (0.0, 1.0) if "metallic" in base.inputs else (base.metallic,)
     table: dict[str, Mixture] = {}
     for number, metallic in enumerate(ends):
@@ -119,8 +127,10 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
         solved, weight, rests, values = _joined(found)
         if not number:
             table[PRINCIPLED] = Mixture([PRINCIPLED], _as_strip(weight, rests.dark.albedo.shape))
-        shares = counts if rests.added is not None else (sum(counts) - 1, 0)
-        table |= _fitted(work, rests, given, prefix, shares, search, portion(share, 0.7, 1.0))
+        fixed, dark, of_dielectric, of_metal = counts
+        colored = rests.added is not None
+        numbers = (dark, of_metal if metallic > 0.0 else of_dielectric) if colored else (fixed, 0)
+        table |= _fitted(work, rests, given, prefix, numbers, search, solved.rows, portion(share, 0.7, 1.0))
     return table, solved, roughnesses if len(roughnesses) > 1 else [], None if base.inputs else values
 
 
@@ -134,7 +144,8 @@ def _joined(found: list[tuple]) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]
     solved, weights, rests, values = zip(*found, strict=True)
     added = [rest.added for rest in rests if rest.added is not None]
     thrown_back = [rest.thrown_back for rest in rests if rest.thrown_back is not None]
-    joined = _Rests(along_rows([rest.dark for rest in rests]), along_rows(added) if added else None,
+    joined = _Rests(along_rows([rest.dark for rest in rests]), np.concatenate([rest.whole2 for rest in rests], axis=2),
+                    along_rows(added) if added else None,
                     np.concatenate(thrown_back, axis=1) if thrown_back else None)
     return solved[-1], np.concatenate(weights), joined, values[0]
 
@@ -145,10 +156,10 @@ def _rests(work: _Work, metallic: float, step: Progress) -> tuple[SolvedRows, np
         solved, bare = work.solved(metallic, work.base.color, portion(step, 0.0, 0.3))
         weight = attenuations(work.stack, work.base, solved)
         dark, values = work.rest(solved, bare, weight, portion(step, 0.3, 1.0))
-        return solved, weight, _Rests(dark), values
+        return solved, weight, _Rests(dark, norms(values.values, work.grid)[None] ** 2), values
     solved, bare = work.solved(metallic, 0.0, portion(step, 0.0, 0.1))
     weight = attenuations(work.stack, work.base, solved)
-    dark, _ = work.rest(solved, bare, weight, portion(step, 0.1, 0.4))
+    dark, black = work.rest(solved, bare, weight, portion(step, 0.1, 0.4))
     solved, bare = work.solved(metallic, 1.0, portion(step, 0.4, 0.5))
     light, values = work.rest(solved, bare, weight, portion(step, 0.5, 0.8))
     half = _albedo_of_rest(*work.solved(metallic, 0.5, portion(step, 0.8, 0.9)), weight)
@@ -158,7 +169,15 @@ def _rests(work: _Work, metallic: float, step: Progress) -> tuple[SolvedRows, np
     albedo = np.where(albedo > NEGLIGIBLE * values.whole, albedo, 0.0)
     change = np.where(albedo[..., None] > 0.0, (light.values - dark.values) * share[..., None], 0.0)
     added = Slices(change, albedo, None, np.zeros_like(albedo))
-    return solved, weight, _Rests(dark, added, thrown_back), values
+    # V at a color, from V at black and at white, as the rest
+    whole2 = [norms(black.values + (color_gain * share)[..., None] * (values.values - black.values), work.grid) ** 2
+              for color_gain in _gains(thrown_back)]
+    return solved, weight, _Rests(dark, np.array(whole2), added, thrown_back), values
+
+
+def _gains(thrown_back: np.ndarray) -> np.ndarray:
+    """c / (1 - c r) for each of COLORS, [color, side, row, channel, column]."""
+    return np.array([geometric_series.gain(color, thrown_back) for color in COLORS])
 
 
 def _albedo_of_rest(solved: SolvedRows, bare: SolvedRows, weight: np.ndarray) -> np.ndarray:
@@ -204,19 +223,41 @@ def _as_strip(weight: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return np.broadcast_to(weight[None, None, :, None, :], (sides, 1, rows, channels, columns))
 
 
+def _rows_of_choice(thicknesses: Sequence[int], rows: int, stride: int) -> list[int]:
+    """The rows for the choice of closures: about every `stride`-th thickness and the last, at each roughness.
+    `thicknesses`: those that were solved, as rows of the table; `rows`: of all roughnesses."""
+    count = len(thicknesses)
+    kept = {int(np.abs(np.asarray(thicknesses) - row).argmin()) for row in range(stride, thicknesses[-1] + 1, stride)}
+    return sorted(first + row for first in range(0, rows, count) for row in {*kept, count - 1})
+
+
 def _fitted(work: _Work, rests: _Rests, given: dict[str, list[str]], prefix: str, counts: tuple[int, int],
-            search: dict, step: Progress) -> dict[str, Mixture]:
-    """The parts of the table by kind, with closures fitted to the rests of one metallic value."""
-    def fit(wanted: Slices, count: int, names: Sequence[str], step: Progress) -> Mixture:
+            search: dict, thicknesses: Sequence[int], step: Progress) -> dict[str, Mixture]:
+    """The parts of the table by kind, with closures fitted to the rests of one metallic value. Errors of the choice are
+    relative to all light of the stack, in the root mean square over colors: of thin layers the rest is a small part,
+    and its error too."""
+    def fit(wanted: Slices, weight: np.ndarray, count: int, names: Sequence[str], step: Progress) -> Mixture:
         effort = Effort(0, count, count, **search)
-        fitted = mix("reflection", wanted, work.grid, effort, work.pool, step, made=BROADENED, given=names)
+        whole = np.where(weight > 0.0, 1.0 / np.sqrt(np.where(weight > 0.0, weight, 1.0)), 0.0)
+        fitted = mix("reflection", wanted, work.grid, effort, work.pool, step, made=BROADENED, given=names, whole=whole,
+                     rows=rows)
         return folded(fitted, wanted, work.grid, False)
 
-    dark = fit(rests.dark, counts[0], given[prefix or "reflection"], portion(step, 0.0, 0.6))
+    rows = _rows_of_choice(thicknesses, rests.dark.albedo.shape[1], search["row_stride"])
+    inverse = np.where(rests.whole2 > 0.0, 1.0 / np.where(rests.whole2 > 0.0, rests.whole2, 1.0), 0.0)
+    dark = fit(rests.dark, inverse.mean(axis=0), counts[0], given[prefix or "reflection"], portion(step, 0.0, 0.6))
     found = {prefix or "reflection": Mixture([prefix + name for name in dark.closures], dark.weights)}
     if rests.added is not None:
         assert rests.thrown_back is not None
-        added = fit(rests.added, counts[1], given[prefix + PREFIX if prefix else "base"], portion(step, 0.6, 1.0))
+        gains = _gains(rests.thrown_back)
+        weight = (gains**2 * inverse).mean(axis=0)
+        # The error e of the fit over black remains at all colors. The closures for the light that a color c adds, with
+        # the factor g, take over what they can: of the sum of |e + s g e|^2 / |V|^2 over colors, the best s
+        share = (gains * inverse).mean(axis=0) / np.where(weight > 0.0, weight, 1.0)
+        missed = rests.dark.values - values_of(dark, work.grid)
+        lit = rests.added.albedo > 0.0
+        wanted = replace(rests.added, values=rests.added.values + (share * lit)[..., None] * missed)
+        added = fit(wanted, weight, counts[1], given[prefix + PREFIX if prefix else "base"], portion(step, 0.6, 1.0))
         found[prefix + PREFIX] = Mixture([prefix + PREFIX + name for name in added.closures], added.weights)
         found[prefix + THROWN_BACK] = Mixture([prefix + THROWN_BACK], rests.thrown_back[:, None])
     return found

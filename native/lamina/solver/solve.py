@@ -152,8 +152,10 @@ def _index_above_base(stack: Stack, index: int) -> float:
     return indices[-1] if indices else 1.0
 
 
+@functools.lru_cache(maxsize=16)
 def core_base(base: tuple) -> _core.Base:
-    """The core's base of the (name, parameters...) in the key of core_stack."""
+    """The core's base of the (name, parameters...) in the key of core_stack. Channels of equal color share one: the
+    albedos of a Principled base take longer than the solve."""
     name, *parameters = base
     return getattr(_core.Base, name)(*parameters)
 

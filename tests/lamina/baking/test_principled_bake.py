@@ -2,11 +2,18 @@
 """Tables of Principled bases without Blender: the strip of the BSDF, the axes, and what is refused. Values are measured
 in Cycles by tests/cycles/test_principled_base.py."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import lamina
 from lamina import HenyeyGreenstein, Interface, Lut, Medium, PrincipledBase, Stack
+from lamina.baking.between_rows import spread
+from lamina.baking.mixture import Mixture
+from lamina.baking.principled_base import ROUGH_ROWS
+from lamina.baking.slices import SolvedRows
+from lamina.closures.closure_table import view_cosines
 from lamina.kinds.table import METAL, PRINCIPLED, ROUGHNESS_ROWS, TAU_ROWS, THROWN_BACK
 
 DUST = Medium(albedo=[0.9, 0.8, 0.7], tau=1.0, phase=HenyeyGreenstein(0.5), varying=True)
@@ -43,6 +50,40 @@ def test_the_axes_and_strips_of_inputs(tmp_path):
     assert np.array_equal(again.weights, lut.weights) and again.header == lut.header
     # The closures of an earlier table give the same layout.
     assert lamina.bake(Stack([DUST], base), "preview", row_stride=16, closures=lut.closures).closures == lut.closures
+
+
+def test_a_metal_with_a_color_input_is_fitted_nearly_as_well_as_with_a_fixed_color():
+    base = PrincipledBase(color=[0.8, 0.4, 0.1], metallic=1.0, roughness=0.35)
+    dust = replace(DUST, albedo=[0.9, 0.88, 0.84], tau=2.0, phase=HenyeyGreenstein(0.6))
+    fixed, colored = (lamina.bake(Stack([dust], replace(base, inputs=inputs)), "preview").report["row_errors"]
+                      for inputs in ((), ("color",)))
+    for row in np.searchsorted(fixed["tau"], (0.1, 0.5, 2.0)):
+        assert colored["mean"][row] < 1.4 * fixed["mean"][row], fixed["tau"][row]
+
+
+@pytest.mark.parametrize("inputs", [("color", "roughness"), ("roughness",)])
+def test_the_albedo_between_solved_thicknesses(inputs):
+    base = PrincipledBase(color=0.6, metallic=1.0, roughness=0.4, inputs=inputs)  # 0.4 is a row of the table
+    lut = lamina.bake(Stack([DUST], base), "preview")
+    mu, tau = np.array([0.9, 0.5, 0.2]), lut.header["axes"]["tau"]["values"]
+    for row in (1, 4, 9, 15, 22, 29):
+        assert row not in ROUGH_ROWS["preview"]
+        exact = lamina.solve(Stack([replace(DUST, tau=tau[row], varying=False)], replace(base, inputs=())))
+        assert lut.reflectance(mu, tau=tau[row]) == pytest.approx(exact.reflectance(mu), rel=0.01)
+
+
+def test_splines_keep_the_albedo_and_the_sign():
+    axis = list(range(TAU_ROWS))
+    solved = SolvedRows(axis, [0, 2, 6, 12, 18, 25, 32], [], [], ["top"], False)
+    rows, columns = np.array(axis) / 32.0, len(view_cosines())
+    # One closure enters where another leaves; the sum is a cubic
+    enters = np.maximum(rows - 0.4, 0.0) ** 2
+    exact = np.stack([1.0 + rows - rows**3 - enters, enters])
+    known = np.broadcast_to(exact[None, :, solved.rows, None, None], (1, 2, len(solved.rows), 1, columns))
+    found = spread(Mixture(["diffuse", "diffuse"], known), solved)[0, :, :, 0]
+    assert found.min() == 0.0
+    assert found[:, solved.rows] == pytest.approx(np.repeat(exact[:, solved.rows, None], columns, axis=2), abs=1e-12)
+    assert found.sum(axis=0) == pytest.approx(np.repeat(exact.sum(axis=0)[:, None], columns, axis=1), abs=1e-12)
 
 
 @pytest.mark.parametrize("stack", [Stack([DUST], PrincipledBase()),
