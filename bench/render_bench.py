@@ -180,9 +180,11 @@ def _facts(lut):
     """The columns that describe a table; empty for materials that are not baked."""
     if lut is None:
         return {}
-    # Of a base below an interface, all strips of one closure are added before the closure is evaluated.
-    added = kinds_table.is_covered(lut.closures)
-    drawn = {lobe if added else name for name in lut.closures if (lobe := kinds_table.lobe_of(name))}
+    # All strips of one closure are added before the closure is evaluated; those of a metal stay apart, except below an
+    # interface.
+    apart = not kinds_table.is_covered(lut.closures)
+    drawn = {(apart and name.startswith(kinds_table.METAL), lobe)
+             for name in lut.closures if (lobe := kinds_table.lobe_of(name))}
     return {"closures": len(drawn), "fit_error": lut.report["fit_error"], "ids": lut.closures}
 
 
