@@ -134,9 +134,15 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
 def _profile(beam: Searchlight, r: np.ndarray, first: FirstOrders | None) -> np.ndarray:
     """Flux density at `r` of the light through the portal, shape (r, channels)."""
     density = beam.profile(r).reshape(len(r), -1)
-    if first is not None:
-        density = density - np.stack([first.density(r, c) for c in range(density.shape[1])], axis=1)
-    return np.maximum(density, 0.0)
+    if first is None:
+        return np.maximum(density, 0.0)
+    density = density - np.stack([first.density(r, c) for c in range(density.shape[1])], axis=1)
+    # Near the entry nearly all light belongs to the first orders, and the errors of both may make the difference
+    # negative. The flux within a distance becomes the mean of the least monotone function above and the largest below.
+    flux = np.maximum(plane_rings.within(r, density), 0.0)
+    above = np.maximum.accumulate(flux)
+    below = np.minimum.accumulate(flux[::-1])[::-1]
+    return np.diff(0.5 * (above + below), axis=0, prepend=0.0) / plane_rings.areas(r)[:, None]
 
 
 def _quantiles(r: np.ndarray, light: np.ndarray) -> Sources:
