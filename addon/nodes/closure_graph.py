@@ -25,6 +25,7 @@ from . import (
     roughness_graph,
     shader_base_graph,
     side_graph,
+    strip_sum,
     thin_sheet,
 )
 from .graph import Graph
@@ -90,7 +91,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
     height = lut_image.height_of(lut, eevee)
     used = [closures[index] for index in used_closures(lut)]
     covered = is_covered(closures)
-    strips = covered_graph.by_closure(used) if covered else _by_closure(used)
+    strips = strip_sum.by_closure(used, metals_apart=not covered)
     recipes = [recipe_of(lobe_of(name)) for name in strips]
 
     inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
@@ -174,15 +175,20 @@ def _draw(graph, lut, eevee, image, recipe_of):
     if covered:
         graph.begin_frame("Factors of the base below: metallic, and color, again and again", BASE_COLOUR)
         factors = covered_graph.Factors(graph, lut, inputs, strip)
+
+    def factor_of(name):
+        if covered:
+            return factors.of(name)
+        prefix = METAL if name.startswith(METAL) else ""
+        return gains[prefix] if name.startswith(prefix + PREFIX) else None
+
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
     widths = covered_graph.Widths(graph, inputs)
     totals = {}
     for line, ((name, names), recipe) in enumerate(zip(strips.items(), recipes, strict=True)):
+        name = lobe_of(name) if covered else name
         prefix = METAL if name.startswith(METAL) else ""
-        if covered:
-            weight = factors.total(line, names)
-        else:
-            weight = _weight(graph, line, names, strip, prefix + PREFIX, gains.get(prefix))
+        weight = strip_sum.weighted(graph, line, names, strip, factor_of)
         if recipe.weight_input == "Coat Tint":
             weight = eevee_graph.dark(graph, line, chooser, weight)
         elif covered:
@@ -219,31 +225,6 @@ def _draw(graph, lut, eevee, image, recipe_of):
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
     thin_sheet.draw(graph, lut, output)
-
-
-def _by_closure(names):
-    """{strip: all strips of the same closure}: the light over a black base and the light that its color adds
-    may have the same closure. Closures of a metal stay apart, since Cycles leaves those out where Metallic
-    is 0."""
-    found = {}
-    for name in names:
-        found.setdefault((name.startswith(METAL), lobe_of(name)), []).append(name)
-    return {same[0]: same for same in found.values()}
-
-
-def _weight(graph, line, names, strip, colored, gain):
-    """The sum of the strips `names`, those with the prefix `colored` times `gain`."""
-    total = None
-    for number, name in enumerate(names):
-        place = line + 0.2 * number
-        weight = strip(name, 7, place, f"weight {name}")
-        if not name.startswith(colored):
-            total = weight if total is None else graph.vector("ADD", 9.2, place, "sum", weight, total)
-        elif total is None:
-            total = graph.vector("MULTIPLY", 9.2, place, "of the base", weight, gain)
-        else:
-            total = graph.vector("MULTIPLY_ADD", 9.2, place, "and of the base", weight, gain, total)
-    return total
 
 
 def _again_and_again(graph, line, label, weight, colour, thrown_back):

@@ -1,18 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Principled base below an interface: the weights of its closures, from all strips of each closure and the
-inputs of the base. See lamina.baking.covered_principled for the formulas."""
+"""A Principled base below an interface: the factors of the strips of its closures, from the inputs of the
+base. See lamina.baking.covered_principled for the formulas."""
 
 from ..kinds.table import AGAIN, DARK, FIRST, METAL, THROWN_BACK, TRAPPED, lobe_of
 from . import principled
 from .graph import rgba
-
-
-def by_closure(names):
-    """{closure: the strips that hold its weight}, from the names of strips."""
-    found = {}
-    for name in names:
-        found.setdefault(lobe_of(name), []).append(name)
-    return found
 
 
 class Factors:
@@ -40,19 +32,9 @@ class Factors:
                 self._of[prefix + FIRST] = once
                 self._of[prefix + AGAIN] = self._repeated(line, color, once, thrown_back)
 
-    def total(self, line, names):
-        """The sum of these strips, each times its factor."""
-        graph, total = self._graph, None
-        for number, name in enumerate(names):
-            weight = self._strip(name, 7, line + 0.2 * number, f"weight {name}")
-            factor = self._of.get(name.removesuffix(lobe_of(name)))
-            if total is not None:
-                total = graph.vector("MULTIPLY_ADD", 9.4, line, "sum", weight, _vector(factor), total)
-            elif factor is not None:
-                total = graph.vector("MULTIPLY", 9.4, line, "part", weight, factor)
-            else:
-                total = weight
-        return total
+    def of(self, name):
+        """The factor of a strip."""
+        return self._of.get(name.removesuffix(lobe_of(name)))
 
     def _input(self, name):
         """The socket of an input, or the number that the stack has."""
@@ -85,10 +67,6 @@ class Factors:
         share = graph.vector("DIVIDE", 11.4, line + 1, "(1 - r) / (1 - c r)", leaves, rest)
         part = graph.vector("MULTIPLY", 11.4, line, "c", share, color)
         return graph.vector("MULTIPLY", 12, line, "again", part, once)
-
-
-def _vector(factor):
-    return (1.0, 1.0, 1.0) if factor is None else factor
 
 
 class Widths:
