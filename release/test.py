@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Run tests with the wheels of `make release`: Windows' under wine, ARM's under qemu, Linux's with glibc 2.31.
+"""Run tests with the wheels of `make release`: Windows' under wine, ARM's under qemu, Linux's on this machine.
 
     python release/test.py [--platforms NAME...] [--pythons VERSION...] [--wheels dist/wheels]
 

@@ -223,6 +223,11 @@ def _as_strip(weight: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return np.broadcast_to(weight[None, None, :, None, :], (sides, 1, rows, channels, columns))
 
 
+def _inverse(values: np.ndarray) -> np.ndarray:
+    """1 / values, and 0 where these are 0."""
+    return np.divide(1.0, values, out=np.zeros_like(values), where=values > 0.0)
+
+
 def _rows_of_choice(thicknesses: Sequence[int], rows: int, stride: int) -> list[int]:
     """The rows for the choice of closures: about every `stride`-th thickness and the last, at each roughness.
     `thicknesses`: those that were solved, as rows of the table; `rows`: of all roughnesses."""
@@ -238,22 +243,21 @@ def _fitted(work: _Work, rests: _Rests, given: dict[str, list[str]], prefix: str
     and its error too."""
     def fit(wanted: Slices, weight: np.ndarray, count: int, names: Sequence[str], step: Progress) -> Mixture:
         effort = Effort(0, count, count, **search)
-        whole = np.where(weight > 0.0, 1.0 / np.sqrt(np.where(weight > 0.0, weight, 1.0)), 0.0)
-        fitted = mix("reflection", wanted, work.grid, effort, work.pool, step, made=BROADENED, given=names, whole=whole,
-                     rows=rows)
+        fitted = mix("reflection", wanted, work.grid, effort, work.pool, step, made=BROADENED, given=names,
+                     whole=np.sqrt(_inverse(weight)), rows=rows)
         return folded(fitted, wanted, work.grid, False)
 
     rows = _rows_of_choice(thicknesses, rests.dark.albedo.shape[1], search["row_stride"])
-    inverse = np.where(rests.whole2 > 0.0, 1.0 / np.where(rests.whole2 > 0.0, rests.whole2, 1.0), 0.0)
+    inverse = _inverse(rests.whole2)
     dark = fit(rests.dark, inverse.mean(axis=0), counts[0], given[prefix or "reflection"], portion(step, 0.0, 0.6))
     found = {prefix or "reflection": Mixture([prefix + name for name in dark.closures], dark.weights)}
     if rests.added is not None:
         assert rests.thrown_back is not None
         gains = _gains(rests.thrown_back)
         weight = (gains**2 * inverse).mean(axis=0)
-        # The error e of the fit over black remains at all colors. The closures for the light that a color c adds, with
-        # the factor g, take over what they can: of the sum of |e + s g e|^2 / |V|^2 over colors, the best s
-        share = (gains * inverse).mean(axis=0) / np.where(weight > 0.0, weight, 1.0)
+        # The fit over black misses the light e, at all colors. The closures for the light that a color c adds, whose
+        # factor is g(c), are fitted to that light and s e, with the s of the least sum of |e - s g e|^2 / |V|^2
+        share = (gains * inverse).mean(axis=0) * _inverse(weight)
         missed = rests.dark.values - values_of(dark, work.grid)
         lit = rests.added.albedo > 0.0
         wanted = replace(rests.added, values=rests.added.values + (share * lit)[..., None] * missed)

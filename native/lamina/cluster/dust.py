@@ -38,7 +38,7 @@ def settle_each(client, surfaces: Sequence[Mesh], occluders: Iterable[Mesh] = ()
     works = []
     for number, mesh in enumerate(meshes):
         step(0.0, f"reading mesh {number + 1} of {len(meshes)}")
-        others = [other for other in (*meshes[:number], *meshes[number + 1:], *further) if len(other.triangles)]
+        others = [*meshes[:number], *meshes[number + 1:], *further]
         works.append(PartedDust(mesh, others, settings, seed, silent))
     ranges = _ranges(client, [len(work.starts) for work in works], parts)
     shared = (uuid.uuid4().hex, [(work.place, work.starts, work.window) for work in works])

@@ -156,7 +156,7 @@ class _Run:
         self.step(0.0, "reading the meshes")
         self.surface = checked_mesh(surface, "surface")
         others = [checked_mesh(mesh, f"occluders[{index}]") for index, mesh in enumerate(occluders)]
-        self.sky = Sky(self.surface, [mesh for mesh in others if len(mesh.triangles)], self.settings, seed)
+        self.sky = Sky(self.surface, others, self.settings, seed)
         self._rays = Rays(self.sky.place, threads, portion(self.step, 0.05, 0.2))
         self._traced = 0
         self._sums = Sums(self.settings)

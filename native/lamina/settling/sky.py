@@ -33,9 +33,10 @@ class Laid:
 
 
 class Sky:
-    """Checked meshes under falling dust. `place`: what rays are traced in; `names`: of the occluders."""
+    """Checked meshes under falling dust. `place`: what rays are traced in; `names`: of the occluders with faces."""
 
     def __init__(self, surface: Mesh, occluders: list[Mesh], settings: Settling, seed: int):
+        occluders = [mesh for mesh in occluders if len(mesh.triangles)]
         self.names = [mesh.name for mesh in occluders]
         self.frame = common_frame(surface)
         self._fall = FallFrame.of(settings.gravity, settings.wind, settings.spread)
