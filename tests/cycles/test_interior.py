@@ -54,7 +54,7 @@ def test_homogeneous_slab_under_a_sky(jobs, addon, output):
     measured = found.estimate.sky if output == "LIT" else found.estimate.albedo
     walks = np.sqrt((measured.stderr[middle] ** 2).mean(axis=0) / len(middle))
     error = np.hypot(2.0 * pixels.std(axis=0, ddof=1) / np.sqrt(len(pixels)), walks)
-    # Relightable: the walks in two uniform media that correct for thin parts have a noise of their own, .3 %.
+    # Relightable: the walks in uniform media that correct for thin parts have a noise of their own, .3 %.
     allowed = 0.01 * expected if output == "RELIGHTABLE" else 0.0
     assert np.all(np.abs(pixels.mean(axis=0) - expected) < allowed + z_limit(3) * error)
     if output == "LIT":
@@ -81,9 +81,9 @@ def mean_square(found, truth):
     return products.mean(), products.std(ddof=1) / np.sqrt(products.size)
 
 
-@pytest.mark.parametrize(("output", "noise", "limit"), [("RELIGHTABLE", 4.0, 0.10), ("LIT", 2.2, 0.02)])
+@pytest.mark.parametrize(("output", "noise", "limit"), [("RELIGHTABLE", 4.0, 0.06), ("LIT", 2.2, 0.02)])
 def test_veined_slab_against_the_volume(jobs, truth, output, noise, limit):
-    """Relightable: at most half the difference of each texel's own material (25 %). Lit: at most 2 %."""
+    """Relightable: far less than half the difference of each texel's own material (25 %). Lit: at most 2 %."""
     scene, _ = shown(jobs, "sky", output, noise)
     found = veined_slab.picture(scene, 64)
     square, error = mean_square(found, truth)

@@ -2,10 +2,11 @@
 """Targets for Cycles' node in a body of finite size.
 
 The inversion of subsurface_inputs assumes a flat and infinitely thick body. In a thin part, more light leaves, and it
-leaves farther away. Therefore two uniform media are walked in the same mesh. At points of the surface, the inversion of
-their exit albedo and exit distance gives an apparent medium for each. Between the two media, the relation of the true
-to the apparent medium is linear in the coordinate u of node_response. For a uniform interior with a matched boundary
-the result is the interior itself."""
+leaves farther away. Therefore uniform media are walked in the same mesh: three with different albedos, and a fourth
+like the second with a longer path. At points of the surface, the exit albedo of each gives its apparent coordinate u of
+node_response. The relation from u and the logarithm of the path to the apparent u and the logarithm of the exit distance
+is interpolated linearly between these media, and inverted. For a uniform interior with a matched boundary the result is
+the interior itself."""
 
 from __future__ import annotations
 
@@ -31,8 +32,13 @@ EFFORT = 0.25  # share of the walks of the map
 # At a point of the map, the mean over the nearest points is used: at least NEIGHBOURS, and so many that the mean has
 # AVERAGED samples, since the relation of albedo and medium is curved.
 NEIGHBOURS, AVERAGED = 8, 3072
-SHARES = (0.15, 0.85)  # quantiles of u at which the media lie
-LEAST_SPREAD = 0.06  # half the distance of the media in u
+SHARES = (0.15, 0.85)  # quantiles of u at which the first and the third medium lie; the second lies in the middle
+LEAST_SPREAD = 0.06  # distance of these media in u
+LONGER = 0.25  # logarithm of the fourth medium's path over that of the second
+# Where a thin body hides the path, the path stays near the estimate: this change of the logarithm of the exit distance
+# between the media counts as noise.
+HIDDEN = 0.02
+MOST_STEP = 3.0  # change of the logarithm of the path, in units of LONGER
 
 
 class Medium(NamedTuple):
@@ -43,11 +49,10 @@ class Medium(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """How a medium shows itself: the exit albedo, and the mean exit distance relative to that of a half-space, (points,
-    channels)."""
+    """How a medium shows itself: the exit albedo, and the mean exit distance in mm, (points, channels)."""
 
     albedo: np.ndarray
-    farther: np.ndarray
+    distance: np.ndarray
 
 
 def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g: float, ior: float, roughness: float,
@@ -57,27 +62,30 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
     node = response_curves(g, *mean_entry_cosines(ior, roughness))
     bare = response_curves(g, *mean_entry_cosines(LEAST_IOR, 0.0))
     apparent, count = _u_of(node, albedo), len(albedo)
-    u, way = apparent, distance
+    # The exit distance that the medium has without a boundary in this body, if a boundary changes it as in a half-space.
+    at_first = distance * np.interp(apparent, CURVE, bare.full_distance) / np.interp(apparent, CURVE, node.full_distance)
+    u, path = apparent, _path(distance, apparent, node, g)
     few = _some(count, ROUGH_POINTS)
     for number in range(ROUNDS):
         within = portion(step, 0.2 * number / ROUNDS, 0.2 * (number + 1) / ROUNDS)
-        media = _media(u, way, node, g, walker.solid_size)
+        media = _media(u, path, walker.solid_size)
         seen = [_seen(medium, walker.with_points(few, ROUGH_SAMPLES, walker.seed), bare, g, within)
                 for medium in media]
         seen = [Seen(*(np.broadcast_to(values.mean(axis=0), albedo.shape) for values in one)) for one in seen]
-        u, way = _corrected(apparent, distance, media, seen, bare)
+        u, path = _corrected(apparent, at_first, media, seen, bare)
     chosen = _some(count, POINTS)
-    samples = int(np.clip(EFFORT * count * walker.samples / (2 * len(chosen)), LEAST_SAMPLES, MOST_SAMPLES))
-    media = _media(u, way, node, g, walker.solid_size)
+    samples = int(np.clip(EFFORT * count * walker.samples / (len(media) * len(chosen)), LEAST_SAMPLES, MOST_SAMPLES))
+    media = _media(u, path, walker.solid_size)
     exact = [_seen(medium, walker.with_points(chosen, samples, walker.seed), bare, g,
-                   portion(step, 0.2 + 0.4 * number, 0.6 + 0.4 * number)) for number, medium in enumerate(media)]
+                   portion(step, 0.2 + 0.8 * number / len(media), 0.2 + 0.8 * (number + 1) / len(media)))
+             for number, medium in enumerate(media)]
     places, averaged = walker.positions[chosen], max(NEIGHBOURS, -(-AVERAGED // samples))
     for first in range(0, count, BLOCK):
         part = slice(first, first + BLOCK)
         near, weights = nearest(places, walker.positions[part], averaged)
         seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in exact]
-        u[part], way[part] = _corrected(apparent[part], distance[part], media, seen, bare)
-    return np.interp(u, CURVE, node.full_albedo), way
+        u[part], path[part] = _corrected(apparent[part], at_first[part], media, seen, bare)
+    return np.interp(u, CURVE, node.full_albedo), _distance(path, u, node, g)
 
 
 def _some(count: int, most: int) -> np.ndarray:
@@ -90,19 +98,29 @@ def _u_of(curves: Curves, albedo: np.ndarray) -> np.ndarray:
     return np.interp(-albedo, -curves.full_albedo, CURVE)
 
 
-def _media(u: np.ndarray, way: np.ndarray, curves: Curves, g: float, size: float) -> list[Medium]:
-    """Two media near the ends of the range of u, with the paths of points that have about this u."""
-    single = np.interp(u, CURVE, curves.single)
-    paths = way / np.interp(u, CURVE, curves.full_distance) * (1.0 - g * single)
+def _path(distance: np.ndarray, u: np.ndarray, curves: Curves, g: float) -> np.ndarray:
+    """The mean free path at which a half-space has this mean exit distance."""
+    return distance / np.interp(u, CURVE, curves.full_distance) * (1.0 - g * np.interp(u, CURVE, curves.single))
+
+
+def _distance(path: np.ndarray, u: np.ndarray, curves: Curves, g: float) -> np.ndarray:
+    """The inverse of _path."""
+    return path * np.interp(u, CURVE, curves.full_distance) / (1.0 - g * np.interp(u, CURVE, curves.single))
+
+
+def _media(u: np.ndarray, paths: np.ndarray, size: float) -> list[Medium]:
+    """Three media in the range of u, with the paths of points that have about this u, and the second with a path that
+    is longer by LONGER."""
     low, high = np.quantile(u, SHARES, axis=0)
     middle, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), LEAST_SPREAD)
+    shortest, longest = max(1e-6 * size, 2.0 / MOST_COEFFICIENT), 1e3 * size
     found = []
-    for sign in (-1.0, 1.0):
+    for sign in (-1.0, 0.0, 1.0):
         at = np.clip(middle + sign * half, CURVE[0], CURVE[-1])
         path = [np.mean(paths[np.argsort(np.abs(u[:, c] - at[c]), kind="stable")[:max(16, len(u) // 8)], c])
                 for c in range(CHANNELS)]
-        found.append(Medium(at, np.clip(path, max(1e-6 * size, 2.0 / MOST_COEFFICIENT), 1e3 * size)))
-    return found
+        found.append(Medium(at, np.clip(path, shortest, longest)))
+    return [*found, Medium(found[1].u, found[1].path * np.exp(LONGER))]
 
 
 def _seen(medium: Medium, walker: Walker, curves: Curves, g: float, step: Progress) -> Seen:
@@ -114,19 +132,40 @@ def _seen(medium: Medium, walker: Walker, curves: Curves, g: float, step: Progre
     part = part_of(job_of("exits", bare, dark), (1, 1), bare, dark,
                    lambda fraction, _: step(fraction, "Shape of the body"))
     found = merge_walks([part])
-    flat = medium.path / (1.0 - g * single) * np.interp(medium.u, CURVE, curves.full_distance)
-    farther = np.nan_to_num(found.mean_distance.value, nan=1.0) / flat  # type: ignore[union-attr]  # of this kind
-    return Seen(found.albedo.value, farther)  # type: ignore[union-attr]
+    expected = _distance(medium.path, medium.u, curves, g)  # without light that leaves
+    distance = found.mean_distance.value  # type: ignore[union-attr]  # of this kind
+    return Seen(found.albedo.value, np.where(np.isfinite(distance), distance, expected))  # type: ignore[union-attr]
 
 
 def _corrected(apparent: np.ndarray, distance: np.ndarray, media: list[Medium], seen: list[Seen],
                curves: Curves) -> tuple[np.ndarray, np.ndarray]:
-    """(u, mean exit distance in a half-space) of the node's medium, from apparent values."""
-    first, second = seen
+    """(u, mean free path in mm) of the node's medium, from the apparent u and the mean exit distance."""
     # The apparent u is that of the mean albedo: the mean of noisy u would be biased.
-    low, high = (_u_of(curves, one.albedo) for one in seen)
-    spread = high - low
-    share = np.where(spread > 1e-3, (apparent - low) / np.where(spread > 1e-3, spread, 1.0), 0.5)
-    u = media[0].u + share * (media[1].u - media[0].u)
-    farther = first.farther + np.clip(share, 0.0, 1.0) * (second.farther - first.farther)
-    return np.clip(u, CURVE[0], CURVE[-1]), distance / np.maximum(farther, 1e-3)
+    shown = [_u_of(curves, one.albedo) for one in seen]
+    ways = [np.log(np.maximum(one.distance, 1e-12)) for one in seen]
+    tilt, by_path = shown[3] - shown[1], ways[3] - ways[1]
+    upper = apparent > shown[1]  # between the second medium and the third
+
+    def ends(low, middle, high):
+        return np.where(upper, middle, low), np.where(upper, high, middle)
+
+    first, second = ends(*shown[:3])
+    valid = second - first > 1e-3
+    spread = np.where(valid, second - first, 1.0)
+    # Along the line from the first medium to the second, and in the direction of longer paths.
+    along = np.where(valid, (apparent - first) / spread, 0.5)
+    tilt = np.where(valid, tilt / spread, 0.0)
+    first, second = ends(*ways[:3])
+    slope = second - first
+    rest = np.log(np.maximum(distance, 1e-12)) - first - along * slope
+    by_path = by_path - tilt * slope
+    longer = np.clip(rest * by_path / (by_path**2 + HIDDEN**2), -MOST_STEP, MOST_STEP)
+    along = along - longer * tilt
+
+    def between(low, middle, high):
+        first, second = ends(low, middle, high)
+        return first + along * (second - first)
+
+    u = between(*(one.u for one in media[:3]))
+    path = np.exp(between(*(np.log(one.path) for one in media[:3])) + longer * LONGER)
+    return np.clip(u, CURVE[0], CURVE[-1]), path

@@ -90,7 +90,7 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
 
     The images have less noise than the estimates: a regression on the coefficients below the texels, see
     lamina.maps.smoothing. A boundary is shown by a Glossy closure above the node, see SubsurfaceInputs. Light enters
-    from all directions with the flux of a uniform sky, so the node's mean over views matches. Walks in two uniform
+    from all directions with the flux of a uniform sky, so the node's mean over views matches. Walks in uniform
     media in the same mesh correct for thin parts. Raises InteriorError, ArgumentError, ShardError, Cancelled, OSError
     with the number of finished parts when the folder cannot be written, and DustUnavailable without a working
     Embree."""
