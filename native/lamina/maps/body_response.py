@@ -4,9 +4,9 @@
 The inversion of subsurface_inputs assumes a flat and infinitely thick body. In a thin part, more light leaves, and it
 leaves farther away. Therefore uniform media are walked in the same mesh: three with different albedos, and a fourth
 like the second with a longer path. At points of the surface, the exit albedo of each gives its apparent coordinate u of
-node_response. The relation from u and the logarithm of the path to the apparent u and the logarithm of the exit distance
-is interpolated linearly between these media, and inverted. For a uniform interior with a matched boundary the result is
-the interior itself."""
+node_response. The relation from u and the logarithm of the path to the apparent u and the logarithm of the exit
+distance is interpolated linearly between these media, and inverted. For a uniform interior with a matched boundary the
+result is the interior itself."""
 
 from __future__ import annotations
 
@@ -62,8 +62,9 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
     node = response_curves(g, *mean_entry_cosines(ior, roughness))
     bare = response_curves(g, *mean_entry_cosines(LEAST_IOR, 0.0))
     apparent, count = _u_of(node, albedo), len(albedo)
-    # The exit distance that the medium has without a boundary in this body, if a boundary changes it as in a half-space.
-    at_first = distance * np.interp(apparent, CURVE, bare.full_distance) / np.interp(apparent, CURVE, node.full_distance)
+    # The exit distance without a boundary, if a boundary changes it as in a half-space.
+    bare_way, node_way = (np.interp(apparent, CURVE, curves.full_distance) for curves in (bare, node))
+    without = distance * bare_way / node_way
     u, path = apparent, _path(distance, apparent, node, g)
     few = _some(count, ROUGH_POINTS)
     for number in range(ROUNDS):
@@ -72,7 +73,7 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
         seen = [_seen(medium, walker.with_points(few, ROUGH_SAMPLES, walker.seed), bare, g, within)
                 for medium in media]
         seen = [Seen(*(np.broadcast_to(values.mean(axis=0), albedo.shape) for values in one)) for one in seen]
-        u, path = _corrected(apparent, at_first, media, seen, bare)
+        u, path = _corrected(apparent, without, media, seen, bare)
     chosen = _some(count, POINTS)
     samples = int(np.clip(EFFORT * count * walker.samples / (len(media) * len(chosen)), LEAST_SAMPLES, MOST_SAMPLES))
     media = _media(u, path, walker.solid_size)
@@ -84,7 +85,7 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
         part = slice(first, first + BLOCK)
         near, weights = nearest(places, walker.positions[part], averaged)
         seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in exact]
-        u[part], path[part] = _corrected(apparent[part], at_first[part], media, seen, bare)
+        u[part], path[part] = _corrected(apparent[part], without[part], media, seen, bare)
     return np.interp(u, CURVE, node.full_albedo), _distance(path, u, node, g)
 
 

@@ -69,7 +69,7 @@ def test_the_node_gets_the_medium_of_a_homogeneous_slab(thickness, g):
     runs = np.array([deviations(seed) for seed in (6, 7, 8)])
     # The standard error of the mean of three runs, from the variance of all channels together.
     error = np.sqrt(runs.var(axis=0, ddof=1).mean(axis=1, keepdims=True) / 3.0)
-    # Systematic, with many samples: up to .003, .02 and .01. The mean over noisy texels adds to scattering and absorption.
+    # Systematic, with many samples: up to .003, .02 and .01. Noise of texels makes the mean scattering larger.
     allowed = np.array([[0.003], [0.03], [0.015]])
     assert np.all(np.abs(runs.mean(axis=0)) < allowed + z_limit(9, degrees=6) * error), runs.mean(axis=0)
 
