@@ -47,6 +47,13 @@ AzimuthRule::AzimuthRule(Eigen::Index azimuths, double bend, Eigen::Index orders
       }
     }
   }
+  constexpr double kApart = 1e-2;
+  constexpr double kApartFromMean = 1e-6;
+  const Eigen::MatrixXd products = to_orders * from_orders - Eigen::MatrixXd::Identity(orders, orders);
+  while (orders_apart < orders && std::abs(products(0, orders_apart)) < kApartFromMean &&
+         products.col(orders_apart).head(orders_apart + 1).cwiseAbs().maxCoeff() < kApart) {
+    ++orders_apart;
+  }
 }
 
 }  // namespace lamina

@@ -24,6 +24,10 @@ struct AzimuthRule {
   Eigen::MatrixXd from_orders;  ///< [azimuth, order]
   Eigen::ArrayXcd cosines;      ///< cos(phi) of the first azimuth of each pair; empty for a count of 1
   Eigen::ArrayXcd weights;      ///< weights of the pairs: a mean is the sum of real parts
+  /// Number of orders that the azimuths keep apart: the errors of the products of two of them are below 1e-2, and those
+  /// with order 0 below 1e-6. Higher orders of a lobe, which do not fall as those of a phase function, would change the
+  /// energy of order 0.
+  Eigen::Index orders_apart = 1;
 
   Eigen::Index orders() const { return to_orders.rows(); }
 

@@ -10,7 +10,7 @@ Eigen::MatrixXd from_orders(const std::vector<Eigen::MatrixXd>& orders, const La
   const Eigen::Index n = rows.nodes;
   const AzimuthRule& out = rows.azimuths;
   const AzimuthRule& beam = rows.beam_azimuths;
-  const Eigen::Index count = std::min<Eigen::Index>(out.orders(), static_cast<Eigen::Index>(orders.size()));
+  const Eigen::Index count = std::min<Eigen::Index>(out.orders_apart, static_cast<Eigen::Index>(orders.size()));
   for (Eigen::Index m = 0; m < count; ++m) {
     const Eigen::MatrixXd& order = orders[static_cast<std::size_t>(m)];
     for (Eigen::Index to = 0; to < out.count; ++to) {
@@ -18,7 +18,7 @@ Eigen::MatrixXd from_orders(const std::vector<Eigen::MatrixXd>& orders, const La
         all.block(to * n, from * n, n, n) +=
             out.from_orders(to, m) * out.to_orders(m, from) * order.topLeftCorner(n, n);
       }
-      for (Eigen::Index from = 0; m < beam.orders() && from < beam.count; ++from) {
+      for (Eigen::Index from = 0; m < beam.orders_apart && from < beam.count; ++from) {
         all.block(to * n, rows.beam() + from, n, 1) +=
             out.from_orders(to, m) * beam.to_orders(m, from) * order.block(0, n, n, 1);
       }

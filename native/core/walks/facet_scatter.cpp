@@ -76,10 +76,10 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
       const EvenPoint at(point);
       const Ray normal = visible_normal(facets_, view, at.u, at.v);
       // Follow reflection and refraction, each with its share, instead of choosing one.
-      const Outcome reflected = by_facet(view, normal, below, 0.0);
-      const Outcome passed = by_facet(view, normal, below, 1.0);
+      const ByFacet reflected = by_facet(view, normal, below, 0.0);
+      const ByFacet passed = by_facet(view, normal, below, 1.0);
       const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
-      kept += share * reflected.weight + (1.0 - share) * passed.weight;
+      kept += share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept;
     }
     loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept / kPoints);
     loss.largest = std::max(loss.largest, loss.at[static_cast<std::size_t>(knot)]);
@@ -130,27 +130,26 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
          facets_.masking(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
 }
 
-FacetScatter::Outcome FacetScatter::by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const {
+FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const {
   const double seen = view.dot(normal);
   if (seen <= 0.0) {
-    return {view, 0.0};
+    return {view, 0.0, 0.0};
   }
   const double ratio = ior_of(!from_below) / ior_of(from_below);
   const double reflected = fresnel_at(std::min(1.0, seen), ratio);
   // Metals always reflect; the reflectance goes into the weight.
   if (metal_ || choice < reflected) {
     const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
-    const double share = metal_ ? reflected : 1.0;
-    return {out, out.z > 0.0 ? share * facets_.masking(view.z, out.z) / masked(view.z) : 0.0};
+    return {out, metal_ ? reflected : 1.0, out.z > 0.0 ? facets_.masking(view.z, out.z) / masked(view.z) : 0.0};
   }
   const double refracted2 = 1.0 - (1.0 - seen * seen) / (ratio * ratio);
   if (refracted2 <= 0.0) {
-    return {view, 0.0};
+    return {view, 0.0, 0.0};
   }
   const double along = seen / ratio - std::sqrt(refracted2);
   const Ray out{along * normal.x - view.x / ratio, along * normal.y - view.y / ratio,
                 along * normal.z - view.z / ratio};
-  return {out, out.z < 0.0 ? facets_.masking(view.z, -out.z) / masked(view.z) : 0.0};
+  return {out, 1.0, out.z < 0.0 ? facets_.masking(view.z, -out.z) / masked(view.z) : 0.0};
 }
 
 double FacetScatter::value(const Ray& in, const Ray& out) const {
@@ -168,27 +167,26 @@ double FacetScatter::value(const Ray& in, const Ray& out) const {
 FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
   const bool from_below = in.z > 0.0;
   const Ray view = from_below ? -in.mirrored() : -in;
-  const double lost = compensate_ ? losses_[from_below ? 1 : 0](view.z) : 0.0;
   const double choice = rng.uniform();
-  if (choice < lost) {
-    const double above = ior_above_ * ior_above_ * losses_[0].mean / whole_loss_;
-    const std::size_t side = rng.uniform() < above ? 0 : 1;
-    // Rejection: the density of directions is the cosine times the loss, so that all weights are equal.
-    Ray out = lambert_ray(rng);
-    while (rng.uniform() * losses_[side].largest >= losses_[side](out.z)) {
-      out = lambert_ray(rng);
-    }
-    return {side == 0 ? out : out.mirrored(), compensation_};
-  }
   const double u = rng.uniform();
   const double v = rng.uniform();
-  const Ray normal = visible_normal(facets_, view, u, v);
-  Outcome outcome = by_facet(view, normal, from_below, (choice - lost) / (1.0 - lost));
-  outcome.weight /= 1.0 - lost;
-  if (from_below) {
-    outcome.ray = outcome.ray.mirrored();
+  const ByFacet facet = by_facet(view, visible_normal(facets_, view, u, v), from_below, choice);
+  if (!compensate_) {
+    return {from_below ? facet.ray.mirrored() : facet.ray, facet.fresnel * facet.kept};
   }
-  return outcome;
+  // What this facet loses is compensated, not the tabulated mean: a dielectric then loses nothing, whatever the table's
+  // errors.
+  if (rng.uniform() < facet.kept) {
+    return {from_below ? facet.ray.mirrored() : facet.ray, facet.fresnel};
+  }
+  const double above = ior_above_ * ior_above_ * losses_[0].mean / whole_loss_;
+  const std::size_t side = rng.uniform() < above ? 0 : 1;
+  // Rejection: the density of directions is the cosine times the loss, so that all weights are equal.
+  Ray out = lambert_ray(rng);
+  while (rng.uniform() * losses_[side].largest >= losses_[side](out.z)) {
+    out = lambert_ray(rng);
+  }
+  return {side == 0 ? out : out.mirrored(), compensation_};
 }
 
 }  // namespace lamina

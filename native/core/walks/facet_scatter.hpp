@@ -40,10 +40,17 @@ class FacetScatter {
     double operator()(double mu) const;
   };
 
+  /// A ray that one facet reflects or refracts.
+  struct ByFacet {
+    Ray ray;
+    double fresnel;  ///< reflectance of a metal, 1 for a dielectric
+    double kept;     ///< share of the light that other facets do not mask, at most 1
+  };
+
   /// With the incident side up.
   double facet_value(const Ray& view, const Ray& out, bool from_below) const;
   /// Reflection by this facet if `choice`, in [0, 1], is below its reflectance, else refraction.
-  Outcome by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
+  ByFacet by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
   double fresnel_at(double cosine, double ratio) const;
   double masked(double mu) const;
   Loss loss_on(bool below) const;

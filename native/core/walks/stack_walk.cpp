@@ -18,10 +18,16 @@ StackWalk::StackWalk(WalkElements stack, const WalkTarget& target) : stack_(std:
   // By reciprocity: trace a beam from the exit direction into the stack.
   const WalkBeam back(stack_, target.mu_o, target.dphi + pi, target.path == Path::kTransmit);
   exits_ = exits_from(back);
-  const std::size_t last = target.path == Path::kReflect ? 0 : stack_.elements.size() - 1;
-  if (stack_.elements.size() > 1 && stack_.elements[last].kind == Kind::kRough) {
-    rough_exit_ = last;
+  // A base is the last element, and has nothing beyond.
+  const bool top = target.path == Path::kReflect;
+  const std::size_t count = stack_.elements.size();
+  for (std::size_t k = 0; k + 1 < count; ++k) {
+    const std::size_t element = top ? k : count - 1 - k;
+    if (stack_.elements[element].kind == Kind::kRough) {
+      rough_.push_back(element);
+    }
   }
+  ends_rough_ = !rough_.empty() && rough_.front() == (top ? 0 : count - 1);
 }
 
 std::vector<StackWalk::Exit> StackWalk::exits_from(const WalkBeam& back) const {
@@ -32,15 +38,42 @@ std::vector<StackWalk::Exit> StackWalk::exits_from(const WalkBeam& back) const {
   return exits;
 }
 
-double StackWalk::sample_exits(std::vector<Exit>& exits, Rng& rng) const {
-  const bool top = target_.path == Path::kReflect;
-  const Exit& out = exits_[*rough_exit_];
-  const FacetScatter::Outcome within = stack_.elements[*rough_exit_].facets->sample(-(top ? out.up : out.down), rng);
-  if (within.weight == 0.0 || (within.ray.z < 0.0) != top) {
-    return 0.0;
+/// Adds to `sum` the directions that only `more` has.
+void StackWalk::add_exit(Exit& sum, const Exit& more) {
+  if (more.up_share > 0.0) {
+    sum.up = more.up;
+    sum.up_share = more.up_share;
   }
-  exits = exits_from(WalkBeam(stack_, *rough_exit_, within.ray));
-  return within.weight;
+  if (more.down_share > 0.0) {
+    sum.down = more.down;
+    sum.down_share = more.down_share;
+  }
+}
+
+/// Samples paths to the target direction through rough boundaries; false if there are none this time.
+bool StackWalk::sample_exits(std::vector<Exit>& beyond, Rng& rng) const {
+  const bool top = target_.path == Path::kReflect;
+  beyond.assign(exits_.size(), {});
+  bool found = false;
+  for (const std::size_t boundary : rough_) {
+    const Exit& out = found ? beyond[boundary] : exits_[boundary];
+    const double share = top ? out.up_share : out.down_share;
+    if (share == 0.0) {
+      break;
+    }
+    const FacetScatter::Outcome within = stack_.elements[boundary].facets->sample(-(top ? out.up : out.down), rng);
+    if (within.weight == 0.0 || (within.ray.z < 0.0) != top) {
+      break;
+    }
+    const std::vector<Exit> more = exits_from(WalkBeam(stack_, boundary, within.ray));
+    const double lobe = share * within.weight;
+    for (std::size_t k = 0; k < more.size(); ++k) {
+      const Exit& one = more[k];
+      add_exit(beyond[k], {one.up, one.down, lobe * one.up_share, lobe * one.down_share});
+    }
+    found = true;
+  }
+  return found;
 }
 
 void StackWalk::begin() {
@@ -82,18 +115,20 @@ double StackWalk::sample(Rng& rng, std::uint64_t& events) const {
     }
   }
   std::vector<Exit> sampled;
-  double before = 0.0;  // first scattering, into the sampled direction of the lobe
-  double lobe = 1.0;
-  if (rough_exit_) {
-    lobe = sample_exits(sampled, rng);
-    if (lobe == 0.0) {
+  double before = 0.0;  // first scattering, into the sampled directions of lobes
+  if (!rough_.empty() && !target_.flux) {
+    const bool found = sample_exits(sampled, rng);
+    if (ends_rough_ && !found) {
       return known_;
     }
     for (const Start& one : starts_) {
       before += one.arriving * first_leaving(one.element, sampled[one.element], one.in);
     }
+    for (std::size_t k = 0; !ends_rough_ && k < sampled.size(); ++k) {
+      add_exit(sampled[k], exits_[k]);  // their first scattering is known
+    }
   }
-  const std::vector<Exit>& exits = rough_exit_ ? sampled : exits_;
+  const std::vector<Exit>& exits = sampled.empty() ? exits_ : sampled;
   static constexpr Exit kNone = {};
   double score = 0.0;
   Light light{starts_[start].in, 1.0};
@@ -110,7 +145,7 @@ double StackWalk::sample(Rng& rng, std::uint64_t& events) const {
     }
     element += down ? 1 : std::size_t(-1);
   }
-  return known_ + lobe * (before + power_ * score);
+  return known_ + before + power_ * score;
 }
 
 bool StackWalk::meet(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
@@ -124,7 +159,17 @@ bool StackWalk::meet(std::size_t element, const Exit& out, Light& light, bool fi
   }
   ++events;
   if (!first && !target_.flux) {
-    score += light.weight * surface_leaving(element, out, light.ray);
+    Exit left = out;
+    if (here.kind == Kind::kRough && element + 1 < stack_.elements.size()) {
+      // Counted before, see sample_exits: light that crosses the boundary towards the target.
+      const bool top = target_.path == Path::kReflect;
+      if (top && light.ray.z > 0.0) {
+        left.up_share = 0.0;
+      } else if (!top && light.ray.z < 0.0) {
+        left.down_share = 0.0;
+      }
+    }
+    score += light.weight * surface_leaving(element, left, light.ray);
   }
   return scatter_at_surface(here, light.ray, light.weight, rng);
 }

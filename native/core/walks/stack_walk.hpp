@@ -18,7 +18,9 @@ namespace lamina {
 /// advance, and walks start there.
 ///
 /// Behind a rough boundary the target direction becomes a lobe inside the stack. Each walk samples one direction of the
-/// lobe, backwards, for its next events.
+/// lobe, backwards, for its next events, and again behind each further rough boundary. Light that crosses such a
+/// boundary towards the target was counted then, where the light was last scattered. The lobe's value for the
+/// directions of the walk would be found by chance: next to a similar index a lobe is much narrower than its facets.
 class StackWalk : public Walk {
  public:
   double sample(Rng& rng, std::uint64_t& events) const override;
@@ -69,7 +71,8 @@ class StackWalk : public Walk {
   };
 
   std::vector<Exit> exits_from(const WalkBeam& back) const;
-  double sample_exits(std::vector<Exit>& exits, Rng& rng) const;
+  static void add_exit(Exit& sum, const Exit& more);
+  bool sample_exits(std::vector<Exit>& beyond, Rng& rng) const;
   bool meet(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
             std::uint64_t& events) const;
   double surface_leaving(std::size_t element, const Exit& out, const Ray& in) const;
@@ -78,8 +81,9 @@ class StackWalk : public Walk {
 
   WalkElements stack_;
   WalkTarget target_;
-  std::vector<Exit> exits_;                ///< to the target direction, by element
-  std::optional<std::size_t> rough_exit_;  ///< the boundary before the target direction, if rough
+  std::vector<Exit> exits_;         ///< to the target direction, by element
+  std::vector<std::size_t> rough_;  ///< rough boundaries inside, from the target's side on
+  bool ends_rough_ = false;         ///< true if the boundary before the target direction is rough
   std::vector<Start> starts_;
   double known_ = 0.0;  ///< closed-form part of the result
   double power_ = 0.0;  ///< total power of all starts

@@ -121,7 +121,7 @@ def test_a_disc_is_the_same_in_the_surroundings(surface):
     corners = solid.vertices[solid.triangles[chosen]]
     found = lamina.light_in_mesh(
         solid, interior, [Lamp([0, 0, 1], 0.3 * np.pi)], corners.mean(axis=1),
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), surface=surface, samples=1500, seed=8,
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), surface=surface, samples=6000, seed=8,
         surroundings=Surroundings(table))
     lamp, sky = found.lamps.value[:, 0].mean(axis=0), found.sky.value.mean(axis=0)
     errors = np.sqrt((found.lamps.stderr[:, 0] ** 2 + found.sky.stderr**2).sum(axis=0)) / len(chosen)

@@ -296,7 +296,8 @@ def test_mean_distances_of_the_searchlight(quality):
     stacks = [Stack(base=HalfSpace(sigma_s=0.9, sigma_a=0.1, phase=lamina.HenyeyGreenstein(0.3))),
               Stack(base=HalfSpace(sigma_s=4.0, sigma_a=0.2, phase=forward)),
               Stack([Interface(1.4), Medium(sigma_s=2.0, sigma_a=0.3, thickness=1.5, phase=forward)],
-                    HalfSpace(sigma_s=1.0, sigma_a=0.2))]
+                    HalfSpace(sigma_s=1.0, sigma_a=0.2)),
+              *(Stack([Interface(1.46, alpha)], HalfSpace(sigma_s=13.0, sigma_a=0.1)) for alpha in (0.05, 0.3))]
     family = []
     for seed, stack in enumerate(stacks):
         for mu in (1.0, 0.5):
@@ -305,3 +306,21 @@ def test_mean_distances_of_the_searchlight(quality):
             family += scores(found.mean_distance, beam.mean_distance)
             family += scores(found.mean_square_distance, beam.mean_square_distance)
     check(family)
+
+
+def test_the_spectrum_has_no_step_at_frequency_0():
+    """Lobes of rough boundaries have orders that few azimuths do not keep apart."""
+    for alpha in (0.05, 0.2, 0.6):
+        for mu in (1.0, 0.25):
+            beam = lamina.searchlight(Stack([Interface(1.46, alpha)], HalfSpace(sigma_s=13.0, sigma_a=0.1)), mu)
+            # Of light with a mean square distance of .3 mm^2: a step would be as large at each of the frequencies.
+            lost = beam.reflectance - beam.reflected_at([0.01, 0.02])
+            assert np.all(lost < 0.3 * beam.reflectance * np.array([0.01, 0.02]) ** 2 + 2e-6)
+            assert beam.reflected_inside(200.0) == pytest.approx(beam.reflectance[0], abs=5e-5)
+
+
+@pytest.mark.parametrize("alpha", [0.1, 0.5])
+def test_a_rough_boundary_loses_nothing(alpha):
+    """Over a white base all light leaves, in each walk: no error but rounding."""
+    found = lamina.estimate_searchlight(Stack([Interface(1.5, alpha)], Lambert(1.0)), 0.3, samples=1 << 14)
+    assert found.reflectance.value == pytest.approx(1.0, abs=1e-9)
