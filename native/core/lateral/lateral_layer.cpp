@@ -206,6 +206,46 @@ MatrixXd LateralMedium::passing(double q, const LateralRows& rows) const {
   return matrix;
 }
 
+void LateralMedium::resolve_passing(VectorXd mu, MatrixXd carry) {
+  fine_mu_ = std::move(mu);
+  carry_ = std::move(carry);
+}
+
+/// Replaces the wave at the nodes, in the unscattered transmission, by its projection on the polynomials of the nodes.
+/// Without a wave the nodes are left as they are.
+void LateralMedium::add_unresolved(double q, const AzimuthRule& azimuths, MatrixXd& transmit) const {
+  if (fine_mu_.size() == 0 || azimuths.count == 1 || std::isinf(thickness_)) {
+    return;
+  }
+  const Index live = directions_.live;
+  const Index pairs = azimuths.count / 2;
+  const auto wave = [&](double mu, Index pair) -> std::complex<double> {
+    const double aside = q * thickness_ * std::sqrt(std::max(0.0, 1.0 - mu * mu)) / mu;
+    return std::exp(-medium_.tau / mu) * (std::exp(std::complex<double>(0.0, -aside) * azimuths.cosines[pair]) - 1.0);
+  };
+  VectorXd real(fine_mu_.size());
+  VectorXd imaginary(fine_mu_.size());
+  for (Index j = 0; j < pairs; ++j) {
+    for (Index k = 0; k < fine_mu_.size(); ++k) {
+      const std::complex<double> one = wave(fine_mu_[k], j);
+      real[k] = one.real();
+      imaginary[k] = one.imag();
+    }
+    MatrixXd even = carry_.transpose() * real.asDiagonal() * carry_;
+    MatrixXd odd = carry_.transpose() * imaginary.asDiagonal() * carry_;
+    for (Index i = 0; i < live; ++i) {
+      const std::complex<double> one = wave(directions_.mu[i], j);
+      even(i, i) -= one.real();
+      odd(i, i) -= one.imag();
+    }
+    const Index other = (pairs + j) * live;
+    transmit.block(j * live, j * live, live, live) += even;
+    transmit.block(other, other, live, live) += even;
+    transmit.block(other, j * live, live, live) += odd;
+    transmit.block(j * live, other, live, live) -= odd;
+  }
+}
+
 MatrixXd LateralMedium::spread(const MatrixXd& compact, const LateralRows& rows) const {
   const Index live = directions_.live;
   if (live == rows.nodes) {
@@ -227,7 +267,13 @@ MatrixXd LateralMedium::spread(const MatrixXd& compact, const LateralRows& rows)
 LateralFunction LateralMedium::at(double q, const LateralRows& rows) const {
   const Index size = rows.size();
   if (!scatters_) {
-    const MatrixXd through = std::isinf(thickness_) ? MatrixXd::Zero(size, size) : spread(passing(q, rows), rows);
+    if (std::isinf(thickness_)) {
+      const MatrixXd none = MatrixXd::Zero(size, size);
+      return {none, none, none, none};
+    }
+    MatrixXd direct = passing(q, rows);
+    add_unresolved(q, rows.azimuths, direct);
+    const MatrixXd through = spread(direct, rows);
     return {MatrixXd::Zero(size, size), through, MatrixXd::Zero(size, size), through};
   }
   const Transfer m = transfer(q, rows);
@@ -243,7 +289,8 @@ LateralFunction LateralMedium::at(double q, const LateralRows& rows) const {
       break;
     }
   }
-  const LayerPair layer = whole_layer(half);
+  LayerPair layer = whole_layer(half);
+  add_unresolved(q, rows.azimuths, layer.transmit);
   const MatrixXd reflect = spread(layer.reflect, rows);
   const MatrixXd through = std::isinf(thickness_) ? MatrixXd::Zero(size, size) : spread(layer.transmit, rows);
   return {reflect, through, reflect, through};

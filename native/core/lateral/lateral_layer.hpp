@@ -32,6 +32,11 @@ class LateralMedium {
   double truncated_tau() const { return std::isinf(whole_tau_) ? 0.0 : whole_tau_ - medium_.tau; }
   bool scatters() const { return scatters_; }
 
+  /// From now on, transmits unscattered light by finer directions than the nodes: `mu`, the cosines of the live ones,
+  /// and `carry`, from the live nodes to these (DirectionSet::carry_to). Behind a thickness z, the wave exp(-i q z
+  /// tan(theta) cos(phi)) oscillates between the nodes where q z is large.
+  void resolve_passing(Eigen::VectorXd mu, Eigen::MatrixXd carry);
+
   /// The scattering function at the lateral frequency q, 1/mm.
   LateralFunction at(double q, const LateralRows& rows) const;
   /// The limit of high frequencies: only the unscattered beam is transmitted, and only along the normal.
@@ -45,6 +50,7 @@ class LateralMedium {
   };
   Transfer transfer(double q, const LateralRows& rows) const;
   Eigen::MatrixXd passing(double q, const LateralRows& rows) const;
+  void add_unresolved(double q, const AzimuthRule& azimuths, Eigen::MatrixXd& transmit) const;
   Eigen::MatrixXd spread(const Eigen::MatrixXd& compact, const LateralRows& rows) const;
 
   TruncatedMedium medium_;
@@ -57,6 +63,8 @@ class LateralMedium {
   Eigen::VectorXd sine_;               // sin(theta) of live nodes, then of the target
   std::vector<Eigen::MatrixXd> even_;  // by order: scattering part of A, between live nodes and the target
   std::vector<Eigen::MatrixXd> odd_;   // the same of B
+  Eigen::VectorXd fine_mu_;            // finer directions; may be empty
+  Eigen::MatrixXd carry_;              // from live nodes to finer directions
 };
 
 }  // namespace lamina

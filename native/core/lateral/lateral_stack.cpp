@@ -61,7 +61,8 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
   const Stack& stack = measured_.stack;
   const std::vector<double> indices = refractive_indices(stack);
   const DirectionSet whole(indices, resolution.nodes, least_cosines(measured_, indices));
-  const DirectionSet set = resolution.forward > 0 ? whole.divided(kForward, resolution.forward) : whole;
+  set_ = resolution.forward > 0 ? whole.divided(kForward, resolution.forward) : whole;
+  const DirectionSet& set = *set_;
   for (const double ior : indices) {
     directions_.push_back(set.in_medium(ior, VectorXd::Constant(1, mu)));
   }
@@ -82,6 +83,18 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
   }
   if (stack.base.is_rough()) {
     lobes_.back() = lobes(RoughSurface(stack.base, set, indices.back(), orders, pool), stack.layers.size(), pool);
+  }
+}
+
+void LateralStack::resolve_passing() {
+  constexpr double kFiner = 8.0;
+  const DirectionSet fine = set_->finer_by(kFiner);
+  const MatrixXd carry = set_->carry_to(fine);
+  for (std::size_t layer = 0; layer < media_.size(); ++layer) {
+    if (media_[layer]) {
+      const Directions here = fine.in_medium(directions_[layer].ior, VectorXd());
+      media_[layer]->resolve_passing(here.mu, carry.topLeftCorner(here.live, directions_[layer].live));
+    }
   }
 }
 

@@ -46,6 +46,9 @@ class LateralStack {
   /// `mu`: cosine of the beam in air. Throws std::runtime_error if a rough boundary cannot be resolved.
   LateralStack(const MeasuredStack& measured, const LateralResolution& resolution, double mu, ThreadPool& pool);
 
+  /// Media transmit unscattered light by finer directions from now on, see LateralMedium::resolve_passing.
+  void resolve_passing();
+
   /// Fluxes at the lateral frequency q, 1/mm. Thread-safe.
   LateralFlux at(double q, const AzimuthRule& azimuths) const;
   /// The limit of high frequencies: light that leaves at the point of entry.
@@ -78,6 +81,7 @@ class LateralStack {
   MeasuredStack measured_;
   LateralResolution resolution_;
   double mu_;
+  std::optional<DirectionSet> set_;
   std::vector<Directions> directions_;
   std::vector<std::optional<LateralMedium>> media_;
   std::vector<std::optional<Lobes>> lobes_;  // by layer, the base last

@@ -10,6 +10,10 @@ ResolvedBeam::ResolvedBeam(const MeasuredStack& measured, const LateralResolutio
       once_{once_scattered_upward(stack_), once_scattered_downward(stack_)},
       deeper_{deeper_scattered_upward(stack_), deeper_scattered_downward(stack_)},
       lit_base_(lit_base(stack_)) {
+  // The closed forms replace light at the nodes themselves.
+  if (deeper_[0].empty() && deeper_[1].empty() && !lit_base_) {
+    stack_.resolve_passing();
+  }
   if (!stack_.along_normal()) {
     return;
   }

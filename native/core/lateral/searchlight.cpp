@@ -13,7 +13,10 @@
 namespace lamina {
 namespace {
 
+// Of a piece, for a beam along the normal, and for an oblique beam. Light of an oblique beam leaves far from the point
+// of entry, and its spectrum oscillates.
 constexpr int kMostIntervals = 64;
+constexpr int kMostIntervalsOblique = 512;
 constexpr std::size_t kBatch = 8;
 
 bool is_endless_and_bright(const MeasuredStack& measured) {
@@ -157,7 +160,8 @@ void Searchlight::advance(ThreadPool& pool) {
     return;
   }
   for (std::size_t number = 0; number < pieces_.size(); ++number) {
-    if (!is_resolved(number) && pieces_[number].intervals < kMostIntervals) {
+    const int most = mu_ == 1.0 ? kMostIntervals : kMostIntervalsOblique;
+    if (!is_resolved(number) && pieces_[number].intervals < most) {
       refine_piece(number);
     }
   }

@@ -18,6 +18,21 @@ namespace lamina {
 namespace {
 
 constexpr int kMostNodes = 40;
+/// Light that a base or rough boundaries spread over a distance d is still seen at the frequency kSpot / d.
+constexpr double kSpot = 30.0;
+
+/// The least distance, in mm, over which lobes of rough boundaries spread light inside a stack of this finite
+/// thickness; infinite without such light.
+double spread_by_lobes(const Stack& stack, double thickness) {
+  double steepness = std::numeric_limits<double>::infinity();
+  for (const Layer& layer : stack.layers) {
+    const auto* interface = std::get_if<Interface>(&layer);
+    if (interface != nullptr && interface->facets.alpha > 0.0) {
+      steepness = std::min(steepness, std::min(1.0, interface->facets.alpha));
+    }
+  }
+  return thickness > 0.0 ? steepness * thickness : std::numeric_limits<double>::infinity();
+}
 
 }  // namespace
 
@@ -54,11 +69,14 @@ void Searchlight::choose_resolution() {
 void Searchlight::choose_scale() {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double whole = 0.0;
+  double finite = 0.0;
   double least = kInfinity;
   double slowest = kInfinity;
   double fastest = 0.0;
   for (std::size_t k = 0; k < measured_.stack.layers.size(); ++k) {
-    whole += std::holds_alternative<Medium>(measured_.stack.layers[k]) ? measured_.thickness[k] : 0.0;
+    const double thickness = std::holds_alternative<Medium>(measured_.stack.layers[k]) ? measured_.thickness[k] : 0.0;
+    whole += thickness;
+    finite += std::isinf(thickness) ? 0.0 : thickness;
   }
   for (std::size_t k = 0; k < measured_.stack.layers.size(); ++k) {
     const auto* medium = std::get_if<Medium>(&measured_.stack.layers[k]);
@@ -83,11 +101,10 @@ void Searchlight::choose_scale() {
   }
   const Base& base = measured_.stack.base;
   if (base.is_diffuse() && whole > 0.0 && !std::isinf(whole)) {
-    // The spot that the beam lights on the base, and the edge of its total reflection, are still seen at this
-    // frequency.
-    constexpr double kSpot = 30.0;
+    // The spot that the beam lights on the base, and the edge of its total reflection.
     fastest = std::max(fastest, kSpot / whole);
   }
+  fastest = std::max(fastest, kSpot / spread_by_lobes(measured_.stack, finite));
   if (!(fastest > 0.0) || std::isinf(slowest)) {
     slowest = 1.0;
     fastest = 2.0;

@@ -324,3 +324,29 @@ def test_a_rough_boundary_loses_nothing(alpha):
     """Over a white base all light leaves, in each walk: no error but rounding."""
     found = lamina.estimate_searchlight(Stack([Interface(1.5, alpha)], Lambert(1.0)), 0.3, samples=1 << 14)
     assert found.reflectance.value == pytest.approx(1.0, abs=1e-9)
+
+
+OBLIQUE = {
+    "lobes through a thin slab": (Stack([Interface(1.5, 0.6), Medium(sigma_s=0.4, sigma_a=0.01, thickness=0.5),
+                                         Interface(1.0)]), (1.0, 0.5), (4.0, 12.0, 40.0)),
+    "lobes on both faces": (Stack([Interface(1.5, 0.3), Medium(sigma_s=5.0, sigma_a=0.5, thickness=0.3),
+                                   Interface(1.0, 0.3)]), (1.0, 0.5), (1.0, 13.0, 40.0)),
+    "a beam that leaves far away": (Stack([Medium(sigma_s=0.24, sigma_a=0.33, thickness=1.1),
+                                           Medium(sigma_s=4.8, sigma_a=9.2, thickness=0.014)]), (0.5,),
+                                    (1.5, 4.0, 12.0)),
+}
+
+
+@pytest.mark.parametrize("name", OBLIQUE)
+def test_spectra_that_fall_late_or_oscillate(name):
+    """Lobes of boundaries keep light near the beam, and an oblique beam leaves far from its entry."""
+    stack, cosines, q = OBLIQUE[name]
+    family = []
+    for mu in cosines:
+        beam = lamina.searchlight(stack, mu)
+        found = lamina.estimate_searchlight(stack, mu, samples=2 * SAMPLES, seed=4, q=q)
+        for measured, value in ((found.reflected_at, beam.reflected_at(q)),
+                                (found.transmitted_at, beam.transmitted_at(q))):
+            # The solver is good to 3e-4 of the flux there.
+            family += ((np.ravel(measured.value) - value) / np.hypot(np.ravel(measured.stderr), 3e-4)).tolist()
+    check(family)
