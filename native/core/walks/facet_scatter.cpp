@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "matter/fresnel.hpp"
+#include "numeric/quadrature.hpp"
 #include "walks/facet_normals.hpp"
 
 namespace lamina {
@@ -13,14 +15,39 @@ namespace {
 
 using std::numbers::pi;
 
-/// Additive recurrence of the plastic number (Roberts 2018): a low-discrepancy sequence in the unit square.
-struct EvenPoint {
+/// Two numbers for visible_normal, and their weight in the mean over all facets.
+struct FacetPoint {
   double u;
   double v;
-
-  explicit EvenPoint(int number)
-      : u(std::fmod(0.5 + 0.7548776662466927 * number, 1.0)), v(std::fmod(0.5 + 0.5698402909980532 * number, 1.0)) {}
+  double weight;
 };
+
+/// A quadrature over the facets of one half; the other half is its mirror image in the plane of the ray.
+std::vector<FacetPoint> facet_points(const Facets& facets) {
+  constexpr int kAlong = 160;
+  constexpr int kAcross = 40;
+  static const Quadrature along(kAlong);
+  std::vector<FacetPoint> points;
+  for (int k = 0; k < kAcross; ++k) {
+    if (facets.distribution == Facets::Distribution::kGgx) {
+      // u is an angle, and the integrand is periodic.
+      for (Eigen::Index i = 0; i < along.mu.size(); ++i) {
+        points.push_back({0.5 * (k + 0.5) / kAcross, along.mu[i], along.weight[i] / kAcross});
+      }
+      continue;
+    }
+    // The first bits of u are the slope along the ray, and without other bits v = exp(-x^2) for the slope x across.
+    constexpr double kSteepest = 4.5;
+    static const Quadrature across(kAcross, 0.0, kSteepest);
+    const double x = across.mu[k];
+    const double density = 2.0 * std::numbers::inv_sqrtpi * std::exp(-x * x);
+    for (Eigen::Index i = 0; i < along.mu.size(); ++i) {
+      const double whole = std::floor(along.mu[i] * 0x1.0p26) / 0x1.0p26;
+      points.push_back({whole, std::exp(-x * x), along.weight[i] * across.weight[k] * density});
+    }
+  }
+  return points;
+}
 
 }  // namespace
 
@@ -58,40 +85,45 @@ void FacetScatter::compensate_all() {
 
 double FacetScatter::Loss::operator()(double mu) const {
   const double x = std::sqrt(mu) * kKnots;
-  const auto knot = std::min(static_cast<std::size_t>(x), static_cast<std::size_t>(kKnots - 1));
-  const double share = x - static_cast<double>(knot);
-  return (1.0 - share) * at[knot] + share * at[knot + 1];
+  const int first = std::clamp(static_cast<int>(x) - 1, 0, kKnots - 3);
+  double sum = 0.0;
+  for (int k = first; k <= first + 3; ++k) {
+    double weight = at[static_cast<std::size_t>(k)];
+    for (int other = first; other <= first + 3; ++other) {
+      weight *= other == k ? 1.0 : (x - other) / (k - other);
+    }
+    sum += weight;
+  }
+  return std::clamp(sum, 0.0, largest);
 }
 
 FacetScatter::Loss FacetScatter::loss_on(bool below) const {
-  constexpr int kPoints = 2048;      // facets per knot
   constexpr double kGrazing = 1e-4;  // replaces a cosine of 0
+  const std::vector<FacetPoint> points = facet_points(facets_);
   Loss loss;
   for (int knot = 0; knot <= Loss::kKnots; ++knot) {
     const double root = static_cast<double>(knot) / Loss::kKnots;
     const double mu = std::max(kGrazing, root * root);
     const Ray view{sine_of(mu), 0.0, mu};
     double kept = 0.0;
-    for (int point = 0; point < kPoints; ++point) {
-      const EvenPoint at(point);
-      const Ray normal = visible_normal(facets_, view, at.u, at.v);
+    for (const FacetPoint& point : points) {
+      const Ray normal = visible_normal(facets_, view, point.u, point.v);
       // Follow reflection and refraction, each with its share, instead of choosing one.
       const ByFacet reflected = by_facet(view, normal, below, 0.0);
       const ByFacet passed = by_facet(view, normal, below, 1.0);
       const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
-      kept += share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept;
+      kept += point.weight * (share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept);
     }
-    loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept / kPoints);
+    loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept);
     loss.largest = std::max(loss.largest, loss.at[static_cast<std::size_t>(knot)]);
   }
-  // int 2 mu e dmu = int 4 t^3 e dt with t = sqrt(mu): exact for e linear in t between knots.
+  // int 2 mu e dmu = int 4 t^3 e dt with t = sqrt(mu), a polynomial between knots.
+  static const Quadrature rule(4);
   for (int knot = 0; knot < Loss::kKnots; ++knot) {
-    const double t0 = static_cast<double>(knot) / Loss::kKnots;
-    const double t1 = static_cast<double>(knot + 1) / Loss::kKnots;
-    const double slope =
-        (loss.at[static_cast<std::size_t>(knot) + 1] - loss.at[static_cast<std::size_t>(knot)]) * Loss::kKnots;
-    const double start = loss.at[static_cast<std::size_t>(knot)] - slope * t0;
-    loss.mean += start * (std::pow(t1, 4) - std::pow(t0, 4)) + 0.8 * slope * (std::pow(t1, 5) - std::pow(t0, 5));
+    for (Eigen::Index i = 0; i < rule.mu.size(); ++i) {
+      const double t = (knot + rule.mu[i]) / Loss::kKnots;
+      loss.mean += rule.weight[i] / Loss::kKnots * 4.0 * t * t * t * loss(t * t);
+    }
   }
   return loss;
 }

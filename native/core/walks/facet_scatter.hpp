@@ -30,9 +30,9 @@ class FacetScatter {
 
  private:
   /// The energy that single scattering by facets loses for light from one side, tabulated by the square root of the
-  /// cosine.
+  /// cosine, with cubic interpolation: the loss bends sharply at cosines similar to alpha.
   struct Loss {
-    static constexpr int kKnots = 40;
+    static constexpr int kKnots = 64;
     std::array<double, kKnots + 1> at = {};
     double mean = 0.0;     ///< for uniform diffuse light
     double largest = 0.0;  ///< of all cosines
