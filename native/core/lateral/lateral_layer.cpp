@@ -177,21 +177,25 @@ LateralMedium::Transfer LateralMedium::transfer(double q, const LateralRows& row
   return {less_scattering(odd_), less_scattering(even_)};
 }
 
+/// The share of unscattered light at the cosine `mu` that passes, with the phase of the wave; `cosine` of the azimuth.
+std::complex<double> LateralMedium::passed(double q, double mu, std::complex<double> cosine) const {
+  const double aside = thickness_ * std::sqrt(std::max(0.0, 1.0 - mu * mu)) / mu;
+  return std::exp(-medium_.tau / mu - std::complex<double>(0.0, q * aside) * cosine);
+}
+
 /// Transmission without scattering: a complex attenuation for each direction and pair of azimuths.
 MatrixXd LateralMedium::passing(double q, const LateralRows& rows) const {
   const Index live = directions_.live;
   const Index first = live * rows.azimuths.count;
   MatrixXd matrix = MatrixXd::Zero(first + rows.beam_azimuths.count, first + rows.beam_azimuths.count);
   const auto fill = [&](const AzimuthRule& azimuths, Index direction, Index row, Index stride) {
-    const double path = thickness_ / directions_.mu[direction];
     if (azimuths.count == 1) {
       matrix(row, row) = std::exp(-medium_.tau / directions_.mu[direction]);
       return;
     }
     const Index pairs = azimuths.count / 2;
     for (Index j = 0; j < pairs; ++j) {
-      const std::complex<double> wave = std::complex<double>(0.0, q * sine_[direction] * path) * azimuths.cosines[j];
-      const std::complex<double> kept = std::exp(-medium_.tau / directions_.mu[direction] - wave);
+      const std::complex<double> kept = passed(q, directions_.mu[direction], azimuths.cosines[j]);
       const Index real = row + j * stride;
       const Index imaginary = row + (pairs + j) * stride;
       matrix(real, real) = matrix(imaginary, imaginary) = kept.real();
@@ -219,22 +223,21 @@ void LateralMedium::add_unresolved(double q, const AzimuthRule& azimuths, Matrix
   }
   const Index live = directions_.live;
   const Index pairs = azimuths.count / 2;
-  const auto wave = [&](double mu, Index pair) -> std::complex<double> {
-    const double aside = q * thickness_ * std::sqrt(std::max(0.0, 1.0 - mu * mu)) / mu;
-    return std::exp(-medium_.tau / mu) * (std::exp(std::complex<double>(0.0, -aside) * azimuths.cosines[pair]) - 1.0);
+  const auto by_wave = [&](double mu, Index pair) {
+    return passed(q, mu, azimuths.cosines[pair]) - std::exp(-medium_.tau / mu);
   };
   VectorXd real(fine_mu_.size());
   VectorXd imaginary(fine_mu_.size());
   for (Index j = 0; j < pairs; ++j) {
     for (Index k = 0; k < fine_mu_.size(); ++k) {
-      const std::complex<double> one = wave(fine_mu_[k], j);
+      const std::complex<double> one = by_wave(fine_mu_[k], j);
       real[k] = one.real();
       imaginary[k] = one.imag();
     }
     MatrixXd even = carry_.transpose() * real.asDiagonal() * carry_;
     MatrixXd odd = carry_.transpose() * imaginary.asDiagonal() * carry_;
     for (Index i = 0; i < live; ++i) {
-      const std::complex<double> one = wave(directions_.mu[i], j);
+      const std::complex<double> one = by_wave(directions_.mu[i], j);
       even(i, i) -= one.real();
       odd(i, i) -= one.imag();
     }

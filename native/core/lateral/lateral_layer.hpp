@@ -2,6 +2,7 @@
 // A homogeneous medium with lengths, and its scattering function at a lateral frequency.
 #pragma once
 #include <cmath>
+#include <complex>
 #include <vector>
 
 #include "lateral/lateral_function.hpp"
@@ -49,6 +50,7 @@ class LateralMedium {
     Eigen::MatrixXd b;
   };
   Transfer transfer(double q, const LateralRows& rows) const;
+  std::complex<double> passed(double q, double mu, std::complex<double> cosine) const;
   Eigen::MatrixXd passing(double q, const LateralRows& rows) const;
   void add_unresolved(double q, const AzimuthRule& azimuths, Eigen::MatrixXd& transmit) const;
   Eigen::MatrixXd spread(const Eigen::MatrixXd& compact, const LateralRows& rows) const;

@@ -122,9 +122,9 @@ void Searchlight::advance(ThreadPool& pool) {
     return;
   }
   if (!beam_) {
-    do {
-      beam_ = std::make_unique<ResolvedBeam>(measured_, resolution_, mu_, pool);
-    } while (refine(pool));
+    beam_ = std::make_unique<ResolvedBeam>(measured_, resolution_, mu_, pool);
+    while (refine(pool)) {
+    }
     resolve_forward(pool);
     for (std::size_t face = 0; face < faces_.size(); ++face) {
       faces_[face].once = beam_->once(face);

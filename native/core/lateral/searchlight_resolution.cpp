@@ -24,14 +24,16 @@ constexpr double kSpot = 30.0;
 /// The least distance, in mm, over which lobes of rough boundaries spread light inside a stack of this finite
 /// thickness; infinite without such light.
 double spread_by_lobes(const Stack& stack, double thickness) {
-  double steepness = std::numeric_limits<double>::infinity();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double slope = kInfinity;  // of the narrowest lobe
+  double above = 1.0;
   for (const Layer& layer : stack.layers) {
-    const auto* interface = std::get_if<Interface>(&layer);
-    if (interface != nullptr && interface->facets.alpha > 0.0) {
-      steepness = std::min(steepness, std::min(1.0, interface->facets.alpha));
+    if (const auto* interface = std::get_if<Interface>(&layer)) {
+      slope = interface->is_rough(above) ? std::min(slope, interface->facets.alpha) : slope;
+      above = interface->ior;
     }
   }
-  return thickness > 0.0 ? steepness * thickness : std::numeric_limits<double>::infinity();
+  return thickness > 0.0 ? slope * thickness : kInfinity;
 }
 
 }  // namespace
@@ -140,18 +142,18 @@ double Searchlight::forward_share(double q) const {
 }
 
 /// Compares fluxes with those of more nodes, at q = 0 and where light is scattered about once per wavelength. If they
-/// differ, adds nodes and returns true.
+/// differ, replaces the beam by one with more nodes and returns true.
 bool Searchlight::refine(ThreadPool& pool) {
   constexpr int kMore = 4;
   LateralResolution finer = resolution_;
   finer.nodes += kMore;
-  const LateralStack other(measured_, finer, mu_, pool);
+  auto other = std::make_unique<ResolvedBeam>(measured_, finer, mu_, pool);
   std::array<LateralFlux, 4> fluxes;
   const double q = scale_.slowest;
   pool.run(fluxes.size(), [&](std::size_t k) {
     const bool fine = k >= 2;
     const double frequency = k % 2 == 0 ? 0.0 : q;
-    fluxes[k] = (fine ? other : beam_->stack()).at(frequency, azimuths_for(frequency));
+    fluxes[k] = (fine ? *other : *beam_).stack().at(frequency, azimuths_for(frequency));
   });
   double change = 0.0;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -169,7 +171,11 @@ bool Searchlight::refine(ThreadPool& pool) {
             << ")";
     throw std::runtime_error(message.str());
   }
-  resolution_.nodes = std::min(kMostNodes, resolution_.nodes + kMore);
+  resolution_.nodes = std::min(kMostNodes, finer.nodes);
+  if (resolution_.nodes < finer.nodes) {
+    other = std::make_unique<ResolvedBeam>(measured_, resolution_, mu_, pool);
+  }
+  beam_ = std::move(other);
   return true;
 }
 

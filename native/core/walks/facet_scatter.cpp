@@ -15,40 +15,6 @@ namespace {
 
 using std::numbers::pi;
 
-/// Two numbers for visible_normal, and their weight in the mean over all facets.
-struct FacetPoint {
-  double u;
-  double v;
-  double weight;
-};
-
-/// A quadrature over the facets of one half; the other half is its mirror image in the plane of the ray.
-std::vector<FacetPoint> facet_points(const Facets& facets) {
-  constexpr int kAlong = 160;
-  constexpr int kAcross = 40;
-  static const Quadrature along(kAlong);
-  std::vector<FacetPoint> points;
-  for (int k = 0; k < kAcross; ++k) {
-    if (facets.distribution == Facets::Distribution::kGgx) {
-      // u is an angle, and the integrand is periodic.
-      for (Eigen::Index i = 0; i < along.mu.size(); ++i) {
-        points.push_back({0.5 * (k + 0.5) / kAcross, along.mu[i], along.weight[i] / kAcross});
-      }
-      continue;
-    }
-    // The first bits of u are the slope along the ray, and without other bits v = exp(-x^2) for the slope x across.
-    constexpr double kSteepest = 4.5;
-    static const Quadrature across(kAcross, 0.0, kSteepest);
-    const double x = across.mu[k];
-    const double density = 2.0 * std::numbers::inv_sqrtpi * std::exp(-x * x);
-    for (Eigen::Index i = 0; i < along.mu.size(); ++i) {
-      const double whole = std::floor(along.mu[i] * 0x1.0p26) / 0x1.0p26;
-      points.push_back({whole, std::exp(-x * x), along.weight[i] * across.weight[k] * density});
-    }
-  }
-  return points;
-}
-
 }  // namespace
 
 FacetScatter::FacetScatter(const Facets& facets, double ior_above, double ior_below, bool compensate)
@@ -99,20 +65,20 @@ double FacetScatter::Loss::operator()(double mu) const {
 
 FacetScatter::Loss FacetScatter::loss_on(bool below) const {
   constexpr double kGrazing = 1e-4;  // replaces a cosine of 0
-  const std::vector<FacetPoint> points = facet_points(facets_);
+  const std::vector<VisibleFacet> facets = visible_facets(facets_.distribution);
   Loss loss;
   for (int knot = 0; knot <= Loss::kKnots; ++knot) {
     const double root = static_cast<double>(knot) / Loss::kKnots;
     const double mu = std::max(kGrazing, root * root);
     const Ray view{sine_of(mu), 0.0, mu};
     double kept = 0.0;
-    for (const FacetPoint& point : points) {
-      const Ray normal = visible_normal(facets_, view, point.u, point.v);
+    for (const VisibleFacet& facet : facets) {
+      const Ray normal = visible_normal(facets_, view, facet.u, facet.v);
       // Follow reflection and refraction, each with its share, instead of choosing one.
       const ByFacet reflected = by_facet(view, normal, below, 0.0);
       const ByFacet passed = by_facet(view, normal, below, 1.0);
       const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
-      kept += point.weight * (share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept);
+      kept += facet.weight * (share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept);
     }
     loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept);
     loss.largest = std::max(loss.largest, loss.at[static_cast<std::size_t>(knot)]);

@@ -163,10 +163,8 @@ bool StackWalk::meet(std::size_t element, const Exit& out, Light& light, bool fi
     if (here.kind == Kind::kRough && element + 1 < stack_.elements.size()) {
       // Counted before, see sample_exits: light that crosses the boundary towards the target.
       const bool top = target_.path == Path::kReflect;
-      if (top && light.ray.z > 0.0) {
-        left.up_share = 0.0;
-      } else if (!top && light.ray.z < 0.0) {
-        left.down_share = 0.0;
+      if ((light.ray.z > 0.0) == top) {
+        (top ? left.up_share : left.down_share) = 0.0;
       }
     }
     score += light.weight * surface_leaving(element, left, light.ray);

@@ -22,7 +22,7 @@ from ..interior.walk import Lit, Walker
 from ..kinds.interiors import MOST_COEFFICIENT
 from ..subsurface.entry_cosines import mean_entry_cosines
 from ..subsurface.node_parameters import LEAST_IOR
-from ..subsurface.response_table import CURVE, Curves, response_curves
+from ..subsurface.response_table import CURVE, Curves, distance_per_path, response_curves
 from .nearest import BLOCK, nearest
 
 ROUNDS = 6  # the media are chosen again from the last corrected targets
@@ -33,7 +33,7 @@ EFFORT = 0.25  # share of the walks of the map
 # AVERAGED samples, since the relation of albedo and medium is curved.
 NEIGHBOURS, AVERAGED = 8, 3072
 SHARES = (0.15, 0.85)  # quantiles of u at which the first and the third medium lie; the second lies in the middle
-LEAST_SPREAD = 0.06  # distance of these media in u
+LEAST_SPREAD = 0.06  # least distance in u between neighbours among these media
 LONGER = 0.25  # logarithm of the fourth medium's path over that of the second
 # Where a thin body hides the path, the path stays near the estimate: this change of the logarithm of the exit distance
 # between the media counts as noise.
@@ -65,28 +65,25 @@ def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g:
     # The exit distance without a boundary, if a boundary changes it as in a half-space.
     bare_way, node_way = (np.interp(apparent, CURVE, curves.full_distance) for curves in (bare, node))
     without = distance * bare_way / node_way
-    u, path = apparent, _path(distance, apparent, node, g)
+    u, path = apparent, distance / distance_per_path(node.full_distance, node, g, apparent)
     few = _some(count, ROUGH_POINTS)
     for number in range(ROUNDS):
-        within = portion(step, 0.2 * number / ROUNDS, 0.2 * (number + 1) / ROUNDS)
         media = _media(u, path, walker.solid_size)
-        seen = [_seen(medium, walker.with_points(few, ROUGH_SAMPLES, walker.seed), bare, g, within)
-                for medium in media]
+        seen = _all_seen(media, walker.with_points(few, ROUGH_SAMPLES, walker.seed), bare, g,
+                         portion(step, 0.2 * number / ROUNDS, 0.2 * (number + 1) / ROUNDS))
         seen = [Seen(*(np.broadcast_to(values.mean(axis=0), albedo.shape) for values in one)) for one in seen]
         u, path = _corrected(apparent, without, media, seen, bare)
     chosen = _some(count, POINTS)
     samples = int(np.clip(EFFORT * count * walker.samples / (len(media) * len(chosen)), LEAST_SAMPLES, MOST_SAMPLES))
     media = _media(u, path, walker.solid_size)
-    exact = [_seen(medium, walker.with_points(chosen, samples, walker.seed), bare, g,
-                   portion(step, 0.2 + 0.8 * number / len(media), 0.2 + 0.8 * (number + 1) / len(media)))
-             for number, medium in enumerate(media)]
+    exact = _all_seen(media, walker.with_points(chosen, samples, walker.seed), bare, g, portion(step, 0.2, 1.0))
     places, averaged = walker.positions[chosen], max(NEIGHBOURS, -(-AVERAGED // samples))
     for first in range(0, count, BLOCK):
         part = slice(first, first + BLOCK)
         near, weights = nearest(places, walker.positions[part], averaged)
         seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in exact]
         u[part], path[part] = _corrected(apparent[part], without[part], media, seen, bare)
-    return np.interp(u, CURVE, node.full_albedo), _distance(path, u, node, g)
+    return np.interp(u, CURVE, node.full_albedo), path * distance_per_path(node.full_distance, node, g, u)
 
 
 def _some(count: int, most: int) -> np.ndarray:
@@ -99,19 +96,9 @@ def _u_of(curves: Curves, albedo: np.ndarray) -> np.ndarray:
     return np.interp(-albedo, -curves.full_albedo, CURVE)
 
 
-def _path(distance: np.ndarray, u: np.ndarray, curves: Curves, g: float) -> np.ndarray:
-    """The mean free path at which a half-space has this mean exit distance."""
-    return distance / np.interp(u, CURVE, curves.full_distance) * (1.0 - g * np.interp(u, CURVE, curves.single))
-
-
-def _distance(path: np.ndarray, u: np.ndarray, curves: Curves, g: float) -> np.ndarray:
-    """The inverse of _path."""
-    return path * np.interp(u, CURVE, curves.full_distance) / (1.0 - g * np.interp(u, CURVE, curves.single))
-
-
 def _media(u: np.ndarray, paths: np.ndarray, size: float) -> list[Medium]:
-    """Three media in the range of u, with the paths of points that have about this u, and the second with a path that
-    is longer by LONGER."""
+    """Three media in the range of u, with the paths of points that have about this u, and a fourth: the second with a
+    longer path."""
     low, high = np.quantile(u, SHARES, axis=0)
     middle, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), LEAST_SPREAD)
     shortest, longest = max(1e-6 * size, 2.0 / MOST_COEFFICIENT), 1e3 * size
@@ -124,6 +111,13 @@ def _media(u: np.ndarray, paths: np.ndarray, size: float) -> list[Medium]:
     return [*found, Medium(found[1].u, found[1].path * np.exp(LONGER))]
 
 
+def _all_seen(media: list[Medium], walker: Walker, curves: Curves, g: float, step: Progress) -> list[Seen]:
+    """Walks in each medium, from the points of a walker."""
+    ends = np.linspace(0.0, 1.0, len(media) + 1)
+    return [_seen(medium, walker, curves, g, portion(step, low, high))
+            for medium, low, high in zip(media, ends, ends[1:], strict=False)]
+
+
 def _seen(medium: Medium, walker: Walker, curves: Curves, g: float, step: Progress) -> Seen:
     """Walks in the medium, from the points of a walker."""
     single = np.interp(medium.u, CURVE, curves.single)
@@ -133,7 +127,7 @@ def _seen(medium: Medium, walker: Walker, curves: Curves, g: float, step: Progre
     part = part_of(job_of("exits", bare, dark), (1, 1), bare, dark,
                    lambda fraction, _: step(fraction, "Shape of the body"))
     found = merge_walks([part])
-    expected = _distance(medium.path, medium.u, curves, g)  # without light that leaves
+    expected = medium.path * distance_per_path(curves.full_distance, curves, g, medium.u)  # if no light leaves
     distance = found.mean_distance.value  # type: ignore[union-attr]  # of this kind
     return Seen(found.albedo.value, np.where(np.isfinite(distance), distance, expected))  # type: ignore[union-attr]
 

@@ -15,7 +15,7 @@ from ..kinds.limits import MOST_NODE_IOR
 from .entry_cosines import entry_cosines, mean_entry_cosines
 from .node_parameters import LEAST_ALBEDO, LEAST_IOR, colour_of_albedo, radius_of_path
 from .node_response import LARGEST_G
-from .response_table import CURVE, Curves, response_curves
+from .response_table import CURVE, Curves, distance_per_path, response_curves
 
 # Relative errors of the tabulated response: exit albedo, mean exit distance. Up to .002 and .0025 for single-scattering
 # albedos below .5 with g above .8.
@@ -121,7 +121,7 @@ def _limited_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.nda
     dark = albedo < floor
     place = np.where(dark, least, _place(curves.albedo, albedo))
     single = np.where(dark, LEAST_ALBEDO * albedo / floor, np.interp(place, CURVE, curves.single))
-    return Walk(single, _path(curves.distance, curves, g, place, distance))
+    return Walk(single, distance / distance_per_path(curves.distance, curves, g, place))
 
 
 def _full_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray) -> Walk:
@@ -131,7 +131,7 @@ def _full_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarra
     bright = albedo >= np.interp(least, CURVE, curves.albedo)
     limited = _limited_walk(curves, g, albedo, distance)
     return Walk(np.where(bright, np.interp(place, CURVE, curves.single), limited.albedo),
-                np.where(bright, _path(curves.full_distance, curves, g, place, distance), limited.path))
+                np.where(bright, distance / distance_per_path(curves.full_distance, curves, g, place), limited.path))
 
 
 def _lost_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray,
@@ -160,11 +160,6 @@ def _at_albedo(curves: Curves, single) -> np.ndarray:
 def _place(light: np.ndarray, albedo: np.ndarray) -> np.ndarray:
     """The position on CURVE with the target exit albedo. `light` is the exit albedo, which decreases along CURVE."""
     return np.interp(-albedo, -light, CURVE)
-
-
-def _path(distances: np.ndarray, curves: Curves, g: float, place: np.ndarray, distance: np.ndarray) -> np.ndarray:
-    """The mean free path that gives this mean exit distance. `distances` are in transport mean free paths."""
-    return distance / np.interp(place, CURVE, distances) * (1.0 - g * np.interp(place, CURVE, curves.single))
 
 
 def checked_version(version) -> tuple[int, int]:

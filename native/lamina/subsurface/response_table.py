@@ -39,6 +39,11 @@ def response_curves(g: float, cosines: np.ndarray, shares: np.ndarray) -> Curves
                   (fine[..., 2] * fine[..., 3]) @ shares / full_light)
 
 
+def distance_per_path(distances: np.ndarray, curves: Curves, g: float, u: np.ndarray) -> np.ndarray:
+    """Mean exit distance of media at `u`, in mean free paths. `distances`: a curve, in transport mean free paths."""
+    return np.interp(u, CURVE, distances) / (1.0 - g * np.interp(u, CURVE, curves.single))
+
+
 @functools.cache
 def _logarithms() -> np.ndarray:
     """Logarithms of exit albedo per single-scattering albedo and of mean exit distance, shape (g, quantity, mu, u).

@@ -313,7 +313,7 @@ def test_the_spectrum_has_no_step_at_frequency_0():
     for alpha in (0.05, 0.2, 0.6):
         for mu in (1.0, 0.25):
             beam = lamina.searchlight(Stack([Interface(1.46, alpha)], HalfSpace(sigma_s=13.0, sigma_a=0.1)), mu)
-            # Of light with a mean square distance of .3 mm^2: a step would be as large at each of the frequencies.
+            # Without a step, this is q^2 / 4 times the mean square distance, which is far below 1.2 mm^2.
             lost = beam.reflectance - beam.reflected_at([0.01, 0.02])
             assert np.all(lost < 0.3 * beam.reflectance * np.array([0.01, 0.02]) ** 2 + 2e-6)
             assert beam.reflected_inside(200.0) == pytest.approx(beam.reflectance[0], abs=5e-5)
@@ -326,7 +326,7 @@ def test_a_rough_boundary_loses_nothing(alpha):
     assert found.reflectance.value == pytest.approx(1.0, abs=1e-9)
 
 
-OBLIQUE = {
+LATE = {
     "lobes through a thin slab": (Stack([Interface(1.5, 0.6), Medium(sigma_s=0.4, sigma_a=0.01, thickness=0.5),
                                          Interface(1.0)]), (1.0, 0.5), (4.0, 12.0, 40.0)),
     "lobes on both faces": (Stack([Interface(1.5, 0.3), Medium(sigma_s=5.0, sigma_a=0.5, thickness=0.3),
@@ -337,10 +337,10 @@ OBLIQUE = {
 }
 
 
-@pytest.mark.parametrize("name", OBLIQUE)
+@pytest.mark.parametrize("name", LATE)
 def test_spectra_that_fall_late_or_oscillate(name):
     """Lobes of boundaries keep light near the beam, and an oblique beam leaves far from its entry."""
-    stack, cosines, q = OBLIQUE[name]
+    stack, cosines, q = LATE[name]
     family = []
     for mu in cosines:
         beam = lamina.searchlight(stack, mu)
