@@ -26,10 +26,10 @@ def flights(mu, g, number, count, rng):
         left, within, place, way = within[leaves], within[~leaves], place[~leaves], way[~leaves]
         yield left, np.hypot(out[:, 0], out[:, 1]), within, place, way
         cosine = turned_cosine(g, rng.random(len(within)))
-        way = _turned(way, cosine, 2.0 * math.pi * rng.random(len(within)))
+        way = turned(way, cosine, 2.0 * math.pi * rng.random(len(within)))
 
 
-def _turned(way, cosine, azimuth):
+def turned(way, cosine, azimuth):
     """Directions at these angles to `way`."""
     aside = np.where(np.abs(way[:, :1]) < 0.9, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
     first = np.cross(way, aside)

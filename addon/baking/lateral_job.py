@@ -8,7 +8,7 @@ import bpy
 from ..base import native
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import stack_io
-from ..nodes import lateral_group, portal_graph, relightable_graph
+from ..nodes import before, lateral_group, portal_graph, relightable_graph
 from . import portal_reach, volume_bounces
 
 log = logging.getLogger(__name__)
@@ -78,6 +78,8 @@ def _apply(material, scene, output, found, length):
 
     lateral_group.build(material, output.capitalize(), draw, length)
     portal_reach.note(material.lamina.lateral_group, output, found)
+    if output == "PORTAL":
+        before.switch_correction_off(material)
     if output == "PORTAL" and found.first is not None:
         material.lamina.lateral_scatterings = found.first.count
     raised = "" if scene is None else volume_bounces.provide(scene, material)

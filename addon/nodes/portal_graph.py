@@ -3,15 +3,16 @@
 
 A camera ray that hits a front face continues from a source below the hit point, in a random upward direction.
 The continued ray hits a back face. A Translucent closure there collects the light from outside. Rays are
-weighted where they leave (portal_exit), and those of a portal beside a volume (portal_volume) by their
-distance at the front face."""
+weighted where they leave (portal_exit)."""
 
 import math
 
+import numpy as np
+
 from . import boundary_graph, mix_shader, portal_exit, portal_image, portal_volume
 
-# The step to the outside: a part of the tables' scale, Blender units, and a part of the distance from the
-# origin. Cycles misses the surface of a metre-wide face from 6e-6 units above; 1.3e-4 is enough.
+# The step to the outside: a part of the mean exit distance, Blender units, and a part of the distance from
+# the origin. Cycles misses the surface of a metre-wide face from 6e-6 units above; 1.3e-4 is enough.
 STEP, LEAST_STEP, ROUNDING = 0.05, 6.0e-5, 3.0e-5
 # Scale of the position for White Noise: about 1000 steps per millimetre give neighbours different numbers.
 NOISE_SCALE = 917.3
@@ -23,10 +24,9 @@ def draw(graph, tables, length, name):
 
     `tables`: lamina.PortalTables; `length`: the socket with the number of Blender units per millimetre;
     `name`: name of the image."""
-    # Over the share of the views that take the portal, times the solid angle of the rays in hemispheres.
-    views = tables.views * ((1.0 - tables.least_cosine) / (1.0 - tables.entering))
-    rows = {portal_image.WEIGHTS: tables.weights, portal_image.VIEWS: views}
-    image = portal_image.create(name, tables.depths, {**rows, portal_image.SHARES: tables.shares})
+    # Over the share of the views that take the portal, times the integral of the cosines' density.
+    views = tables.views[:, None] * tables.shares * ((0.5 + tables.lift) / (1.0 - tables.entering))
+    image = portal_image.create(name, tables.depths, views)
     geometry = graph.node("ShaderNodeNewGeometry", -3, 4)
     light_path = graph.node("ShaderNodeLightPath", -3, 10)
     chance = _chance(graph, geometry.outputs["Position"], length)
@@ -34,37 +34,26 @@ def draw(graph, tables, length, name):
     volume = None
     if tables.first is not None:
         shader, volume = portal_volume.with_volume(graph, tables, length, light_path, shader, chance[1])
-    if tables.weighted_at_exit:
-        weight = portal_exit.weight(graph, tables, image, length, geometry, light_path)
-    else:
-        weight = portal_exit.share_within(graph, image, length, geometry, light_path)
+    weight, tilted = portal_exit.weight_and_normal(graph, tables, image, length, geometry, light_path)
     if tables.has_boundary:
         shader = boundary_graph.over(graph, tables.ior, tables.roughness, shader)
-    return _by_side(graph, tables, length, geometry, light_path, shader, volume, weight), volume
+    return _by_side(graph, tables, length, geometry, light_path, shader, volume, (weight, tilted)), volume
 
 
 def _to_the_source(graph, tables, length, geometry, image, chance):
     """The portal from the front face to the source."""
     normal = geometry.outputs["Normal"]
-    if tables.weighted_at_exit:
-        cosine, sine = _uniform_cosine(graph, chance[0], tables.least_cosine)
-    else:
-        cosine, sine = _lambert_cosine(graph, chance[0])
+    cosine, sine, density = _cosine(graph, tables.lift, chance[0])
     # A full turn for the random numbers that rays into the volume leave over.
     turn = 2.0 * math.pi / (1.0 - tables.entering)
     direction = _direction(graph, normal, cosine, sine, chance[1], turn)
     place = portal_exit.place_of_depth(graph, direction)
-    depth = portal_image.row(graph, image, portal_image.DEPTHS, "depth of the source", place, "Closest")
-    if tables.weighted_at_exit:
-        weight = portal_image.row(graph, image, portal_image.SHARES, "weights of channels", place, "Closest")
-    else:
-        out = graph.math("DIVIDE", 0, 8, "over depth", sine, cosine)
-        r = graph.math("MULTIPLY", 1, 8, "distance on a plane", out, depth)
-        weight = portal_image.at_distance(graph, image, tables.scale, r)
+    depth = portal_image.depth(graph, image, place)
     seen = graph.vector("DOT_PRODUCT", 0, 12, "view cosine", normal, geometry.outputs["Incoming"])
-    colour = portal_image.row(graph, image, portal_image.VIEWS, "light through the portal", seen, "Linear")
+    weight = portal_image.by_view(graph, image, place, seen)
     portal = graph.node("ShaderNodeBsdfRayPortal", 4, 6, "to the source")
-    graph.link(graph.vector("MULTIPLY", 3, 10, "colour", colour, weight), portal.inputs["Color"])
+    inverse = graph.math("DIVIDE", 2, 9, "", 1.0, density)
+    graph.link(graph.scale(3, 9, "over the cosines' density", weight, inverse), portal.inputs["Color"])
     way = graph.math("MULTIPLY", 1, 5, "depth of the source", depth, length)
     below = graph.scale(2, 5, "down", normal, way)
     source = graph.vector("SUBTRACT", 3, 5, "source", geometry.outputs["Position"], below)
@@ -84,20 +73,14 @@ def _chance(graph, position, length):
     return tuple(parts.outputs)[:2]
 
 
-def _lambert_cosine(graph, chance):
-    """(cosine, sine) of the angle between the source's ray and the normal, by Lambert's law: the square of
-    the cosine is uniform in (0, 1)."""
-    square = graph.math("MAXIMUM", 0, 7, "above the horizon", chance, 1.0e-12)
-    rest = graph.math("SUBTRACT", 1, 7, "rest", 1.0, square)
-    return graph.math("SQRT", 2, 7, "cosine", square), graph.math("SQRT", 3, 7, "sine", rest)
-
-
-def _uniform_cosine(graph, chance, least):
-    """The same with cosines uniform in [least, 1]."""
-    cosine = graph.math("MULTIPLY_ADD", 0, 7, "cosine", chance, 1.0 - least, least)
-    square = graph.math("MULTIPLY", 1, 7, "square", cosine, cosine)
-    rest = graph.math("SUBTRACT", 2, 7, "rest", 1.0, square)
-    return cosine, graph.math("SQRT", 3, 7, "sine", graph.math("MAXIMUM", 2, 7, "", rest, 0.0))
+def _cosine(graph, lift, chance):
+    """(cosine, sine, cosine + lift) of the angle between the source's ray and the normal. The square of the
+    last is uniform."""
+    square = graph.math("MULTIPLY_ADD", 0, 7, "", chance, 1.0 + 2.0 * lift, lift * lift)
+    lifted = graph.math("SQRT", 1, 7, "lifted", square)
+    cosine = graph.math("SUBTRACT", 2, 7, "cosine", lifted, lift)
+    rest = graph.math("SUBTRACT", 4, 7, "rest", 1.0, graph.math("MULTIPLY", 3, 7, "square", cosine, cosine))
+    return cosine, graph.math("SQRT", 6, 7, "sine", graph.math("MAXIMUM", 5, 7, "", rest, 0.0)), lifted
 
 
 def _direction(graph, normal, cosine, sine, chance, turn):
@@ -115,11 +98,13 @@ def _direction(graph, normal, cosine, sine, chance, turn):
     return graph.vector("ADD", 5, 15, "direction", level, graph.scale(4, 16, "upwards", normal, cosine))
 
 
-def _by_side(graph, tables, length, geometry, light_path, shader, volume, weight):
+def _by_side(graph, tables, length, geometry, light_path, shader, volume, leaving):
     """The shader of both faces: on the back face, rays from the source show the light from outside, and the
-    front face gets `shader`."""
+    front face gets `shader`. `leaving`: weight and tilted normal where a ray leaves."""
+    weight, tilted = leaving
     lit = graph.node("ShaderNodeBsdfTranslucent", 6, 9, "light from outside")
     _colour(graph, lit, portal_volume.rgb(tables.entry.diffuse), weight)
+    graph.link(tilted, lit.inputs["Normal"])
     behind, front = lit.outputs[0], shader
     if tables.entry.toon.any():
         leave, front = _by_toon(graph, tables, length, geometry, light_path, shader, weight)
@@ -163,4 +148,4 @@ def _step(graph, tables, length, position):
     errors of the position."""
     away = graph.vector("LENGTH", 2, 12, "from the origin", position)
     far = graph.math("MULTIPLY_ADD", 3, 12, "rounding", away, ROUNDING, LEAST_STEP)
-    return graph.math("MULTIPLY_ADD", 4, 11, "a step", length, STEP * tables.scale, far)
+    return graph.math("MULTIPLY_ADD", 4, 11, "a step", length, STEP * float(np.median(tables.distance)), far)

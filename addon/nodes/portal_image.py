@@ -5,37 +5,41 @@ import numpy as np
 
 from ..base import data_image
 
-# Rows of the image, from below.
-DEPTHS, WEIGHTS, VIEWS, SHARES, ROWS = 0, 1, 2, 3, 4
+# Rows of the image, from below; those by view cosine follow.
+DEPTHS, VIEWS = 0, 1
 
 
-def create(name, depths, tables):
-    """The image with `depths`, shape (width,), and `tables`: row number -> values, (count, channels)."""
-    width = len(depths)
-    texels = np.zeros((ROWS, width, 4), np.float32)
-    texels[:, :, 3] = 1.0
-    texels[DEPTHS, :, :3] = depths[:, None]
-    for number, values in tables.items():
-        places = np.linspace(0.0, len(values) - 1.0, width)
-        wide = np.stack([np.interp(places, np.arange(len(values)), column) for column in values.T], axis=1)
-        texels[number, :, :3] = wide
+def create(name, depths, views):
+    """The image with `depths`, shape (count,), in its alpha channel, and `views`, (rows, count, channels)."""
+    texels = np.ones((VIEWS + len(views), len(depths), 4), np.float32)
+    texels[DEPTHS, :, 3] = depths
+    texels[VIEWS:, :, :3] = views
     return data_image.create(name, texels)
 
 
-def row(graph, image, number, label, place, interpolation):
-    """Look up a row of the image at a coordinate in [0, 1]: 0 is the first texel, 1 the last. Returns the
-    colour."""
-    half = 0.5 / image.size[0]
-    node = graph.node("ShaderNodeTexImage", 3, 2 * number, label)
-    node.image, node.interpolation, node.extension = image, interpolation, "EXTEND"
-    # From the coordinate to the centers of the row's texels.
-    node.texture_mapping.scale = (1.0 - 2.0 * half, 0.0, 0.0)
-    node.texture_mapping.translation = (half, (number + 0.5) / ROWS, 0.0)
-    graph.link(place, node.inputs["Vector"])
+def depth(graph, image, place):
+    """The depth at the place in [0, 1]: 0 is the first texel, 1 the last."""
+    scale = (1.0 - 1.0 / image.size[0], 0.0)
+    return _texture(graph, image, DEPTHS, "depth of the source", place, "Closest", scale).outputs["Alpha"]
+
+
+def by_view(graph, image, place, cosine):
+    """The weight of a ray by the place of its depth and by the view cosine."""
+    width, height = image.size
+    at = graph.node("ShaderNodeCombineXYZ", 2, 2 * VIEWS, "depth and view")
+    graph.link(place, at.inputs[0])
+    graph.link(cosine, at.inputs[1])
+    # From [0, 1] to the centers of the first and the last row of views.
+    scale = ((width - 1.0) / width, (height - VIEWS - 1.0) / height)
+    node = _texture(graph, image, VIEWS, "by view and depth", at.outputs[0], "Linear", scale)
     return node.outputs["Color"]
 
 
-def at_distance(graph, image, scale, r):
-    """The weight of a ray by the distance `r` on the plane, mm."""
-    place = graph.math("DIVIDE", 2, 8, "place", r, graph.math("ADD", 1, 9, "and scale", r, scale))
-    return row(graph, image, WEIGHTS, "weight", place, "Linear")
+def _texture(graph, image, row, label, place, interpolation, scale):
+    """The image at `place` times `scale` from the center of the first texel of a row."""
+    node = graph.node("ShaderNodeTexImage", 3, 2 * row, label)
+    node.image, node.interpolation, node.extension = image, interpolation, "EXTEND"
+    node.texture_mapping.scale = (*scale, 0.0)
+    node.texture_mapping.translation = (0.5 / image.size[0], (row + 0.5) / image.size[1], 0.0)
+    graph.link(place, node.inputs["Vector"])
+    return node

@@ -121,7 +121,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     lateral_orders: IntProperty(
         name="Scatterings",
         description="Number of first scatterings that Cycles' volume computes for the portal. Few render in "
-        "less time and with less noise, many show more of the sun's direction on curved bodies. 0: 2 to 14, "
+        "less time and with less noise, many show more of the sun's direction on curved bodies. 0: 1 to 14, "
         "more the stronger the forward scattering",
         min=0,
         max=14,

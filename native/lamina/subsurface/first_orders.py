@@ -23,7 +23,7 @@ from .single_scattering import SingleScattering
 
 # Light forgets its direction after 1 / (1 - g) scatterings, by similarity. ISOTROPIC: number of orders for one such
 # scattering; MORE: for each further one. MOST keeps the time and the noise of renders in bounds.
-ISOTROPIC, MORE, MOST = 2, 4, 14
+ISOTROPIC, MORE, MOST = 1, 3.25, 14
 # Per mean free path. Orders from the second on fall below 1e-3 of their flux beyond the last frequency.
 FREQUENCIES = np.concatenate([[0.0], np.geomspace(0.08, 30.0, 25)])
 WIDTHS = np.geomspace(0.02, 25.0, 30)  # of the Gaussians, in mean free paths
@@ -55,11 +55,23 @@ class FirstOrders(ByContent):
         once = self.medium.reflectance(mu)
         if self.count == 1:
             return once
-        nodes, _ = _quadrature(self.medium.g)
-        flights = FirstFlights(self.medium.g, mu, nodes, 1, self.count, growing_edges(*GRAZING_CELLS))
-        leaving = flights.at(0.0)[0][1:]
+        leaving = self._flights(mu).at(0.0)[0][1:]
         albedo = self.medium.sigma_s / self.medium.extinction
         return once + np.stack([_powers(a, self.count) @ leaving for a in albedo], axis=1)
+
+
+    def next_collision(self, mu: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The density over depth of collision `count` + 1 without absorption, for beams at the cosines `mu`: depths in
+        mean free paths, their quadrature weights, and densities of shape (depths, mu)."""
+        flights = self._flights(mu)
+        return flights.cells.depths, flights.cells.weights, flights.at(0.0)[1]
+
+    def _flights(self, mu: np.ndarray) -> FirstFlights:
+        """Flights whose lateral distances do not count: one azimuth is enough. Stronger forward scattering than the
+        quadrature allows, which only next_collision meets, is taken for the strongest that the quadrature allows."""
+        g = min(max(self.medium.g, -QUADRATURE[-1][0]), QUADRATURE[-1][0])
+        nodes, _ = _quadrature(g)
+        return FirstFlights(g, mu, nodes, 1, self.count, growing_edges(*GRAZING_CELLS))
 
 
 def of_stack(stack: Stack, count: int | None = None) -> FirstOrders | None:

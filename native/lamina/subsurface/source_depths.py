@@ -17,7 +17,7 @@ from . import plane_rings
 
 # The decay is read from the profile between the distances within which these shares of the flux leave. Beyond lies
 # too little light for an exact slope; nearer, the depths of the sources change the slope.
-TAIL = (0.99, 0.998)
+TAIL = (0.997, 0.9993)
 PLACES, STEPS, COARSE = 80, 400, 4  # depths of the mixture, steps of the iteration, nodes r per bin of the iteration
 
 
@@ -34,6 +34,18 @@ def flux_density(depths: np.ndarray, r: np.ndarray, decay: float) -> np.ndarray:
     """Flux density at the distances `r` from sources at `depths`, each of unit flux, shape (len(r), len(depths))."""
     way = np.hypot(depths, r[:, None])
     return depths / (2.0 * math.pi * way**3) * (1.0 + decay * way) * np.exp(-decay * (way - depths))
+
+
+def exit_cosines(sources: Sources, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Cosines, shape (count,), at which light from the sources hits the plane, and the share of the light at each,
+    shape (count, channels). The part x exp(-k z (1 / x - 1)) of a source's light arrives flatter than at the cosine
+    x = z / t."""
+    edges = np.linspace(0.0, 1.0, count + 1)[1:]
+    shares = np.empty((count, len(sources.decay)))
+    for c, (k, of_depth) in enumerate(zip(sources.decay, sources.shares.T, strict=True)):
+        flatter = edges * np.exp(-k * sources.depths[:, None] * (1.0 / edges - 1.0))
+        shares[:, c] = of_depth @ np.diff(flatter, axis=1, prepend=0.0)
+    return edges - 0.5 / count, shares / shares.sum(axis=0)
 
 
 def fit(r: np.ndarray, light: np.ndarray, count: int) -> Sources:
