@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """make bench: all benchmarks in turn, printed as tables and stored as JSON in build/bench.
 
-    python bench/run.py [solver|doubling|walks|searchlight|bake|fit|live|dust|interior|voxels|frames|render ...]
+    python bench/run.py [solver|doubling|walks|searchlight|bake|fit|live|dust|interior|voxels|frames|portal|render ...]
 """
 
 import json
@@ -82,6 +82,12 @@ def frames():
     return json.loads((OUT / "frames.json").read_text(encoding="utf-8"))
 
 
+def portal():
+    # In a process of its own, like `render`.
+    subprocess.run([sys.executable, ROOT / "bench/portal_bench.py"], check=True)
+    return json.loads((OUT / "portal.json").read_text(encoding="utf-8"))
+
+
 def render():
     # bpy may hang when the interpreter exits, so this runs in a process of its own.
     subprocess.run([sys.executable, ROOT / "bench/render_bench.py"], check=True)
@@ -100,6 +106,7 @@ BENCHES = {
     "interior": (interior, "Walks in a mesh of 100 k faces with 256^3 voxels, CPU time of all threads (limit 1 M/s)"),
     "voxels": (voxels, "Walks in voxels to 1 % of a texel, wall clock, 2 threads, against Mitsuba on the same grid"),
     "frames": (frames, "Frames until a baked interior is cheaper than Cycles' volume, CPU time at 1 % noise"),
+    "portal": (portal, "The portal beside Cycles' Random Walk on a sphere under a sun, CPU time"),
     "render": (render, "Rendering in Cycles"),
 }
 

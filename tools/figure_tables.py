@@ -99,6 +99,15 @@ def frames(rows):
                       str(row.get("break-even, frames") or "-")] for row in rows])
 
 
+def portal(rows):
+    head = ["medium", "mean free path", "rms", "energy", "rms, Random Walk", "energy, Random Walk",
+            "time / Random Walk", "variance at equal time / Random Walk"]
+    return markdown(head, [[row["medium"], f"{row['mean free path']:g}", percent(row["rms"], 1),
+                            percent(row["energy"], 1), percent(row["rms, Random Walk"], 0),
+                            percent(row["energy, Random Walk"], 0), f"{row['time']:.2f}",
+                            plain(row["variance at equal time"])] for row in rows])
+
+
 def bake(rows):
     return markdown(["stack", "quality", "time", "fit error", "closures"],
                     [[row["stack"], row["quality"], f"{row['ms']:.0f} ms", percent(row.get("fit_error")),
@@ -132,7 +141,7 @@ def render(report):
 
 
 TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "searchlight": searchlight, "voxels": voxels,
-          "frames": frames, "bake": bake, "fit": fit, "dust": dust, "render": render}
+          "frames": frames, "portal": portal, "bake": bake, "fit": fit, "dust": dust, "render": render}
 
 
 def main():

@@ -3,7 +3,8 @@
 
 Light that enters at a grazing angle stays near the surface, so a curved surface changes this light less. In a deep
 medium, the collision with which the portal's light begins has a known density over depth for each view. The sources
-belong to these collisions in the order of depth: quantiles of the two distributions of light correspond."""
+belong to these collisions in the order of depth: quantiles of the two distributions of light correspond. Mean depths
+of collisions and sources tell how curved surfaces change the light."""
 
 from __future__ import annotations
 

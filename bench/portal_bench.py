@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The portal beside Cycles' Random Walk on a sphere under a sun: errors, CPU time, and variance at equal time.
+
+    python bench/portal_bench.py [--samples 256] [--repeats 3] [--extension ZIP] [--out build/bench/portal.json]
+
+References are those of the tests. Errors are free of noise: the mean over pairs of renders of the product of their
+errors. Times are the least of the renders, without the start of a render.
+"""
+
+import argparse
+import importlib
+import itertools
+import math
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / "demo_scenes"), str(ROOT / "tests/cycles"), str(ROOT / "tests")]
+
+import extension  # noqa: E402
+import output  # noqa: E402
+
+OUTPUTS = {"RELIGHTABLE": "Random Walk", "PORTAL": "portal"}
+MEDIA = {"portal_sphere": "isotropic", "portal_sphere_boundary": "isotropic, index 1.4",
+         "portal_sphere_forward": "g .8"}
+FEW = 16  # part of the samples that the subtracted start of a render has
+# Forward scattering is noisier.
+MORE = {"portal_sphere_forward": 2}
+
+
+def measure(addon, samples, repeats, say):
+    """Rows by medium and mean free path, the portal's times and variances relative to Random Walk's."""
+    import lit_sphere
+
+    rows = []
+    for name, path in lit_sphere.BLOCKS:
+        found = {}
+        for number, kind in enumerate(OUTPUTS):
+            found[kind] = _measured(addon, lit_sphere, name, path, kind, samples * MORE.get(name, 1), repeats, number)
+        walk, portal = found.values()
+        rows.append({
+            "medium": MEDIA[name], "mean free path": float(path), "rms": portal["rms"], "energy": portal["energy"],
+            "rms, Random Walk": walk["rms"], "energy, Random Walk": walk["energy"],
+            "time": portal["seconds"] / walk["seconds"],
+            "variance at equal time": portal["seconds"] * portal["variance"] / walk["seconds"] / walk["variance"],
+        })
+        say(f"{MEDIA[name]}, mean free path {path}")
+    return rows
+
+
+def _measured(addon, lit_sphere, name, path, kind, samples, repeats, number):
+    import bpy
+
+    material = bpy.data.materials.new(kind)
+    addon.editing.layer_list.add_stack(material)
+    addon.editing.stack_io.assign_stack(material, lit_sphere.stack(name, path))
+    addon.baking.lateral_job.make(material, quality="preview", output=kind)
+
+    def prepare(scene):
+        addon.baking.volume_bounces.provide(scene, material)
+
+    def rendered(count, seed):
+        began = time.process_time()
+        picture = lit_sphere.pixels(material, count, seed, prepare)
+        return picture, time.process_time() - began
+
+    rendered(1, 1)
+    pictures, seconds = [], []
+    for seed in range(repeats):
+        picture, longer = rendered(samples, 10 * number + seed + 1)
+        seconds.append(longer - rendered(samples // FEW, seed + 1)[1])
+        pictures.append(picture)
+    truth = lit_sphere.BLOCKS[name, path]
+    apart = [lit_sphere.blocks_of(picture) - truth for picture in pictures]
+    square = np.mean([np.mean(first * second) for first, second in itertools.combinations(apart, 2)])
+    return {
+        "rms": math.copysign(math.sqrt(abs(square)), square) / truth.mean(),
+        "energy": float(np.mean(apart) / truth.mean()),
+        "seconds": min(seconds),
+        "variance": float(np.mean(np.var(pictures, axis=0, ddof=1))),
+    }
+
+
+def _say(text):
+    print(f"portal: {text}", flush=True)
+
+
+def main(argv=None):
+    parser = argparse.ArgumentParser(description="The portal beside Cycles' Random Walk on a sphere under a sun.")
+    parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "bench" / "portal.json")
+    arguments = parser.parse_args(argv)
+    zip_path = arguments.extension or extension.newest_zip(ROOT / "dist")
+    with extension.isolate():
+        import bpy  # noqa: F401 - reads the environment that isolate() sets
+
+        with extension.installed(zip_path):
+            addon = importlib.import_module(extension.PACKAGE)
+            rows = measure(addon, arguments.samples, arguments.repeats, _say)
+    output.save_json(arguments.out, rows)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
