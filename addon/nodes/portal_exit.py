@@ -39,6 +39,8 @@ def weight_and_normal(graph, tables, image, length, geometry, light_path):
     shape = _shape(graph, tables, depth, way, beyond, graph.math("MULTIPLY", 1, 21, "height", way, cosine))
     by_channel = graph.node("ShaderNodeCombineXYZ", 6, 24, "weight at the exit")
     between = graph.math("MULTIPLY", 4, 25, "", way, graph.math("SQRT", 3, 25, "", shape))
+    # Next to an edge or in a hollow, t may be less than z; no more light than that of a plane is shown there.
+    beyond = graph.math("MAXIMUM", 1, 24, "", beyond, 0.0)
     done = {}
     for channel, decay in enumerate(_three(tables.decay)):
         if decay not in done:
