@@ -102,7 +102,8 @@ def frames(rows):
 def portal(rows):
     head = ["medium", "mean free path", "rms", "energy", "rms, Random Walk", "energy, Random Walk",
             "time / Random Walk", "variance at equal time / Random Walk"]
-    return markdown(head, [[row["medium"], f"{row['mean free path']:g}", percent(row["rms"], 1),
+    return markdown(head, [[row["medium"], f"{row['mean free path']:g}",
+                            percent(row["rms"], 1) if row["rms"] > 0.0 else "below the noise",
                             percent(row["energy"], 1), percent(row["rms, Random Walk"], 0),
                             percent(row["energy, Random Walk"], 0), f"{row['time']:.2f}",
                             plain(row["variance at equal time"])] for row in rows])
