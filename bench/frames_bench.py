@@ -8,17 +8,11 @@ The time of a bake or a frame at 1 % noise is its measured time times its square
 start that does not depend on its samples; it is measured, and left out of all frames.
 """
 
-import argparse
 import math
 import sys
 import time
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "demo_scenes"))
-
-import extension  # noqa: E402
-import output  # noqa: E402
+import in_blender
 
 NOISE = 0.01
 SEEDS = 4
@@ -86,21 +80,5 @@ def _timed(work):
     return found, time.process_time() - began
 
 
-def main(argv=None):
-    parser = argparse.ArgumentParser(description="Frames after which a baked interior is cheaper than a volume.")
-    parser.add_argument("--size", type=int, default=48)
-    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
-    parser.add_argument("--out", type=Path, default=ROOT / "build" / "bench" / "frames.json")
-    arguments = parser.parse_args(argv)
-    zip_path = arguments.extension or extension.newest_zip(ROOT / "dist")
-    with extension.isolate():
-        import bpy  # noqa: F401 - reads the environment that isolate() sets
-
-        with extension.installed(zip_path):
-            rows = measure(arguments.size, lambda text: print(f"frames: {text}", flush=True))
-    output.save_json(arguments.out, rows)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(in_blender.main("frames", __doc__.split("\n\n")[0], {"size": 48}, measure))

@@ -7,23 +7,19 @@ References are those of the tests. Errors are free of noise: the mean over pairs
 errors. Times are the least of the renders, without the start of a render.
 """
 
-import argparse
 import importlib
 import itertools
 import math
 import sys
 import time
-from pathlib import Path
 
+import in_blender
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "demo_scenes"), str(ROOT / "tests/cycles"), str(ROOT / "tests")]
+# The sphere, its references and the materials are those of the tests.
+sys.path[:0] = [str(in_blender.ROOT / "tests/cycles"), str(in_blender.ROOT / "tests")]
 
-import extension  # noqa: E402
-import output  # noqa: E402
-
-OUTPUTS = {"RELIGHTABLE": "Random Walk", "PORTAL": "portal"}
+OUTPUTS = ("RELIGHTABLE", "PORTAL")  # Relightable is Random Walk with the right inputs
 MEDIA = {"portal_sphere": "isotropic", "portal_sphere_boundary": "isotropic, index 1.4",
          "portal_sphere_forward": "g .8"}
 FEW = 16  # part of the samples that the subtracted start of a render has
@@ -31,11 +27,11 @@ FEW = 16  # part of the samples that the subtracted start of a render has
 MORE = {"portal_sphere_forward": 2}
 
 
-def measure(addon, samples, repeats, say):
+def measure(samples, repeats, say):
     """Rows by medium and mean free path, the portal's times and variances relative to Random Walk's."""
     import lit_sphere
 
-    rows = []
+    addon, rows = importlib.import_module(in_blender.extension.PACKAGE), []
     for name, path in lit_sphere.BLOCKS:
         found = {}
         for number, kind in enumerate(OUTPUTS):
@@ -52,12 +48,9 @@ def measure(addon, samples, repeats, say):
 
 
 def _measured(addon, lit_sphere, name, path, kind, samples, repeats, number):
-    import bpy
+    import lateral_material
 
-    material = bpy.data.materials.new(kind)
-    addon.editing.layer_list.add_stack(material)
-    addon.editing.stack_io.assign_stack(material, lit_sphere.stack(name, path))
-    addon.baking.lateral_job.make(material, quality="preview", output=kind)
+    material = lateral_material.make(addon, lit_sphere.stack(name, path), kind)
 
     def prepare(scene):
         addon.baking.volume_bounces.provide(scene, material)
@@ -84,27 +77,5 @@ def _measured(addon, lit_sphere, name, path, kind, samples, repeats, number):
     }
 
 
-def _say(text):
-    print(f"portal: {text}", flush=True)
-
-
-def main(argv=None):
-    parser = argparse.ArgumentParser(description="The portal beside Cycles' Random Walk on a sphere under a sun.")
-    parser.add_argument("--samples", type=int, default=256)
-    parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
-    parser.add_argument("--out", type=Path, default=ROOT / "build" / "bench" / "portal.json")
-    arguments = parser.parse_args(argv)
-    zip_path = arguments.extension or extension.newest_zip(ROOT / "dist")
-    with extension.isolate():
-        import bpy  # noqa: F401 - reads the environment that isolate() sets
-
-        with extension.installed(zip_path):
-            addon = importlib.import_module(extension.PACKAGE)
-            rows = measure(addon, arguments.samples, arguments.repeats, _say)
-    output.save_json(arguments.out, rows)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(in_blender.main("portal", __doc__.split("\n\n")[0], {"samples": 256, "repeats": 3}, measure))

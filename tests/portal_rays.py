@@ -8,9 +8,9 @@ import numpy as np
 COUNT = 400_000
 
 
-def drawn(tables, seed, radius=math.inf, view=-1):
+def drawn(tables, seed, radius=math.inf):
     """(distances, weights, sines with the normal where the rays hit) of rays sampled like in the shader: random source
-    and cosine, weight by the hit on a plane, or on a sphere of `radius` mm. `view`: row of the views."""
+    and cosine, weight by the hit on a plane, or on a sphere of `radius` mm. The view is along the normal."""
     rng = np.random.default_rng(seed)
     source = rng.integers(0, len(tables.depths), COUNT)
     z = tables.depths[source]
@@ -27,5 +27,5 @@ def drawn(tables, seed, radius=math.inf, view=-1):
     density = lifted / (0.5 + tables.lift)
     shape = (np.minimum(z / h, 1.0) * (1.0 - s) ** tables.curved)[:, None]
     fall = np.exp(-tables.decay * (t - z)[:, None])
-    weights = (shape + tables.decay * t[:, None] * np.sqrt(shape)) * fall * tables.shares[view, source]
+    weights = (shape + tables.decay * t[:, None] * np.sqrt(shape)) * fall * tables.shares[-1, source]
     return t * sine, weights / density[:, None], np.sqrt(np.maximum(1.0 - (h / t) ** 2, 0.0))

@@ -80,7 +80,7 @@ def _apply(material, scene, output, found, length):
     portal_reach.note(material.lamina.lateral_group, output, found)
     if output == "PORTAL":
         before.switch_correction_off(material)
-    if output == "PORTAL" and found.first is not None:
-        material.lamina.lateral_scatterings = found.first.count
+        if found.first is not None:
+            material.lamina.lateral_scatterings = found.first.count
     raised = "" if scene is None else volume_bounces.provide(scene, material)
     material.lamina.lateral_report = f"{found.report} {raised}." if raised else found.report

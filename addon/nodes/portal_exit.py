@@ -12,7 +12,6 @@ from . import portal_image
 
 # Times that half a turn of the azimuth runs through the depths: an even number, see place_of_depth.
 FOLDS = 64.0
-STEEPEST = 1.0  # limit of z / h: at an edge, the other face is nearer than z, and gets its rays' light
 
 
 def place_of_depth(graph, direction):
@@ -39,7 +38,7 @@ def weight_and_normal(graph, tables, image, length, geometry, light_path):
     shape = _shape(graph, tables, depth, way, beyond, graph.math("MULTIPLY", 1, 21, "height", way, cosine))
     by_channel = graph.node("ShaderNodeCombineXYZ", 6, 24, "weight at the exit")
     between = graph.math("MULTIPLY", 4, 25, "", way, graph.math("SQRT", 3, 25, "", shape))
-    # Next to an edge or in a hollow, t may be less than z; no more light than that of a plane is shown there.
+    # Beside an edge and in a hollow, t may be less than z. The factor for t = z limits the light there.
     beyond = graph.math("MAXIMUM", 1, 24, "", beyond, 0.0)
     done = {}
     for channel, decay in enumerate(_three(tables.decay)):
@@ -52,8 +51,8 @@ def weight_and_normal(graph, tables, image, length, geometry, light_path):
 def _shape(graph, tables, depth, way, beyond, height):
     """u / h, for the source's height h over the exit's tangent plane. The share s = z / 2 a of the depth z in
     the body is z (h - z) / (t^2 - z^2) on a sphere of radius a. A hollow surface counts as flat."""
-    ratio = graph.math("DIVIDE", 3, 20, "depth over height", depth, height)
-    ratio = graph.math("MINIMUM", 4, 20, "", ratio, STEEPEST)
+    # Beside an edge, the other face is nearer than z: this face gets no more light than its rays are dense.
+    ratio = graph.math("DIVIDE", 3, 20, "depth over height", depth, height, clamp=True)
     if tables.curved == 0.0:
         return ratio
     square = graph.math("MULTIPLY", 1, 22, "", graph.math("ADD", 0, 22, "", way, depth), beyond)

@@ -3,7 +3,7 @@
 
 import math
 
-import bpy
+import lateral_material
 import lit_edge
 import lit_sphere
 import numpy as np
@@ -41,20 +41,11 @@ STACKS = {
 }
 
 
-def portal(addon, name, stack, scatterings=0):
-    material = bpy.data.materials.new(name)
-    addon.editing.layer_list.add_stack(material)
-    addon.editing.stack_io.assign_stack(material, stack)
-    material.lamina.lateral_orders = scatterings
-    addon.baking.lateral_job.make(material, quality="preview", output="PORTAL")
-    return material
-
-
 @pytest.mark.parametrize("name", STACKS)
 def test_plane(addon, name):
     """White sky, and light that has travelled into a shadow. The scene has the bounces that the add-on sets."""
     stack, limit = STACKS[name], z_limit(18)
-    material = portal(addon, name, stack)
+    material = lateral_material.make(addon, stack, "PORTAL")
     tables, beam = lamina.portal_tables(stack, "preview"), lamina.searchlight(stack, quality="preview")
 
     def prepare(scene):
@@ -97,7 +88,7 @@ def moments_of_orders(albedo, first):
     *((name, path, 0) for name, path in lit_sphere.BLOCKS), *(("portal_sphere", path, 4) for path in WITH_FOUR)])
 def test_sphere(addon, name, path, scatterings):
     """Against references that this repository keeps: renders of Cycles' volume, and walks."""
-    material = portal(addon, "sphere", lit_sphere.stack(name, path), scatterings)
+    material = lateral_material.make(addon, lit_sphere.stack(name, path), "PORTAL", scatterings)
 
     def prepare(scene):
         addon.baking.volume_bounces.provide(scene, material)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Relightable materials in Cycles: the light below the surface leaves in the right amount, at the right distance."""
 
-import bpy
+import lateral_material
 import lit_distance
 import lit_edge
 import numpy as np
@@ -35,10 +35,7 @@ STACKS = {
 @pytest.mark.parametrize("name", STACKS)
 def test_exit_albedo_and_distance(addon, name):
     stack = STACKS[name]
-    material = bpy.data.materials.new(name)
-    addon.editing.layer_list.add_stack(material)
-    addon.editing.stack_io.assign_stack(material, stack)
-    addon.baking.lateral_job.make(material, quality="preview")
+    material = lateral_material.make(addon, stack)
     beam = lamina.searchlight(stack, quality="preview")
     light, error = lit_edge.exit_albedo(material, 160)
     # The preview of the searchlight is itself good to 1e-4 of the incident flux.

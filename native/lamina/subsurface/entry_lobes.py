@@ -37,8 +37,9 @@ def mean(entering: np.ndarray) -> np.ndarray:
 def fit(entering: np.ndarray, share: np.ndarray, tilts: np.ndarray, weights: np.ndarray) -> EntryLobes:
     """Closures with the directions of `entering`: light that enters at COSINES, as a share of the incident light, shape
     (64, channels). Only the dependence on direction counts: the closures together reflect all light. A channel without
-    light gets the Diffuse closure. `share`, (channels,): share of this light in all light of the surface. The Diffuse
-    closure is tilted by angles with the tangents `tilts`, (n,), with the probabilities `weights`, (n, channels)."""
+    light gets closures for Lambert light. `share`, (channels,): share of this light in all light of the surface. The
+    Diffuse closure is tilted by angles with the tangents `tilts`, (n,), with the probabilities `weights`, (n,
+    channels)."""
     entering = np.where(np.any(entering > 0.0, axis=0), entering, 1.0)
     wanted = entering / mean(entering) * COSINES[:, None] / np.pi  # times the cosine, like closures
     flat, of_flat = _scaled(np.stack([_tilted(tilt) for tilt in tilts], axis=1) @ weights)

@@ -26,13 +26,14 @@ class Escape(NamedTuple):
     complete: np.ndarray
 
 
-def escape(frequencies: np.ndarray, albedos: np.ndarray) -> Escape:
-    """Light that leaves after isotropic emission at each depth, by lateral frequency and transport albedo.
+def escape(frequencies: np.ndarray, albedos: np.ndarray, azimuths: int = 16) -> Escape:
+    """Light that leaves after isotropic emission at each depth, by lateral frequency and transport albedo. At
+    frequency 0 one of the `azimuths` is enough.
 
     Solves V = E + albedo K V. E is the light that leaves without a collision; K gives the density of collisions after
     isotropic emission. With the limit, the equation is iterated once per flight; without it, solved by elimination."""
     cells = DepthCells(growing_edges(0.01, 1.8, 0.5, 0.35, 5000.0))
-    directions = Directions(24, 16)
+    directions = Directions(24, azimuths)
     cosines = np.repeat(directions.cosines, len(directions.azimuths))
     identity = np.eye(len(cells.depths))
     limited, complete = [], []

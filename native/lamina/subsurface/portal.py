@@ -97,7 +97,8 @@ class PortalTables(ByContent):
                 f"{max(100.0 * self.profile_error, 0.01):.2g} %, mean exit distance {ways} mm.")
         if self.first is None:
             return flat
-        return f"{flat} Light is scattered up to {self.first.count} times in the volume, the rest takes the portal."
+        times = "once" if self.first.count == 1 else f"up to {self.first.count} times"
+        return f"{flat} Light is scattered {times} in the volume, the rest takes the portal."
 
 
 def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | None = None,
@@ -122,7 +123,7 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     solved = solve(stack, quality)
     cosines = np.linspace(0.0, 1.0, VIEWS)
     cosines[0] = 0.25 * cosines[1]
-    shares = portal_views.shares(first, sources.shares, cosines)
+    shares, curved = portal_views.shares_and_curved(first, sources, cosines)
     through, in_volume, _ = _inside(solved, entry_lobes.COSINES, first, quality)
     share = _share(entry_lobes.mean(through), entry_lobes.mean(in_volume))
     leaving, weights = source_depths.exit_cosines(sources, EXIT_COSINES)
@@ -130,7 +131,6 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     tilt = 0.0 if first is None else exit_tilt.of_orders(first) / float(np.mean(sines @ weights))
     entry = entry_lobes.fit(np.where(through.mean(axis=0) > LEAST_LIGHT, through, 0.0), share, tilt * sines, weights)
     entering = 0.0 if first is None else _entering(share.mean())
-    curved = 0.0 if first is None else portal_views.curved(first, sources)
     step(1.0, "Done")
     below = beam.reflectance - on_top
     error = _profile_error(sources, r, light, below)

@@ -178,8 +178,10 @@ def test_directions_of_entry():
         flat = tilted(tables, mu)
         cone = lobes.toon(tables.entry.size, tables.entry.smooth).evaluate(np.ones_like(mu), mu, np.zeros_like(mu))
         found = tables.entry.diffuse * flat + tables.entry.toon * cone[:, None]
-        assert 2.0 * math.pi * weights @ found == pytest.approx(np.ones(3), abs=2e-3)
+        noise = 1e-9 if tables.tilt == 0.0 else 2e-3  # of the rays whose directions tilt the closure
+        assert 2.0 * math.pi * weights @ found == pytest.approx(np.ones(3), abs=noise)
         lit = entering.mean(axis=0) > 1e-4  # the albedo of .5 sends hardly any light through the portal after 14 orders
+        assert np.array_equal(lit, [name != "forward", True, True])
         found, entering = found[:, lit], entering[:, lit]
         wanted = entering * mu[:, None] / (2.0 * math.pi * weights @ (entering * mu[:, None]))
         error = np.sqrt(np.max(weights @ (found - wanted) ** 2 / (weights @ wanted**2)))
@@ -187,8 +189,8 @@ def test_directions_of_entry():
         alone = np.sqrt(weights @ (flat[:, lit] - wanted) ** 2 / (weights @ wanted**2))
         share = (weights * mu) @ entering / ((weights * mu) @ everything[:, lit])
         assert np.any(tables.entry.toon) == (np.max(alone * share) > 0.02)
-        assert error < alone.max() + 1e-3, name
-        assert error == pytest.approx(tables.entry.error, abs=2e-3)
+        assert error < max(0.6 * alone.max(), 0.01), name
+        assert error == pytest.approx(tables.entry.error, abs=1e-3)
 
 
 def tilted(tables, mu):
@@ -270,7 +272,8 @@ def test_what_the_volume_scatters():
         medium = first.medium
         assert medium.sigma_s == pytest.approx([0.5, 0.9, 0.99]) and medium.sigma_a == pytest.approx([0.5, 0.1, 0.01])
         assert medium.g == g and first.count == count
-        assert f"scattered up to {count} time" in tables_of(name).report
+        times = "once" if count == 1 else f"up to {count} times"
+        assert f"scattered {times} in the volume" in tables_of(name).report
     thin = Medium(sigma_s=1.0, sigma_a=0.1, thickness=2.0)
     colourful = deep([0.9, 0.9, 0.8], HenyeyGreenstein([0.1, 0.2, 0.3]))
     for stack in (Stack([thin], base=lamina.Lambert(0.5)), Stack([colourful])):
