@@ -313,14 +313,15 @@ ForwardPeaks::ForwardPeaks(const LateralStack& stack, int legs) {
   }
   const Nodes cosines = between_cosines(0.0);
   const Nodes depths = graded(0.0, 1.0, 1.0, false);
+  // A peak is the difference of two phase functions, with an error of about 1e-13. Fainter peaks stay unscattered.
+  constexpr double kFaintest = 1e-8;
   for (std::size_t k = 0; k < way.size(); ++k) {
     const LateralMedium& medium = *media[way[k]];
     const TruncatedMedium& truncated = medium.medium();
-    const double scattering = medium.extinction() * truncated.single_scattering_albedo() * medium.thickness();
-    whole_ += scattering * truncated.forward_share;
-    if (!medium.scatters() || truncated.forward_share < 1e-12) {
+    if (!medium.scatters() || truncated.forward_share < kFaintest) {
       continue;
     }
+    const double scattering = medium.extinction() * truncated.single_scattering_albedo() * medium.thickness();
     const double ior = stack.directions()[way[k]].ior;
     for (std::size_t c = 0; c < cosines.place.size(); ++c) {
       const double mu = cosines.place[c];

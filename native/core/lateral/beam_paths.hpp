@@ -45,7 +45,7 @@ Rings unscattered_rings(const LateralStack& stack);
 class ForwardPeaks {
  public:
   ForwardPeaks(const LateralStack& stack, int legs);
-  bool none() const { return whole_ < 1e-12; }
+  bool none() const { return terms_.empty(); }
   double at(double q) const;
 
  private:
@@ -54,7 +54,6 @@ class ForwardPeaks {
     double distance;
   };
   std::vector<Term> terms_;
-  double whole_ = 0.0;  ///< mean number of scattering events in the peaks
 };
 
 }  // namespace lamina

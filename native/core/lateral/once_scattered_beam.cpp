@@ -174,22 +174,13 @@ double OnceScatteredBeam::density_times_radius(double r) const {
   return scattering / (4.0 * pi) * sum;
 }
 
-double OnceScatteredBeam::inside(double r) const {
-  if (r == 0.0) {
+double OnceScatteredBeam::moment(int power, double within) const {
+  // Light from a farther distance is attenuated by at least exp(-40).
+  const double end = std::min(within, 40.0 / medium_->extinction());
+  if (!(end > 0.0)) {
     return 0.0;
   }
-  const Nodes radii = graded(0.0, r, 1e-4 * r, false);
-  double sum = 0.0;
-  for (std::size_t k = 0; k < radii.place.size(); ++k) {
-    sum += radii.weight[k] * density_times_radius(radii.place[k]);
-  }
-  return 2.0 * pi * sum;
-}
-
-double OnceScatteredBeam::moment(int power) const {
-  // Light from this distance is attenuated by at least exp(-40).
-  const double farthest = 40.0 / medium_->extinction();
-  const Nodes radii = graded(0.0, farthest, 1e-4 * farthest, false);
+  const Nodes radii = graded(0.0, end, 1e-4 * end, false);
   double sum = 0.0;
   for (std::size_t k = 0; k < radii.place.size(); ++k) {
     sum += radii.weight[k] * std::pow(radii.place[k], power) * density_times_radius(radii.place[k]);

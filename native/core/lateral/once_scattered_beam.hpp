@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "lateral/lateral_layer.hpp"
@@ -47,10 +48,10 @@ class OnceScatteredBeam {
 
   /// Flux density times r of whole_at, mm^-1.
   double density_times_radius(double r) const;
+  /// The integral of the flux density times r^power over the surface within a radius.
+  double moment(int power, double within = std::numeric_limits<double>::infinity()) const;
   /// Flux within the radius r.
-  double inside(double r) const;
-  /// The integral of the flux density times r^power over the surface.
-  double moment(int power) const;
+  double inside(double r) const { return moment(0, r); }
 
  private:
   struct Phases {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "numeric/bessel.hpp"
@@ -230,6 +231,10 @@ void Searchlight::finish() {
     }
     light.flux = light.at(0.0);
     add_moments(face);
+    // The mean distances may be infinite.
+    if (!std::isfinite(light.flux) || std::isnan(light.distance) || std::isnan(light.square_distance)) {
+      throw std::runtime_error("the stack cannot be resolved: a result is not a number");
+    }
   }
   done_ = true;
   progress_ = 1.0;

@@ -105,7 +105,7 @@ class Searchlight {
   bool runs_along_ = false;  // true if light travels along a clear layer and mean squares are infinite
   bool sharp_ = false;       // true if a phase function has a sharp peak
   std::unique_ptr<ResolvedBeam> beam_;
-  std::unique_ptr<ResolvedBeam> forward_;  // with more directions near the beam, for high frequencies; may be empty
+  std::unique_ptr<ResolvedBeam> forward_;  // with more directions, for high frequencies; may be empty
   double forward_from_ = 0.0;              // above this frequency, 1/mm, `forward_` has a share in the spectrum
   double forward_only_ = 0.0;              // above this frequency the spectrum is that of `forward_`
   std::array<LeavingLight, 2> faces_;

@@ -125,11 +125,22 @@ AzimuthRule Searchlight::azimuths_for(double q) const {
   if (q == 0.0) {
     return AzimuthRule::mean();
   }
-  // Measured errors with these numbers, relative to the flux of a half-space: 1e-8 at low and 1e-6 at high frequencies.
+  struct Zone {
+    double wave;
+    Eigen::Index azimuths;
+    double bend;
+  };
+  // A bent path damps the waves, but mixes high azimuth orders with the mean, which scattering amplifies in thick
+  // layers. Slow waves need no bend. Measured errors with these numbers: 1e-9 at low and 1e-6 at high frequencies,
+  // relative to the flux of a half-space.
+  constexpr std::array<Zone, 3> kZones{{{0.1, 6, 0.1}, {0.4, 8, 0.2}, {1.2, 10, 0.3}}};
   const double wave = q / extinction_;
-  const Eigen::Index least = wave < 0.1 ? 6 : wave < 0.4 ? 8 : wave < 1.2 ? 10 : 12;
+  const auto zone = std::find_if(kZones.begin(), kZones.end(), [&](const Zone& one) { return wave < one.wave; });
+  const bool fast = zone == kZones.end();
+  const Eigen::Index least = fast ? 12 : zone->azimuths;
+  const double bend = fast ? resolution_.bend : std::min(zone->bend, resolution_.bend);
   const Eigen::Index count = std::min(sharp_ ? least : std::min<Eigen::Index>(least, 8), resolution_.azimuths);
-  return AzimuthRule(count, resolution_.bend, count);
+  return AzimuthRule(count, bend, count);
 }
 
 /// The share of the second beam in the spectrum at q: 0 at low and 1 at high frequencies.
@@ -180,15 +191,20 @@ bool Searchlight::refine(ThreadPool& pool) {
 }
 
 /// Chooses denser directions for high frequencies. After a length z, light of adjacent directions is apart by z times
-/// the difference d of their slopes. A discretised spectrum of light that a forward peak has scattered several times is
-/// wrong where q z d is above about 1. At these frequencies directions far from the beam matter little.
+/// the difference d of their slopes. A discretised spectrum of light that has been scattered near the beam, by a
+/// forward peak, a base or a half-space, is wrong where q z d is above about 1. At these frequencies peaks need denser
+/// directions near the beam only; a base and a half-space need them everywhere.
 void Searchlight::resolve_forward(ThreadPool& pool) {
   double way = 0.0;
+  bool endless = false;
   for (const std::optional<LateralMedium>& medium : beam_->stack().media()) {
-    way += medium ? medium->thickness() : 0.0;
+    endless = endless || (medium && std::isinf(medium->thickness()));
+    way += medium && !std::isinf(medium->thickness()) ? medium->thickness() : 0.0;
   }
-  const bool transmits = measured_.stack.base.kind == Base::Kind::kNone && way > 0.0 && !std::isinf(way);
-  if (quality_.forward == 0 || !sharp_ || !transmits || !beam_->stack().along_normal()) {
+  const Base& base = measured_.stack.base;
+  const bool by_peaks = sharp_ && !endless && base.kind == Base::Kind::kNone;
+  if (quality_.forward == 0 || !(by_peaks || endless || base.is_diffuse()) || way == 0.0 ||
+      !beam_->stack().along_normal()) {
     return;
   }
   const Directions& directions = beam_->stack().directions().back();
@@ -196,27 +212,32 @@ void Searchlight::resolve_forward(ThreadPool& pool) {
   std::partial_sort(cosines.begin(), cosines.begin() + 2, cosines.end(), std::greater<>());
   const auto slope = [](double mu) { return std::sqrt(1.0 - mu * mu) / mu; };
   constexpr double kBegin = 1.0;
-  constexpr double kEnd = 3.0;
+  constexpr double kBeginBelow = 0.3;
+  constexpr double kEnd = 3.0;  // relative to the beginning
   const double apart = way * (slope(cosines[1]) - slope(cosines[0]));
-  forward_from_ = kBegin / apart;
-  forward_only_ = kEnd / apart;
+  forward_from_ = (by_peaks ? kBegin : kBeginBelow) / apart;
+  forward_only_ = kEnd * forward_from_;
   if (forward_from_ >= scale_.frequency(pieces_[1].high)) {
     return;
   }
   LateralResolution forward = resolution_;
-  forward.nodes = forward.forward = quality_.forward;
+  if (by_peaks) {
+    forward.nodes = forward.forward = quality_.forward;
+  } else {
+    forward.nodes = std::min(kMostNodes, 2 * resolution_.nodes);
+  }
   forward_ = std::make_unique<ResolvedBeam>(measured_, forward, mu_, pool);
   // Leave the directions as they are if the spectra agree, relative to the beam.
   constexpr double kAgree = 3e-3;
+  constexpr double kAgreeBelow = 3e-4;
   const std::array<double, 3> tried{forward_only_, 2.0 * forward_only_, 4.0 * forward_only_};
   std::array<double, 3> differences{};
   pool.run(tried.size(), [&](std::size_t k) {
     const AzimuthRule azimuths = azimuths_for(tried[k]);
-    const Faces first = beam_->beside(tried[k], azimuths);
-    const Faces second = forward_->beside(tried[k], azimuths);
-    differences[k] = std::abs(first[1] - second[1]);
+    const std::size_t face = by_peaks ? 1 : 0;
+    differences[k] = std::abs(beam_->beside(tried[k], azimuths)[face] - forward_->beside(tried[k], azimuths)[face]);
   });
-  if (*std::max_element(differences.begin(), differences.end()) < kAgree) {
+  if (*std::max_element(differences.begin(), differences.end()) < (by_peaks ? kAgree : kAgreeBelow)) {
     forward_.reset();
   }
 }

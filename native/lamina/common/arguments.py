@@ -17,6 +17,7 @@ from .errors import ArgumentError, quoted
 # At this cosine, BRDFs equal their limit at grazing incidence to nine digits. Below 1e-150 the square of a cosine
 # underflows.
 LEAST_COSINE = 1e-9
+LEAST_BEAM_COSINE = 1e-4  # of pencil beams: light of flatter beams leaves too far away for tables and photons
 
 
 def check_whole(value, name: str, low: int, high: int, rule: str = "") -> int:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..common.arguments import LEAST_COSINE, check_choice, check_number, check_seed, finite_list
+from ..common.arguments import LEAST_BEAM_COSINE, check_choice, check_number, check_seed, finite_list
 from ..common.by_content import ByContent
 from ..common.errors import ArgumentError, StackError
 from ..common.progress import Progress, stepper
@@ -32,9 +32,9 @@ WALKS = {"transfer": "photon_walk", "scattering": "plane_scattering_walk"}  # th
 
 @dataclass(frozen=True)
 class SearchlightQuery:
-    """The estimated quantities for a pencil beam of cosine `mu_i` in air, (0, 1], and the `walk` ("transfer" or
-    "scattering"): the flux within the radii `r` (mm) and the transform at the lateral frequencies `q` (1/mm), each a
-    number or a list, from 0. Raises ArgumentError, a ValueError."""
+    """The estimated quantities for a pencil beam of cosine `mu_i` in air, (0, 1], where less than 1e-4 counts as 1e-4,
+    and the `walk` ("transfer" or "scattering"): the flux within the radii `r` (mm) and the transform at the lateral
+    frequencies `q` (1/mm), each a number or a list, from 0. Raises ArgumentError, a ValueError."""
 
     mu_i: float = 1.0
     walk: str = "transfer"
@@ -44,7 +44,7 @@ class SearchlightQuery:
     def __post_init__(self):
         check_choice(self.walk, "walk", WALKS)
         cosine = check_number(self.mu_i, "mu_i", "must be one number in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
-        object.__setattr__(self, "mu_i", max(cosine, LEAST_COSINE))
+        object.__setattr__(self, "mu_i", max(cosine, LEAST_BEAM_COSINE))
         for name, most, unit in (("r", MOST_RADII, "mm"), ("q", MOST_FREQUENCIES, "1/mm")):
             values = finite_list(getattr(self, name), name)
             if values.size > most:
@@ -101,7 +101,8 @@ def estimate_searchlight(stack: AnyStack, mu_i: float = 1.0, samples: int | None
     Every medium must be given by sigma_s and sigma_a (1/mm) and a thickness (mm), a half-space by the first two.
     `walk`: "transfer", photons of the equation of transfer, for any stack; "scattering", the walk of the integral
     scattering equation, for media, homogeneous or with profiles, over nothing, black, a Lambert surface or an absorbing
-    half-space. The two walks share only random numbers, phase functions and the media.
+    half-space; rare bright paths of this walk make its standard errors too small (docs/study-3d.md). The two walks
+    share only random numbers, phase functions and the media.
     `r` (mm): up to 4096 radii; `q` (1/mm): up to 64 lateral frequencies. `samples` are rounded up to blocks of 4096;
     default 2^20. The same seed gives the same numbers for any number of `threads` (0: all).
     A conservative half-space is walked to a depth of 30 transport lengths. Below, a surface replaces it that returns
@@ -117,6 +118,7 @@ def estimate_searchlight(stack: AnyStack, mu_i: float = 1.0, samples: int | None
     pool = thread_pool(threads)
     step = stepper("the estimate", progress, cancel)
     channels = run_beams(stack, query, seed, 0, chunks_in(blocks), blocks, pool, step)
+    step(1.0, "Done")
     return summary(query, channels, time.perf_counter() - started)
 
 

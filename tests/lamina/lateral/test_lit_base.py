@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from z_limit import z_limit
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Lambert, Medium, Stack
+from lamina import HalfSpace, HenyeyGreenstein, Interface, Lambert, Medium, Stack
 
 R = np.array([0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0])
 
@@ -46,3 +47,13 @@ def test_photons(stack):
     scores = np.concatenate([(beam.reflected_inside(R) - walk.reflected_inside.value) / walk.reflected_inside.stderr,
                              (beam.reflected_at(walk.q) - walk.reflected_at.value) / walk.reflected_at.stderr])
     assert np.max(np.abs(scores)) < 3.6, scores
+
+
+@pytest.mark.parametrize("g", [0.0, 0.5, 0.8])
+@pytest.mark.parametrize("base", [Lambert(0.9), HalfSpace(sigma_s=30.0, sigma_a=1.0)], ids=["lambert", "half-space"])
+def test_thin_layers(g, base):
+    """Light that a base scatters near the beam, seen through a thin layer that scatters."""
+    stack = Stack([Medium(sigma_s=2.0, sigma_a=0.1, thickness=0.2, phase=HenyeyGreenstein(g))], base)
+    walk = lamina.estimate_searchlight(stack, q=(5.0, 20.0, 55.0), samples=300_000, seed=7)
+    apart = lamina.searchlight(stack).reflected_at(walk.q) - walk.reflected_at.value
+    assert np.max(np.abs(apart / walk.reflected_at.stderr)) < z_limit(18)

@@ -9,6 +9,7 @@ from pathlib import Path
 import half_space_3d
 import numpy as np
 import pytest
+from z_limit import z_limit
 
 import lamina
 from lamina import Conductor, HalfSpace, HenyeyGreenstein, Interface, Lambert, Medium, Stack, _core
@@ -61,6 +62,11 @@ def test_profile_of_a_half_space():
     slope = (beam.reflected_inside(r + step) - beam.reflected_inside(r - step)) / (2.0 * step)
     assert np.allclose(beam.profile(r), slope / (2.0 * np.pi * r), rtol=1e-4)
     assert beam.profile(1e-4) * 1e-4 == pytest.approx(0.9 / (4.0 * np.pi), rel=2e-3)
+
+
+def test_all_light_is_inside_a_far_radius():
+    beam = solved_half_space(0.9, 2.0)
+    assert np.allclose(beam.reflected_inside([1e2, 1e4, 1e6, 1e9]), beam.reflectance, atol=1e-8)
 
 
 def test_far_from_the_beam():
@@ -127,6 +133,43 @@ def test_all_light_is_that_of_the_plane_solution(name):
     assert np.allclose(beam.unscattered, direct, atol=1e-9)
     if name not in ("rough varnish", "rough metal"):
         assert np.allclose(beam.mirrored, plane.reflectance(1.0, parts=True)[1], atol=1e-9)
+
+
+@pytest.mark.parametrize("quality", ["preview", "final"])
+@pytest.mark.parametrize("g", [-0.3, 0.16, 0.28, 0.3, 0.42])
+def test_faint_forward_peaks(g, quality):
+    """Peaks of 1e-12 to 1e-9 of the light, which truncation leaves at these anisotropies."""
+    stack = Stack([medium(0.995, 0.5, g, 20.0)])
+    beam, plane = lamina.searchlight(stack, quality=quality), lamina.solve(stack)
+    allowed = 1e-5 if quality == "final" else 1e-4
+    assert np.allclose(beam.reflectance, plane.reflectance(1.0), atol=allowed)
+    assert np.allclose(beam.transmittance, plane.transmittance(1.0), atol=allowed)
+    assert 0.0 < beam.mean_distance[0] < 0.5 and beam.profile(0.1) > 0.0
+
+
+@pytest.mark.parametrize("g", [0.2, 0.3, 0.4])
+def test_slow_waves_below_a_dense_layer(g):
+    """Azimuths of slow waves are exact enough that thick white layers do not amplify their errors: the spectrum has no
+    step at frequency 0, and photons have the same mean square."""
+    stack = Stack([medium(1.0, 0.5, g, 20.0)], HalfSpace(sigma_s=1.0, sigma_a=0.05))
+    beam = lamina.searchlight(stack)
+    slow = 1e-3
+    square = 4.0 * (beam.reflectance - beam.reflected_at(slow)) / slow**2
+    assert square == pytest.approx(beam.reflectance * beam.mean_square_distance, rel=1e-3)
+    walk = lamina.estimate_searchlight(stack, samples=200_000, seed=2)
+    for found, measured in ((beam.mean_distance, walk.mean_distance),
+                            (beam.mean_square_distance, walk.mean_square_distance)):
+        assert abs(found - measured.value) < z_limit(6) * measured.stderr
+
+
+def test_flat_beams():
+    """They count as beams of a cosine of 1e-4."""
+    stack = Stack([medium(0.95, 1.0, 0.0, 2.0)])
+    flat = lamina.searchlight(stack, mu_i=1e-12, quality="preview")
+    assert flat.mu_i == 1e-4
+    assert flat.reflectance == pytest.approx(lamina.solve(stack).reflectance(1e-4), abs=1e-4)
+    walk = lamina.estimate_searchlight(stack, mu_i=1e-12, samples=100_000, seed=3)
+    assert abs(walk.reflectance.value - flat.reflectance) < z_limit(1) * walk.reflectance.stderr + 1e-4
 
 
 def test_transmission_upside_down():
