@@ -128,24 +128,27 @@ Rows counts_of(const Results& results) {
 
 py::tuple exits(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
                 const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number,
-                std::uint64_t first_walk, std::uint64_t walks, std::uint64_t seed) {
+                std::uint64_t first_walk, std::uint64_t walks, std::uint64_t seed, const LateAfter& late_after) {
   const WalkPoints points = points_of(positions, normals, views, first_number, first_walk, walks, seed);
   const auto results = [&] {
     const py::gil_scoped_release release;
-    return walk_to_exits(MeshWalk(*solid.solid, grid.grid, boundary), points, solid.pool);
+    return walk_to_exits(MeshWalk(*solid.solid, grid.grid, boundary), points, solid.pool, late_after);
   }();
   const auto count = static_cast<py::ssize_t>(results.size());
   Rows moments({count, py::ssize_t{3}, py::ssize_t{3}});
   Rows products({count, py::ssize_t{3}, py::ssize_t{6}});
+  Rows lates({count, py::ssize_t{3}, py::ssize_t{2}});
   double* moment = moments.mutable_data();
   double* product = products.mutable_data();
+  double* late = lates.mutable_data();
   for (const ExitResult& result : results) {
     for (const ExitSums::OfChannel& channel : result.exits.channels) {
       moment = std::copy(channel.moments.begin(), channel.moments.end(), moment);
       product = std::copy(channel.products.begin(), channel.products.end(), product);
+      late = std::copy(channel.late.begin(), channel.late.end(), late);
     }
   }
-  return py::make_tuple(moments, products, counts_of(results));
+  return py::make_tuple(moments, products, counts_of(results), lates);
 }
 
 py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
@@ -244,9 +247,10 @@ void lamina::bind_mesh_walk(py::module_& module) {
            py::arg("table").noconvert());
   module.def("walk_to_exits", &exits, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
              py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
-             py::arg("seed"),
+             py::arg("seed"), py::arg("late_after"),
              "(moments [point, channel, (w, w r, w r^2)], products [point, channel, 6], counts [point, (mirrored, "
-             "lost, scatterings, collisions, rays)]).");
+             "lost, scatterings, collisions, rays)], late [point, channel, (w, w r)] of paths with more scatterings "
+             "than `late_after` of their channel).");
   module.def("walk_to_lights", &light, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
              py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
              py::arg("seed"), py::arg("lamps"), py::arg("surroundings"),

@@ -109,9 +109,9 @@ def texels(uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], width: 
     """
     (triangle, weights of corners 2 and 3) of each texel in the rows.
     """
-def walk_to_exits(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, first_walk: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+def walk_to_exits(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, first_walk: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, late_after: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> tuple:
     """
-    (moments [point, channel, (w, w r, w r^2)], products [point, channel, 6], counts [point, (mirrored, lost, scatterings, collisions, rays)]).
+    (moments [point, channel, (w, w r, w r^2)], products [point, channel, 6], counts [point, (mirrored, lost, scatterings, collisions, rays)], late [point, channel, (w, w r)] of paths with more scatterings than `late_after` of their channel).
     """
 def walk_to_lights(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, first_walk: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, lamps: collections.abc.Sequence[Lamp], surroundings: Surroundings) -> tuple:
     """

@@ -227,6 +227,11 @@ void Searchlight::resolve_forward(ThreadPool& pool) {
     forward.nodes = std::min(kMostNodes, 2 * resolution_.nodes);
   }
   forward_ = std::make_unique<ResolvedBeam>(measured_, forward, mu_, pool);
+  constexpr Eigen::Index kMostDirections = 64;  // more would take minutes
+  if (!by_peaks && forward_->stack().directions().front().nodes > kMostDirections) {
+    forward_.reset();
+    return;
+  }
   // Leave the directions as they are if the spectra agree, relative to the beam.
   constexpr double kAgree = 3e-3;
   constexpr double kAgreeBelow = 3e-4;

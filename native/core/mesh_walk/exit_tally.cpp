@@ -11,6 +11,9 @@ void ExitSums::add(const ExitSums& other) {
     for (std::size_t k = 0; k < channels[c].products.size(); ++k) {
       channels[c].products[k] += other.channels[c].products[k];
     }
+    for (std::size_t k = 0; k < channels[c].late.size(); ++k) {
+      channels[c].late[k] += other.channels[c].late[k];
+    }
   }
 }
 
@@ -21,6 +24,10 @@ bool ExitTally::leaves(const Exit& exit) {
     found_[c][ExitSums::kWeight] += w;
     found_[c][ExitSums::kDistance] += w * r;
     found_[c][ExitSums::kSquare] += w * r * r;
+    if (static_cast<double>(exit.scatterings) > late_after_[c]) {
+      sums_.channels[c].late[ExitSums::kWeight] += w;
+      sums_.channels[c].late[ExitSums::kDistance] += w * r;
+    }
   }
   return false;
 }

@@ -203,6 +203,7 @@ class MeshWalk::Path {
 
   void scatter(const CoefficientGrid::Sample& sample) {
     ++counts_.scatterings;
+    ++scatterings_;
     listener_.scatters({place_, direction_, sample, weights_, leader_, normal_, shells_}, aside_);
     const HenyeyGreenstein first{sample.g_first};
     if (sample.g_first == sample.g_second) {
@@ -238,7 +239,9 @@ class MeshWalk::Path {
     turn(boundary_.meet(direction_, normal_, rng_));
   }
 
-  bool leave(const Ray& normal) { return listener_.leaves({place_, normal, direction_, weights_}) && follow_outside(); }
+  bool leave(const Ray& normal) {
+    return listener_.leaves({place_, normal, direction_, weights_, scatterings_}) && follow_outside();
+  }
 
   /// Follows light outside. Returns true if the light enters the solid again.
   bool follow_outside() {
@@ -296,6 +299,7 @@ class MeshWalk::Path {
   Ray normal_;  ///< normal of the face that was hit last
   Weights weights_ = {};
   Weights densities_ = {};  ///< of the path, if each of the channels that it serves led it, relative to the mean of all
+  std::uint64_t scatterings_ = 0;
   int shells_ = 1;
   bool on_surface_ = true;
 };

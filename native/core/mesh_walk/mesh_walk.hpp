@@ -18,6 +18,7 @@ struct Exit {
   Ray normal;
   Ray direction;  ///< of travel, outwards
   Weights weights;
+  std::uint64_t scatterings;  ///< of the path so far
 };
 
 /// A scattering of light inside.

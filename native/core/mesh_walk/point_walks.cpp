@@ -46,9 +46,10 @@ void LitResult::add(const LitResult& other) {
   counts.add(other.counts);
 }
 
-std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& points, ThreadPool& pool) {
+std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& points, ThreadPool& pool,
+                                      const LateAfter& late_after) {
   const auto run = [&](const MeshWalk::Start& start, ExitResult& result, const auto& each) {
-    ExitTally tally(result.exits);
+    ExitTally tally(result.exits, late_after);
     tally.begin(start.place);
     each([&](Rng& rng) {
       walk.run(start, rng, tally, result.counts);

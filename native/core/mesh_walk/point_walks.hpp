@@ -34,7 +34,8 @@ struct LitResult {
 };
 
 /// Tallies the first exit of each path, by point. Results are identical bytes for any number of threads.
-std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& points, ThreadPool& pool);
+std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& points, ThreadPool& pool,
+                                      const LateAfter& late_after = {kNever, kNever, kNever});
 
 /// Estimates the radiance that leaves at each point under lamps and the surroundings.
 std::vector<LitResult> walk_to_lights(const MeshWalk& walk, const WalkPoints& points, const std::vector<Lamp>& lamps,

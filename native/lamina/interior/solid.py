@@ -12,6 +12,7 @@ from ..settling.mesh import Mesh, checked_mesh
 
 WELD = 1e-6  # relative to the mesh's size: vertices closer than this are merged
 FLAT = 1e-9  # relative to the cube of the size: a smaller volume counts as 0
+TRIED = 8  # faces of a shell whose middles may show that it lies inside another
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +31,8 @@ class Solid:
 
 
 def closed(solid: Solid) -> Mesh:
-    """The repaired mesh. Raises InteriorError if the mesh is empty, open or inside out, or if its faces have
-    inconsistent orientations."""
+    """The repaired mesh. Raises InteriorError if the mesh is empty or open, if it is inside out, or a shell that bounds
+    no cavity, or if its faces have inconsistent orientations."""
     if not isinstance(solid, Solid):
         raise InteriorError(f"solid = {type(solid).__name__}: must be a lamina.Solid")
     name = solid.name or "solid"
@@ -53,12 +54,14 @@ def closed(solid: Solid) -> Mesh:
     if len(open_edges):
         _refuse_open(vertices, triangles, open_edges, name)
     corners = vertices[triangles] - 0.5 * (used.max(axis=0) + used.min(axis=0))
-    volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6.0
+    volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
+    volume = float(volumes.sum())
     if abs(volume) <= FLAT * size**3:
         raise InteriorError(f"{name} has a volume of {volume:g} mm^3: must enclose a volume")
     if volume < 0.0:
         raise InteriorError(f"{name} is inside out, with a volume of {volume:g} mm^3: flip its normals (in Blender: "
                             "Mesh > Normals > Recalculate Outside)")
+    _refuse_turned_shells(corners, triangles, volumes, FLAT * size**3, name)
     return Mesh(vertices, triangles, name=solid.name)
 
 
@@ -95,21 +98,69 @@ def _ends_balance(edges, count: int) -> bool:
 
 def _filled(vertices, triangles, edges):
     """(vertices, triangles) with each hole closed by a fan of triangles around the mean of its vertices."""
-    group = np.arange(len(vertices))
-    while True:  # label each connected chain of edges by its lowest vertex
-        lower = group.copy()
-        np.minimum.at(lower, edges[:, 0], group[edges[:, 1]])
-        np.minimum.at(lower, edges[:, 1], group[edges[:, 0]])
-        lower = lower[lower]
-        if (lower == group).all():
-            break
-        group = lower
+    group = _connected(edges, len(vertices))
     holes, hole = np.unique(group[edges[:, 0]], return_inverse=True)
     hole = hole.ravel()
     counts = np.bincount(hole)[:, None]
     centres = np.column_stack([np.bincount(hole, vertices[edges[:, 0], axis]) for axis in range(3)]) / counts
     fans = np.column_stack([edges[:, 1], edges[:, 0], len(vertices) + hole])
     return np.vstack([vertices, centres]), np.ascontiguousarray(np.vstack([triangles, fans]), np.uint32)
+
+
+def _connected(edges, count: int) -> np.ndarray:
+    """For each vertex, the lowest vertex to which a chain of edges leads."""
+    group = np.arange(count)
+    first, second = edges.T
+    while True:  # joins each group with a neighbour, so the number of groups halves at least
+        first, second = group[first], group[second]
+        apart = first != second
+        first, second = first[apart], second[apart]
+        if not len(first):
+            return group
+        np.minimum.at(group, np.maximum(first, second), np.minimum(first, second))
+        while (group != group[group]).any():
+            group = group[group]
+
+
+def _refuse_turned_shells(corners, triangles, volumes, flat: float, name: str) -> None:
+    """A shell that is inside out bounds a cavity, unless it lies outside all others. `corners`: (m, 3, 3); `volumes`:
+    (m,), signed, of the tetrahedra from the origin; `flat`: a volume that counts as 0."""
+    ends = triangles.astype(np.int64)
+    group = _connected(np.concatenate([ends[:, [0, 1]], ends[:, [1, 2]]]), int(ends.max()) + 1)
+    _, shell = np.unique(group[ends[:, 0]], return_inverse=True)
+    shell = shell.ravel()
+    turned = np.flatnonzero(np.bincount(shell, volumes) < -flat)
+    rays = _Rays(corners) if len(turned) else None
+    for one in turned:
+        own = shell == one
+        middles = corners[own].mean(axis=1)
+        if rays and not any(rays.leave(middle, ~own) for middle in middles[::max(1, len(middles) // TRIED)]):
+            raise InteriorError(f"{name} has a separate part of {len(middles)} faces that is inside out and no cavity: "
+                                "flip the normals of this part (in Blender: Mesh > Normals > Flip)")
+
+
+class _Rays:
+    """Rays in one direction against triangles, (m, 3, 3). The direction is such that rays hit no edges of usual
+    meshes."""
+
+    def __init__(self, corners: np.ndarray):
+        self._turn, _ = np.linalg.qr(np.array([[1.0, 0.31, 0.17], [0.23, 1.0, 0.41], [0.37, 0.13, 1.0]]))
+        self._corners = corners @ self._turn
+        self._low = np.ascontiguousarray(self._corners.min(axis=1).T)
+        self._high = np.ascontiguousarray(self._corners.max(axis=1).T)
+
+    def leave(self, point: np.ndarray, chosen: np.ndarray) -> bool:
+        """True if the ray from a point leaves the `chosen` triangles' solid more often than it enters."""
+        x, y, z = here = point @ self._turn
+        (left, front, _), (right, back, above) = self._low, self._high
+        near = chosen & (left <= x) & (x <= right) & (front <= y) & (y <= back) & (z <= above)
+        ends = self._corners[near] - here
+        across, up = ends[:, :, 0], ends[:, :, 1]
+        a, b, c = (across[:, k] * up[:, k - 2] - up[:, k] * across[:, k - 2] for k in range(3))
+        whole = a + b + c  # twice the area across the ray, positive where the ray leaves
+        height = (a * ends[:, 2, 2] + b * ends[:, 0, 2] + c * ends[:, 1, 2]) * whole
+        hit = (a * whole > 0.0) & (b * whole > 0.0) & (c * whole > 0.0) & (height > 0.0)
+        return bool(np.sign(whole[hit]).sum() > 0.0)
 
 
 def _refuse_open(vertices, triangles, edges, name: str) -> None:
@@ -122,4 +173,4 @@ def _refuse_open(vertices, triangles, edges, name: str) -> None:
         raise InteriorError(f"{name} has faces that disagree about which side is outside, as along the edge from "
                             f"{where}: make its normals consistent (in Blender: Mesh > Normals > Recalculate Outside)")
     raise InteriorError(f"{name} is open along {len(edges)} edges, as from {where}: close it (in Blender: Mesh > Clean "
-                        "Up > Fill Holes), or set fill_holes")
+                        "Up > Fill Holes; in Python: fill_holes=True)")

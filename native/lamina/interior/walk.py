@@ -116,9 +116,10 @@ class Walker:
     def _gridded(self, interior: Interior):
         return _grid(self._layer, interior, self._centre)
 
-    def exits(self, first: int, last: int, step: Progress) -> list[np.ndarray]:
-        """Tally exits: [moments, products, counts] of points [first, last)."""
-        return self._each(self._layer.walk_to_exits, first, last, step)
+    def exits(self, first: int, last: int, step: Progress, late_after=(math.inf,) * 3) -> list[np.ndarray]:
+        """Tally exits: [moments, products, counts, late] of points [first, last). `late`: sums of (w, w r), (points, 3,
+        2), over paths with more scatterings than `late_after`, by channel."""
+        return self._each(self._layer.walk_to_exits, first, last, step, late_after)
 
     def lights(self, lit: Lit, first: int, last: int, step: Progress) -> list[np.ndarray]:
         """Tally light of lamps and surroundings: [sums, squares, counts] of points [first, last)."""

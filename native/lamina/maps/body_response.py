@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Targets for Cycles' node in a body of finite size.
+"""Media for Cycles' node in a body of finite size.
 
 The inversion of subsurface_inputs assumes a flat and infinitely thick body. In a thin part, more light leaves, and it
 leaves farther away. Therefore uniform media are walked in the same mesh: three with different albedos, and a fourth
 like the second with a longer path. At points of the surface, the exit albedo of each gives its apparent coordinate u of
 node_response. The relation from u and the logarithm of the path to the apparent u and the logarithm of the exit
 distance is interpolated linearly between these media, and inverted. For a uniform interior with a matched boundary the
-result is the interior itself."""
+result is the interior itself.
+
+Cycles discards light after 256 flights. The loss depends on the body: in a small one, the light leaves before.
+Therefore the walks also tally the light that leaves later than that. Its ratio to the loss in a half-space of the same
+medium is interpolated between the media. The lost light is the target of a second closure, found in the same way."""
 
 from __future__ import annotations
 
@@ -16,12 +20,15 @@ import numpy as np
 
 from ..common.progress import Progress, portion
 from ..interior.end_material import CHANNELS, EndMaterial
+from ..interior.estimates import exit_estimate
 from ..interior.grid import Interior
-from ..interior.parts import job_of, merge_walks, part_of
-from ..interior.walk import Lit, Walker
+from ..interior.walk import Walker
 from ..kinds.interiors import MOST_COEFFICIENT
 from ..subsurface.entry_cosines import mean_entry_cosines
-from ..subsurface.node_parameters import LEAST_IOR
+from ..subsurface.first_flights import FORWARD_COLLISIONS
+from ..subsurface.later_flights import LATER_FLIGHTS
+from ..subsurface.node_inputs import NEGLIGIBLE_LOSS, Closure
+from ..subsurface.node_parameters import LEAST_ALBEDO, LEAST_IOR
 from ..subsurface.response_table import CURVE, Curves, distance_per_path, response_curves
 from .nearest import BLOCK, nearest
 
@@ -39,6 +46,11 @@ LONGER = 0.25  # logarithm of the fourth medium's path over that of the second
 # between the media counts as noise.
 HIDDEN = 0.02
 MOST_STEP = 3.0  # change of the logarithm of the path, in units of LONGER
+# Exit albedo of the second closure where the limit of flights loses most light. A brighter one would lose light itself.
+BRIGHTEST = 0.8
+FIRST = 0.8  # share of the progress: the first closure
+FAINT = 1e-3  # a lost share of this size counts as noise where its change with the path is measured
+LEAST_LIGHT = 1e-12  # against division by 0
 
 
 class Medium(NamedTuple):
@@ -49,41 +61,144 @@ class Medium(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """How a medium shows itself: the exit albedo, and the mean exit distance in mm, (points, channels)."""
+    """How a medium shows itself, (points, channels): the exit albedo, and the mean exit distance in mm. `late`: the
+    part of the exit albedo that Cycles loses; `late_moment`: this part times its mean exit distance."""
 
     albedo: np.ndarray
     distance: np.ndarray
+    late: np.ndarray
+    late_moment: np.ndarray
 
 
-def targets_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g: float, ior: float, roughness: float,
-                    step: Progress) -> tuple[np.ndarray, np.ndarray]:
-    """(albedo, distance) that subsurface_inputs needs, for which the node in the walker's mesh has this exit albedo and
-    mean exit distance in mm; all (points, channels), means over directions. Deterministic."""
+class Lost(NamedTuple):
+    """The share of the light that the limit of flights loses, and this share times its mean exit distance in mm."""
+
+    share: np.ndarray
+    moment: np.ndarray
+
+
+class Along(NamedTuple):
+    """The position of points between the media. `upper`: between the second and the third, otherwise the first and the
+    second. `share`: of the way between these. `longer`: step towards longer paths, in units of LONGER.
+    `shown`: the apparent u of the node's medium, which is not that of the target where the target is too dark."""
+
+    upper: np.ndarray
+    share: np.ndarray
+    longer: np.ndarray
+    shown: np.ndarray
+
+    def between(self, values: list[np.ndarray]) -> np.ndarray:
+        """Values of the first three media, interpolated and extrapolated."""
+        first, second = _ends(self.upper, values)
+        return first + self.share * (second - first)
+
+
+def closures_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g: float, ior: float, roughness: float,
+                     step: Progress) -> tuple[Closure, Closure | None]:
+    """Closures with which the node in the walker's mesh has this exit albedo and mean exit distance in mm, both
+    (points, channels), means over directions. The second replaces the light that the limit of flights loses in the
+    mesh; None if the first can make up for it. Deterministic."""
+    share_of_walks = EFFORT * len(albedo) * walker.samples / (4 * min(len(albedo), POINTS))
+    samples = int(np.clip(share_of_walks, LEAST_SAMPLES, MOST_SAMPLES))
     node = response_curves(g, *mean_entry_cosines(ior, roughness))
-    bare = response_curves(g, *mean_entry_cosines(LEAST_IOR, 0.0))
-    apparent, count = _u_of(node, albedo), len(albedo)
-    # The exit distance without a boundary, if a boundary changes it as in a half-space.
-    bare_way, node_way = (np.interp(apparent, CURVE, curves.full_distance) for curves in (bare, node))
-    without = distance * bare_way / node_way
-    u, path = apparent, distance / distance_per_path(node.full_distance, node, g, apparent)
-    few = _some(count, ROUGH_POINTS)
-    for number in range(ROUNDS):
-        media = _media(u, path, walker.solid_size)
-        seen = _all_seen(media, walker.with_points(few, ROUGH_SAMPLES, walker.seed), bare, g,
-                         portion(step, 0.2 * number / ROUNDS, 0.2 * (number + 1) / ROUNDS))
-        seen = [Seen(*(np.broadcast_to(values.mean(axis=0), albedo.shape) for values in one)) for one in seen]
-        u, path = _corrected(apparent, without, media, seen, bare)
-    chosen = _some(count, POINTS)
-    samples = int(np.clip(EFFORT * count * walker.samples / (len(media) * len(chosen)), LEAST_SAMPLES, MOST_SAMPLES))
-    media = _media(u, path, walker.solid_size)
-    exact = _all_seen(media, walker.with_points(chosen, samples, walker.seed), bare, g, portion(step, 0.2, 1.0))
-    places, averaged = walker.positions[chosen], max(NEIGHBOURS, -(-AVERAGED // samples))
-    for first in range(0, count, BLOCK):
-        part = slice(first, first + BLOCK)
-        near, weights = nearest(places, walker.positions[part], averaged)
-        seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in exact]
-        u[part], path[part] = _corrected(apparent[part], without[part], media, seen, bare)
-    return np.interp(u, CURVE, node.full_albedo), path * distance_per_path(node.full_distance, node, g, u)
+    body = _Body(albedo, distance, walker, g, node, samples, portion(step, 0.0, FIRST))
+    first, lost = body.closure(albedo, distance)
+    if not np.any(lost.share > NEGLIGIBLE_LOSS):
+        kept, moment = 1.0 - lost.share, distance - lost.moment
+        brighter, farther = np.minimum(albedo / kept, 1.0), distance**2 * kept / np.maximum(moment, 0.5 * distance)
+        return body.closure(brighter, farther)[0], None
+    light = albedo * lost.share
+    weight = float(light.max()) / BRIGHTEST
+    way = np.where(lost.share > LEAST_LIGHT, lost.moment / np.maximum(lost.share, LEAST_LIGHT), distance)
+    way = np.minimum(way, walker.solid_size)
+    body = _Body(light / weight, way, walker, g, node, LEAST_SAMPLES, portion(step, FIRST, 1.0))
+    return first, body.closure(light / weight, way)[0]._replace(weight=weight)
+
+
+class _Body:
+    """Walks in four media that suit the given exit albedo and mean exit distance."""
+
+    def __init__(self, albedo: np.ndarray, distance: np.ndarray, walker: Walker, g: float, node: Curves, samples: int,
+                 step: Progress):
+        self._walker, self._g, self._node = walker, g, node
+        self._bare = response_curves(g, *mean_entry_cosines(LEAST_IOR, 0.0))
+        self._darkest = float(np.interp(-LEAST_ALBEDO, -node.single, CURVE))  # the largest u
+        apparent, without = self._apparent(albedo, distance)
+        u = np.minimum(apparent, self._darkest)
+        path = distance / distance_per_path(node.full_distance, node, g, u)
+        few = _some(len(albedo), ROUGH_POINTS)
+        for number in range(ROUNDS):
+            self._media = _media(u, path, walker.solid_size, self._darkest)
+            seen = self._all_seen(few, ROUGH_SAMPLES, portion(step, 0.2 * number / ROUNDS, 0.2 * (number + 1) / ROUNDS))
+            seen = [Seen(*(np.broadcast_to(values.mean(axis=0), albedo.shape) for values in one)) for one in seen]
+            u, path, _ = self._corrected(apparent, without, seen)
+        chosen = _some(len(albedo), POINTS)
+        self._media = _media(u, path, walker.solid_size, self._darkest)
+        self._seen = self._all_seen(chosen, samples, portion(step, 0.2, 1.0))
+        self._places, self._averaged = walker.positions[chosen], max(NEIGHBOURS, -(-AVERAGED // samples))
+
+    def closure(self, albedo: np.ndarray, distance: np.ndarray) -> tuple[Closure, Lost]:
+        """(closure with this exit albedo and mean exit distance in mm without the limit of flights, what the limit
+        loses)."""
+        node, g = self._node, self._g
+        apparent, without = self._apparent(albedo, distance)
+        u, path, shown, share, moment = (np.empty_like(albedo) for _ in range(5))
+        for first in range(0, len(albedo), BLOCK):
+            part = slice(first, first + BLOCK)
+            near, weights = nearest(self._places, self._walker.positions[part], self._averaged)
+            seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in self._seen]
+            u[part], path[part], along = self._corrected(apparent[part], without[part], seen)
+            shown[part] = along.shown
+            known = [_half_space_loss(self._bare, g, *medium) for medium in self._media]
+            share[part], moment[part] = _lost(along, seen, known, _half_space_loss(node, g, u[part], path[part]))
+        way = path * distance_per_path(node.full_distance, node, g, u)
+        # Cycles does not walk in media below LEAST_ALBEDO; it scales the light instead.
+        scale = np.minimum(albedo / np.interp(shown, CURVE, node.full_albedo), 1.0)
+        light = np.interp(u, CURVE, node.full_albedo) * np.where(u < self._darkest, 1.0, scale)
+        return Closure(1.0, light, way), Lost(share, moment)
+
+    def _apparent(self, albedo: np.ndarray, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(u of a half-space with this exit albedo, the exit distance without a boundary, if the boundary changes it as
+        in a half-space)."""
+        apparent = _u_of(self._node, albedo)
+        bare, node = (np.interp(apparent, CURVE, curves.full_distance) for curves in (self._bare, self._node))
+        return apparent, distance * bare / node
+
+    def _corrected(self, apparent: np.ndarray, distance: np.ndarray,
+                   seen: list[Seen]) -> tuple[np.ndarray, np.ndarray, Along]:
+        """(u, mean free path in mm, position between the media) of the node's medium, from the apparent u and the mean
+        exit distance."""
+        # The apparent u is that of the mean albedo: the mean of noisy u would be biased.
+        shown = [_u_of(self._bare, one.albedo) for one in seen]
+        ways = [np.log(np.maximum(one.distance, 1e-12)) for one in seen]
+        places = [one.u for one in self._media]
+        tilt, by_path = shown[3] - shown[1], ways[3] - ways[1]
+        upper = apparent > shown[1]  # between the second medium and the third
+        first, second = _ends(upper, shown)
+        valid = second - first > 1e-3
+        spread = np.where(valid, second - first, 1.0)
+        # Along the line from the first medium to the second, and in the direction of longer paths.
+        brighter, darker = _ends(upper, places)
+        most = np.where(darker > brighter, (self._darkest - brighter) / np.maximum(darker - brighter, 1e-9), 0.5)
+        # Where light crosses the body without scattering, all albedos look alike: a darker target needs scaled light.
+        alike = np.where(apparent > second + 1e-3, most, np.minimum(0.5, most))
+        along = np.where(valid, np.minimum((apparent - first) / spread, most), alike)
+        tilt_along = np.where(valid, tilt / spread, 0.0)
+        near, far = _ends(upper, ways)
+        slope = far - near
+        rest = np.log(np.maximum(distance, 1e-12)) - near - along * slope
+        by_path = by_path - tilt_along * slope
+        longer = np.clip(rest * by_path / (by_path**2 + HIDDEN**2), -MOST_STEP, MOST_STEP)
+        along = np.minimum(along - longer * tilt_along, most)
+        found = Along(upper, along, longer, first + along * (second - first) + longer * tilt)
+        path = np.exp(found.between([np.log(one.path) for one in self._media]) + longer * LONGER)
+        return np.clip(found.between(places), CURVE[0], self._darkest), path, found
+
+    def _all_seen(self, chosen: np.ndarray, samples: int, step: Progress) -> list[Seen]:
+        """Walks in each medium, from the chosen points."""
+        walker, ends = self._walker.with_points(chosen, samples, self._walker.seed), np.linspace(0.0, 1.0, 5)
+        return [_seen(medium, walker, self._bare, self._g, portion(step, low, high))
+                for medium, low, high in zip(self._media, ends[:-1], ends[1:], strict=True)]
 
 
 def _some(count: int, most: int) -> np.ndarray:
@@ -96,71 +211,62 @@ def _u_of(curves: Curves, albedo: np.ndarray) -> np.ndarray:
     return np.interp(-albedo, -curves.full_albedo, CURVE)
 
 
-def _media(u: np.ndarray, paths: np.ndarray, size: float) -> list[Medium]:
-    """Three media in the range of u, with the paths of points that have about this u, and a fourth: the second with a
-    longer path."""
+def _media(u: np.ndarray, paths: np.ndarray, size: float, darkest: float) -> list[Medium]:
+    """Three media in the range of u, at most `darkest`, with the paths of points that have about this u, and a fourth:
+    the second with a longer path."""
     low, high = np.quantile(u, SHARES, axis=0)
     middle, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), LEAST_SPREAD)
     shortest, longest = max(1e-6 * size, 2.0 / MOST_COEFFICIENT), 1e3 * size
     found = []
     for sign in (-1.0, 0.0, 1.0):
-        at = np.clip(middle + sign * half, CURVE[0], CURVE[-1])
+        at = np.clip(middle + sign * half, CURVE[0], darkest)
         path = [np.mean(paths[np.argsort(np.abs(u[:, c] - at[c]), kind="stable")[:max(16, len(u) // 8)], c])
                 for c in range(CHANNELS)]
         found.append(Medium(at, np.clip(path, shortest, longest)))
     return [*found, Medium(found[1].u, found[1].path * np.exp(LONGER))]
 
 
-def _all_seen(media: list[Medium], walker: Walker, curves: Curves, g: float, step: Progress) -> list[Seen]:
-    """Walks in each medium, from the points of a walker."""
-    ends = np.linspace(0.0, 1.0, len(media) + 1)
-    return [_seen(medium, walker, curves, g, portion(step, low, high))
-            for medium, low, high in zip(media, ends, ends[1:], strict=False)]
-
-
 def _seen(medium: Medium, walker: Walker, curves: Curves, g: float, step: Progress) -> Seen:
     """Walks in the medium, from the points of a walker."""
     single = np.interp(medium.u, CURVE, curves.single)
     material = EndMaterial(tuple(single / medium.path), tuple((1.0 - single) / medium.path), g)
-    bare = walker.with_matched(Interior.uniform(material))
-    dark = Lit()
-    part = part_of(job_of("exits", bare, dark), (1, 1), bare, dark,
-                   lambda fraction, _: step(fraction, "Shape of the body"))
-    found = merge_walks([part])
+    # Cycles continues with transport coefficients, so that its later flights have the length of several.
+    late_after = FORWARD_COLLISIONS + LATER_FLIGHTS / (1.0 - g * single)
+    moments, products, counts, late = walker.with_matched(Interior.uniform(material)).exits(
+        0, len(walker.positions), lambda fraction, _: step(fraction, "Shape of the body"), tuple(late_after))
+    found = exit_estimate(moments, products, counts, walker.samples, 0.0)
     expected = medium.path * distance_per_path(curves.full_distance, curves, g, medium.u)  # if no light leaves
-    distance = found.mean_distance.value  # type: ignore[union-attr]  # of this kind
-    return Seen(found.albedo.value, np.where(np.isfinite(distance), distance, expected))  # type: ignore[union-attr]
+    distance = found.mean_distance.value
+    late = late / walker.samples
+    return Seen(found.albedo.value, np.where(np.isfinite(distance), distance, expected), late[..., 0], late[..., 1])
 
 
-def _corrected(apparent: np.ndarray, distance: np.ndarray, media: list[Medium], seen: list[Seen],
-               curves: Curves) -> tuple[np.ndarray, np.ndarray]:
-    """(u, mean free path in mm) of the node's medium, from the apparent u and the mean exit distance."""
-    # The apparent u is that of the mean albedo: the mean of noisy u would be biased.
-    shown = [_u_of(curves, one.albedo) for one in seen]
-    ways = [np.log(np.maximum(one.distance, 1e-12)) for one in seen]
-    tilt, by_path = shown[3] - shown[1], ways[3] - ways[1]
-    upper = apparent > shown[1]  # between the second medium and the third
+def _ends(upper: np.ndarray, values: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Values of the two media between which points lie."""
+    return np.where(upper, values[1], values[0]), np.where(upper, values[2], values[1])
 
-    def ends(low, middle, high):
-        return np.where(upper, middle, low), np.where(upper, high, middle)
 
-    first, second = ends(*shown[:3])
-    valid = second - first > 1e-3
-    spread = np.where(valid, second - first, 1.0)
-    # Along the line from the first medium to the second, and in the direction of longer paths.
-    along = np.where(valid, (apparent - first) / spread, 0.5)
-    tilt = np.where(valid, tilt / spread, 0.0)
-    first, second = ends(*ways[:3])
-    slope = second - first
-    rest = np.log(np.maximum(distance, 1e-12)) - first - along * slope
-    by_path = by_path - tilt * slope
-    longer = np.clip(rest * by_path / (by_path**2 + HIDDEN**2), -MOST_STEP, MOST_STEP)
-    along = along - longer * tilt
+def _half_space_loss(curves: Curves, g: float, u: np.ndarray, path: np.ndarray) -> Lost:
+    """The loss in a half-space."""
+    kept, full = (np.interp(u, CURVE, values) for values in (curves.albedo / curves.full_albedo, curves.full_distance))
+    moment: np.ndarray = full - kept * np.interp(u, CURVE, curves.distance)
+    return Lost(1.0 - kept, moment * path / (1.0 - g * np.interp(u, CURVE, curves.single)))
 
-    def between(low, middle, high):
-        first, second = ends(low, middle, high)
-        return first + along * (second - first)
 
-    u = between(*(one.u for one in media[:3]))
-    path = np.exp(between(*(np.log(one.path) for one in media[:3])) + longer * LONGER)
-    return np.clip(u, CURVE[0], CURVE[-1]), path
+def _lost(along: Along, seen: list[Seen], known: list[Lost], here: Lost) -> Lost:
+    """The loss in the body. `known`: the loss of the media in a half-space; `here`: of the points' media."""
+    # Noisy points lie far outside of the media, where neither the line nor the exponential holds.
+    inside = along._replace(share=np.clip(along.share, 0.0, 1.0), longer=np.clip(along.longer, -1.0, 1.0))
+    light = [np.maximum(one.albedo, LEAST_LIGHT) for one in seen]
+    shares, moments = ([part / whole for part, whole in zip(parts, light, strict=True)]
+                       for parts in ([one.late for one in seen], [one.late_moment for one in seen]))
+    found = []
+    for values, reference, target in ((shares, [one.share for one in known], here.share),
+                                      (moments, [one.moment for one in known], here.moment)):
+        ratio = inside.between(values) / np.maximum(inside.between(reference), LEAST_LIGHT)
+        # In units of the second medium's lost share, so that the same FAINT suits both.
+        second, fourth = (known[1].share * values[k] / np.maximum(reference[k], LEAST_LIGHT) for k in (1, 3))
+        found.append(np.maximum(target * ratio * ((fourth + FAINT) / (second + FAINT)) ** inside.longer, 0.0))
+    # A noisy path must not make the loss larger than in a half-space or in one of the media.
+    most = np.maximum(here.share, np.max(shares, axis=0)) / np.maximum(found[0], LEAST_LIGHT)
+    return Lost(*(np.minimum(most, 1.0) * one for one in found))

@@ -76,8 +76,9 @@ class Places:
 
 def places_of(solid: Solid, uvs, size, normals) -> Places:
     """The texels of an image of this `size` over the UV map `uvs`, (triangles, 3, 2), or the vertices if `uvs` is None.
-    `normals`: shading normals, as in lamina.dust.Mesh; those of corners are not used for vertices. Raises
-    InteriorError, ArgumentError."""
+    `normals`: shading normals, as in lamina.dust.Mesh; those of corners are not used for vertices. Triangles whose
+    corners all lie at one point with u < 0 are left out on purpose: no note counts them. Raises InteriorError,
+    ArgumentError."""
     if not isinstance(solid, Solid):
         raise InteriorError(f"solid = {type(solid).__name__}: must be a lamina.Solid")
     if (uvs is None) != (size is None):
@@ -102,18 +103,21 @@ def _texels(mesh: Mesh, uvs, size) -> Places:
     texels = TexelMap(mesh, uvs, size)
     points, mask = texels.points()
     texels.require_texels(bool(mask.any()))
-    notes = texels.notes()
-    reverse = Mesh(mesh.vertices, mesh.triangles[::-1],
-                   mesh.normals[::-1] if mesh.normals is not None and mesh.normals.ndim == 3 else mesh.normals,
-                   mesh.sharp_angle, mesh.name)
-    other, _ = TexelMap(reverse, np.asarray(uvs)[::-1], size).points()
+    uvs = np.asarray(uvs)
+    wanted = np.flatnonzero((uvs != uvs[:, :1]).any(axis=(1, 2)) | (uvs[:, 0, 0] >= 0.0))[::-1]
+    normals = mesh.normals[wanted] if mesh.normals is not None and mesh.normals.ndim == 3 else mesh.normals
+    reverse = TexelMap(Mesh(mesh.vertices, mesh.triangles[wanted], normals, mesh.sharp_angle, mesh.name), uvs[wanted],
+                       size)
+    other, _ = reverse.points()
+    notes = reverse.notes()
     # Of triangles that cover a texel, the first owns the texel; in reversed sequence, the last.
     apart = np.linalg.norm(points.positions - other.positions, axis=1)
     areas = np.maximum(points.areas, other.areas)  # type: ignore[arg-type]  # texels have areas
     overlap = int(np.count_nonzero(apart > FAR_APART * np.sqrt(areas)))
     if overlap > MOST_OVERLAP * len(apart):
         raise InteriorError(f"{mesh.name}: {overlap} of {len(apart)} texels lie on two parts of the surface, because "
-                            "islands of the UV map overlap: must be unwrapped without overlaps")
+                            "islands of the UV map overlap: must be unwrapped without overlaps (in Blender: after "
+                            "modifiers that copy faces are applied)")
     lengths = np.linalg.norm(points.normals, axis=1)
     mask[mask] = lengths > 0.0
     points = Points(points.positions[lengths > 0.0], points.normals[lengths > 0.0])

@@ -18,11 +18,11 @@ from ..interior.grid import Interior
 from ..interior.solid import Solid
 from ..interior.walk import Surface
 from ..kinds.limits import MOST_NODE_IOR
-from ..subsurface.node_inputs import SubsurfaceInputs, checked_version, subsurface_inputs
+from ..subsurface.node_inputs import Closure, SubsurfaceInputs, checked_version, inputs_of_closures
 from ..subsurface.node_parameters import LEAST_IOR
 from ..subsurface.node_response import LARGEST_G
 from ..walks.searchlight_moments import Measured
-from .body_response import targets_in_body
+from .body_response import closures_in_body
 from .lit import MOST_MARGIN
 from .map_walk import MapJob, MapWalk, walk_map
 from .noise import noise_of, preview_report
@@ -37,8 +37,9 @@ _ARRAYS = ("color", "radius", "extra_color", "extra_radius", "albedo", "distance
 class RelightableImages:
     """Inputs of Cycles' Subsurface Scattering node. `inputs`: a lamina.SubsurfaceInputs whose arrays have the shape
     (height, width, 3) or (vertices, 3), float32, lengths in mm. Images have their rows from the bottom, as in Blender.
-    Its `albedo` and `distance` are those of the node in a flat and infinitely thick body; in the mesh, the node has
-    those of `estimate`.
+    Its `albedo` and `distance` are those of the node's medium in a flat and infinitely thick body, without Cycles'
+    limit of flights; in the mesh, the node has those of `estimate`. A second closure replaces the light that the limit
+    loses in the mesh.
 
     `mask`: the texels, or the vertices, with a value of their own; texels of the margin have copies. `estimate`: exit
     albedo and distance with standard errors, at the points of the mask in sequence. `noise`: standard error of the exit
@@ -84,7 +85,8 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
     deleted at the end. The same seed gives the same bytes for any number of `threads` (0: all).
 
     `preview(images)` is called from time to time with the images so far: first with coarse ones from the trial, later
-    each time the number of samples has doubled. Previews lack the correction for thin parts. A run with previews has
+    each time the number of samples has doubled. Previews lack the correction for thin parts and the second closure. A
+    run with previews has
     other parts in its folder than one without. `spread`: computes the parts on other machines, see
     lamina.distributed.spread; the bytes are the same.
 
@@ -128,9 +130,10 @@ def _inputs(found: ExitEstimate, walked: MapWalk, surface: Surface, version: tup
     distance = np.maximum(np.nan_to_num(distance), 0.0)
     ior = min(max(surface.ior, LEAST_IOR), MOST_NODE_IOR)
     g, roughness = mean_anisotropy(walked.walker.interior), surface.alpha if surface.ior > 1.0 else 0.0
+    first, second = Closure(1.0, albedo, distance), None
     if walked.done == 1.0:
-        albedo, distance = targets_in_body(albedo, distance, walked.walker, g, ior, roughness, walked.step)
-    return subsurface_inputs(albedo, distance, g, version, "diffuse", ior, roughness)
+        first, second = closures_in_body(albedo, distance, walked.walker, g, ior, roughness, walked.step)
+    return inputs_of_closures(first, second, g, version, ior, roughness)
 
 
 def mean_anisotropy(interior: Interior) -> float:

@@ -32,6 +32,15 @@ class Walk(NamedTuple):
     path: np.ndarray
 
 
+class Closure(NamedTuple):
+    """One node by its medium in a flat and infinitely thick body: exit albedo and mean exit distance, without the limit
+    of flights. `weight`: factor of its light."""
+
+    weight: float
+    albedo: np.ndarray
+    distance: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class SubsurfaceInputs(ByContent):
     """Inputs of the Subsurface Scattering node (Random Walk) of Cycles. Arrays have the shape of the targets; lengths
@@ -106,11 +115,33 @@ def subsurface_inputs(albedo, distance, anisotropy: float = 0.0, version: tuple[
     light, way = light + weight * extra_light, light * way + weight * extra_light * extra_way
     with np.errstate(divide="ignore", invalid="ignore"):
         way = np.where(light > 0.0, way / light, 0.0)
-        errors = [np.where(target > 0.0, reached / target - 1.0, 0.0)
-                  for reached, target in ((light, albedo), (way, distance))]
+    return _inputs(version, g, ior, roughness, main, extra, weight, (light, way), (albedo, distance))
+
+
+def inputs_of_closures(first: Closure, second: Closure | None, anisotropy: float, version: tuple[int, int], ior: float,
+                       roughness: float) -> SubsurfaceInputs:
+    """Inputs of closures with known media, for light from all directions. `second`: replaces the light that the limit
+    of flights loses in the body, if any. The limit is not taken into account otherwise. `albedo`, `distance` and errors
+    are those of the first closure in a flat and infinitely thick body without the limit. Arguments as for
+    subsurface_inputs, not checked."""
+    curves = response_curves(anisotropy, *mean_entry_cosines(ior, roughness))
+    main = _full_walk(curves, anisotropy, first.albedo, first.distance)
+    extra, weight = Walk(np.zeros_like(first.albedo), np.zeros_like(first.albedo)), 0.0
+    if second is not None:
+        extra, weight = _full_walk(curves, anisotropy, second.albedo, second.distance), second.weight
+    reached = _exit_light(curves._replace(albedo=curves.full_albedo, distance=curves.full_distance), anisotropy, main)
+    return _inputs(version, anisotropy, ior, roughness, main, extra, weight, reached, (first.albedo, first.distance))
+
+
+def _inputs(version: tuple[int, int], g: float, ior: float, roughness: float, main: Walk, extra: Walk, weight: float,
+            reached: tuple[np.ndarray, np.ndarray], targets: tuple[np.ndarray, np.ndarray]) -> SubsurfaceInputs:
+    """Inputs of two walks. `reached`, `targets`: exit albedo and mean exit distance."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = [np.where(wanted > 0.0, found / wanted - 1.0, 0.0)
+                  for found, wanted in zip(reached, targets, strict=True)]
     return SubsurfaceInputs(
         version, colour_of_albedo(main.albedo, g, version), radius_of_path(main.path, g, version), g, ior, roughness,
-        weight, colour_of_albedo(extra.albedo, g, version), radius_of_path(extra.path, g, version), light, way, *errors)
+        weight, colour_of_albedo(extra.albedo, g, version), radius_of_path(extra.path, g, version), *reached, *errors)
 
 
 def _limited_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray) -> Walk:

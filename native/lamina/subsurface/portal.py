@@ -26,9 +26,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.by_content import ByContent
+from ..common.errors import StackError
 from ..common.progress import Progress, portion, stepper
 from ..lateral.searchlight import Searchlight, searchlight
 from ..material.any_stack import AnyStack, as_stack
+from ..material.millimetres import require_millimetres
 from ..solver.solve import ScatteringFunction, solve
 from . import entry_lobes, exit_tilt, first_orders, plane_rings, portal_views, source_depths
 from .entry_lobes import EntryLobes
@@ -36,7 +38,7 @@ from .first_orders import FirstOrders
 from .node_parameters import LEAST_IOR
 from .plane_rings import LEAST_FLUX
 from .source_depths import Sources, flux_density
-from .stack_nodes import boundary_on_top, require_finite_distance
+from .stack_nodes import boundary_on_top, require_finite_distance, require_hidden_metal
 
 DEPTHS, VIEWS = 512, 64  # sizes of the tables
 NODES, EXIT_COSINES = 8192, 32  # of integrals over a plane and over directions
@@ -111,11 +113,15 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     time and with less noise, and show less of the sun's direction on curved bodies. Beyond an anisotropy of .9 there is
     always one. Other arguments and errors are those of lamina.subsurface_nodes."""
     stack = as_stack(stack)
+    require_millimetres(stack)
+    require_hidden_metal(stack)
     first = first_orders.of_stack(stack, scatterings)
     step = stepper("the portal", progress, cancel)
     beam = searchlight(stack, 1.0, quality, progress=portion(step, 0.0, 0.8), cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, 1.0, quality)
     distance = require_finite_distance(beam, on_top)
+    if not np.median(distance) > 0.0:
+        raise StackError("the stack: no light travels sideways, must have a medium that scatters")
     r = plane_rings.distances(float(np.median(distance)), NODES)
     light = _profile(beam, r, first)
     sources = source_depths.fit(r, light, DEPTHS)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from .. import _core
 from ..common.errors import StackError
 from ..common.progress import Progress
-from ..kinds.bases import HalfSpace
+from ..kinds.bases import Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..kinds.limits import MOST_NODE_IOR
@@ -22,6 +23,9 @@ from ..solver.solve import solve
 from .node_inputs import SubsurfaceInputs, subsurface_inputs
 from .node_parameters import LEAST_IOR
 from .node_response import LARGEST_G
+
+# A metal base is refused if this share of light can cross the media twice without a collision.
+MOST_MIRRORED = 0.01
 
 
 def subsurface_nodes(stack: AnyStack, version: tuple[int, int] = (4, 5), mu: float = 1.0, quality: str = "final",
@@ -35,8 +39,9 @@ def subsurface_nodes(stack: AnyStack, version: tuple[int, int] = (4, 5), mu: flo
     match at any anisotropy.
 
     Arguments and errors are those of searchlight and subsurface_inputs. Raises StackError for a half-space or layer
-    without absorption, whose mean exit distance is infinite."""
+    without absorption, whose mean exit distance is infinite, and for a metal base that the media do not hide."""
     stack = as_stack(stack)
+    require_hidden_metal(stack)
     beam = searchlight(stack, mu, quality, progress=progress, cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, mu, quality)
     distance = require_finite_distance(beam, on_top)
@@ -54,6 +59,21 @@ def boundary_on_top(stack: Stack, mu, quality: str) -> tuple[np.ndarray, float, 
     ior, alpha = (float(np.mean([channel(value, c) for c in range(stack.channels)])) for value in (top.ior, top.alpha))
     on_top = np.broadcast_to(solve(Stack([top]), quality).reflectance(mu), shape)
     return on_top, float(np.clip(ior, LEAST_IOR, MOST_NODE_IOR)), min(alpha, 1.0)
+
+
+def require_hidden_metal(stack: Stack) -> None:
+    """Raises StackError if light can reach a metal base and leave without a collision in a medium: this light is a
+    mirror image, which closures for light that travels sideways would show as diffuse."""
+    metal = isinstance(stack.base, Conductor) or (isinstance(stack.base, PrincipledBase) and stack.base.metallic > 0.0)
+    if not metal:
+        return
+    media = [number for number, layer in enumerate(stack.layers) if isinstance(layer, Medium)]
+    for index in range(stack.channels):
+        crossing = math.exp(-2.0 * sum(stack.optics(number, index)[1] for number in media))
+        if crossing > MOST_MIRRORED:
+            raise StackError(f"channel {index}: the base is a metal, and {100.0 * crossing:.3g} % of the light can "
+                             f"reach it and return without scattering: must be at most {100.0 * MOST_MIRRORED:g} %, by "
+                             "media above it, for light that travels sideways")
 
 
 def require_finite_distance(beam: Searchlight, on_top: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from walk_meshes import box, sphere
 
 import lamina
 from lamina import ArgumentError, EndMaterial, Interior, InteriorError, Lamp, Surface
+from lamina.interior.solid import closed
 
 CORNERS = ((0, 0, 0), (1, 1, 1))
 WHITE = EndMaterial(1.0)
@@ -49,7 +50,8 @@ def turned(solid, faces):
     (lamina.Solid(np.zeros((0, 3)), np.zeros((0, 3), int)), "solid.triangles is empty: must have faces"),
     (turned(CUBE, slice(None)), "solid is inside out, with a volume of -1 mm.3: flip its normals"),
     (turned(CUBE, [3]), "faces that disagree about which side is outside, as along the edge"),
-    (lamina.Solid(CUBE.vertices, CUBE.triangles[:-1]), r"solid is open along 3 edges, as from \(.*close it"),
+    (lamina.Solid(CUBE.vertices, CUBE.triangles[:-1]),
+     r"solid is open along 3 edges, as from \(.*close it .*Fill Holes; in Python: fill_holes=True\)"),
     (lamina.Solid(CUBE.vertices, CUBE.triangles[:-1], name="Dragon"), "Dragon is open"),
     (lamina.Solid(CUBE.vertices * [1, 1, 0], CUBE.triangles), "must enclose a volume"),
     (lamina.Solid(CUBE.vertices * np.nan, CUBE.triangles), r"solid.vertices\[0\] has the coordinate nan"),
@@ -60,6 +62,43 @@ def turned(solid, faces):
 def test_bad_meshes(solid, words):
     with pytest.raises(InteriorError, match=words):
         lamina.walk_in_mesh(solid, Interior.uniform(WHITE), samples=1)
+
+
+def joined(*shells):
+    """Shells in one solid."""
+    before = np.cumsum([0, *(len(shell.vertices) for shell in shells)])
+    return lamina.Solid(np.vstack([shell.vertices for shell in shells]),
+                        np.vstack([shell.triangles + first for shell, first in zip(shells, before, strict=False)]))
+
+
+def inverted(shell, by=(0, 0, 0)):
+    return lamina.Solid(shell.vertices + by, shell.triangles[:, ::-1])
+
+
+@pytest.mark.parametrize("by", [(3, 0, 0), (0, 0, 3), (0, 0, -3), (0.9, 0.9, 0.9)])
+def test_a_shell_that_is_inside_out_beside_another(by):
+    """Also above, below, and within the other's box."""
+    solid = joined(sphere(1.0, 3), inverted(sphere(0.3, 1), by))
+    with pytest.raises(InteriorError, match="a separate part of 80 faces that is inside out and no cavity: flip"):
+        lamina.walk_in_mesh(solid, Interior.uniform(WHITE), samples=1)
+
+
+def test_a_cavity_of_a_cavity_is_inside_out():
+    with pytest.raises(InteriorError, match="a separate part of 320 faces"):
+        closed(joined(sphere(1.0, 3), inverted(sphere(0.8, 3)), inverted(sphere(0.5, 2))))
+
+
+@pytest.mark.parametrize("shells", [
+    [inverted(sphere(0.3, 2))],
+    [inverted(sphere(0.3, 2), (0.5, 0.2, 0.1)), inverted(sphere(0.2, 2), (-0.5, 0.2, 0.1))],
+    [inverted(sphere(0.8, 3)), sphere(0.5, 3), inverted(sphere(0.2, 2))],
+    [inverted(sphere(0.3, 2), (1.0, 0.0, 0.0))],
+    [sphere(0.3, 2)],
+    [inverted(inverted(sphere(0.3, 2)), (3.0, 0.0, 0.0))],
+], ids=["cavity", "two", "body in a cavity", "cavity that opens", "overlap", "beside"])
+def test_shells_that_are_cavities_or_bodies(shells):
+    solid = joined(sphere(1.0, 3), *shells)
+    assert len(closed(solid).triangles) == len(solid.triangles)
 
 
 @pytest.mark.parametrize(("error", "change", "words"), [

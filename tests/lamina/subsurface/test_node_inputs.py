@@ -7,7 +7,7 @@ import pytest
 from z_limit import z_limit
 
 import lamina
-from lamina import HalfSpace, HenyeyGreenstein, Interface, Lambert, Medium, Stack
+from lamina import Conductor, HalfSpace, HenyeyGreenstein, Interface, Lambert, Medium, PrincipledBase, Stack
 from lamina.common.errors import ArgumentError, StackError
 from lamina.subsurface.entry_cosines import entry_cosines
 from lamina.subsurface.first_flights import FirstFlights
@@ -199,3 +199,30 @@ def test_bad_arguments(change, words):
 def test_light_that_nothing_absorbs():
     with pytest.raises(StackError, match="channel 0: light that nothing absorbs leaves at an infinite mean distance"):
         lamina.subsurface_nodes(half_space(1.0), quality="preview")
+
+
+METALS = {"conductor": Conductor(eta=0.2, k=3.5), "principled": PrincipledBase(color=[0.8, 0.5, 0.2], metallic=1.0)}
+
+
+def enamel(thickness):
+    return [Interface(1.5), Medium(sigma_s=[20.0, 30.0, 40.0], sigma_a=0.1, thickness=thickness)]
+
+
+@pytest.mark.parametrize("compute", [lamina.subsurface_nodes, lamina.portal_tables])
+@pytest.mark.parametrize("base", METALS)
+@pytest.mark.parametrize(("layers", "words"), [
+    ([], "channel 0: the base is a metal, and 100 % of the light can reach it and return without scattering"),
+    (enamel(0.1), "channel 0: the base is a metal, and 1.8 % of the light can reach it and return without scattering"),
+])
+def test_metal_that_shows_is_refused(compute, base, layers, words):
+    with pytest.raises(StackError) as raised:
+        compute(Stack(layers, METALS[base]), quality="preview")
+    assert str(raised.value) == (f"{words}: must be at most 1 %, by media above it, for light that travels sideways")
+
+
+def test_metal_below_deep_enamel():
+    """Nearly all light that leaves was scattered, so that the base does not matter for its directions."""
+    stack = Stack(enamel(0.3), METALS["conductor"])
+    beam = lamina.searchlight(stack, quality="preview")
+    inputs = lamina.subsurface_nodes(stack, quality="preview")
+    assert inputs.albedo == pytest.approx((beam.reflectance - 0.04) / 0.96, rel=1e-3)

@@ -12,7 +12,7 @@ from portal_rays import COUNT, drawn
 from z_limit import z_limit
 
 import lamina
-from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack, lobes
+from lamina import HalfSpace, HenyeyGreenstein, Interface, Isotropic, Lambert, Medium, Stack, lobes
 from lamina.common.errors import ArgumentError, StackError
 from lamina.subsurface import entry_lobes, exit_tilt, first_orders, plane_rings, single_scattering, source_depths
 from lamina.subsurface.portal import DEPTHS, NODES, VIEWS
@@ -322,3 +322,13 @@ def test_black_channel():
     assert not np.any(tables.views[:, 2]) and not tables.decay[2]
     assert tables.shares[..., 0] == pytest.approx(tables.shares[..., 1])
     assert tables.entry.diffuse[2] == pytest.approx(1.0) and np.all(np.isfinite(tables.entry.toon))
+
+
+@pytest.mark.parametrize(("stack", "words"), [
+    (Stack([], HalfSpace(albedo=0.9)), "base: has no lengths"),
+    (Stack([], HalfSpace(sigma_s=0.0, sigma_a=1.0)), "no light travels sideways"),
+    (Stack([Interface(1.4)], Lambert(0.5)), "no light travels sideways"),
+])
+def test_nothing_sideways(stack, words):
+    with pytest.raises(StackError, match=words):
+        lamina.portal_tables(stack, "preview")
