@@ -7,7 +7,7 @@ import bpy
 
 from ..base import native
 from ..base.worker import OfMaterial, Place, Worker, with_uid
-from ..editing import stack_io
+from ..editing import layer_list, stack_io
 from ..nodes import before, lateral_group, portal_graph, relightable_graph
 from . import portal_reach, volume_bounces
 
@@ -24,13 +24,14 @@ class LateralJob(OfMaterial, Worker):
     def __init__(self, material, scene):
         self.uid, self.scene_uid, self.millimetre = material.session_uid, scene.session_uid, millimetre(scene)
         self.output, quality = material.lamina.lateral, material.lamina.quality
+        self.layers = layer_list.mark(material)
         stack, compute = stack_io.to_stack(material), _compute(self.output, material)
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
     def apply(self, material):
         """Build the node group. A scene that was deleted meanwhile needs no bounces."""
         scene = with_uid(bpy.data.scenes, self.scene_uid)
-        _apply(material, scene, self.output, self.result, self.millimetre)
+        _apply(material, scene, self.output, self.layers, self.result, self.millimetre)
 
 
 def make(material, scene=None, quality=None, output=None):
@@ -40,10 +41,10 @@ def make(material, scene=None, quality=None, output=None):
     lamina.SubsurfaceInputs or lamina.PortalTables. `scene` gives the length of a Blender unit and gets the
     bounces that a portal needs; the default is the context's scene. Raises lamina.StackError for media
     without lengths, SolveError and NativeMissingError; the material is then unchanged."""
-    output = output or material.lamina.lateral
+    output, layers = output or material.lamina.lateral, layer_list.mark(material)
     found = _compute(output, material)(stack_io.to_stack(material), quality or material.lamina.quality)
     scene = scene or bpy.context.scene
-    _apply(material, scene, output, found, millimetre(scene))
+    _apply(material, scene, output, layers, found, millimetre(scene))
     return found
 
 
@@ -70,7 +71,20 @@ def _compute(output, material):
     return compute
 
 
-def _apply(material, scene, output, found, length):
+def stale(material):
+    """The reason why the last result does not fit the layers or the choice, in a sentence, or ''."""
+    settings = material.lamina
+    if not settings.lateral_report or not settings.lateral_layers:  # none, or one of an earlier version
+        return ""
+    if settings.lateral_layers != layer_list.mark(material):
+        return "Out of date: the layers have changed"
+    if settings.lateral_shown != settings.lateral:
+        shown, chosen = settings.lateral_shown.capitalize(), settings.lateral.capitalize()
+        return f"Out of date: computed with output {shown} instead of {chosen}"
+    return ""
+
+
+def _apply(material, scene, output, layers, found, length):
     def draw(graph, socket, _more):
         if output == "PORTAL":
             return portal_graph.draw(graph, found, socket, f"Lamina Portal {material.name}")
@@ -82,5 +96,10 @@ def _apply(material, scene, output, found, length):
         before.switch_correction_off(material)
         if found.first is not None:
             material.lamina.lateral_scatterings = found.first.count
+    before.restore_sampling(material)
+    # An interior, whose nodes these replace, is no longer on show.
+    interior = material.lamina.interior
+    interior.report = interior.made_from = ""
+    material.lamina.lateral_shown, material.lamina.lateral_layers = output, layers
     raised = "" if scene is None else volume_bounces.provide(scene, material)
     material.lamina.lateral_report = f"{found.report} {raised}." if raised else found.report

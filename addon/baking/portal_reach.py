@@ -21,7 +21,8 @@ def too_thin(obj, material, millimetre):
     """One sentence if the object is too thin for the material's portal, otherwise ''.
     `millimetre`: its length in Blender units."""
     group = material.lamina.lateral_group
-    reach = group.get(_KEY) if group is not None else None
+    # Without a report, an interior has replaced the portal.
+    reach = group.get(_KEY) if group is not None and material.lamina.lateral_report else None
     if reach is None or obj is None or obj.type != "MESH":
         return ""
     thickness = min(obj.dimensions) / millimetre

@@ -3,6 +3,7 @@
 while the main thread changes or removes it (seen in 4.3 and 5.2)."""
 
 import time
+from contextlib import contextmanager
 
 import bpy
 
@@ -43,6 +44,21 @@ def stop_previews():
     with bpy.context.temp_override(edit_image=image):
         bpy.ops.image.unpack(method="REMOVE", id=image.name)
     bpy.data.images.remove(image)
+
+
+@contextmanager
+def last_slot():
+    """The Image Editor's last slot for the picture of a render of our own: the artist's picture stays."""
+    image = bpy.data.images.get("Render Result")
+    slots = image.render_slots if image is not None and image.type == "RENDER_RESULT" else ()
+    active = slots.active_index if len(slots) > 1 else None
+    try:
+        if active is not None:
+            slots.active_index = len(slots) - 1
+        yield
+    finally:
+        if active is not None:
+            slots.active_index = active
 
 
 def _wait_for_the_copy():

@@ -9,6 +9,7 @@ import bpy
 from ..base import native, preferences
 from ..kinds.limits import MOST_THREADS
 from . import interior_command
+from .argument_types import whole
 from .exit_codes import UsageError
 
 MOST_JOBS = 256
@@ -89,13 +90,13 @@ def _add_bake(commands):
     )
     command.add_argument(
         "--threads",
-        type=_whole(0, MOST_THREADS),
+        type=whole(0, MOST_THREADS),
         metavar="N",
         help="of each process; 0 is all; default: the preferences', shared among the processes",
     )
     command.add_argument(
         "--jobs",
-        type=_whole(1, MOST_JOBS),
+        type=whole(1, MOST_JOBS),
         default=1,
         metavar="N",
         help="processes that bake at the same time; default 1",
@@ -106,16 +107,3 @@ def _add_bake(commands):
     command.add_argument("--manifest", type=Path, metavar="OUT.json", help="write what was done as JSON")
     command.add_argument("--log", type=Path, metavar="FILE", help="append all lines to this file, with times")
     return command
-
-
-def _whole(least, most):
-    def read(text):
-        try:
-            number = int(text)
-        except ValueError:
-            number = least - 1
-        if not least <= number <= most:
-            raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from {least} to {most}")
-        return number
-
-    return read

@@ -5,12 +5,16 @@ import fnmatch
 import sys
 import time
 from contextlib import nullcontext
+from dataclasses import replace
 
 import bpy
 
 from ..base import messages, native
 from ..interior import interior_job
+from ..kinds import interiors
+from ..kinds.limits import MOST_THREADS
 from . import blend_saving, selection, waiting
+from .argument_types import number, whole
 from .exit_codes import FAILED, OK, UsageError
 from .file_lock import FileLock
 
@@ -22,8 +26,22 @@ def add(commands):
     command = commands.add_parser("interior", help="compute the light inside objects", allow_abbrev=False)
     command.add_argument("objects", nargs="+", metavar="OBJECT", help="names or patterns such as 'bust_*'")
     command.add_argument("--kind", choices=list(KINDS), help="default: each material's own output")
-    command.add_argument("--size", type=int, metavar="N", help="texels; default: each material's own")
-    command.add_argument("--noise", type=float, metavar="PERCENT", help="default: each material's own")
+    size, noise = interiors.SIZE.panel, interiors.NOISE
+    command.add_argument(
+        "--size",
+        type=whole(size.low, size.high),
+        metavar="N",
+        help="texels; default: each material's own",
+    )
+    command.add_argument(
+        "--noise",
+        type=number(100.0 * noise.panel.low, 100.0 * noise.high),
+        metavar="PERCENT",
+        help="default: each material's own",
+    )
+    command.add_argument(
+        "--threads", type=whole(0, MOST_THREADS), metavar="N", help="0 is all; default: the preferences'"
+    )
     return command
 
 
@@ -76,10 +94,14 @@ def _compute(obj, arguments):
     settings = material.lamina.interior
     before = {name: getattr(settings, name) for name in ("output", "size", "noise")}
     try:
-        _set(settings, "output", KINDS.get(arguments.kind))
-        _set(settings, "size", arguments.size)
-        _set(settings, "noise", arguments.noise)
-        job = interior_job.InteriorJob(interior_job.gather(bpy.context, obj, material))
+        wanted = {"output": KINDS.get(arguments.kind), "size": arguments.size, "noise": arguments.noise}
+        for name, value in wanted.items():
+            if value is not None:
+                setattr(settings, name, value)
+        task = interior_job.gather(bpy.context, obj, material)
+        if arguments.threads is not None:
+            task = replace(task, threads=arguments.threads)
+        job = interior_job.InteriorJob(task)
         waiting.for_job(job)
         job.finish()
     except BaseException:
@@ -87,14 +109,3 @@ def _compute(obj, arguments):
             setattr(settings, name, value)
         raise
     return f"{settings.report} {time.perf_counter() - began:.1f} s"
-
-
-def _set(settings, name, value):
-    """Set a number or a choice, unless None. Raises RefusedError for a number out of the property's range."""
-    if value is None:
-        return
-    prop = settings.bl_rna.properties[name]
-    if prop.type != "ENUM" and not prop.hard_min <= value <= prop.hard_max:
-        span = f"[{prop.hard_min:g}, {prop.hard_max:g}]"
-        raise messages.RefusedError(f"--{name} {value:g}: must lie in {span}")
-    setattr(settings, name, value)

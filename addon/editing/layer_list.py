@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Functions that edit the layer list of a material. The top layer is first."""
 
+import hashlib
+import json
+
 from ..base import changes, preferences, renders
 from ..nodes import node_group, thickness
 from ..properties import migration
+from ..stack_json import stack_write
 from ..stack_json.stack_read import FIRST_NAMES
 
 NOT_COPIED = ("name", "varying", "roughness")  # roughness is computed from alpha
@@ -105,6 +109,14 @@ def active_layer(material):
     settings = material.lamina
     index = settings.active_index
     return settings.layers[index] if 0 <= index < len(settings.layers) else None
+
+
+def mark(material):
+    """A short text that changes with the layers and the base of `material`, but not with their names. It
+    needs no native module and is quick enough for a panel."""
+    stack = stack_write.stack(material.lamina)
+    layers = [{**layer, "name": ""} for layer in stack["layers"]]
+    return hashlib.sha256(json.dumps([layers, stack["base"]]).encode()).hexdigest()[:24]
 
 
 def _active_index(settings):

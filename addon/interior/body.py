@@ -30,6 +30,13 @@ class Frame:
         """A position in world space, in mm in the object's own axes."""
         return self.unit * self.towards(np.array(position, float) - self.origin)
 
+    def view(self, camera):
+        """The view of a camera object, as arguments of lamina.lit_images."""
+        matrix = np.array(camera.matrix_world, float)
+        if camera.data.type == "ORTHO":
+            return {"view": tuple(map(float, self.towards(matrix[:3, 2])))}
+        return {"eye": tuple(map(float, self.place(matrix[:3, 3])))}
+
 
 @dataclass(frozen=True)
 class Body:
@@ -51,11 +58,24 @@ def problem(obj):
     return ""
 
 
-def of_object(context, obj, material, uv_map):
-    """The Body of an object as it is rendered, with modifiers, and its UV map `uv_map`; "": the one for
-    rendering. Faces of other materials have no area in the UV map. Raises RefusedError."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    frame = _frame(obj, evaluated.matrix_world, context.scene)
+def of_object(depsgraph, obj, material, uv_map):
+    """The Body of an object in a dependency graph, with modifiers, and its UV map `uv_map`; "": the one for
+    rendering. Faces of other materials have no area in the UV map. None for an object that is not to be seen
+    there. Raises RefusedError."""
+    # Matrices of hidden objects are not up to date elsewhere: after loading they are the identity.
+    for instance in depsgraph.object_instances:
+        if not instance.is_instance and instance.show_self and instance.object.original == obj:
+            frame = _frame(obj, instance.matrix_world, depsgraph.scene)
+            return _of_mesh(instance.object, obj, material, uv_map, frame)
+    return None
+
+
+def hidden(obj):
+    """The refusal of an object that is nowhere to be seen."""
+    return RefusedError(f"{obj.name} is hidden in renders and in the viewport: show it in one of them")
+
+
+def _of_mesh(evaluated, obj, material, uv_map, frame):
     millimetres = frame.scale * frame.unit
     mesh = evaluated.to_mesh()
     try:
@@ -67,7 +87,7 @@ def of_object(context, obj, material, uv_map):
         normals = mesh_arrays.corner_normals(mesh, still)[loops]
         uvs = mesh_arrays.uvs(obj, mesh, uv_map, "let Lamina unwrap it")[loops]
         slots = [slot.material for slot in obj.material_slots]
-        uvs[_others(mesh, slots, material)] = 0.0
+        uvs[_others(mesh, slots, material)] = -1.0  # one point outside of the image
     finally:
         evaluated.to_mesh_clear()
     return Body(mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name), millimetres, frame)
@@ -98,6 +118,10 @@ def _frame(obj, matrix, scene):
         raise RefusedError(f"{obj.name} has the scale 0: must be above 0")
     axes = columns / mean
     if not np.allclose(axes.T @ axes, np.eye(3), atol=2.0 * SAME):
+        if obj.parent is not None and np.ptp(obj.scale) <= SAME * max(map(abs, obj.scale)):
+            raise RefusedError(
+                f"{obj.name} is stretched by its parent {obj.parent.name}: apply the scale of the parent"
+            )
         text = "({:.3g}, {:.3g}, {:.3g})".format(*scale)
         raise RefusedError(
             f"{obj.name} has a scale that is not uniform, {text}: apply the scale (Object > Apply > Scale)"

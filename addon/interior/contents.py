@@ -31,9 +31,9 @@ def of_material(obj, material, body):
     """The Contents of a Body. Main thread only: it renders node textures. Raises RefusedError,
     lamina.InteriorError, lamina.StackError."""
     lamina, settings = native.require(), material.lamina.interior
+    _check(obj, material, body.arrays)
     if settings.source == "LAYERS":
-        interior, surface = lamina.interior_of_stack(stack_io.to_stack(material))
-        return _known(interior, surface)
+        return _known(*_of_layers(lamina, material))
     surface = lamina.Surface(quantity(settings, interiors.IOR), quantity(settings, interiors.ROUGHNESS) ** 2)
     ends = ((settings.first, interiors.GROUND), (settings.second, interiors.VEINS))
     palette = [lamina.EndMaterial(**_numbers(end, fields)) for end, fields in ends]
@@ -52,6 +52,36 @@ def of_material(obj, material, body):
 
     identity = json.dumps([veins.to_json(), low.tolist(), high.tolist(), resolution])
     return Contents(fill, surface, identity)
+
+
+def _check(obj, material, arrays):
+    """Raises RefusedError for coordinates that are not numbers, and for a material without faces."""
+    wrong = np.flatnonzero(~np.isfinite(arrays.vertices).all(axis=1))
+    if len(wrong):
+        what = f"vertex {wrong[0]} of {obj.name} has a coordinate that is not a number"
+        raise RefusedError(f"{what}: delete the vertex, or move it")
+    # Modifiers can change materials: those of the mesh count only if the map has no area either.
+    if (arrays.uvs == arrays.uvs[:, :1]).all() and not _is_on_faces(obj, material):
+        what = f"no face of {obj.name} has the material {material.name}"
+        raise RefusedError(f"{what}: assign it to faces (Edit Mode > Assign), or select another slot")
+
+
+def _is_on_faces(obj, material):
+    faces = np.empty(len(obj.data.polygons), np.int32)
+    obj.data.polygons.foreach_get("material_index", faces)
+    own = np.array([slot.material == material for slot in obj.material_slots] or [True])
+    return bool(own[np.minimum(faces, len(own) - 1)].any())
+
+
+def _of_layers(lamina, material):
+    """(interior, surface) of the material's layers. Raises RefusedError, lamina.StackError."""
+    try:
+        return lamina.interior_of_stack(stack_io.to_stack(material))
+    except lamina.StackError:
+        if not len(material.lamina.layers):
+            what = f"{material.name} has no Lamina layers"
+            raise RefusedError(f"{what}: add one homogeneous medium, or choose another source") from None
+        raise
 
 
 def too_coarse(context, obj, settings):

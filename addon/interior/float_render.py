@@ -7,6 +7,8 @@ import tempfile
 import bpy
 import numpy as np
 
+from ..base import renders
+
 
 def prepare(scene, width, height):
     """Settings of a scene for exact values: an image of this size, no clamping, denoising or bounces."""
@@ -32,7 +34,8 @@ def picture(scene):
     """Render one image: array [row from the bottom, column, channel]. Main thread only."""
     with tempfile.TemporaryDirectory(prefix="lamina-render-") as folder:
         scene.render.filepath = os.path.join(folder, "picture.exr")
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        with renders.last_slot():
+            bpy.ops.render.render(write_still=True, scene=scene.name)
         image = bpy.data.images.load(scene.render.filepath)
         try:
             image.colorspace_settings.name = "Non-Color"

@@ -21,9 +21,9 @@ from ..base import native, package, preferences, renders
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Place, Worker
 from ..kinds import interiors
-from ..nodes import interior_graph, lateral_group
+from ..nodes import before, interior_graph, lateral_group
 from ..properties.described import quantity
-from . import body, contents, lights, unwrap
+from . import body, contents, freshness, lamps, lights, rendered, unwrap
 
 log = logging.getLogger(__name__)
 
@@ -39,10 +39,10 @@ STOPPED = "Stopped early: the next start continues."
 @dataclass(frozen=True)
 class Task:
     """One computation, as arrays and numbers. `fill`: a function of (progress, cancel) that returns the
-    lamina.Interior. `sources`: the lamps, then the world, for Lit. `folder`: of finished parts."""
+    lamina.Interior. `sources`: the lamps, then the world, for Lit. `note`: of `freshness`.
+    `folder`: of finished parts."""
 
     material: int
-    object: str
     name: str
     output: str
     solid: object
@@ -56,6 +56,7 @@ class Task:
     sources: list
     view: dict
     node: tuple
+    note: str
     millimetre: float
     folder: Path
     threads: int
@@ -128,7 +129,8 @@ def problem(obj, material):
     reason = native.part("dust").available()
     if reason:
         return reason
-    others = [one.name for one in bpy.data.objects if one != obj and _has(one, material)]
+    # Objects in no scene are left over: they stay in the file while something else uses them.
+    others = [one.name for one in bpy.data.objects if one != obj and _has(one, material) and one.users_scene]
     if others:
         return f"{material.name} is also on {others[0]}: its images fit one object, make it single-user"
     return ""
@@ -139,16 +141,24 @@ def gather(context, obj, material, folder=None):
     sentence = problem(obj, material)
     if sentence:
         raise RefusedError(sentence)
-    lamina, settings = native.require(), material.lamina.interior
-    own = settings.map == "OWN" and len(obj.data.uv_layers) > 0
+    lamina, settings, scene = native.require(), material.lamina.interior, context.scene
+    named = settings.uv_map or next((one.name for one in obj.data.uv_layers if one.active_render), "")
+    own = settings.map == "OWN" and named not in ("", unwrap.NAME)
+    if not own and (sentence := unwrap.copying_modifier(obj)):
+        raise RefusedError(sentence)
     uv_map = settings.uv_map if own else unwrap.ensure(obj)
-    shape = body.of_object(context, obj, material, uv_map)
+    shape, lit_by, view = _seen(context, obj, material, uv_map)
     uv_map = uv_map or next(one.name for one in obj.data.uv_layers if one.active_render)
+    sources = []
+    if settings.output == "LIT":
+        sources = [*lit_by, lights.world(scene, shape.frame)]
+        if all(one.is_dark for one in sources):
+            raise RefusedError(f"nothing lights {obj.name}: add a lamp or a world")
     filled = contents.of_material(obj, material, shape)
-    is_lit = settings.output == "LIT"
+    node = contents.texture(material) if settings.source == "NODES" else ()
+    has_image = any(one.radiance is not None for one in sources)
     task = Task(
         material=material.session_uid,
-        object=obj.name,
         name=material.name,
         output=settings.output,
         solid=lamina.Solid(shape.arrays.vertices, shape.arrays.triangles, name=obj.name),
@@ -159,10 +169,11 @@ def gather(context, obj, material, folder=None):
         normals=shape.arrays.normals,
         size=quantity(settings, interiors.SIZE),
         noise=quantity(settings, interiors.NOISE),
-        sources=_sources(context.scene, shape.frame) if is_lit else [],
-        view=_view(context.scene, shape.frame) if is_lit and settings.view == "CAMERA" else {},
-        node=contents.texture(material) if settings.source == "NODES" else ("", ""),
-        millimetre=0.001 / context.scene.unit_settings.scale_length,
+        sources=sources,
+        view=view,
+        node=node,
+        note=freshness.note(context, obj, material, node, uv_map, has_image),
+        millimetre=0.001 / scene.unit_settings.scale_length,
         folder=Path("."),
         threads=preferences.threads(),
     )
@@ -190,16 +201,16 @@ def compute(task, progress=None, cancel=None, preview=None):
         "preview": preview or (lambda _images: None),
     }
     if task.output == "LIT":
-        lamps, radiance = _lit_by(task, lamina)
+        shining, radiance = _lit_by(task, lamina)
         around = None if radiance is None else lamina.Surroundings(radiance)
-        return lamina.lit_images(task.solid, interior, lamps, surroundings=around, **how, **task.view)
+        return lamina.lit_images(task.solid, interior, shining, surroundings=around, **how, **task.view)
     return lamina.relightable_images(task.solid, interior, version=tuple(bpy.app.version[:2]), **how)
 
 
 def _lit_by(task, lamina):
     """(lamps of unit strength, the radiance of the world's image or None)."""
-    lamps = [one.lamp(lamina) for one in task.sources if one.kind]
-    return lamps, next((one.radiance for one in task.sources if not one.kind), None)
+    found = [one.lamp(lamina) for one in task.sources if one.kind]
+    return found, next((one.radiance for one in task.sources if not one.kind), None)
 
 
 def apply(material, task, found, again=False):
@@ -220,46 +231,51 @@ def apply(material, task, found, again=False):
             return interior_graph.draw_relightable(graph, found.inputs, length, task.uv_map, task.name)
 
     lateral_group.build(material, task.output.capitalize(), draw, task.millimetre, inputs, again)
-    if hasattr(material, "cycles"):
+    if task.output == "LIT":
         # A lit surface shines on others as a diffuse one would: Cycles need not aim at its texels.
-        material.cycles.emission_sampling = "NONE" if task.output == "LIT" else "AUTO"
-    settings.node, settings.socket = task.node
-    settings.suns, settings.shown_on = lights.kept(task.sources), task.object
+        before.switch_sampling_off(material)
+    else:
+        before.restore_sampling(material)
+    if task.node:
+        settings.node, settings.socket = task.node
+    settings.made_from = task.note
+    # The nodes of the panel Lateral are gone.
+    material.lamina.lateral_report = ""
     settings.report = " ".join([found.report, *(f"{note[0].upper()}{note[1:]}." for note in found.notes)])
     if found.done == 1.0:
         shutil.rmtree(task.folder, ignore_errors=True)
-
-
-def stale(context, obj, material):
-    """The reason why the last Lit no longer fits the scene, in a sentence, or ''."""
-    settings = material.lamina.interior
-    if not settings.suns or obj is None or obj.name != settings.shown_on:
-        return ""
-    try:
-        names = lights.moved(settings.suns, context.scene, body.frame_of(obj, context.scene))
-    except RefusedError as error:
-        return str(error)
-    if names:
-        return f"{' and '.join(names)} has moved, changed in size or gone since: compute again"
-    return ""
 
 
 def _has(obj, material):
     return any(slot.material == material for slot in obj.material_slots)
 
 
-def _sources(scene, frame):
-    return [*lights.lamps(scene, frame), lights.world(scene, frame)]
-
-
-def _view(scene, frame):
-    """The view of the scene's camera, as arguments of lamina.lit_images. Raises RefusedError."""
-    camera = scene.camera
-    if camera is None:
+def _seen(context, obj, material, uv_map):
+    """(the Body, the lamps, the view of the camera), as renders see the scene. An object that is hidden in
+    renders is read as the viewport shows it. Raises RefusedError."""
+    scene, settings = context.scene, material.lamina.interior
+    is_lit = settings.output == "LIT"
+    wants_camera = is_lit and settings.view == "CAMERA"
+    if wants_camera and scene.camera is None:
         raise RefusedError("The scene has no camera: set one, or choose the view All")
-    if camera.data.type == "ORTHO":
-        return {"view": tuple(frame.towards(np.array(camera.matrix_world, float)[:3, 2]))}
-    return {"eye": tuple(frame.place(camera.matrix_world.translation))}
+
+    def light(depsgraph, frame):
+        found = lamps.rendered(depsgraph, frame) if is_lit else []
+        return found, frame.view(depsgraph.scene_eval.camera) if wants_camera else {}
+
+    def read(depsgraph):
+        shape = body.of_object(depsgraph, obj, material, uv_map)
+        return None if shape is None else (shape, *light(depsgraph, shape.frame))
+
+    found = rendered.visit(scene, context.view_layer, read)
+    if found is not None:
+        return found
+    shape = body.of_object(context.evaluated_depsgraph_get(), obj, material, uv_map)
+    if shape is None:
+        raise body.hidden(obj)
+    if not is_lit:
+        return shape, [], {}
+    return shape, *rendered.visit(scene, context.view_layer, lambda depsgraph: light(depsgraph, shape.frame))
 
 
 def _key(task, identity):
@@ -267,14 +283,14 @@ def _key(task, identity):
     digest = hashlib.sha256()
     for array in (task.solid.vertices, task.solid.triangles, task.uvs, task.normals):
         digest.update(np.ascontiguousarray(array).data)
-    lamps = [[one.kind, one.numbers] for one in task.sources if one.kind]
+    lit_by = [[one.kind, one.numbers] for one in task.sources if one.kind]
     for one in task.sources:
         if one.radiance is not None:
             digest.update(one.radiance.tobytes())
     surface = [task.surface.ior, task.surface.alpha, task.surface.distribution]
     digest.update(
         json.dumps(
-            [identity, task.output, task.size, task.noise, lamps, task.view, surface, "previews"]
+            [identity, task.output, task.size, task.noise, lit_by, task.view, surface, "previews"]
         ).encode()
     )
     return digest.hexdigest()[:24]

@@ -9,6 +9,8 @@ _ELSEWHERE = {
     "OBJECT_INFO",
     "CAMERA",
     "LIGHT_PATH",
+    "LIGHT_FALLOFF",
+    "MATERIAL_RAYCAST",  # from Blender 5.1 on
     "UVMAP",
     "UVALONGSTROKE",
     "TANGENT",
@@ -25,9 +27,21 @@ _ELSEWHERE = {
     "ATTRIBUTE",
     "VERTEX_COLOR",
     "BUMP",
+    "DISPLACEMENT",
+    "VECTOR_DISPLACEMENT",
+    "SCRIPT",  # can read all of the above
+    "SHADERTORGB",
+    "TEX_POINTDENSITY",
+}
+# What Cycles takes for a texture's Vector without a link. Other textures take Generated, or a constant.
+_WITHOUT_VECTOR = {
+    "TEX_IMAGE": "the UV map",
+    "TEX_ENVIRONMENT": "the place in the scene",
+    "TEX_IES": "the direction of the ray",
 }
 _COORDINATES = ("Object", "Generated")
 _COLOURS = ("Base Color", "Color", "Density")
+_USE = "use the Object or Generated output of Texture Coordinate, without another object"
 
 
 def default_source(material):
@@ -59,28 +73,77 @@ def find_source(tree, source, material):
     if found is None or found.type == "SHADER":
         text = f"has no output {socket} of a node {name}: name one that is no shader"
         raise RefusedError(f"{material.name} {text}")
-    for one in _upstream(node):
-        _check(one, material)
+    for one in _feeding(found):
+        _check(*one, material)
     return found
 
 
-def _check(node, material):
-    if node.type == "GROUP" and node.node_tree is not None:
-        for inner in node.node_tree.nodes:
-            _check(inner, material)
+def _check(node, output, groups, material):
     if node.type == "TEX_COORD":
-        wrong = next((one.name for one in node.outputs if one.links and one.name not in _COORDINATES), "")
-        if wrong or node.object is not None:
-            what = wrong or f"the coordinates of {node.object.name}"
-            _refuse(node, material, f"gives {what}, which")
+        if output.name not in _COORDINATES:
+            _refuse(node, material, f"gives {output.name}, which has no value inside the object")
+        if output.name == "Object" and node.object is not None:
+            what = f"the coordinates of {node.object.name}"
+            _refuse(node, material, f"gives {what}, which has no value inside the object")
     elif node.type in _ELSEWHERE:
-        _refuse(node, material, "")
+        _refuse(node, material, "has no value inside the object")
+    elif node.type in _WITHOUT_VECTOR and not _linked(node.inputs["Vector"], groups):
+        _refuse(node, material, f"has no Vector and so takes {_WITHOUT_VECTOR[node.type]}")
+    elif node.type == "TEX_IMAGE" and node.projection == "BOX":
+        what = "projects by Box, along the surface's normal, which has no value inside the object"
+        _refuse(node, material, what, "choose another projection")
+    elif node.type == "VECT_TRANSFORM" and node.convert_from != node.convert_to:
+        spaces = f"{node.convert_from.lower()} to {node.convert_to.lower()}"
+        _refuse(node, material, f"converts from {spaces} space, but an interior moves with its object")
 
 
-def _refuse(node, material, what):
-    use = "use the Object or Generated output of Texture Coordinate, without another object"
-    words = f"{what} has no value inside the object: {use}".strip()
-    raise RefusedError(f"{material.name}: node {node.name} {words}")
+def _refuse(node, material, what, instead=_USE):
+    raise RefusedError(f"{material.name}: node {node.name} {what}: {instead}")
+
+
+def _feeding(socket):
+    """All (node, output, groups) whose values reach an output socket of a material's tree, also in groups.
+    `groups`: the group nodes around the node, outermost first."""
+    found, waiting = [], _behind(socket, ())
+    while waiting:
+        one = waiting.pop(0)
+        if one not in found:
+            found.append(one)
+            node, _, groups = one
+            waiting += [more for socket in node.inputs for more in _linked(socket, groups)]
+    return found
+
+
+def _linked(socket, groups):
+    """The (node, output, groups) linked to an input socket. The links that are skipped have no effect."""
+    if socket.is_unavailable:
+        return []
+    links = [link for link in socket.links if link.is_valid and not link.is_muted]
+    return [one for link in links for one in _behind(link.from_socket, groups)]
+
+
+def _behind(output, groups):
+    """The (node, output, groups) behind an output socket, which may belong to a reroute, a muted node, a
+    group, or the inputs of a group."""
+    node = output.node
+    if node.type == "REROUTE":
+        return _linked(node.inputs[0], groups)
+    if node.type == "GROUP_INPUT":
+        outer = _same(groups[-1].inputs, output) if groups else None
+        return _linked(outer, groups[:-1]) if outer else []
+    if node.mute:
+        passed = [link.from_socket for link in node.internal_links if link.to_socket == output]
+        return [one for socket in passed for one in _linked(socket, groups)]
+    if node.type == "GROUP":
+        nodes = node.node_tree.nodes if node.node_tree else ()
+        last = next((one for one in nodes if one.type == "GROUP_OUTPUT" and one.is_active_output), None)
+        inner = _same(last.inputs, output) if last else None
+        return _linked(inner, (*groups, node)) if inner else []
+    return [(node, output, groups)]
+
+
+def _same(sockets, socket):
+    return next((one for one in sockets if one.identifier == socket.identifier), None)
 
 
 def _is_shader(node):

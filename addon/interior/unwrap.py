@@ -3,29 +3,84 @@
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
+from ..base import mesh_arrays, native
 from ..base.messages import RefusedError
 
 NAME = "Lamina"  # of the UV map
 # Limit of the angle in radians, small enough that islands of curved handles do not fold over; margin between
 # islands, relative to the image.
 ANGLE, MARGIN = 0.8, 0.01
+# A map is unwrapped again if its texels stand for a smaller share of the surface, in an image of this size.
+LEAST_SHARE, SIZE = 0.98, 512
 
 
 def ensure(obj):
-    """Make the UV map `NAME` of a mesh object, if it is missing. The selection, the mode and other UV
-    maps are not changed. Returns the name. Raises RefusedError."""
+    """Make the UV map `NAME` of a mesh object if it is missing, or if it no longer fits the mesh because
+    faces were added. The selection, the mode and other UV maps are not changed. Returns the name. Raises
+    RefusedError, NativeMissingError."""
     mesh = obj.data
-    if NAME in mesh.uv_layers:
+    layer = mesh.uv_layers.get(NAME)
+    if layer is not None and mesh.polygons and fits(mesh):
         return NAME
     if not mesh.polygons:
         raise RefusedError(f"{obj.name} has no faces: an interior needs a closed mesh")
     corners = _projected(mesh)
-    layer = mesh.uv_layers.new(name=NAME, do_init=False)
+    layer = mesh.uv_layers.get(NAME) or mesh.uv_layers.new(name=NAME, do_init=False)
     if layer is None or len(corners) != 2 * len(mesh.loops):
         raise RefusedError(f"{obj.name} cannot get another UV map: remove one, or choose one of its own")
     layer.uv.foreach_set("vector", corners)
+    mesh.update()
     return layer.name
+
+
+def copying_modifier(obj):
+    """The sentence for an object with a modifier whose faces have no places of their own in any UV map of the
+    mesh, so that no unwrap of the mesh can help; or ''. The modifiers are those of the render, or of the
+    viewport if the object is hidden in renders."""
+    for modifier in obj.modifiers:
+        shown = modifier.show_viewport if obj.hide_render else modifier.show_render
+        if shown and _copies(obj, modifier):
+            what = "makes faces that have no place of their own in the UV map"
+            return f"{obj.name}: the modifier {modifier.name} {what}: apply it, and unwrap again"
+    return ""
+
+
+def _copies(obj, modifier):
+    """True if a modifier surely makes faces over the UV coordinates of others, or without any. Offsets in the
+    UV map, and an inner side with a material of its own, can prevent that."""
+    if modifier.type == "MIRROR":
+        moved = (modifier.offset_u, modifier.offset_v, modifier.mirror_offset_u, modifier.mirror_offset_v)
+        flips = modifier.use_mirror_u or modifier.use_mirror_v or modifier.use_mirror_udim
+        return any(modifier.use_axis) and not any(moved) and not flips
+    if modifier.type == "ARRAY":
+        single = modifier.fit_type == "FIXED_COUNT" and modifier.count < 2
+        return not single and not modifier.offset_u and not modifier.offset_v
+    if modifier.type == "SOLIDIFY":
+        other = modifier.material_offset != 0 and len(obj.material_slots) > 1
+        rim_only = modifier.solidify_mode == "EXTRUDE" and modifier.use_rim and modifier.use_rim_only
+        return not other and not rim_only
+    return modifier.type in ("SCREW", "WIREFRAME")
+
+
+def fits(mesh):
+    """True if texels of the map `NAME` stand for nearly all of the surface. Faces without area in the map,
+    and faces that overlap others there, leave surface without texels."""
+    still = Matrix.Identity(4)
+    vertices, triangles = mesh_arrays.vertices(mesh, still, 1.0), mesh_arrays.triangles(mesh, still)
+    uvs = np.empty(2 * len(mesh.loops), np.float32)
+    mesh.uv_layers[NAME].uv.foreach_get("vector", uvs)
+    if not np.isfinite(uvs).all():
+        return False
+    first, second, third = (vertices[triangles[:, corner]] for corner in range(3))
+    whole = 0.5 * float(np.linalg.norm(np.cross(second - first, third - first), axis=1).sum())
+    if not 0.0 < whole < np.inf:
+        return True  # nothing to unwrap: the interior refuses such a mesh
+    dust = native.part("dust")
+    corners = uvs.reshape(-1, 2)[mesh_arrays.loops(mesh, still)]
+    points, _ = dust.texel_points(dust.Mesh(vertices, triangles), corners, SIZE)
+    return float(points.areas.sum()) >= LEAST_SHARE * whole
 
 
 def _projected(mesh):

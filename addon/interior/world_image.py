@@ -13,11 +13,12 @@ SAMPLES = 64
 FILTER = 1.0  # width in pixels
 
 
-def of_scene(scene, axes):
-    """float32 (ROWS, COLUMNS, 3) for lamina.Surroundings: the light of the world's nodes, for a Strength of
-    1 of its Background. `axes`: (3, 3), as columns, the axes of the table in world space. Main thread only.
-    All temporary data are removed. Raises RefusedError for nodes whose light depends on the kind of ray."""
-    if any(node.type == "LIGHT_PATH" for node in scene.world.node_tree.nodes):
+def of_scene(scene, axes, background=""):
+    """float32 (ROWS, COLUMNS, 3) for lamina.Surroundings: the light of the world's nodes. `axes`: (3, 3), as
+    columns, the axes of the table in world space. `background`: name of a Background node that counts with a
+    Strength of 1. Main thread only. All temporary data are removed. Raises RefusedError for nodes whose light
+    depends on the kind of ray."""
+    if _depends_on_rays(scene.world.node_tree):
         raise RefusedError(
             f"{scene.world.name} has a Light Path node, with light that depends on the ray: remove it for Lit"
         )
@@ -29,9 +30,11 @@ def of_scene(scene, axes):
         world = scene.world.copy()
         made.append((data.worlds, world))
         temporary.world = world
-        for node in world.node_tree.nodes:
-            if node.type == "BACKGROUND":
-                node.inputs["Strength"].default_value = 1.0
+        # Ray Visibility for the camera matters for the scene's own camera only.
+        if hasattr(world, "cycles_visibility"):
+            world.cycles_visibility.camera = True
+        if background:
+            world.node_tree.nodes[background].inputs["Strength"].default_value = 1.0
         camera = data.cameras.new("lamina world")
         made.append((data.cameras, camera))
         camera.type = "PANO"
@@ -51,6 +54,12 @@ def of_scene(scene, axes):
     finally:
         for collection, item in reversed(made):
             collection.remove(item)
+
+
+def _depends_on_rays(tree):
+    """True if the tree or a group in it has a Light Path node."""
+    groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]
+    return any(node.type == "LIGHT_PATH" for node in tree.nodes) or any(map(_depends_on_rays, groups))
 
 
 def _looking_along_x():

@@ -17,6 +17,7 @@ _INPUT = "lamina_input"  # of a reroute: which input of the output it stands for
 _PLACE = "lamina_place"  # of the frame: where the replaced node was
 _OFF = "lamina_nodes_were_off"  # of the tree
 _CORRECTION = "lamina_bump_map_correction"  # of the tree
+_SAMPLING = "lamina_emission_sampling"  # of the tree: the material's earlier choice
 
 
 def switch_nodes_on(material):
@@ -34,6 +35,25 @@ def switch_correction_off(material):
     if getattr(getattr(material, "cycles", None), "use_bump_map_correction", False):
         material.cycles.use_bump_map_correction = False
         material.node_tree[_CORRECTION] = True
+
+
+def switch_sampling_off(material):
+    """Let Cycles not aim at the material's emission: a lit surface shines on others as a diffuse one would.
+    The earlier choice is kept."""
+    cycles, tree = getattr(material, "cycles", None), material.node_tree
+    if not hasattr(cycles, "emission_sampling"):
+        return
+    if _SAMPLING not in tree:
+        tree[_SAMPLING] = cycles.emission_sampling
+    cycles.emission_sampling = "NONE"
+
+
+def restore_sampling(material):
+    """The material no longer emits: its emission sampling is as before, unless it was changed since."""
+    earlier = material.node_tree.pop(_SAMPLING, None)
+    cycles = getattr(material, "cycles", None)
+    if earlier is not None and getattr(cycles, "emission_sampling", "") == "NONE":
+        cycles.emission_sampling = earlier
 
 
 def keep(material, target):
@@ -114,6 +134,7 @@ def restore(material):
     own_nodes.unmark_all(tree)  # of the artist's copies
     if tree.pop(_CORRECTION, None):
         material.cycles.use_bump_map_correction = True
+    restore_sampling(material)
     if tree.pop(_OFF, None):
         node_tree.switch_off(material)
 

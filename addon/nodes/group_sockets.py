@@ -110,10 +110,14 @@ def follow_base(group, base, added=()):
 
 def _used(group, name):
     """The sockets of this input, one for each node with the group."""
-    return [node.inputs[name]
-            for material in bpy.data.materials if material.node_tree
-            for node in material.node_tree.nodes
-            if node.type == "GROUP" and node.node_tree == group and name in node.inputs]
+    return [node.inputs[name] for node in nodes_with(group) if name in node.inputs]
+
+
+def nodes_with(group):
+    """The nodes that use `group`, in all materials and in groups of the artist."""
+    trees = [one.node_tree for one in bpy.data.materials if one.node_tree]
+    return [node for tree in (*trees, *bpy.data.node_groups) for node in tree.nodes
+            if node.type == "GROUP" and node.node_tree == group]
 
 
 def named(group, in_out):

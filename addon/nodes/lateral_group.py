@@ -4,7 +4,7 @@
 import bpy
 
 from ..base import image_removal, renders
-from . import before, graph, group_sockets, node_group
+from . import before, graph, group_sockets, node_group, socket_animation
 
 MILLIMETRE = "Millimetre"  # the group's input: Blender units per millimetre
 
@@ -15,20 +15,18 @@ def build(material, name, draw, millimetre, inputs=(), again=False):
     `draw(graph, length, sockets)` adds the nodes and returns the sockets of the shader and of the volume
     (None: no volume). `length` is the socket with the number of Blender units per millimetre; its initial
     value is `millimetre`. `inputs`: further inputs of the group, (name, socket type, initial value,
-    description) each; `sockets` has their sockets by name. `again`: the group has these inputs already, and
-    their values are kept. If `draw` fails, nothing is changed
-    but further inputs, which the next build removes."""
+    description) each; `sockets` has their sockets by name. Inputs that the group has already keep their links
+    and their animation, and values that the artist has set. `again`: all values are kept. If `draw` fails,
+    nothing is changed."""
     renders.stop_previews()
     before.switch_nodes_on(material)
-    group = material.lamina.lateral_group
-    is_new = group is None or not group.is_editable or _is_shared(material, group)
-    if is_new:
-        group = _new_group(f"Lamina {name} {material.name}")
+    earlier = material.lamina.lateral_group
+    is_new = earlier is None or not earlier.is_editable or _is_shared(material, earlier)
+    group = _new_group(f"Lamina {name} {material.name}", earlier) if is_new else earlier
     old_nodes = list(group.nodes)
     old_images = node_group.images_of(old_nodes)
-    again = again and not is_new and {one[0] for one in inputs} <= _names(group)
-    if not again:
-        _set_inputs(group, inputs)
+    added = _add_inputs(group, inputs)
+    again = again and not is_new and not added
     drawing = graph.Graph(group)
     try:
         given = drawing.node("NodeGroupInput", -3, 0).outputs
@@ -44,24 +42,32 @@ def build(material, name, draw, millimetre, inputs=(), again=False):
         image_removal.remove_unused(new_images)
         if is_new:
             bpy.data.node_groups.remove(group)
+        else:
+            _remove_inputs(group, added)
         raise
     for node in old_nodes:
         group.nodes.remove(node)
     image_removal.remove_unused(old_images)
     group.name = f"Lamina {name} {material.name}"
-    _input(group).default_value = millimetre
+    if is_new and earlier is not None:
+        for node in node_group.group_nodes(material, earlier):  # of the copied material
+            node.node_tree = group
+    values = {MILLIMETRE: millimetre, **{one[0]: one[2] for one in inputs}}
+    _remove_inputs(group, group_sockets.named(group, "INPUT").keys() - values.keys())
+    if not again:
+        group_sockets.follow_base(group, values, added)
     material.lamina.lateral_group = group
     material.lamina.lateral_scatterings = 0
     for node in [*node_group.group_nodes(material, group), node_group.connect(material, group)]:
         node.label = f"Lamina {name}"
-        if again:
-            continue
-        for one, value in ((MILLIMETRE, millimetre), *((one[0], one[2]) for one in inputs)):
-            node.inputs[one].default_value = value
     return group
 
 
-def _new_group(name):
+def _new_group(name, earlier):
+    """A group. A copied material shares the group `earlier` with the original: a copy of it has the same
+    inputs, which keeps their links."""
+    if earlier is not None:
+        return earlier.copy()
     group = bpy.data.node_groups.new(name, "ShaderNodeTree")
     group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
     socket = group.interface.new_socket(
@@ -74,18 +80,23 @@ def _new_group(name):
     return group
 
 
-def _set_inputs(group, inputs):
-    """Give the group these inputs beside MILLIMETRE."""
-    for item in list(group.interface.items_tree):
-        if item.in_out == "INPUT" and item.name != MILLIMETRE:
-            group.interface.remove(item)
-    for name, kind, value, description in inputs:
+def _add_inputs(group, inputs):
+    """Give the group those of the inputs that it lacks. Returns their names."""
+    present = group_sockets.named(group, "INPUT")
+    added = [one for one in inputs if one[0] not in present or present[one[0]].socket_type != one[1]]
+    _remove_inputs(group, [one[0] for one in added if one[0] in present])  # of another type
+    for name, kind, value, description in added:
         socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
         socket.default_value = value
+    return [one[0] for one in added]
 
 
-def _names(group):
-    return {item.name for item in group.interface.items_tree if item.in_out == "INPUT"}
+def _remove_inputs(group, names):
+    """Remove inputs by name. The animation of the others stays with them."""
+    if not names:
+        return
+    with socket_animation.held(group_sockets.nodes_with(group)):
+        group_sockets.remove(group, names)
 
 
 def _settle_volume(group, wanted):
@@ -95,10 +106,6 @@ def _settle_volume(group, wanted):
         group.interface.new_socket(node_group.VOLUME, in_out="OUTPUT", socket_type="NodeSocketShader")
     elif not wanted and found is not None:
         group.interface.remove(found)
-
-
-def _input(group):
-    return next(item for item in group.interface.items_tree if item.name == MILLIMETRE)
 
 
 def _is_shared(material, group):

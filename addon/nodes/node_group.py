@@ -168,14 +168,20 @@ def group_nodes(material, group=None):
     return [node for node in material.node_tree.nodes if node.type == "GROUP" and node.node_tree == group]
 
 
-def is_connected(material):
-    """True if a node of the material's group is connected to the output that Cycles renders, directly or
-    not."""
+def is_connected(material, group=None):
+    """True if a node of `group`, by default that of the last bake, is connected to the output that Cycles
+    renders, directly or not."""
     output = material.node_tree.get_output_node("CYCLES") if material.node_tree else None
     if output is None:
         return False
-    group = material.lamina.node_group
+    group = group or material.lamina.node_group
     return any(node.type == "GROUP" and node.node_tree == group for node in links.upstream(output))
+
+
+def shows_lateral(material):
+    """True if the material's lateral group is connected to that output."""
+    group = material.lamina.lateral_group
+    return group is not None and is_connected(material, group)
 
 
 def connect(material, group=None):
@@ -185,6 +191,8 @@ def connect(material, group=None):
     renders.stop_previews()
     tree = material.node_tree
     node = (group_nodes(material, group) or [None])[0]
+    if group is None:
+        before.restore_sampling(material)  # light from inside an object no longer shines
     output = tree.get_output_node("CYCLES") or own_nodes.mark(tree.nodes.new("ShaderNodeOutputMaterial"))
     if node is None:
         node = _add_group_node(material, group or material.lamina.node_group, output)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The animation of a node socket's value: F-curves and drivers, and their copies for another socket."""
 
+from contextlib import contextmanager
+
 import bpy
 
 VALUE = "default_value"
@@ -32,13 +34,57 @@ def copy(given, target):
         new.data_path, new.array_index = path, driver.array_index
 
 
+@contextmanager
+def held(nodes):
+    """While inputs of `nodes` are removed: animation stays with its input, that of removed inputs goes.
+
+    Blender's data paths have the number of an input, so that the animation would go on with another one.
+    Some versions of Blender adapt some of the paths (5.2 does). So the paths have no numbers meanwhile."""
+    marks = []
+    for node in nodes:
+        for socket in node.inputs:
+            if hasattr(socket, VALUE):
+                mark = f"lamina {node.name} {socket.identifier}"
+                marks.append((node, socket.identifier, mark))
+                _move(node, {socket.path_from_id(VALUE): mark})
+    yield
+    for node, identifier, mark in marks:
+        socket = next((one for one in node.inputs if one.identifier == identifier), None)
+        _move(node, {mark: None if socket is None else socket.path_from_id(VALUE)})
+
+
+def _move(node, paths):
+    """Change data paths of animation of the node's tree, {earlier: new}; None removes the animation."""
+    animation = node.id_data.animation_data
+    if animation is None:
+        return
+    for curves in (*_all_curves(animation), animation.drivers):
+        for curve in [one for one in curves if one.data_path in paths]:
+            path = paths[curve.data_path]
+            if path is None:
+                curves.remove(curve)
+            else:
+                curve.data_path = path
+
+
+def _all_curves(animation):
+    """The collections of F-curves of the active action and of the actions in strips."""
+    strips = [strip for track in animation.nla_tracks for strip in track.strips if strip.action]
+    found = {}
+    # Strips may share an action, whose curves must not follow twice.
+    for one in (animation, *strips):
+        if one.action is not None:
+            found[one.action.session_uid, getattr(one, "action_slot_handle", 0)] = _curves(one)
+    return [one for one in found.values() if one]
+
+
 def _of(curves, socket):
     path = socket.path_from_id(VALUE)
     return [curve for curve in curves if curve.data_path == path]
 
 
 def _curves(animation):
-    """The F-curves of the active action."""
+    """The F-curves of the action of animation data or of a strip."""
     action = animation.action
     if action is None:
         return ()

@@ -46,6 +46,17 @@ def has_stack(cls, context):
     return True
 
 
+def has_lamina(cls, context):
+    """True for a material with layers, or with the nodes of an interior alone."""
+    if not can_edit(cls, context):
+        return False
+    settings = material_of(context).lamina
+    if not settings.enabled and settings.lateral_group is None:
+        cls.poll_message_set("The material has no Lamina layers and no interior")
+        return False
+    return True
+
+
 def has_thickness(cls, context):
     """True if the baked material has an input for the thickness of its varying layer."""
     if not has_stack(cls, context):

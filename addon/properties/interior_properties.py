@@ -93,10 +93,9 @@ class LaminaInterior(bpy.types.PropertyGroup):
     uv_map: StringProperty(name="UV Map", description="Empty: the active one for rendering", options=set())
     # The last result
     report: StringProperty(description="The last result in words; empty before the first")
-    suns: StringProperty(
-        description="JSON of the lamps of the last Lit: name, type, numbers; empty after others"
+    made_from: StringProperty(
+        description="JSON of what the last result was computed from, see interior.freshness; empty before"
     )
-    shown_on: StringProperty(description="Name of the object of the last result")
 
 
 CLASSES = (LaminaGround, LaminaVeins, LaminaInterior)

@@ -4,8 +4,9 @@
 import bpy
 
 from ..base import messages, native
-from ..interior import contents, interior_job
+from ..interior import contents, freshness, interior_job
 from ..kinds import interiors
+from ..nodes import node_group
 from .fields import split
 from .panel import AnyMaterialPanel, draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
@@ -54,13 +55,21 @@ class LAMINA_PT_interior(AnyMaterialPanel, bpy.types.Panel):
         row = layout.row()
         row.scale_y = 1.4
         row.operator("lamina.interior", icon="LIGHT_HEMI")
-        sentence = interior_job.problem(obj, material) or interior_job.stale(context, obj, material)
+        is_shown = node_group.shows_lateral(material)
+        sentence = interior_job.problem(obj, material)
+        if not sentence and is_shown:
+            sentence = freshness.stale(context, obj, material)
         if sentence:
             draw_sentence(context, layout, sentence, "ERROR")
         elif coarse := contents.too_coarse(context, obj, settings):
             draw_sentence(context, layout, coarse)
-        if settings.report:
+        if settings.report and is_shown:
             draw_sentence(context, layout, settings.report)
+        elif settings.report:
+            layout.label(text="Not connected to the output", icon="UNLINKED")
+        if material.lamina.lateral_group is not None and not material.lamina.enabled:
+            # Materials with layers have this in the menu beside their list.
+            layout.operator("lamina.remove_stack", icon="X")
 
 
 def _draw_ends(layout, material, settings):

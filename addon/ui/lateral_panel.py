@@ -4,6 +4,7 @@
 import bpy
 
 from ..baking import lateral_job, portal_reach, volume_bounces
+from ..nodes import node_group
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
 
@@ -23,6 +24,11 @@ class LAMINA_PT_lateral(MaterialPanel, bpy.types.Panel):
             draw_progress(layout, job, "lamina.lateral_cancel")
             return
         layout.operator("lamina.lateral", icon="LIGHT_HEMI")
+        if material.lamina.lateral_report and not node_group.shows_lateral(material):
+            layout.label(text="Not connected to the output", icon="UNLINKED")
+            return
+        if sentence := lateral_job.stale(material):
+            draw_sentence(context, layout, sentence, "FILE_REFRESH")
         if material.lamina.lateral_report:
             draw_sentence(context, layout, material.lamina.lateral_report)
         thin = portal_reach.too_thin(context.object, material, lateral_job.millimetre(context.scene))

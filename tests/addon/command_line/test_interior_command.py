@@ -34,6 +34,7 @@ def test_both_kinds_and_a_saved_file(run, ball, tmp_path):
     assert code == 0 and len(lines) == 1 and lines[0].startswith("Ball: Relightable: ") and target.is_file()
     settings = ball.active_material.lamina.interior
     assert settings.size == 12
+    bpy.context.scene.world = bpy.data.worlds.new("Sky")
     code, lines, err = run("B*", "--kind", "lit", "--noise", 50)
     assert code == 0 and lines[0].startswith("Ball: Lit: ") and "nothing was saved" in err
     group = ball.active_material.lamina.lateral_group
@@ -44,15 +45,48 @@ def test_both_kinds_and_a_saved_file(run, ball, tmp_path):
     (("Cube",), 2, "no mesh object of the scene matches 'Cube'"),
     (("Ball", "--kind", "both"), 2, "invalid choice"),
     ((), 2, "required"),
-    (("Ball", "--size", "1"), 1, "--size 1: must lie in [4, 8192]"),
-    (("Ball", "--noise", "0"), 1, "--noise 0: must lie in [0.01, 100]"),
+    (("Ball", "--size", "1"), 2, "argument --size: '1': must be a whole number from 4 to 8192"),
+    (("Ball", "--size", "100000"), 2, "must be a whole number from 4 to 8192"),
+    (("Ball", "--noise", "0"), 2, "argument --noise: '0': must be a number from 0.01 to 100"),
+    (("Ball", "--noise", "nan"), 2, "must be a number from 0.01 to 100"),
+    (("Ball", "--noise=-1"), 2, "must be a number from 0.01 to 100"),
+    (("Ball", "--noise", "abc"), 2, "must be a number from 0.01 to 100"),
+    (("Ball", "--threads", "-1"), 2, "--threads"),
 ])  # fmt: skip
 def test_bad_arguments_are_one_sentence(run, ball, arguments, code, words):
     """And neither the settings nor the nodes change."""
     found, lines, err = run(*arguments)
-    assert found == code and words in (err if code == 2 else lines[0])
+    assert found == code and words in err and not lines
     settings = ball.active_material.lamina.interior
     assert (settings.size, settings.output) == (64, "RELIGHTABLE") and ball.active_material.lamina.lateral_group is None
+
+
+def test_the_limits_are_those_of_the_panel(ball):
+    from bl_ext.user_default.lamina.command_line import arguments
+
+    properties = ball.active_material.lamina.interior.bl_rna.properties
+    for name in ("size", "noise"):
+        for limit in (properties[name].hard_min, properties[name].hard_max):
+            text = f"{limit:g}"
+            found = getattr(arguments.parse(["interior", "Ball", f"--{name}", text]), name)
+            assert found == pytest.approx(limit, rel=1e-6)
+
+
+def test_threads(run, ball, lamina, monkeypatch):
+    """The preferences' without the option. The images do not depend on them."""
+    from bl_ext.user_default.lamina.base import preferences
+    from bl_ext.user_default.lamina.interior import interior_job
+
+    whole, seen = interior_job.compute, []
+
+    def watched(task, *more):
+        seen.append(task.threads)
+        return whole(task, *more)
+
+    monkeypatch.setattr(interior_job, "compute", watched)
+    for arguments in (("--threads", 1), ()):
+        assert run("Ball", "--size", 4, *arguments)[0] == 0
+    assert seen == [1, preferences.threads()] != [1, 1]
 
 
 def test_an_interruption_keeps_parts(run, ball, addon, lamina, monkeypatch):

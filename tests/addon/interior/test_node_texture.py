@@ -104,6 +104,24 @@ def test_a_number_of_a_named_socket(sampling, textured):
     assert np.abs(found - centres()[..., 2:]).max() < 1e-3
 
 
+@pytest.mark.parametrize("kind", ["Noise", "Voronoi", "Wave", "Magic", "Checker", "Brick", "Gradient"])
+def test_a_texture_without_a_vector_is_in_generated_coordinates(sampling, textured, kind):
+    def build(vector):
+        def make(tree):
+            node = tree.nodes.new(f"ShaderNodeTex{kind}")
+            if "Scale" in node.inputs:
+                node.inputs["Scale"].default_value = 1.7  # voxels do not lie on the lines of the pattern
+            if vector:
+                tree.links.new(coordinates(tree, vector), node.inputs["Vector"])
+            return node.outputs[0]
+
+        return sampling.sample_nodes(*textured(make), LOW, HIGH, SHAPE)
+
+    found = build(None)
+    assert found.std() > 0.05
+    np.testing.assert_allclose(found, build("Generated"), atol=1e-5)
+
+
 def test_what_fails_or_is_cancelled_leaves_nothing(sampling, textured, monkeypatch):
     obj, material = textured(coordinates)
     before = counts()

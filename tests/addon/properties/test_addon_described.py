@@ -51,7 +51,8 @@ def test_an_untouched_interior_is_the_marble_of_lamina(addon, lamina, material):
 
     settings = material.lamina.interior
     corners = np.array([[0.0, 0.0, 0.0], [8.0, 4.0, 2.0]])
-    body = SimpleNamespace(arrays=SimpleNamespace(vertices=corners))
+    corner_uvs = np.array([[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]])
+    body = SimpleNamespace(arrays=SimpleNamespace(vertices=corners, uvs=corner_uvs))
     settings.resolution = 4
     filled = contents.of_material(None, material, body)
     found = filled.fill(None, None)

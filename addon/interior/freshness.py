@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether the last result of an interior still fits its object, settings and lamps.
+
+A note of what the result was computed from is kept in the material. It holds only what is cheap to read,
+since the panel compares it whenever it is drawn. Matrices of objects that the viewport does not show are not
+up to date, so those objects are compared by their own location, rotation and scale.
+"""
+
+import json
+
+import numpy as np
+
+from ..base.messages import RefusedError
+from ..editing import layer_list
+from ..kinds import interiors
+from . import body, lamps
+
+STILL = 1e-3  # relative, and in radians: what changed by less counts as unchanged
+AGAIN = "compute again"
+
+_OWN = body.Frame(np.eye(3), np.zeros(3), 1.0, 1.0)  # for a lamp's own location, rotation and scale
+
+
+def note(context, obj, material, node, uv_map, has_image):
+    """The note as JSON. `node`: (node, output) of the texture that is used, or (). `uv_map`: the one that is
+    used. `has_image`: the world lights by an image."""
+    context.evaluated_depsgraph_get()  # brings matrices and boxes up to date
+    found = {
+        "settings": _settings(material, node),
+        "map": uv_map if uv_map in obj.data.uv_layers else "",  # "": a modifier makes it
+        "body": _body(obj, context.scene),
+    }
+    settings = material.lamina.interior
+    if settings.output == "LIT":
+        frame = _frame(obj, context.scene)
+        found["lamps"], found["place"] = _lamps(context, frame), _place(frame)
+        found["turns"] = has_image
+        found["camera"] = _camera(context.scene, frame) if settings.view == "CAMERA" else None
+    return json.dumps(found)
+
+
+def stale(context, obj, material):
+    """The reason why the last result no longer fits, in a sentence, or ''."""
+    settings = material.lamina.interior
+    if not settings.made_from or obj is None or obj.type != "MESH":
+        return ""
+    earlier = json.loads(settings.made_from)
+    now = _settings(material, (settings.node, settings.socket))
+    if {**now, "layers": ""} != {**earlier["settings"], "layers": ""}:
+        return f"The settings have changed since: {AGAIN}"
+    if now["layers"] != earlier["settings"]["layers"]:
+        return f"The layers have changed since: {AGAIN}"
+    if earlier["map"] and earlier["map"] not in obj.data.uv_layers:
+        return f"The UV map “{earlier['map']}” is gone: {AGAIN}"
+    try:
+        if not _alike_bodies(_body(obj, context.scene), earlier["body"]):
+            return f"The object has been scaled or edited since: {AGAIN}"
+        return _stale_light(context, obj, earlier) if "lamps" in earlier else ""
+    except RefusedError as error:
+        return str(error)
+
+
+def _stale_light(context, obj, earlier):
+    frame = _frame(obj, context.scene)
+    now, place = _lamps(context, frame), _place(frame)
+    gone = [name for name in earlier["lamps"] if name not in now]
+    if gone:
+        return f"{_listed(gone)} no longer lights the object: {AGAIN}"
+    new = [name for name in now if name not in earlier["lamps"]]
+    if new:
+        return f"{_listed(new)} lights the object now: {AGAIN}"
+    moved = [name for name, one in now.items() if not _alike_lamps(one, earlier["lamps"][name])]
+    has_place = place is not None and earlier["place"] is not None
+    if moved and has_place and not _alike(place, earlier["place"]):
+        return f"The object has moved against its lamps since: {AGAIN}"
+    if moved:
+        return f"{_listed(moved)} has moved or changed in size since: {AGAIN}"
+    if earlier["turns"] and has_place and not _alike({"axes": place["axes"]}, earlier["place"]):
+        return f"The object has turned under the world's image since: {AGAIN}"
+    camera = _camera(context.scene, frame)
+    if earlier["camera"] and camera is not None and not _alike(camera, earlier["camera"]):
+        return f"The camera has moved against the object since: {AGAIN}"
+    return ""
+
+
+def _listed(names):
+    """The names as a part of a sentence; beyond three, their number."""
+    return " and ".join(names) if len(names) <= 3 else f"{names[0]}, with {len(names) - 1} other lamps,"
+
+
+def _settings(material, node):
+    """What the panel sets and the result depends on; not the noise."""
+    settings = material.lamina.interior
+    fields = {"source": settings.source, "output": settings.output, "map": settings.map,
+              "uv_map": settings.uv_map, "size": settings.size, "layers": "",
+              "view": settings.view if settings.output == "LIT" else ""}  # fmt: skip
+    if settings.source == "LAYERS":
+        return fields | {"layers": layer_list.mark(material)}
+    fields |= _values(settings, interiors.BODY)
+    fields["ends"] = [_values(end, interiors.GROUND) for end in (settings.first, settings.second)]
+    if settings.source == "NODES":
+        return fields | {"node": list(node)}
+    return fields | _values(settings, interiors.MARBLE) | {"direction": list(settings.direction)}
+
+
+def _values(owner, fields):
+    """{property: value} of the fields that the panel shows."""
+    return {field.prop: _plain(getattr(owner, field.prop)) for field in fields if field.panel is not None}
+
+
+def _plain(value):
+    return list(value) if hasattr(value, "__len__") else value
+
+
+def _frame(obj, scene):
+    """The Frame of an object that the viewport shows, otherwise None. Raises RefusedError."""
+    return body.frame_of(obj, scene) if obj.visible_get() else None
+
+
+def _place(frame):
+    if frame is None:
+        return None
+    return {"axes": frame.axes.ravel().tolist(), "origin": (frame.unit * frame.origin).tolist()}
+
+
+def _body(obj, scene):
+    """Its size, and the numbers of vertices and faces."""
+    frame = _frame(obj, scene)
+    box = None if frame is None else frame.scale * frame.unit * np.array(obj.bound_box)
+    return {
+        "box": None if box is None else box.ravel().tolist(),
+        "scale": [*obj.scale, scene.unit_settings.scale_length],
+        "counts": [len(obj.data.vertices), len(obj.data.polygons)],
+    }
+
+
+def _alike_bodies(one, other):
+    if one["counts"] != other["counts"]:
+        return False
+    if one["box"] is None or other["box"] is None:
+        return bool(np.allclose(one["scale"], other["scale"], rtol=STILL))
+    size = max(np.ptp(np.reshape(other["box"], (-1, 3)), axis=0))
+    return bool(np.abs(np.subtract(one["box"], other["box"])).max() <= STILL * size)
+
+
+def _lamps(context, frame):
+    """{name: note} of the lamps that light objects in renders."""
+    found = {}
+    for obj in _rendered(context.view_layer.layer_collection):
+        if obj.type == "LIGHT" and lamps.shines(obj):
+            found[obj.name] = _lamp(obj, obj.matrix_world, obj.matrix_basis, obj.visible_get() and frame)
+        elif obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
+            for one in obj.instance_collection.all_objects:
+                if one.type == "LIGHT" and not one.hide_render and lamps.shines(one):
+                    matrices = obj.matrix_world @ one.matrix_basis, obj.matrix_basis @ one.matrix_basis
+                    found[f"{one.name} of {obj.name}"] = _lamp(one, *matrices, obj.visible_get() and frame)
+    return found
+
+
+def _rendered(layer):
+    """The objects of a layer collection that renders see, with instances of collections."""
+    if layer.collection.hide_render:
+        return
+    if not layer.exclude:
+        yield from (one for one in layer.collection.objects if not one.hide_render)
+    for child in layer.children:
+        yield from _rendered(child)
+
+
+def _lamp(obj, matrix, basis, frame):
+    """`frame`: in which the lamp's matrix counts; None or False: its matrix is not up to date."""
+    return {
+        "kind": obj.data.type,
+        "normalize": getattr(obj.data, "normalize", True),
+        "seen": lamps.numbers(obj, np.array(matrix, float), frame) if frame else None,
+        "own": lamps.numbers(obj, np.array(basis, float), _OWN),
+    }
+
+
+def _alike_lamps(one, other):
+    if (one["kind"], one["normalize"]) != (other["kind"], other["normalize"]):
+        return False
+    which = "seen" if one["seen"] and other["seen"] else "own"
+    return _alike(one[which], other[which])
+
+
+def _camera(scene, frame):
+    """The place of the scene's camera, or None if the viewport shows it or the object not."""
+    camera = scene.camera
+    return frame.view(camera) if frame and camera is not None and camera.visible_get() else None
+
+
+def _alike(one, other):
+    """`other` may have further numbers."""
+    for name, value in one.items():
+        if name not in other:
+            return False
+        mine, theirs = np.atleast_1d(value).astype(float), np.atleast_1d(other[name]).astype(float)
+        size = max(1.0, float(np.abs(theirs).max()))
+        if np.abs(mine - theirs).max() > STILL * size:
+            return False
+    return True

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether the last result of an interior still fits: one sentence for each change, none for changes that do not
+matter. Nothing is computed: the note is written as a computation writes it."""
+
+import bpy
+import pytest
+from addon_helpers import icosphere
+
+
+@pytest.fixture
+def freshness(addon, lamina):
+    from bl_ext.user_default.lamina.interior import freshness
+
+    return freshness
+
+
+@pytest.fixture
+def ball(addon):
+    mesh = icosphere("Ball", 1.0)
+    mesh.materials.append(bpy.data.materials.new("Marble"))
+    mesh.uv_layers.new(name="Own")
+    obj = linked("Ball", mesh)
+    obj.scale, obj.location = (0.01,) * 3, (1.0, 2.0, 3.0)
+    return obj
+
+
+def linked(name, data=None, collection=None):
+    made = bpy.data.objects.new(name, data)
+    (collection or bpy.context.scene.collection).objects.link(made)
+    return made
+
+
+def settings_of(obj):
+    return obj.active_material.lamina.interior
+
+
+def note(freshness, obj, node=(), has_image=False):
+    bpy.context.view_layer.update()
+    settings_of(obj).made_from = freshness.note(bpy.context, obj, obj.active_material, node, "Own", has_image)
+
+
+def stale(freshness, obj):
+    bpy.context.view_layer.update()
+    return freshness.stale(bpy.context, obj, obj.active_material)
+
+
+def chosen(name, value):
+    def change(obj):
+        setattr(settings_of(obj), name, value)
+
+    return change
+
+
+def another_end(obj):
+    settings_of(obj).second.sigma_s = (1.0, 2.0, 3.0)
+
+
+def scaled(obj):
+    obj.scale = (0.02,) * 3
+
+
+def edited(obj):
+    obj.data.vertices[0].co *= 1.5
+    obj.data.update()
+
+
+def subdivided(obj):
+    mesh = icosphere("Other", 1.0)
+    mesh.materials.append(obj.active_material)
+    mesh.uv_layers.new(name="Own")
+    mesh.vertices.add(1)
+    obj.data = mesh
+
+
+def displaced(obj):
+    obj.modifiers.new("Thick", "DISPLACE").strength = 0.2
+
+
+def without_map(obj):
+    obj.data.uv_layers.remove(obj.data.uv_layers["Own"])
+
+
+SETTINGS, SHAPE = "The settings have changed since: compute again", "The object has been scaled or edited since"
+
+
+@pytest.mark.parametrize(("change", "words"), [
+    (chosen("output", "LIT"), SETTINGS), (chosen("size", 64), SETTINGS), (chosen("ior", 1.4), SETTINGS),
+    (chosen("roughness", 0.1), SETTINGS), (chosen("resolution", 64), SETTINGS), (chosen("spacing", 3.0), SETTINGS),
+    (chosen("direction", (1.0, 0.0, 0.0)), SETTINGS), (chosen("uv_map", "Own"), SETTINGS),
+    (chosen("source", "LAYERS"), SETTINGS), (another_end, SETTINGS),
+    (scaled, SHAPE), (edited, SHAPE), (subdivided, SHAPE), (displaced, SHAPE),
+    (without_map, "The UV map “Own” is gone: compute again"),
+])  # fmt: skip
+def test_changes_that_matter(freshness, ball, change, words):
+    note(freshness, ball)
+    assert stale(freshness, ball) == ""
+    change(ball)
+    assert stale(freshness, ball).startswith(words)
+
+
+def renamed(obj):
+    obj.name = "Other"
+
+
+def moved(obj):
+    obj.location.x += 5.0
+
+
+@pytest.mark.parametrize("change", [
+    renamed, moved, chosen("noise", 3.0), chosen("view", "CAMERA"), chosen("node", "Noise Texture"),
+])  # fmt: skip
+def test_changes_that_do_not_matter(freshness, ball, change):
+    """To Relightable of a marble."""
+    note(freshness, ball)
+    change(ball)
+    assert stale(freshness, ball) == ""
+
+
+def test_layers(freshness, ball, addon):
+    """Their names do not matter."""
+    material = ball.active_material
+    addon.editing.layer_list.add_stack(material)
+    settings_of(ball).source = "LAYERS"
+    note(freshness, ball)
+    settings_of(ball).spacing, material.lamina.layers[0].name = 3.0, "Renamed"
+    assert stale(freshness, ball) == ""
+    material.lamina.base.reflectance = (0.1, 0.2, 0.3)
+    assert stale(freshness, ball) == "The layers have changed since: compute again"
+
+
+def test_node_texture(freshness, ball):
+    settings_of(ball).source = "NODES"
+    note(freshness, ball, ("Noise Texture", "Fac"))
+    settings_of(ball).node, settings_of(ball).socket = "Noise Texture", "Fac"  # as after a computation
+    assert stale(freshness, ball) == ""
+    settings_of(ball).socket = "Color"
+    assert stale(freshness, ball) == SETTINGS
+
+
+@pytest.fixture
+def lit(ball):
+    """The ball with output Lit under the lamps Key and, by an instance of a collection, Far."""
+    settings_of(ball).output = "LIT"
+    linked("Key", bpy.data.lights.new("Key", "AREA")).location = (3.0, -4.0, 9.0)
+    source = bpy.data.collections.new("Source")
+    linked("Far", bpy.data.lights.new("Far", "POINT"), source)
+    instance = linked("Instance")
+    instance.instance_type, instance.instance_collection = "COLLECTION", source
+    return ball
+
+
+def put(name, place):
+    def change(_obj):
+        bpy.data.objects[name].location = place
+
+    return change
+
+
+def larger(_obj):
+    bpy.data.lights["Key"].size = 2.0
+
+
+def hidden(_obj):
+    bpy.data.objects["Key"].hide_render = True
+
+
+def removed(_obj):
+    bpy.data.objects.remove(bpy.data.objects["Key"])
+
+
+def collection_hidden(_obj):
+    key, off = bpy.data.objects["Key"], bpy.data.collections.new("Off")
+    bpy.context.scene.collection.children.link(off)
+    off.objects.link(key)
+    bpy.context.scene.collection.objects.unlink(key)
+    off.hide_render = True
+
+
+def added(_obj):
+    linked("New", bpy.data.lights.new("New", "SUN"))
+
+
+@pytest.mark.parametrize(("change", "words"), [
+    (put("Key", (4.0, 0.0, 9.0)), "Key has moved or changed in size since: compute again"),
+    (larger, "Key has moved or changed in size since"), (hidden, "Key no longer lights the object: compute again"),
+    (removed, "Key no longer lights the object"), (collection_hidden, "Key no longer lights the object"),
+    (added, "New lights the object now: compute again"),
+    (put("Far", (1.0, 0.0, 0.0)), "Far of Instance has moved"),
+    (put("Instance", (1.0, 0.0, 0.0)), "Far of Instance has moved"),
+    (moved, "The object has moved against its lamps since: compute again"),
+])  # fmt: skip
+def test_lamps(freshness, lit, change, words):
+    note(freshness, lit)
+    bpy.data.lights["Key"].energy, bpy.data.lights["Key"].color = 7.0, (1.0, 0.0, 0.0)
+    assert stale(freshness, lit) == ""
+    change(lit)
+    assert stale(freshness, lit).startswith(words)
+
+
+def test_a_lamp_that_the_viewport_hides(freshness, lit):
+    """Its matrix is not up to date, so its own location counts."""
+    key = bpy.data.objects["Key"]
+    note(freshness, lit)
+    key.hide_viewport = True
+    assert stale(freshness, lit) == ""
+    key.location.x = 4.0
+    assert stale(freshness, lit).startswith("Key has moved")
+
+
+def test_the_image_of_the_world(freshness, ball):
+    settings_of(ball).output = "LIT"
+    note(freshness, ball, has_image=True)
+    ball.location.x += 5.0
+    assert stale(freshness, ball) == ""
+    ball.rotation_euler.z = 0.5
+    assert stale(freshness, ball) == "The object has turned under the world's image since: compute again"
+    note(freshness, ball, has_image=False)
+    ball.rotation_euler.z = 1.0
+    assert stale(freshness, ball) == ""
+
+
+def test_the_camera(freshness, ball):
+    settings_of(ball).output, settings_of(ball).view = "LIT", "CAMERA"
+    camera = bpy.context.scene.camera = linked("Eye", bpy.data.cameras.new("Eye"))
+    note(freshness, ball)
+    camera.rotation_euler.z = 1.0
+    assert stale(freshness, ball) == ""
+    camera.location.x = 1.0
+    assert stale(freshness, ball) == "The camera has moved against the object since: compute again"
+
+
+def test_after_saving_and_loading(freshness, lit, tmp_path):
+    lit.hide_viewport = True
+    note(freshness, lit)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    assert stale(freshness, bpy.data.objects["Ball"]) == ""
