@@ -113,8 +113,8 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     time and with less noise, and show less of the sun's direction on curved bodies. Beyond an anisotropy of .9 there is
     always one. Other arguments and errors are those of lamina.subsurface_nodes."""
     stack = as_stack(stack)
-    require_millimetres(stack)
     require_hidden_metal(stack)
+    require_millimetres(stack)
     first = first_orders.of_stack(stack, scatterings)
     step = stepper("the portal", progress, cancel)
     beam = searchlight(stack, 1.0, quality, progress=portion(step, 0.0, 0.8), cancel=cancel)
