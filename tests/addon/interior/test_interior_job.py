@@ -11,14 +11,6 @@ from addon_helpers import drawn, icosphere, pixels, surface_source
 
 
 @pytest.fixture
-def jobs(addon, lamina):
-    from bl_ext.user_default.lamina.interior import interior_job
-
-    yield interior_job
-    interior_job.stop()
-
-
-@pytest.fixture
 def ball(addon):
     """A ball of radius 10 mm, turned and moved, with the material Marble in large voxels and a small noisy image."""
     mesh = icosphere("Ball", 1.0)

@@ -13,14 +13,6 @@ REMOVE = "Remove Lamina from Material"
 
 
 @pytest.fixture
-def jobs(addon, lamina):
-    from bl_ext.user_default.lamina.interior import interior_job
-
-    yield interior_job
-    interior_job.stop()
-
-
-@pytest.fixture
 def ball(addon):
     """A ball of 10 mm of marble under a grey sky, with few voxels and texels."""
     mesh = icosphere("Ball", 0.01)

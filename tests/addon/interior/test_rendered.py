@@ -14,14 +14,6 @@ def rendered(addon):
     return rendered
 
 
-@pytest.fixture
-def jobs(addon, lamina):
-    from bl_ext.user_default.lamina.interior import interior_job
-
-    yield interior_job
-    interior_job.stop()
-
-
 def linked(name, data=None, parent=None, collection=None):
     """A new object in a collection, by default that of the scene."""
     made = bpy.data.objects.new(name, data)
