@@ -196,15 +196,21 @@ bool Searchlight::refine(ThreadPool& pool) {
 /// directions near the beam only; a base and a half-space need them everywhere.
 void Searchlight::resolve_forward(ThreadPool& pool) {
   double way = 0.0;
+  double tau = 0.0;
   bool endless = false;
   for (const std::optional<LateralMedium>& medium : beam_->stack().media()) {
-    endless = endless || (medium && std::isinf(medium->thickness()));
-    way += medium && !std::isinf(medium->thickness()) ? medium->thickness() : 0.0;
+    if (medium && std::isinf(medium->thickness())) {
+      endless = true;
+    } else if (medium) {
+      way += medium->thickness();
+      tau += medium->medium().tau;
+    }
   }
   const Base& base = measured_.stack.base;
   const bool by_peaks = sharp_ && !endless && base.kind == Base::Kind::kNone;
-  if (quality_.forward == 0 || !(by_peaks || endless || base.is_diffuse()) || way == 0.0 ||
-      !beam_->stack().along_normal()) {
+  constexpr double kOpaque = 8.0;  // little of the beam passes unscattered to a base or a half-space
+  const bool from_below = (endless || base.is_diffuse()) && tau < kOpaque;
+  if (quality_.forward == 0 || !(by_peaks || from_below) || way == 0.0 || !beam_->stack().along_normal()) {
     return;
   }
   const Directions& directions = beam_->stack().directions().back();
