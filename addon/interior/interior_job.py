@@ -17,7 +17,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..base import native, package, preferences, renders
+from ..base import native, package, preferences, renders, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Place, Worker
 from ..kinds import interiors
@@ -142,13 +142,14 @@ def gather(context, obj, material, folder=None):
     if sentence:
         raise RefusedError(sentence)
     lamina, settings, scene = native.require(), material.lamina.interior, context.scene
-    named = settings.uv_map or next((one.name for one in obj.data.uv_layers if one.active_render), "")
-    own = settings.map == "OWN" and named not in ("", unwrap.NAME)
+    layer = uv_maps.find(obj.data, settings.uv_map)
+    named = layer.name if layer is not None else ""
+    own = settings.map == "OWN" and len(obj.data.uv_layers) > 0 and named != unwrap.NAME
     if not own and (sentence := unwrap.copying_modifier(obj)):
         raise RefusedError(sentence)
     uv_map = settings.uv_map if own else unwrap.ensure(obj)
     shape, lit_by, view = _seen(context, obj, material, uv_map)
-    uv_map = uv_map or next(one.name for one in obj.data.uv_layers if one.active_render)
+    uv_map = uv_map or named
     sources = []
     if settings.output == "LIT":
         sources = [*lit_by, lights.world(scene, shape.frame)]
@@ -232,7 +233,6 @@ def apply(material, task, found, again=False):
 
     lateral_group.build(material, task.output.capitalize(), draw, task.millimetre, inputs, again)
     if task.output == "LIT":
-        # A lit surface shines on others as a diffuse one would: Cycles need not aim at its texels.
         before.switch_sampling_off(material)
     else:
         before.restore_sampling(material)

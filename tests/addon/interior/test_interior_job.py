@@ -85,6 +85,13 @@ def test_new_faces_after_a_first_run(jobs, ball, lamina):
     assert not make(jobs, ball).notes and [layer.name for layer in ball.data.uv_layers] == ["Lamina"]
 
 
+def test_a_map_that_is_gone(jobs, ball, lamina):
+    """An object without UV maps is unwrapped, also where the panel still names a map."""
+    ball.active_material.lamina.interior.uv_map = "Gone"
+    make(jobs, ball)
+    assert [layer.name for layer in ball.data.uv_layers] == ["Lamina"]
+
+
 def test_lit(jobs, ball, lamina):
     """One input of strength and one of colour for each lamp and the world; the sum is emitted, nothing else is lit."""
     sun("Key", (0.5, 0.2, 0.0))
