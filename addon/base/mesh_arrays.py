@@ -76,6 +76,11 @@ def uvs(obj, mesh, name, instead):
     layer = uv_maps.find(mesh, name)
     if layer is None:
         raise RefusedError(f"{uv_maps.missing(obj, name)}: unwrap it, or {instead}")
+    return corner_uvs(layer)
+
+
+def corner_uvs(layer):
+    """(c, 2), coordinates of a UV map by face corner."""
     corners = np.empty(2 * len(layer.uv), np.float32)
     layer.uv.foreach_get("vector", corners)
     return corners.reshape(-1, 2)

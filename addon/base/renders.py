@@ -22,8 +22,13 @@ def is_running():
     """True during a render that would crash at changes to nodes and images: changes must wait until it ends.
     Such are renders of the scene, and before STOPS_PREVIEWS those of previews, which take some tenths of a
     second."""
-    jobs = ("RENDER", "OBJECT_BAKE", *(("RENDER_PREVIEW",) if bpy.app.version < STOPS_PREVIEWS else ()))
-    return any(bpy.app.is_job_running(job) for job in jobs)
+    of_preview = bpy.app.version < STOPS_PREVIEWS and bpy.app.is_job_running("RENDER_PREVIEW")
+    return of_preview or is_scene_rendering()
+
+
+def is_scene_rendering():
+    """True while a window renders or bakes the scene: that render reads the scene's settings."""
+    return any(bpy.app.is_job_running(job) for job in ("RENDER", "OBJECT_BAKE"))
 
 
 def stop_previews():

@@ -86,8 +86,7 @@ def _of_mesh(evaluated, obj, material, uv_map, frame):
             raise RefusedError(f"{obj.name} has no faces: an interior needs a closed mesh")
         normals = mesh_arrays.corner_normals(mesh, still)[loops]
         uvs = mesh_arrays.uvs(obj, mesh, uv_map, "let Lamina unwrap it")[loops]
-        slots = [slot.material for slot in obj.material_slots]
-        uvs[_others(mesh, slots, material)] = -1.0  # one point outside of the image
+        uvs[~with_material(mesh.loop_triangles, obj, material)] = -1.0  # one point outside of the image
     finally:
         evaluated.to_mesh_clear()
     return Body(mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name), millimetres, frame)
@@ -98,16 +97,17 @@ def frame_of(obj, scene):
     return _frame(obj, obj.matrix_world, scene)
 
 
-def _others(mesh, slots, material):
-    """(m,) bool: the triangles that have another material."""
-    faces = np.empty(len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("material_index", faces)
-    own = np.array([one == material for one in slots] or [True])
+def with_material(faces, obj, material):
+    """(m,) bool: which of `faces`, of a mesh or its triangles, have the material. Raises RefusedError if no
+    slot of the object has the material."""
+    numbers = np.empty(len(faces), np.int32)
+    faces.foreach_get("material_index", numbers)
+    own = np.array([slot.material == material for slot in obj.material_slots] or [True])
     if not own.any():
         raise RefusedError(
             f"{material.name} is not a material of the active object: select an object that has it"
         )
-    return ~own[np.minimum(faces, len(own) - 1)]
+    return own[np.minimum(numbers, len(own) - 1)]
 
 
 def _frame(obj, matrix, scene):

@@ -14,6 +14,7 @@ from ..editing import stack_io
 from ..kinds import interiors
 from ..properties.described import quantity
 from . import node_texture
+from .body import with_material
 from .node_sources import default_source
 
 
@@ -61,16 +62,10 @@ def _check(obj, material, arrays):
         what = f"vertex {wrong[0]} of {obj.name} has a coordinate that is not a number"
         raise RefusedError(f"{what}: delete the vertex, or move it")
     # Modifiers can change materials: those of the mesh count only if the map has no area either.
-    if (arrays.uvs == arrays.uvs[:, :1]).all() and not _is_on_faces(obj, material):
+    has_area = (arrays.uvs != arrays.uvs[:, :1]).any()
+    if not has_area and not with_material(obj.data.polygons, obj, material).any():
         what = f"no face of {obj.name} has the material {material.name}"
         raise RefusedError(f"{what}: assign it to faces (Edit Mode > Assign), or select another slot")
-
-
-def _is_on_faces(obj, material):
-    faces = np.empty(len(obj.data.polygons), np.int32)
-    obj.data.polygons.foreach_get("material_index", faces)
-    own = np.array([slot.material == material for slot in obj.material_slots] or [True])
-    return bool(own[np.minimum(faces, len(own) - 1)].any())
 
 
 def _of_layers(lamina, material):

@@ -185,7 +185,7 @@ def _alike_lamps(one, other):
 
 
 def _camera(scene, frame):
-    """The place of the scene's camera, or None if the viewport shows it or the object not."""
+    """The place of the scene's camera; None if the viewport does not show the camera or the object."""
     camera = scene.camera
     return frame.view(camera) if frame and camera is not None and camera.visible_get() else None
 

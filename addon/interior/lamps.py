@@ -38,7 +38,7 @@ def shines(obj):
 
 
 def unique(names):
-    """The names, shortened to LONGEST, with numbers where they would equal another or to the world's."""
+    """The names, shortened to LONGEST. Numbers tell equal names apart, and a lamp from the world."""
     taken, found = {WORLD}, []
     for name in names:
         number, new = 1, _cut(name, "")

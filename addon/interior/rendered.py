@@ -24,7 +24,7 @@ def visit(scene, view_layer, read):
 
     The graph and its data end with the call: `read` returns copies, and must not render. Exceptions of `read`
     are raised. All settings of the scene are as before afterwards. Raises RefusedError during a render."""
-    if _is_rendering():
+    if renders.is_scene_rendering():
         raise RefusedError("Blender is rendering: wait until the render ends, or stop it")
     found, errors = [], []
 
@@ -51,11 +51,6 @@ def visit(scene, view_layer, read):
     if not found:
         raise RuntimeError(f"Blender did not render the view layer {view_layer.name}")
     return found[0]
-
-
-def _is_rendering():
-    """True while a window renders or bakes in the background: that render reads the scene's settings."""
-    return any(bpy.app.is_job_running(job) for job in ("RENDER", "OBJECT_BAKE"))
 
 
 @contextmanager

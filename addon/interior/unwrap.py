@@ -69,8 +69,7 @@ def fits(mesh):
     and faces that overlap others there, leave surface without texels."""
     still = Matrix.Identity(4)
     vertices, triangles = mesh_arrays.vertices(mesh, still, 1.0), mesh_arrays.triangles(mesh, still)
-    uvs = np.empty(2 * len(mesh.loops), np.float32)
-    mesh.uv_layers[NAME].uv.foreach_get("vector", uvs)
+    uvs = mesh_arrays.corner_uvs(mesh.uv_layers[NAME])
     if not np.isfinite(uvs).all():
         return False
     first, second, third = (vertices[triangles[:, corner]] for corner in range(3))
@@ -78,7 +77,7 @@ def fits(mesh):
     if not 0.0 < whole < np.inf:
         return True  # nothing to unwrap: the interior refuses such a mesh
     dust = native.part("dust")
-    corners = uvs.reshape(-1, 2)[mesh_arrays.loops(mesh, still)]
+    corners = uvs[mesh_arrays.loops(mesh, still)]
     points, _ = dust.texel_points(dust.Mesh(vertices, triangles), corners, SIZE)
     return float(points.areas.sum()) >= LEAST_SHARE * whole
 

@@ -39,6 +39,13 @@ def icosphere(name, radius, smooth=False):
     return built_mesh(name, lambda bm: bmesh.ops.create_icosphere(bm, subdivisions=2, radius=radius), smooth)
 
 
+def linked(name, data=None, collection=None):
+    """A new object in a collection, by default that of the scene."""
+    made = bpy.data.objects.new(name, data)
+    (collection or bpy.context.scene.collection).objects.link(made)
+    return made
+
+
 def surface_source(material):
     """The node that feeds the Surface of the material's output."""
     return material.node_tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node

@@ -104,6 +104,7 @@ def closures_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g
     body = _Body(albedo, distance, walker, g, node, samples, portion(step, 0.0, FIRST))
     first, lost = body.closure(albedo, distance)
     if not np.any(lost.share > NEGLIGIBLE_LOSS):
+        # Raise the targets, so that what the limit leaves has the wanted albedo and distance.
         kept, moment = 1.0 - lost.share, distance - lost.moment
         brighter, farther = np.minimum(albedo / kept, 1.0), distance**2 * kept / np.maximum(moment, 0.5 * distance)
         return body.closure(brighter, farther)[0], None

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from addon_helpers import icosphere
+from addon_helpers import icosphere, linked
 
 
 @pytest.fixture
@@ -17,8 +17,7 @@ def contents(addon, lamina):
 @pytest.fixture
 def ball(addon):
     """A ball with the materials Marble and Gold, all of its faces in Marble."""
-    obj = bpy.data.objects.new("Ball", icosphere("Ball", 1.0))
-    bpy.context.scene.collection.objects.link(obj)
+    obj = linked("Ball", icosphere("Ball", 1.0))
     for name in ("Marble", "Gold"):
         made = bpy.data.materials.new(name)
         addon.nodes.node_tree.of(made)

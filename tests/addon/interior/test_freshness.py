@@ -4,7 +4,7 @@ matter. Nothing is computed: the note is written as a computation writes it."""
 
 import bpy
 import pytest
-from addon_helpers import icosphere
+from addon_helpers import icosphere, linked
 
 
 @pytest.fixture
@@ -22,12 +22,6 @@ def ball(addon):
     obj = linked("Ball", mesh)
     obj.scale, obj.location = (0.01,) * 3, (1.0, 2.0, 3.0)
     return obj
-
-
-def linked(name, data=None, collection=None):
-    made = bpy.data.objects.new(name, data)
-    (collection or bpy.context.scene.collection).objects.link(made)
-    return made
 
 
 def settings_of(obj):

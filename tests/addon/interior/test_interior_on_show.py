@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from addon_helpers import drawn, icosphere, surface_source
+from addon_helpers import drawn, icosphere, linked, surface_source
 
 UNLINKED = "Not connected to the output"
 REMOVE = "Remove Lamina from Material"
@@ -16,8 +16,7 @@ REMOVE = "Remove Lamina from Material"
 def ball(addon):
     """A ball of 10 mm of marble under a grey sky, with few voxels and texels."""
     mesh = icosphere("Ball", 0.01)
-    obj = bpy.data.objects.new("Ball", mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = linked("Ball", mesh)
     mesh.materials.append(bpy.data.materials.new("Marble"))
     addon.nodes.node_tree.of(obj.active_material)
     settings = obj.active_material.lamina.interior
@@ -28,7 +27,7 @@ def ball(addon):
 
 
 @pytest.fixture
-def milk(addon, lamina, ball):
+def layered(addon, lamina, ball):
     """The ball with layers of marble as well."""
     addon.editing.stack_io.assign_stack(ball.active_material, lamina.presets.load("marble-honed"))
     ball.active_material.lamina.quality = "preview"
@@ -80,13 +79,13 @@ def by_removal(jobs, addon, obj, call):
 
 
 @pytest.mark.parametrize("change", [by_relightable, by_lateral, by_bake, by_removal])
-def test_emission_sampling_is_restored(jobs, addon, milk, call, change):
-    milk.active_material.cycles.emission_sampling = "FRONT_BACK"
+def test_emission_sampling_is_restored(jobs, addon, layered, call, change):
+    layered.active_material.cycles.emission_sampling = "FRONT_BACK"
     for _ in range(2):
-        make(jobs, milk, "LIT")
-        assert sampling(milk) == "NONE"
-    change(jobs, addon, milk, call)
-    assert sampling(milk) == "FRONT_BACK"
+        make(jobs, layered, "LIT")
+        assert sampling(layered) == "NONE"
+    change(jobs, addon, layered, call)
+    assert sampling(layered) == "FRONT_BACK"
 
 
 def test_a_later_choice_of_emission_sampling_stays(jobs, ball):
@@ -117,14 +116,14 @@ def _can(material):
         return bpy.ops.lamina.remove_stack.poll()
 
 
-def test_no_removal_while_light_is_computed(jobs, milk):
-    assert _can(milk.active_material)
-    job = jobs.start(bpy.context, milk, milk.active_material)
-    assert not _can(milk.active_material)
+def test_no_removal_while_light_is_computed(jobs, layered):
+    assert _can(layered.active_material)
+    job = jobs.start(bpy.context, layered, layered.active_material)
+    assert not _can(layered.active_material)
     job.cancel()
     job.wait()
     jobs.forget()
-    assert _can(milk.active_material)
+    assert _can(layered.active_material)
 
 
 def test_the_panel_says_what_has_changed(jobs, ball):
@@ -141,47 +140,47 @@ def test_only_nodes_choose_the_texture(jobs, ball):
     assert (settings.node, settings.socket) == ("Noise Texture", "Color")
 
 
-def test_interior_and_lateral_replace_one_another(jobs, addon, milk, call):
+def test_interior_and_lateral_replace_one_another(jobs, addon, layered, call):
     """The panels tell of the result on show only."""
-    material = milk.active_material
-    by_lateral(jobs, addon, milk, call)
-    assert begins(panel("lateral", milk), "Subsurface")
-    make(jobs, milk, "LIT")
-    assert not begins(panel("lateral", milk), "Subsurface") and begins(panel("interior", milk), "Lit: ")
-    by_lateral(jobs, addon, milk, call)
-    assert begins(panel("lateral", milk), "Subsurface") and not begins(panel("interior", milk), "Lit: ")
+    material = layered.active_material
+    by_lateral(jobs, addon, layered, call)
+    assert begins(panel("lateral", layered), "Subsurface")
+    make(jobs, layered, "LIT")
+    assert not begins(panel("lateral", layered), "Subsurface") and begins(panel("interior", layered), "Lit: ")
+    by_lateral(jobs, addon, layered, call)
+    assert begins(panel("lateral", layered), "Subsurface") and not begins(panel("interior", layered), "Lit: ")
     assert material.lamina.interior.made_from == ""
 
 
-def test_a_portal_is_gone_with_its_warning(jobs, addon, milk, call):
-    milk.active_material.lamina.lateral = "PORTAL"
-    milk.scale = (0.1,) * 3
+def test_a_portal_is_gone_with_its_warning(jobs, addon, layered, call):
+    layered.active_material.lamina.lateral = "PORTAL"
+    layered.scale = (0.1,) * 3
     bpy.context.view_layer.update()
-    by_lateral(jobs, addon, milk, call)
-    assert any("too thin for a portal" in line for line in panel("lateral", milk))
-    make(jobs, milk, "RELIGHTABLE")
-    assert not any("too thin for a portal" in line for line in panel("lateral", milk))
+    by_lateral(jobs, addon, layered, call)
+    assert any("too thin for a portal" in line for line in panel("lateral", layered))
+    make(jobs, layered, "RELIGHTABLE")
+    assert not any("too thin for a portal" in line for line in panel("lateral", layered))
 
 
 @pytest.mark.parametrize(("name", "words"), [("interior", "Relightable: "), ("lateral", "Subsurface")])
-def test_a_bake_takes_the_output(jobs, addon, milk, call, name, words):
-    (by_lateral if name == "lateral" else by_relightable)(jobs, addon, milk, call)
-    assert begins(panel(name, milk), words) and UNLINKED not in panel(name, milk)
-    by_bake(jobs, addon, milk, call)
-    assert not begins(panel(name, milk), words) and UNLINKED in panel(name, milk)
+def test_a_bake_takes_the_output(jobs, addon, layered, call, name, words):
+    (by_lateral if name == "lateral" else by_relightable)(jobs, addon, layered, call)
+    assert begins(panel(name, layered), words) and UNLINKED not in panel(name, layered)
+    by_bake(jobs, addon, layered, call)
+    assert not begins(panel(name, layered), words) and UNLINKED in panel(name, layered)
 
 
-def test_lateral_is_out_of_date(jobs, addon, milk, call):
-    material = milk.active_material
-    by_lateral(jobs, addon, milk, call)
-    assert not begins(panel("lateral", milk), "Out of date")
+def test_lateral_is_out_of_date(jobs, addon, layered, call):
+    material = layered.active_material
+    by_lateral(jobs, addon, layered, call)
+    assert not begins(panel("lateral", layered), "Out of date")
     material.lamina.layers[0].name = "Renamed"
-    assert not begins(panel("lateral", milk), "Out of date")
+    assert not begins(panel("lateral", layered), "Out of date")
     material.lamina.lateral = "PORTAL"
-    assert "Out of date: computed with output Relightable instead of Portal" in panel("lateral", milk)
+    assert "Out of date: computed with output Relightable instead of Portal" in panel("lateral", layered)
     material.lamina.lateral = "RELIGHTABLE"
     material.lamina.layers[0].alpha += 0.1
-    assert "Out of date: the layers have changed" in panel("lateral", milk)
+    assert "Out of date: the layers have changed" in panel("lateral", layered)
 
 
 def test_lit_needs_light(jobs, ball):

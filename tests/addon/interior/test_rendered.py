@@ -103,7 +103,7 @@ def test_the_last_picture_stays(rendered, tmp_path):
 
 
 def test_no_reading_during_a_render(rendered, monkeypatch):
-    monkeypatch.setattr(rendered, "_is_rendering", lambda: True)
+    monkeypatch.setattr(rendered.renders, "is_scene_rendering", lambda: True)
     with pytest.raises(ValueError, match="Blender is rendering: wait until the render ends"):
         visit(rendered, lambda _depsgraph: None)
 

@@ -5,7 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from addon_helpers import icosphere
+from addon_helpers import icosphere, linked
 
 
 @pytest.fixture
@@ -17,9 +17,7 @@ def unwrap(addon, lamina):
 
 @pytest.fixture
 def ball(addon):
-    obj = bpy.data.objects.new("Ball", icosphere("Ball", 1.0))
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
+    return linked("Ball", icosphere("Ball", 1.0))
 
 
 def uvs(obj, name="Lamina"):
