@@ -4,6 +4,7 @@
 #   make check       before a commit: lint, the core's tests and a sample of the others
 #   make test        lint, documentation and all tests
 #   make test-bpy52 test-blender    the same tests in Blender 5.2, and tests in a Blender with a window
+#   make test-debian make demo in a bare Debian 12
 #   make lint docs bench study figures previews assets stubs sanitize fuzz wheel extension clean
 #   make release test-release    wheels and extensions for all platforms, and tests of them: docs/releasing.md
 
@@ -24,7 +25,8 @@ PIP := -m pip --quiet --disable-pip-version-check
 SCENE ?= all
 QUALITY ?= small
 BLENDER ?= trixie
-# Further options of make_demo.py, such as --turntable 48, or of tests/fuzz/run.py, such as --count 100 --first 500.
+# Further options of make_demo.py, such as --turntable 48, of tests/fuzz/run.py, such as --count 100 --first 500, or of
+# bench/run.py, such as --quick.
 OPTIONS ?=
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 NATIVE_SOURCES := $(shell find native -name '*.[ch]pp' -o -name '*.py' -o -name '*.pyi' -o -name '*.json' \
@@ -45,7 +47,7 @@ BPY52_PART := test_addon_versions.py baking/test_addon_bake.py nodes/test_addon_
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part lint docs bench study study-hard \
+.PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part test-debian lint docs bench study study-hard \
 	figures previews assets stubs sanitize fuzz wheel extension release test-release clean
 .DEFAULT_GOAL := demo
 
@@ -64,7 +66,7 @@ else
 	$(RUN) demo_scenes/make_demo.py $(SCENE) --quality $(QUALITY) $(OPTIONS)
 endif
 
-test: lint docs build/stamps/extension
+test: lint docs build/stamps/extension build/stamps/bench
 	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
 	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
 	$(RUN) -m pytest -n 2 --dist loadfile tests/cycles
@@ -89,7 +91,12 @@ test-blender: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/w
 
 # A sample of them in Blender 4.3.
 test-blender-part: build/stamps/extension $(patsubst %,build/stamps/wheel-%,$(filter python3.13,$(OTHER_PYTHONS)))
-	tools/test_blender.sh $(RUN) trixie -k "test_background or (test_story and (bake or live))"
+	tools/test_blender.sh $(RUN) trixie \
+		-k "test_background or (test_story and (bake or live or beside))"
+
+# The README's first command in a bare Debian 12. Needs root.
+test-debian: build/stamps/venv
+	tools/test_first_command.sh $(RUN) QUALITY=tiny
 
 # Before a commit, within two minutes once all is built.
 check: build/stamps/wheel build/stamps/develop
@@ -108,7 +115,8 @@ lint: build/stamps/wheel build/stamps/develop
 docs: build/stamps/docs
 
 bench: build/stamps/extension build/stamps/develop build/stamps/bench
-	$(RUN) bench/run.py
+	@tools/install_system_packages.sh $(PYTHON) libllvm19
+	$(RUN) bench/run.py $(OPTIONS)
 
 # The walks against each other: six minutes on two quiet cores. Measurements that exist are not repeated.
 study: build/stamps/wheel build/stamps/develop
@@ -148,11 +156,16 @@ wheel: build/stamps/wheel
 extension: build/stamps/extension $(foreach p,$(OTHER_PYTHONS),build/stamps/wheel-$(p))
 	$(RUN) tools/build_extension.py build/wheels/*.whl --output dist
 
-# Wheels for all platforms and Pythons, and an extension for each platform. PLATFORMS= and PYTHONS= choose.
+# Wheels for all platforms and Pythons, an extension for each platform, the source archive, the list of components and
+# the sums of all. PLATFORMS= and PYTHONS= choose; wheels of other commits are removed.
 RELEASE_OPTIONS = $(if $(PLATFORMS),--platforms $(PLATFORMS)) $(if $(PYTHONS),--pythons $(PYTHONS))
+release: export SOURCE_DATE_EPOCH = $(shell git show --no-patch --format=%ct HEAD)
 release: build/stamps/release build/stamps/blender
+	@rm -f dist/lamina-$(VERSION)-*.zip dist/lamina-$(VERSION).cdx.json dist/SHA256SUMS
 	$(RELEASE_RUN) release/build.py $(RELEASE_OPTIONS) --output dist/wheels
 	$(RUN) tools/build_extension.py dist/wheels/lamina-$(VERSION)-*.whl --output dist --split-platforms
+	$(RELEASE_RUN) release/sbom.py --output dist/lamina-$(VERSION).cdx.json
+	@cd dist && sha256sum lamina-$(VERSION)-*.zip lamina-$(VERSION).cdx.json wheels/* >SHA256SUMS
 
 # Tests with the wheels of `make release`, under wine and qemu.
 test-release: build/stamps/release
@@ -163,8 +176,7 @@ clean:
 	rm -rf build dist
 
 build/stamps/system: tools/install_system_packages.sh
-	@if [ -z "$(PYTHON)" ]; then echo "lamina: no Python 3.11 found, which bpy 4.5 LTS needs" >&2; exit 1; fi
-	@tools/install_system_packages.sh $(PYTHON)
+	@tools/install_system_packages.sh "$(PYTHON)"
 	@mkdir -p $(@D) && touch $@
 
 build/stamps/venv: requirements/build.txt build/stamps/system
@@ -196,7 +208,7 @@ build/stamps/embree: tools/build_embree.sh build/stamps/system
 build/stamps/first: build/stamps/venv $(NATIVE_SOURCES)
 	@echo "Building what the first picture needs of Lamina's native wheel (two minutes)"
 	@rm -rf build/first
-	@$(RUN) $(PIP) wheel --no-deps --no-build-isolation -C cmake.define.LAMINA_WALKS=OFF -w build/first .
+	@$(RUN) $(PIP) wheel --no-deps --no-build-isolation --config-settings cmake.define.LAMINA_WALKS=OFF -w build/first .
 	@touch $@
 
 # Incremental: CMake compiles what has changed since the last wheel.
@@ -212,7 +224,8 @@ build/stamps/wheel-%: build/stamps/wheel
 	@echo "Building Lamina's native wheel for $*"
 	@test -x build/venv-$*/bin/python || $$(tools/find_python.sh $*) -m venv build/venv-$*
 	@build/venv-$*/bin/python $(PIP) install -r requirements/build.txt
-	@build/venv-$*/bin/python $(PIP) wheel --no-deps --no-build-isolation -C build-dir="$(BUILD_FOLDER)" -w build/wheels .
+	@build/venv-$*/bin/python $(PIP) wheel --no-deps --no-build-isolation --config-settings build-dir="$(BUILD_FOLDER)" \
+		-w build/wheels .
 	@touch $@
 
 # Blender 5.2 as a Python module, with Lamina's wheel.
@@ -241,9 +254,8 @@ build/stamps/docs: build/stamps/wheel build/stamps/develop $(DOCS_SOURCES)
 	@echo "The documentation is in build/docs/index.html"
 	@touch $@
 
-build/stamps/bench: build/stamps/venv build/stamps/embree $(NATIVE_SOURCES)
+# In the build folder of the wheel, with the core that was compiled there.
+build/stamps/bench: build/stamps/wheel
 	@echo "Building the core's benchmarks"
-	@tools/install_system_packages.sh $(PYTHON) libllvm19
-	@cmake -S . -B build/native-bench -DLAMINA_BENCH=ON -DCMAKE_BUILD_TYPE=Release >/dev/null
-	@cmake --build build/native-bench --parallel 2 >/dev/null
+	@cmake --build $(BUILD_FOLDER) --parallel 2 --target bench_doubling bench_mesh_walk bench_occlusion >/dev/null
 	@touch $@

@@ -5,7 +5,7 @@ import bpy
 
 from . import operators
 from .baking import bake_job, lateral_job, live
-from .base import image_removal, native, preferences, timers
+from .base import image_removal, native, preferences, renders, timers, undo
 from .command_line import blend_saving, command
 from .interior import interior_job
 from .properties import dust_properties, material_properties, migration
@@ -24,6 +24,8 @@ from .ui import (
 
 PARTS = (
     timers,
+    renders,
+    undo,
     image_removal,
     material_properties,
     dust_properties,

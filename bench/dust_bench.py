@@ -13,25 +13,25 @@ from pathlib import Path
 import numpy as np
 
 from lamina import dust, ply
-from lamina.settling.mesh import common_frame, unit_normals, vertex_points
 
-OCCLUSION = Path(__file__).resolve().parent.parent / "build/native-bench/native/bench/bench_occlusion"
+OCCLUSION = Path(__file__).resolve().parent.parent / "build/native-bench/bench_occlusion"
 POINTS = 1_000_000
+AROUND = 1320  # 871,200 faces
 RAYS = 256
 SPREAD = math.radians(35.0)
 
 
-def mesh():
-    """(name, mesh with z up)."""
+def mesh(around):
+    """(name, mesh with z up). `around`: faces along the tube of the generated mesh."""
     path = os.environ.get("LAMINA_BENCH_MESH")
     if path:
         loaded = ply.load(path)
         return Path(path).name, dust.Mesh(loaded.vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0], loaded.triangles)
-    return "knotted tube", knot()
+    return "knotted tube", knot(around, around // 4)
 
 
-def knot(around=1320, across=330):
-    """A tube along a trefoil knot, with scales: 871,200 faces that overhang, fold and shade each other."""
+def knot(around, across):
+    """A tube along a trefoil knot, with scales: faces that overhang, fold and shade each other."""
     t = 2.0 * np.pi * np.arange(around) / around
     line = np.column_stack([np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)])
     along = np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0)
@@ -59,26 +59,40 @@ def surface_points(surface, count, seed=1):
     a, b = rng.uniform(size=(2, count))
     a, b = np.where(a + b > 1.0, [1.0 - a, 1.0 - b], [a, b])
     shares = np.column_stack([1.0 - a - b, a, b])
-    normals = vertex_points(surface).normals
     return dust.Points(np.einsum("nk,nkc->nc", shares, corners[face]),
-                       np.einsum("nk,nkc->nc", shares, normals[surface.triangles[face]]))
+                       np.einsum("nk,nkc->nc", shares, vertex_normals(surface)[surface.triangles[face]]))
 
 
-def measure():
-    """Rows of {what, Mrays/s, seconds, ...}."""
+def vertex_normals(surface):
+    """Of unit length; each face counts by its area."""
+    corners = surface.vertices[surface.triangles]
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = np.zeros_like(surface.vertices)
+    for corner in range(3):
+        np.add.at(normals, surface.triangles[:, corner], faces)
+    return normals / np.linalg.norm(normals, axis=1)[:, None]
+
+
+def measure(points=POINTS, around=AROUND):
+    """Rows of {what, Mrays/s, seconds, ...}. `points`: of the complete run."""
     if dust.available():
         print(dust.available())
         return []
     rows = []
-    name, surface = mesh()
-    frame = common_frame(surface)
-    points = surface_points(surface, 20_000)
+    name, surface = mesh(around)
+    low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
+    scale = 0.5 * np.linalg.norm(high - low)
+    few = surface_points(surface, min(points, 20_000))
+
+    def placed(positions):  # where single precision is finest
+        return ((positions - 0.5 * (low + high)) / scale).astype(np.float32)
+
     with tempfile.NamedTemporaryFile(suffix=".bin") as file:
-        np.array([len(surface.vertices), len(surface.triangles), len(points.positions)], np.uint64).tofile(file)
-        frame.floats(surface.vertices).tofile(file)
+        np.array([len(surface.vertices), len(surface.triangles), len(few.positions)], np.uint64).tofile(file)
+        placed(surface.vertices).tofile(file)
         surface.triangles.astype(np.uint32).tofile(file)
-        frame.floats(points.positions).tofile(file)
-        unit_normals(points.normals).tofile(file)
+        placed(few.positions).tofile(file)
+        (few.normals / np.linalg.norm(few.normals, axis=1)[:, None]).astype(np.float32).tofile(file)
         file.flush()
         for threads in (1, 0):
             done = subprocess.run([OCCLUSION, file.name, str(SPREAD), str(threads)], check=True, capture_output=True,
@@ -88,15 +102,16 @@ def measure():
                          "settling, Mrays/s": found["dust"] * 1e-6, "bare Embree, Mrays/s": found["bare"] * 1e-6,
                          "settling/bare": found["ratio"], "rays that hit": found["hit"]})
     # Peak memory is measured for a complete process, so this measurement has a process of its own.
-    done = subprocess.run([sys.executable, __file__], check=True, capture_output=True, text=True)
+    done = subprocess.run([sys.executable, __file__, str(points), str(around)], check=True, capture_output=True,
+                          text=True)
     return [*rows, json.loads(done.stdout)]
 
 
-def whole_run():
+def whole_run(count, around):
     import resource
 
-    name, surface = mesh()
-    points = surface_points(surface, POINTS)
+    name, surface = mesh(around)
+    points = surface_points(surface, count)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     found = dust.settle(surface, points, settings=dust.Settling(rays=RAYS, spread=SPREAD)).statistics
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -107,4 +122,4 @@ def whole_run():
 
 
 if __name__ == "__main__":
-    whole_run()
+    whole_run(*map(int, sys.argv[1:]))

@@ -11,7 +11,6 @@ import statistics
 from pathlib import Path
 
 import lamina
-from lamina.baking.bake import CLOSURE_BASES
 
 STACKS = Path(__file__).resolve().parent.parent / "tests/data/fit_stacks.json"
 GROUPS = {"used to choose": (False,), "blind": (True,), "all": (False, True)}
@@ -23,12 +22,13 @@ def load():
     return [(entry.pop("id"), entry.pop("blind"), lamina.Stack.from_json(entry)) for entry in entries]
 
 
-def measure(qualities=("preview", "final"), bases=tuple(CLOSURE_BASES)):
-    """One row per stack, basis and quality, then one row per group of stacks."""
-    stacks, rows = load(), []
+def measure(qualities=("preview", "final"), bases=("standard", "accurate"), stacks=None):
+    """One row per stack, basis and quality, then one row per group of stacks. `stacks`: that many of each group."""
+    given, rows = load(), []
+    given = [one for blind in (False, True) for one in [one for one in given if one[1] == blind][:stacks]]
     for basis in bases:
         for quality in qualities:
-            single = [_row(*stack, quality, basis) for stack in stacks]
+            single = [_row(*stack, quality, basis) for stack in given]
             sums = [_sum(name, [row for row in single if row["blind"] in blind]) for name, blind in GROUPS.items()]
             rows += single + sums
     return rows

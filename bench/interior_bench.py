@@ -19,10 +19,11 @@ PATHS = 1 << 15
 RR_DEPTHS = (50, 1000)
 
 
-def measure(repeats: int = 2) -> list[dict]:
-    ours = lamina_row()
+def measure(repeats: int = 2, paths: int = PATHS, samples: int = SAMPLES) -> list[dict]:
+    """Lamina's row and Mitsuba's, with `samples` of a texel and that many `paths`."""
+    ours = lamina_row(samples)
     rows = [ours]
-    for run in mitsuba_peer.measure(PATHS, RR_DEPTHS, repeats, "ball"):
+    for run in mitsuba_peer.measure(paths, RR_DEPTHS, repeats, "ball"):
         seconds = run["variance"] / ERROR**2 / run["paths_per_second"]
         rows.append({"name": f"Mitsuba {run['variant']}, volpath", "ms a texel": 1e3 * seconds,
                      "times": 1e3 * seconds / ours["ms a texel"], "paths/s": run["paths_per_second"],
@@ -30,7 +31,7 @@ def measure(repeats: int = 2) -> list[dict]:
     return rows
 
 
-def lamina_row() -> dict:
+def lamina_row(samples: int) -> dict:
     vertices, triangles = veined_ball.mesh()
     extinction, albedo = veined_ball.coefficients()
     corner = [veined_ball.RADIUS] * 3
@@ -39,10 +40,10 @@ def lamina_row() -> dict:
     points = texel_points()
     began = time.perf_counter()
     found = lamina.walk_in_mesh(lamina.Solid(vertices, triangles), interior, points, points / veined_ball.RADIUS,
-                                (0.0, 0.0, 1.0), samples=SAMPLES, threads=THREADS)
+                                (0.0, 0.0, 1.0), samples=samples, threads=THREADS)
     seconds = time.perf_counter() - began
     value, error = found.albedo.value, found.albedo.stderr
-    walks = 3 * SAMPLES  # a sample has three paths
+    walks = 3 * samples  # a sample has three paths
     variance = float(np.mean(error**2) * walks / np.mean(value) ** 2)
     paths = walks * len(points) / seconds
     return {"name": "Lamina, walk_in_mesh", "ms a texel": 1e3 * variance / ERROR**2 / paths, "times": 1.0,

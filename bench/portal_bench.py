@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The portal beside Cycles' Random Walk on a sphere under a sun: errors, CPU time, and variance at equal time.
 
-    python bench/portal_bench.py [--samples 256] [--repeats 3] [--extension ZIP] [--out build/bench/portal.json]
+    python bench/portal_bench.py [--samples 256] [--repeats 3] [--cases N] [--extension ZIP]
+        [--out build/bench/portal.json]
 
 References are those of the tests. Errors are free of noise: the mean over pairs of renders of the product of their
 errors. Times are the least of the renders, without the start of a render.
@@ -27,12 +28,13 @@ FEW = 16  # part of the samples that the subtracted start of a render has
 MORE = {"portal_sphere_forward": 2}
 
 
-def measure(samples, repeats, say):
-    """Rows by medium and mean free path, the portal's times and variances relative to Random Walk's."""
+def measure(samples, repeats, cases, say):
+    """Rows of the first `cases`, by medium and mean free path: the portal's times and variances relative to Random
+    Walk's."""
     import lit_sphere
 
     addon, rows = importlib.import_module(in_blender.extension.PACKAGE), []
-    for name, path in lit_sphere.BLOCKS:
+    for name, path in list(lit_sphere.BLOCKS)[:cases]:
         found = {}
         for number, kind in enumerate(OUTPUTS):
             found[kind] = _measured(addon, lit_sphere, name, path, kind, samples * MORE.get(name, 1), repeats, number)
@@ -78,4 +80,5 @@ def _measured(addon, lit_sphere, name, path, kind, samples, repeats, number):
 
 
 if __name__ == "__main__":
-    sys.exit(in_blender.main("portal", __doc__.split("\n\n")[0], {"samples": 256, "repeats": 3}, measure))
+    sys.exit(in_blender.main("portal", __doc__.split("\n\n")[0], {"samples": 256, "repeats": 3, "cases": 1000},
+                             measure))

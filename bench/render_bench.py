@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Speed and noise of baked materials in Cycles, beside Cycles' own materials and the volume slab.
 
-    python bench/render_bench.py [--size 128] [--repeats 5] [--extension ZIP] [--out build/bench/render.json]
+    python bench/render_bench.py [--size 128] [--repeats 5] [--quality final] [--extension ZIP]
+        [--out build/bench/render.json]
 
 The scene is the slab demo without its sky in view, under the same sun and sky. Every round renders each body in turn.
 Times are CPU times of the process, all threads together, which other load on the machine affects least: (many samples)
@@ -41,6 +42,11 @@ COATED = {
     ],
     "base": {"kind": "lambert", "reflectance": [0.5, 0.3, 0.1]},
 }
+HALO = {  # dust that scatters forward, over polished metal
+    "schema": 1,
+    "layers": [{"kind": "medium", "albedo": [0.8, 0.7, 0.55], "tau": 0.1, "phase": {"kind": "hg", "g": 0.8}}],
+    "base": {"kind": "conductor", "eta": 3.1, "k": 3.3},
+}
 BASE_COLOUR = (0.8, 0.8, 0.8, 1.0)
 # Dust and varnish on the Principled material of the comparison, by the inputs of the node group.
 DUST = {"kind": "medium", "albedo": [0.9, 0.88, 0.84], "tau": 1.0, "phase": {"kind": "hg", "g": 0.6}, "varying": True}
@@ -58,21 +64,21 @@ def diffuse():
     return _single_node("ShaderNodeBsdfDiffuse", {"Color": BASE_COLOUR})
 
 
-def scenes(stack):
+def scenes(stack, quality):
     """({name: scene}, {name: LUT} of the baked ones)."""
     from slab import scene
 
     bodies, luts = {}, {}
-    for name, layers in (("slab", stack), ("dusty", DUSTY), ("coated", COATED)):
+    for name, layers in (("slab", stack), ("dusty", DUSTY), ("coated", COATED), ("halo", HALO)):
         for basis in ("standard", "accurate"):
             title = f"Lamina, {name}, {basis}"
-            material, luts[title] = extension.bake(title, layers, basis=basis)
+            material, luts[title] = extension.bake(title, layers, quality, basis=basis)
             bodies[title] = ("baked", material)
     for name, layer in (("dust", DUST), ("varnish", VARNISH)):
         for words, inputs in INPUTS.items():
             title = f"Lamina, {name} on Principled{words}"
             base = {"kind": "principled", "color": list(BASE_COLOUR[:3]), "roughness": 0.5, "inputs": inputs}
-            material, luts[title] = extension.bake(title, {"schema": 1, "layers": [layer], "base": base})
+            material, luts[title] = extension.bake(title, {"schema": 1, "layers": [layer], "base": base}, quality)
             bodies[title] = ("baked", material)
     bodies |= {
         PRINCIPLED: ("baked", principled()),
@@ -147,6 +153,7 @@ def main(argv=None):
     parser = argparse.ArgumentParser(description="Time and noise of the baked material in Cycles.")
     parser.add_argument("--size", type=int, default=128)
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--quality", choices=("preview", "final"), default="final", help="of the bakes")
     parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "bench" / "render.json")
     arguments = parser.parse_args(argv)
@@ -156,7 +163,7 @@ def main(argv=None):
             from slab import scene
 
             stack = scene.load_stack()
-            stages, luts = scenes(stack)
+            stages, luts = scenes(stack, arguments.quality)
             for stage in stages.values():
                 prepare(stage, arguments.size)
             rows = table(measure(stages, arguments.repeats, lambda text: print(text, flush=True)))

@@ -24,11 +24,12 @@ STACKS = {
 }
 
 
-def measure() -> list[dict]:
-    return [row for name, stack in STACKS.items() for row in rows_of(name, stack)]
+def measure(photons: int = PHOTONS, stacks: int | None = None) -> list[dict]:
+    """Rows of the first `stacks`."""
+    return [row for name, stack in list(STACKS.items())[:stacks] for row in rows_of(name, stack, photons)]
 
 
-def rows_of(name: str, stack: Stack) -> list[dict]:
+def rows_of(name: str, stack: Stack, photons: int) -> list[dict]:
     """One row per quality. The error is the largest of the rings' relative errors: for "preview" the difference from
     "final", for "final" the promised .1 %, which tests/lamina/lateral checks."""
     beams, seconds = {}, {}
@@ -39,21 +40,21 @@ def rows_of(name: str, stack: Stack) -> list[dict]:
     radii = ring_radii(beams["final"])
     rings = {quality: ring_flux(beam, radii) for quality, beam in beams.items()}
     errors = {"preview": float(np.max(np.abs(rings["preview"] / rings["final"] - 1.0))), "final": PROMISED}
-    walking, variance = photon_cost(stack, radii)
+    walking, variance = photon_cost(stack, radii, photons)
     return [{"name": name, "quality": quality, "CPU-s": seconds[quality], "error": error,
              "photons, CPU-s to this error": variance * walking / error**2,
              "times sooner": variance * walking / error**2 / seconds[quality]} for quality, error in errors.items()]
 
 
-def photon_cost(stack: Stack, radii: np.ndarray) -> tuple[float, float]:
+def photon_cost(stack: Stack, radii: np.ndarray, photons: int) -> tuple[float, float]:
     """(CPU seconds per photon, relative variance of one photon in the ring with the largest variance)."""
     began = time.process_time()
-    rings = np.stack([np.diff(_columns(lamina.estimate_searchlight(stack, r=radii, samples=PHOTONS // RUNS, seed=seed,
+    rings = np.stack([np.diff(_columns(lamina.estimate_searchlight(stack, r=radii, samples=photons // RUNS, seed=seed,
                                                                   threads=1).reflected_inside.value), axis=0)
                       for seed in range(RUNS)])
     seconds = time.process_time() - began
     relative = rings.var(axis=0, ddof=1) / rings.mean(axis=0) ** 2
-    return seconds / PHOTONS, float(relative.mean(axis=-1).max()) * PHOTONS / RUNS
+    return seconds / photons, float(relative.mean(axis=-1).max()) * photons / RUNS
 
 
 def ring_radii(beam: lamina.Searchlight) -> np.ndarray:

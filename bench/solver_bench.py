@@ -9,7 +9,6 @@ import numpy as np
 from disort_peers import cdisort, pythonic_disort
 
 import lamina
-from lamina import _core
 
 SLAB = (0.9, 2.0, 0.75)
 NODES = 32
@@ -22,30 +21,27 @@ DPHI = np.linspace(0.0, np.pi, 9)
 ALL_DPHI = np.linspace(0.0, np.pi, 16)
 
 
-def measure(repeats=5):
-    """A list of {name, cpu_ms, error, ...}, and the reference for the errors."""
+def measure(repeats=5, streams=(32, 64)):
+    """A list of {name, cpu_ms, error, ...}. `streams` of the other codes."""
     truth = cdisort(*SLAB, 128, MU_O, MU_I, DPHI)
     mu = (np.arange(NODES) + 0.5) / NODES
     stack = lamina.Stack([lamina.Medium(albedo=SLAB[0], tau=SLAB[1], phase=lamina.HenyeyGreenstein(SLAB[2]))])
-    core = _core.Stack([_core.Medium(SLAB[0], SLAB[1], "hg", SLAB[2])])
-    pool = _core.ThreadPool(1)
 
     def lamina_solve():
-        return _core.solve(core, 1e-3, pool)
+        return lamina.solve(stack, threads=1)
 
     def lamina_values(mu_o, mu_i, dphi):
         solved = lamina_solve()
-        top = _core.Side.top
-        return [solved.grid(top, p, mu_o, mu_i, dphi, pool) for p in (_core.Path.reflect, _core.Path.transmit)]
+        return [solved.grid(path, mu_o, mu_i, dphi)[..., 0] for path in ("reflect", "transmit")]
 
     rows = {"Lamina, solve (all incidences, all azimuth orders)": lamina_solve,
             "Lamina, solve and 32 x 32 x 16 values of R and T": lambda: lamina_values(mu, mu, ALL_DPHI)}
     errors = {name: _error(lamina_values(MU_O, MU_I, DPHI), truth) for name in rows}
     for label, code in (("CDISORT", cdisort), ("PythonicDISORT", pythonic_disort)):
-        for streams in (32, 64):
-            name = f"{label}, {streams} streams, 16 x 32 x 16 values of R and T"
-            rows[name] = lambda code=code, streams=streams: code(*SLAB, streams, mu[::2], mu, ALL_DPHI)
-            errors[name] = _error(code(*SLAB, streams, MU_O, MU_I, DPHI), truth)
+        for count in streams:
+            name = f"{label}, {count} streams, 16 x 32 x 16 values of R and T"
+            rows[name] = lambda code=code, count=count: code(*SLAB, count, mu[::2], mu, ALL_DPHI)
+            errors[name] = _error(code(*SLAB, count, MU_O, MU_I, DPHI), truth)
     times = {name: [] for name in rows}
     for turn in range(repeats):
         for name, work in rows.items():
@@ -54,7 +50,7 @@ def measure(repeats=5):
             start = time.process_time()
             work()
             times[name].append(time.process_time() - start)
-    solved = lamina.solve(stack)
+    solved = lamina_solve()
     fastest = statistics.median(times[next(iter(rows))])
     return [
         {"name": name, "cpu_ms": 1e3 * statistics.median(times[name]), "error": errors[name],

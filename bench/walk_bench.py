@@ -5,61 +5,53 @@ thread."""
 
 import math
 import statistics
-import time
 
 import mitsuba_peer
 
 import lamina
-from lamina import _core
-from lamina.solver.solve import core_stack
 
 DIRECTIONS = (0.5, 0.5, math.pi / 2)
 ERROR = 1e-3
 THREADS = 2
-PATHS = 1 << 20
+SAMPLES = 1 << 20
 RR_DEPTHS = (5, 100)
-BLOCKS = 256
 
 
-def measure(repeats: int = 5) -> list[dict]:
+def measure(repeats: int = 5, error: float = ERROR, samples: int = SAMPLES) -> list[dict]:
+    """Rows of all walks; `samples` of a run that measures rates."""
     albedo, tau, g = mitsuba_peer.SLAB
     stack = lamina.Stack([lamina.Medium(albedo=albedo, tau=tau, phase=lamina.HenyeyGreenstein(g))])
-    peers = mitsuba(repeats)
+    peers = mitsuba(repeats, error, samples)
     fastest = min(peer["seconds"] for peer in peers)
     rows = []
     for method in ("scattering", "transfer"):
-        found = [lamina.estimate(stack, *DIRECTIONS, method=method, target_error=ERROR, seed=seed, threads=THREADS)
+        found = [lamina.estimate(stack, *DIRECTIONS, method=method, target_error=error, seed=seed, threads=THREADS)
                  for seed in range(repeats)]
         seconds = statistics.median(one.seconds for one in found)
         rows.append({"name": f"Lamina, {method}: BRDF at (.5, .5, 90°)", "seconds": seconds,
-                     "times_sooner": fastest / seconds, **_rates(stack, method, repeats),
+                     "times_sooner": fastest / seconds, **_rates(stack, method, repeats, samples),
                      "value": float(found[0].value[0])})
     return [*rows, *({**peer, "times_sooner": fastest / peer["seconds"]} for peer in peers)]
 
 
-def mitsuba(repeats: int) -> list[dict]:
-    """Seconds to ERROR from variance and paths per second. The compilation of kernels is reported separately."""
+def mitsuba(repeats: int, error: float, paths: int) -> list[dict]:
+    """Seconds to `error` from variance and paths per second. The compilation of kernels is reported separately."""
     return [{"name": f"Mitsuba {run['variant']}, volpath: directional albedo at .5",
-             "seconds": run["variance"] / ERROR**2 / run["paths_per_second"],
+             "seconds": run["variance"] / error**2 / run["paths_per_second"],
              "samples_per_second": run["paths_per_second"],
              **{key: run[key] for key in ("variance", "value", "compilation") if key in run}}
-            for run in mitsuba_peer.measure(PATHS, RR_DEPTHS, repeats)]
+            for run in mitsuba_peer.measure(paths, RR_DEPTHS, repeats)]
 
 
-def _rates(stack, method: str, repeats: int) -> dict:
+def _rates(stack, method: str, repeats: int, samples: int) -> dict:
     """Relative variance, samples and events per second with two threads, and the speed-up by the second one."""
-    _, layers, base = core_stack(stack, 0)
-    walk = getattr(_core, f"{method}_walk")(_core.Stack(layers, base), _core.WalkTarget(*DIRECTIONS))
     rates: dict = {1: [], THREADS: []}
-    pools = {count: _core.ThreadPool(count) for count in rates}
-    for turn in range(repeats + 1):
-        for count, pool in pools.items():
-            started = time.perf_counter()
-            total, squares, _, samples, events = _core.run_walk(walk, turn, 0, BLOCKS, pool)
-            if turn > 0:
-                rates[count].append(samples / (time.perf_counter() - started))
+    for turn in range(repeats):
+        for count, found in rates.items():
+            one = lamina.estimate(stack, *DIRECTIONS, method=method, samples=samples, seed=turn, threads=count)
+            found.append(float(one.samples[0]) / one.seconds)
     # Take the fastest round of each, because other load on the machine only slows a round down.
-    one, two = (max(rates[count]) for count in (1, THREADS))
-    mean = total / samples
-    return {"samples_per_second": two, "events_per_second": two * events / samples,
-            "second_thread": two / one, "variance": squares / samples / mean**2 - 1.0}
+    single, double = (max(rates[count]) for count in (1, THREADS))
+    return {"samples_per_second": double, "events_per_second": double * float(one.events[0] / one.samples[0]),
+            "second_thread": double / single,
+            "variance": float(one.samples[0] * (one.stderr[0] / one.value[0]) ** 2)}

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build the wheels of all platforms and Pythons on this Linux machine, with zig as cross compiler.
+"""Build all wheels on this Linux machine, with zig as cross compiler, and the source archive.
 
     python release/build.py [--platforms NAME...] [--pythons VERSION...] [--output dist/wheels]
 
 The core is compiled once per platform, the bindings once per Python. What is built stays in build/release, so another
-run compiles only what has changed. Needs the packages of requirements/release.txt, CMake and Maven.
+run compiles only what has changed. Wheels of another commit are removed from the output. Needs the packages of
+requirements/release.txt, CMake and Maven.
 """
 
 import os
@@ -17,6 +18,8 @@ from pathlib import Path
 
 import check_wheel
 import description
+import libcxx
+import origin
 import pythons
 import ziglang
 from platforms import chosen, classifier_of, parser_of, python_tag, wheel_name
@@ -31,8 +34,14 @@ def environment(platform):
     variables = dict(os.environ)
     for name in ("CXXFLAGS", "CFLAGS", "LDFLAGS", "CMAKE_CXX_COMPILER_LAUNCHER"):  # of this machine's compiler
         variables.pop(name, None)
-    variables["LAMINA_ZIG"] = str(Path(ziglang.__file__).parent / "zig")
+    zig = Path(ziglang.__file__).parent
+    variables["LAMINA_ZIG"] = str(zig / "zig")
+    own = libcxx.namespace(toolchain(platform))
+    if own:
+        variables["ZIG_LIB_DIR"] = str(BUILD / "zig-library")
+        libcxx.make(zig / "lib", BUILD / "zig-library", own)
     variables["ZIG_GLOBAL_CACHE_DIR"] = variables["ZIG_LOCAL_CACHE_DIR"] = str(pythons.cache() / "zig")
+    variables["SOURCE_DATE_EPOCH"] = origin.date()
     variables["LAMINA_TOOLCHAIN"] = str(toolchain(platform))
     variables.setdefault("CMAKE_BUILD_PARALLEL_LEVEL", "2")
     return variables
@@ -70,10 +79,11 @@ def build(platform, python, output):
     print(f"Building {wheel.name}", flush=True)
     subprocess.run([ROOT / "tools" / "build_embree.sh", BUILD / f"embree-{platform.name}"], env=variables, check=True)
     with tempfile.TemporaryDirectory(dir=BUILD) as scratch:
+        settings = [word for one in options for word in ("--config-settings", one)]  # Debian's pip has no -C
         subprocess.run([sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "wheel", "--no-deps",
-                        "--no-build-isolation", "-w", scratch, *(x for one in options for x in ("-C", one)), ROOT],
-                       env=variables, check=True)
+                        "--no-build-isolation", "-w", scratch, *settings, ROOT], env=variables, check=True)
         built = next(Path(scratch).glob("*.whl"))
+        os.environ["SOURCE_DATE_EPOCH"] = origin.date()  # of the archives that are packed again
         description.describe(built, FIELDS)
         tag = python_tag(python)
         subprocess.run([sys.executable, "-m", "wheel", "tags", "--remove", "--python-tag", tag, "--abi-tag", tag,
@@ -88,15 +98,27 @@ def build(platform, python, output):
     return wheel
 
 
+def build_sdist(output):
+    """The source archive of the package, lamina-VERSION.tar.gz."""
+    program = "import sys; from scikit_build_core.build import build_sdist; build_sdist(sys.argv[1])"
+    subprocess.run([sys.executable, "-c", program, output], cwd=ROOT, check=True, stdout=subprocess.DEVNULL,
+                   env={**os.environ, "SOURCE_DATE_EPOCH": origin.date()})
+    return output / f"lamina-{check_wheel.VERSION}.tar.gz"
+
+
 def main():
     parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, default=ROOT / "dist" / "wheels")
     arguments = parser.parse_args()
     BUILD.mkdir(parents=True, exist_ok=True)
     wanted = chosen(arguments)
+    output, now = arguments.output.resolve(), origin.commit()
+    removed = origin.begin(output, now)
+    print(f"release: {removed or now}", flush=True)
+    build_sdist(output)
     pythons.fetch({(python, classifier_of(platform, python)) for platform, python in wanted})
     for platform, python in wanted:
-        build(platform, python, arguments.output.resolve())
+        build(platform, python, output)
     if description.missing(FIELDS):
         print("release: " + description.missing(FIELDS))
 

@@ -12,6 +12,7 @@ import tomllib
 import zipfile
 from pathlib import Path
 
+import libcxx
 import lief
 from platforms import PLATFORMS, PYTHONS, digits, python_tag, wheel_name
 
@@ -29,6 +30,8 @@ MACOS_LIBRARIES = re.compile(r"/usr/lib/libSystem\.B\.dylib")
 # call malloc and free everywhere.
 MACOS_EMBREE = re.compile(r"__ZN6embree\w+")
 MACOS_WEAK = re.compile(r"__Z(n|d)(a|w|l)\w+")
+PYTHON_NAME = re.compile(r"__?Py\w+")
+FLAT_LOOKUP = -2
 
 
 def module_faults(data, platform, python, module):
@@ -80,9 +83,26 @@ def _macos_faults(binary, platform, python, module):
     yield from _foreign(needed, MACOS_LIBRARIES)
     exported = {symbol.name for symbol in binary.exported_symbols if not _may_be_exported(symbol)}
     yield from _exports(exported - {"__mh_dylib_header", "___dso_handle"}, f"_PyInit_{module}")
+    yield from _macos_bind_faults(binary)
     # Apple's processors run no module without a signature; the linker makes one.
     if not binary.has_code_signature:
         yield "has no signature"
+
+
+def _macos_bind_faults(binary):
+    weak, flat = set(), set()
+    for bind in binary.bindings:
+        name = bind.symbol.name if bind.has_symbol else "a symbol without a name"
+        if isinstance(bind, lief.MachO.DyldBindingInfo) and bind.binding_class == lief.MachO.DyldBindingInfo.CLASS.WEAK:
+            weak.add(name)
+        elif not bind.has_library and bind.library_ordinal in (FLAT_LOOKUP, FLAT_LOOKUP & 0xFF):
+            flat.add(name)
+    foreign = sorted(filter(libcxx.may_be_the_systems, weak))
+    if foreign:
+        yield f"{len(foreign)} weak binds may meet the system's libc++: {', '.join(foreign)}"
+    other = sorted(name for name in flat if not PYTHON_NAME.fullmatch(name))
+    if other:
+        yield f"looks up {len(other)} symbols in all libraries that are not Python's: {', '.join(other)}"
 
 
 def _may_be_exported(symbol):

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import check_wheel
+import origin
 from foreign import CannotRunError, Runner
 from platforms import chosen, parser_of, wheel_name
 
@@ -60,6 +61,7 @@ def main():
     parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument("--wheels", type=Path, default=ROOT / "dist" / "wheels")
     arguments = parser.parse_args()
+    print(f"wheels of {origin.of(arguments.wheels)}", flush=True)
     failed = []
     for platform, python in chosen(arguments):
         name = wheel_name(check_wheel.VERSION, platform, python)

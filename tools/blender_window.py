@@ -150,22 +150,29 @@ def perform(story):
     bpy.context.preferences.view.show_splash = bpy.context.preferences.view.show_tooltips = False
 
     class Step(bpy.types.Operator):
-        """One step; operators may always write to data-blocks, and timers in Blender 4.3 not always"""
+        """One step; operators may write to data-blocks, and timers in Blender 4.3 not always"""
 
         bl_idname = "lamina_test.step"
         bl_label = "Step"
         bl_options = {"INTERNAL"}
 
         def execute(self, _context):
-            nonlocal wait
-            wait = taken()
+            take()
             return {"FINISHED"}
 
+    def take(_manager=None, _context=None):
+        nonlocal wait
+        wait = taken()
+
     bpy.utils.register_class(Step)
+    bpy.types.WindowManager.lamina_test_step = bpy.props.BoolProperty(update=take)
     wait = 0.0
 
     def step():
-        bpy.ops.lamina_test.step()
+        try:
+            bpy.ops.lamina_test.step()
+        except RuntimeError:  # Blender 4.3 refuses operators too after some previews; updates of properties may write
+            bpy.context.window_manager.lamina_test_step = True
         return wait
 
     def taken():

@@ -6,15 +6,22 @@
 Needs the bpy wheel: Blender's own `blender_ext.py` builds and validates the archive. Wheels for several Pythons and
 platforms may go into one archive; Blender installs the one that fits. With --split-platforms each platform has an
 archive of its own, dist/lamina-<version>-<platform>.zip. Version, website and contact are those of pyproject.toml.
+
+Blender leaves a wheel's files as they are when it installs another wheel of the same version. So the wheels in the
+archive have local versions, such as 0.1.0+1f3a90c2, which differ whenever the contents differ.
 """
 
 import argparse
+import base64
+import hashlib
 import importlib.util
+import os
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import tomllib
 import zipfile
 from pathlib import Path
@@ -90,6 +97,31 @@ def _check_contents(opened, wheel):
                 raise SystemExit(f"build_extension: {wheel.name}: {name} is compiled for another Python")
 
 
+def with_local_version(wheel, folder):
+    """Copy a wheel into `folder`, with a local version from its contents; returns the path of the copy."""
+    with zipfile.ZipFile(wheel) as opened:
+        contents = {entry.filename: opened.read(entry) for entry in opened.infolist()}
+        digest = hashlib.sha256()
+        for name in sorted(contents):
+            digest.update(f"{name}\0{len(contents[name])}\0".encode() + contents[name])
+        plain, local = (f"lamina-{one}" for one in (version(), f"{version()}+{digest.hexdigest()[:8]}"))
+        info, local_info = f"{plain}.dist-info/", f"{local}.dist-info/"
+        metadata = re.sub(rb"(?m)^Version: .*$", b"Version: " + local.removeprefix("lamina-").encode(),
+                          contents[info + "METADATA"], count=1)
+        recorded = base64.urlsafe_b64encode(hashlib.sha256(metadata).digest()).rstrip(b"=").decode()
+        record = contents[info + "RECORD"].decode().replace(info, local_info)
+        record = re.sub(rf"(?m)^{re.escape(local_info)}METADATA,.*$",
+                        f"{local_info}METADATA,sha256={recorded},{len(metadata)}", record)
+        changed = {info + "METADATA": metadata, info + "RECORD": record.encode()}
+        copy = folder / wheel.name.replace(plain, local, 1)
+        with zipfile.ZipFile(copy, "w", zipfile.ZIP_DEFLATED) as new:
+            for entry in opened.infolist():
+                data = changed.get(entry.filename, contents[entry.filename])
+                entry.filename = entry.filename.replace(info, local_info)
+                new.writestr(entry, data)
+    return copy
+
+
 def platform_of_module(data):
     """Blender's platform name for a compiled module, from its first bytes."""
     if data[:4] == b"\x7fELF":
@@ -138,8 +170,7 @@ def build(wheels, output, split=False):
         folder = Path(scratch, "lamina")
         shutil.copytree(source, folder, ignore=shutil.ignore_patterns("__pycache__", "*.pyc", ".*"))
         (folder / "wheels").mkdir()
-        for wheel in wheels:
-            shutil.copy2(wheel, folder / "wheels")
+        wheels = [with_local_version(wheel, folder / "wheels") for wheel in wheels]
         (folder / "blender_manifest.toml").write_text(manifest_with(text, wheels), encoding="utf-8")
         for name in LICENCES:
             shutil.copy2(ROOT / name, folder)
@@ -149,8 +180,21 @@ def build(wheels, output, split=False):
         _run("build", "--source-dir", str(folder), "--output-dir", str(built), *["--split-platforms"][:split])
         archives = sorted(built.glob("*.zip"))
         for archive in archives:
+            if "SOURCE_DATE_EPOCH" in os.environ:
+                date(archive, int(os.environ["SOURCE_DATE_EPOCH"]))
             _run("validate", str(archive))
         return [Path(shutil.move(archive, output / archive.name)) for archive in archives]
+
+
+def date(archive, seconds):
+    """Gives all files of an archive one time, as in wheels: the same sources then give the same bytes."""
+    dated = archive.with_suffix(".dated")
+    with zipfile.ZipFile(archive) as old, zipfile.ZipFile(dated, "w") as new:
+        for entry in old.infolist():
+            data = old.read(entry)
+            entry.date_time = time.gmtime(seconds)[:6]
+            new.writestr(entry, data)
+    dated.replace(archive)
 
 
 def _run(*arguments):

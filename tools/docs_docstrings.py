@@ -5,7 +5,7 @@
         in indented lines
     other, another: text
 
-Such lines become items of a list. Only names that the object has are recognised.
+Such lines become the parameters in the list of Sphinx. Only names that the object has are recognized.
 """
 
 import contextlib
@@ -20,22 +20,27 @@ def setup(app):
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
-def as_lists(lines, names):
-    """The lines of a docstring, with those that describe `names` as items of a list."""
-    result, inside = [], False
-    for line in lines:
-        item = ITEM.fullmatch(line)
-        if item and set(item[1].split(", ")) <= names:
-            result += [] if inside else [""]
-            result.append(f"* **{item[1]}**: {item[2]}")
-            inside = True
-        elif inside and line.startswith(" "):
-            result.append(f"  {line.strip()}")
+def as_fields(lines, names):
+    """The lines of a docstring, with those that describe `names` as fields of Sphinx, one for each name."""
+    result, item = [], []
+    for line in [*lines, ""]:
+        match = ITEM.fullmatch(line)
+        if match and set(match[1].split(", ")) <= names:
+            result += _fields(item)
+            item = [match[1], match[2]]
+        elif item and line.startswith(" "):
+            item.append(line.strip())
         else:
-            result += [""] if inside else []
-            result.append(line)
-            inside = False
+            result += [*_fields(item), *([""] if item else []), line]
+            item = []
     return result
+
+
+def _fields(item):
+    if not item:
+        return []
+    described, *text = item
+    return ["", *(f":param {name}: {' '.join(text)}" for name in described.split(", "))]
 
 
 def _process(app, what, name, described, options, lines):
@@ -43,4 +48,4 @@ def _process(app, what, name, described, options, lines):
     if callable(described):
         with contextlib.suppress(TypeError, ValueError):  # a class without a signature in Python
             names |= set(inspect.signature(described).parameters)
-    lines[:] = as_lists(lines, names)
+    lines[:] = as_fields(lines, names)

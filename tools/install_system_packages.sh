@@ -5,13 +5,25 @@
 #     tools/install_system_packages.sh PYTHON [OPTIONAL PACKAGE ...]
 set -eu
 
+python="${1:-}"
+[ -n "$python" ] && "$python" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null || {
+    echo "lamina: no Python 3.11, which bpy 4.5 LTS needs: install python3.11 and its venv (on releases without one," \
+        "pyenv install 3.11), or name it: make PYTHON=FILE" >&2
+    exit 1
+}
+command -v dpkg-query >/dev/null || {
+    echo "lamina: no dpkg-query, and the build takes its compiler and libraries from Debian's packages: build on" \
+        "Debian 12, for example in a container" >&2
+    exit 1
+}
+shift
+
 packages="g++ cmake git xz-utils libeigen3-dev libx11-6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0
 libgomp1 libsm6 libice6 libxext6 libgl1"
-python="$1"
-shift
-"$python" -c 'import ensurepip, venv' 2>/dev/null || packages="$packages python3-venv"
+# Of the Python itself: python3-venv would be another release's where python3.11 is not the distribution's own.
+"$python" -c 'import ensurepip, venv' 2>/dev/null || packages="$packages python3.11-venv"
 "$python" -c 'import os, sysconfig, sys; sys.exit(not os.path.exists(sysconfig.get_path("include") + "/Python.h"))' ||
-    packages="$packages python3-dev"
+    packages="$packages python3.11-dev"
 
 missing_of() {
     for package in "$@"; do

@@ -9,7 +9,7 @@ from ..base import native
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import layer_list, stack_io
 from ..nodes import before, lateral_group, portal_graph, relightable_graph
-from . import portal_reach, volume_bounces
+from . import lateral_body, portal_reach, volume_bounces
 
 log = logging.getLogger(__name__)
 
@@ -25,13 +25,14 @@ class LateralJob(OfMaterial, Worker):
         self.uid, self.scene_uid, self.millimetre = material.session_uid, scene.session_uid, millimetre(scene)
         self.output, quality = material.lamina.lateral, material.lamina.quality
         self.layers = layer_list.mark(material)
+        self.note = lateral_body.require(bpy.context, scene, material, self.output)
         stack, compute = stack_io.to_stack(material), _compute(self.output, material)
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
     def apply(self, material):
         """Build the node group. A scene that was deleted meanwhile needs no bounces."""
         scene = with_uid(bpy.data.scenes, self.scene_uid)
-        _apply(material, scene, self.output, self.layers, self.result, self.millimetre)
+        _apply(material, scene, self.output, self.layers, self.note, self.result, self.millimetre)
 
 
 def make(material, scene=None, quality=None, output=None):
@@ -40,11 +41,13 @@ def make(material, scene=None, quality=None, output=None):
     `output` is "RELIGHTABLE" or "PORTAL", by default the material's choice. Returns the computed
     lamina.SubsurfaceInputs or lamina.PortalTables. `scene` gives the length of a Blender unit and gets the
     bounces that a portal needs; the default is the context's scene. Raises lamina.StackError for media
-    without lengths, SolveError and NativeMissingError; the material is then unchanged."""
+    without lengths, RefusedError and lamina.InteriorError for objects of the scene that do not fit,
+    SolveError and NativeMissingError; the material is then unchanged."""
     output, layers = output or material.lamina.lateral, layer_list.mark(material)
-    found = _compute(output, material)(stack_io.to_stack(material), quality or material.lamina.quality)
     scene = scene or bpy.context.scene
-    _apply(material, scene, output, layers, found, millimetre(scene))
+    note = lateral_body.require(bpy.context, scene, material, output)
+    found = _compute(output, material)(stack_io.to_stack(material), quality or material.lamina.quality)
+    _apply(material, scene, output, layers, note, found, millimetre(scene))
     return found
 
 
@@ -84,7 +87,9 @@ def stale(material):
     return ""
 
 
-def _apply(material, scene, output, layers, found, length):
+def _apply(material, scene, output, layers, note, found, length):
+    """`layers`: their mark; `note`: a sentence about the objects, or ''."""
+
     def draw(graph, socket, _more):
         if output == "PORTAL":
             return portal_graph.draw(graph, found, socket, f"Lamina Portal {material.name}")
@@ -102,4 +107,5 @@ def _apply(material, scene, output, layers, found, length):
     interior.report = interior.made_from = ""
     material.lamina.lateral_shown, material.lamina.lateral_layers = output, layers
     raised = "" if scene is None else volume_bounces.provide(scene, material)
-    material.lamina.lateral_report = f"{found.report} {raised}." if raised else found.report
+    sentences = [found.report, note, raised and f"{raised}."]
+    material.lamina.lateral_report = " ".join(filter(None, sentences))

@@ -12,7 +12,7 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, handlers, native, preferences, redraw, renders, timers
+from ..base import changes, handlers, native, preferences, redraw, renders, timers, undo
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import stack_io
 from ..nodes import node_group
@@ -164,16 +164,20 @@ def _finish_job():
         return
     if renders.is_running():
         return
-    _place.forget()
     material = job.material()
     if material is None or followed is None or job.cancelling or not _can_follow(material):
+        _place.forget()
         return
     followed.touched = time.monotonic()
     try:
-        job.show(material, followed)
+        with undo.recorded("Lamina Live"):
+            job.show(material, followed)
     except Exception as error:  # The panel shows one sentence; the last good bake is kept.
+        if timers.is_refusal(error):
+            raise
         if not followed.changed:
             bake_job.note_failure(material, error)
+    _place.forget()
     redraw.properties()
 
 
@@ -253,12 +257,19 @@ def _on_undo(*_):
             mark(material)
 
 
+def _on_loss(owner):
+    for material in bpy.data.materials:
+        if material.lamina.node_group == owner:
+            mark(material)
+
+
 HANDLERS = {"load_pre": _on_load, "undo_post": _on_undo, "redo_post": _on_undo}
 
 
 def register():
     changes.listeners.append(mark)
     changes.switches.append(switch)
+    changes.losses.append(_on_loss)
     handlers.add(HANDLERS)
 
 
@@ -267,5 +278,6 @@ def unregister():
     timers.end(poll)
     changes.listeners.remove(mark)
     changes.switches.remove(switch)
+    changes.losses.remove(_on_loss)
     handlers.remove(HANDLERS)
     _followed.clear()

@@ -2,9 +2,11 @@
 """Tells other packages that the layers of a material, or the settings of an object's dust, have changed,
 without importing them.
 
-Property callbacks and the functions that add, remove or move layers call `tell`; the functions in `listeners`
-only take note. Those in `switches` are called when the Live button is pressed, those in `removals` when a
-material loses its stack. Those in `dust_listeners` and `dust_switches` are called likewise, with an object.
+Property callbacks and the functions that add, remove or move layers call `tell`; the functions in
+`listeners` only take note. Those in `switches` are called when the Live button is pressed, those in
+`removals` when a material loses its stack. Those in `dust_listeners` and `dust_switches` are called
+likewise, with an object. Those in `losses` are called after an undo that has freed the image of a material,
+node group or object.
 """
 
 listeners = []
@@ -12,6 +14,7 @@ switches = []
 removals = []
 dust_listeners = []
 dust_switches = []
+losses = []
 
 
 def tell(material):
@@ -29,6 +32,12 @@ def removed(material):
     """The stack of a material has been taken away."""
     for listener in removals:
         listener(material)
+
+
+def lose_image(owner):
+    """Undo has freed an image of this material, node group or object."""
+    for listener in losses:
+        listener(owner)
 
 
 def switched(settings):

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 
+made = set()  # session_uid of every image that was made since Blender's start, see undo
 
 def create(name, texels):
     """A new float32 image of `texels`, (height, width, 4), bottom row first. It has no user yet."""
@@ -15,6 +16,7 @@ def create(name, texels):
     image.pixels.foreach_set(np.ascontiguousarray(texels, np.float32).ravel())
     image.update()
     image.pack()
+    made.add(image.session_uid)
     return image
 
 
@@ -26,4 +28,5 @@ def black(name, size, float_buffer=False):
     image.pixels.foreach_set(texels.ravel())  # a generated image without assigned pixels cannot be packed
     image.update()
     image.pack()
+    made.add(image.session_uid)
     return image

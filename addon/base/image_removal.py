@@ -15,6 +15,7 @@ from . import handlers, renders, timers
 from .worker import with_uid
 
 INTERVAL = 1.0  # seconds between two looks
+UNUSED = " (unused)"  # after the name of an image that will be removed
 LEAST = 1.0  # seconds that an image stays: a viewport is not among the jobs, and starts anew by then
 LONGEST = 30.0  # seconds that an image stays while jobs follow one another, as previews do during Live
 
@@ -26,8 +27,8 @@ def remove(image):
     if bpy.app.background:
         bpy.data.images.remove(image)
         return
-    image.name = f"{image.name} (unused)"  # leaves the name to another image
     _unused.append((image.session_uid, image.users, time.monotonic()))
+    image.name += UNUSED  # leaves the name to another image
     timers.start(poll, INTERVAL)
 
 
@@ -52,10 +53,10 @@ def poll():
     for entry in _unused[:]:
         uid, users, since = entry
         if now - since > (LONGEST if is_running else LEAST):
-            _unused.remove(entry)
             image = with_uid(bpy.data.images, uid)
-            if image is not None and image.users <= users:  # an undo may have brought back a user
+            if image is not None and image.users <= users:
                 bpy.data.images.remove(image)
+            _unused.remove(entry)
     return INTERVAL if _unused else None
 
 
@@ -64,7 +65,17 @@ def _on_load(*_):
     _unused.clear()
 
 
-HANDLERS = {"load_pre": _on_load}
+@persistent
+def _on_undo(*_):
+    # An image that undo has given to a node again stays, under its old name.
+    for entry in _unused[:]:
+        image = with_uid(bpy.data.images, entry[0])
+        if image is not None and image.users:
+            _unused.remove(entry)
+            image.name = image.name.removesuffix(UNUSED)
+
+
+HANDLERS = {"load_pre": _on_load, "undo_post": _on_undo, "redo_post": _on_undo}
 
 
 def register():

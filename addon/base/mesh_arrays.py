@@ -59,11 +59,22 @@ def corner_vertices(mesh):
 
 
 def corner_normals(mesh, matrix):
-    """Normals by face corner, of any length. The matrix of cofactors transforms them, also for a flattened
-    object."""
+    """Normals by face corner, of any length."""
     local = np.empty(3 * len(mesh.loops), np.float32)
     if len(mesh.loops):
         mesh.corner_normals.foreach_get("vector", local)
+    return _turned_normals(local, matrix)
+
+
+def face_normals(mesh, matrix):
+    """Normals by face, of any length."""
+    local = np.empty(3 * len(mesh.polygons), np.float32)
+    mesh.polygons.foreach_get("normal", local)
+    return _turned_normals(local, matrix)
+
+
+def _turned_normals(local, matrix):
+    """The matrix of cofactors transforms normals, also for a flattened object."""
     x, y, z = np.array(matrix, np.float64)[:3, :3].T
     cofactors = np.array([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
     sign = -1.0 if matrix.determinant() < 0.0 else 1.0

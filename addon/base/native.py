@@ -17,6 +17,7 @@ _reason = "Lamina's native module has not been loaded yet"
 
 
 GONE = "Lamina's files are gone: another Blender has removed or replaced them; start this Blender again"
+REPLACED = "Another build of Lamina has been installed since Blender's start; start Blender again"
 
 
 class NativeMissingError(RuntimeError):
@@ -25,11 +26,15 @@ class NativeMissingError(RuntimeError):
 
 def load():
     """Import `lamina`, or store the reason of the failure. Called whenever the add-on is enabled, so that a
-    new wheel is found."""
+    new wheel is found. A build that replaces a loaded one is refused: the old modules are still in memory."""
     global _package, _reason
     importlib.invalidate_caches()
     try:
         package = importlib.import_module("lamina")
+        written = Path(package.__file__).stat().st_mtime_ns  # the unpacking of the wheel
+        if package.__dict__.setdefault("_written", written) != written:
+            _package, _reason = None, REPLACED
+            return
         package.lobes = importlib.import_module("lamina.lobes")
         for name in REQUIRED:
             getattr(package, name)

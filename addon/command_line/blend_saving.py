@@ -114,7 +114,8 @@ def _write(path, copy):
 
 
 def _save_by_blender(path, copy):
-    if not copy and bpy.data.filepath and _real(bpy.data.filepath) == _real(path):
+    # A file opened through a symbolic link is saved by its real name: Blender would replace the link.
+    if not copy and bpy.data.filepath == str(path):
         return bpy.ops.wm.save_mainfile()
     return bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False, copy=copy)
 

@@ -5,7 +5,6 @@ import json
 
 import bpy
 
-from ..baking import bake_job
 from ..base import messages, native
 from ..editing import stack_io
 from ..stack_json import stack_check
@@ -63,5 +62,5 @@ def _entry(material):
     }
     if native.available():
         stack, _error = stack_check.of(stack_io.to_text(material))
-        entry |= {"state": bake_job.state(material), "stack_hash": None if stack is None else stack.hash}
+        entry |= {"state": words.state_of(material), "stack_hash": None if stack is None else stack.hash}
     return entry

@@ -4,7 +4,6 @@
 from ..baking import bake_job
 from ..base import messages, native
 from ..editing import over_material, stack_io
-from ..nodes import node_group
 from . import words
 from .finished_tables import Wanted
 
@@ -52,10 +51,8 @@ class Plan:
         self.basis = arguments.basis or material.lamina.basis
         self.has_changed = not self._was_enabled or stack_io.to_dict(material) != self._before
         self.wanted = Wanted(stack_io.to_stack(material), self.quality, self.basis)
-        if bake_job.state(material, self.quality, self.basis) != "fresh":
+        if words.state_of(material, self.quality, self.basis) != "fresh":
             self.reason = words.state(material, self.quality, self.basis)
-        elif not node_group.is_whole(material):
-            self.reason = "the node group of the last bake is not whole"
         elif arguments.force:
             self.reason = "baked again by --force"
         else:

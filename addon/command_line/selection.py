@@ -70,9 +70,9 @@ def targets(files, arguments):
 
 
 def _in_folder(files, folder):
-    found = {file: folder / file.name for file in files}
-    names = [file.name for file in files]
-    twice = next((name for name in names if names.count(name) > 1), None)
+    found = {file: (folder / file.name).resolve() for file in files}
+    places = list(found.values())
+    twice = next((place.name for place in places if places.count(place) > 1), None)
     if twice is not None:
         raise UsageError(f"--output {folder}: two files have the name {twice}")
     return found

@@ -4,13 +4,21 @@
 from ..baking import bake_job
 from ..base import native
 from ..base.messages import percent
+from ..nodes import node_group
+
+
+def state_of(material, quality=None, basis=None):
+    """The state of the material's bake as in bake_job.state; 'broken' if it is fresh, but the node group is
+    not whole."""
+    found = bake_job.state(material, quality, basis)
+    return "broken" if found == "fresh" and not node_group.is_whole(material) else found
 
 
 def state(material, quality=None, basis=None):
     """The state of the material's bake in words; for a quality and basis, by default the material's own."""
     if not native.available():
         return "baked" if material.lamina.result.stack_hash else "not baked"
-    found = bake_job.state(material, quality, basis)
+    found = state_of(material, quality, basis)
     difference = bake_job.difference(material, quality, basis)
     words = {
         "none": "not baked",
@@ -19,6 +27,7 @@ def state(material, quality=None, basis=None):
         "live": f"live preview, {difference}",
         "other": f"out of date, baked with {difference}",
         "invalid": "cannot be baked",
+        "broken": "the node group of the last bake is not whole",
     }
     return f"out of date, {bake_job.version_difference(material)}" if found == "older" else words[found]
 

@@ -8,6 +8,7 @@ from mathutils import Matrix
 
 from ..base import mesh_arrays
 from ..base.messages import RefusedError
+from ..nodes import other_materials
 
 SAME = 1e-3  # relative difference of scales that count as equal
 
@@ -40,11 +41,15 @@ class Frame:
 
 @dataclass(frozen=True)
 class Body:
-    """`arrays`: in the object's own axes, in mm. `millimetres`: of a unit of the object's own space."""
+    """`arrays`: in the object's own axes, in mm. `millimetres`: of a unit of the object's own space.
+    `opaque`: (m,) bool, which triangles have an opaque material. `notes`: sentences about faces of other
+    materials."""
 
     arrays: mesh_arrays.Arrays
     millimetres: float
     frame: Frame
+    opaque: np.ndarray
+    notes: tuple[str, ...]
 
 
 def problem(obj):
@@ -87,9 +92,12 @@ def _of_mesh(evaluated, obj, material, uv_map, frame):
         normals = mesh_arrays.corner_normals(mesh, still)[loops]
         uvs = mesh_arrays.uvs(obj, mesh, uv_map, "let Lamina unwrap it")[loops]
         uvs[~with_material(mesh.loop_triangles, obj, material)] = -1.0  # one point outside of the image
+        slots = other_materials.of_slots(mesh.loop_triangles, obj)
+        opaque, notes = other_materials.opaque_faces(slots, obj, material)
     finally:
         evaluated.to_mesh_clear()
-    return Body(mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name), millimetres, frame)
+    arrays = mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name)
+    return Body(arrays, millimetres, frame, opaque, notes)
 
 
 def frame_of(obj, scene):
@@ -100,14 +108,12 @@ def frame_of(obj, scene):
 def with_material(faces, obj, material):
     """(m,) bool: which of `faces`, of a mesh or its triangles, have the material. Raises RefusedError if no
     slot of the object has the material."""
-    numbers = np.empty(len(faces), np.int32)
-    faces.foreach_get("material_index", numbers)
     own = np.array([slot.material == material for slot in obj.material_slots] or [True])
     if not own.any():
         raise RefusedError(
             f"{material.name} is not a material of the active object: select an object that has it"
         )
-    return own[np.minimum(numbers, len(own) - 1)]
+    return own[other_materials.of_slots(faces, obj)]
 
 
 def _frame(obj, matrix, scene):

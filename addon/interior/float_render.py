@@ -11,7 +11,9 @@ from ..base import renders
 
 
 def prepare(scene, width, height):
-    """Settings of a scene for exact values: an image of this size, no clamping, denoising or bounces."""
+    """Settings of a scene for exact values: an image of this size, no clamping, denoising or bounces.
+    Raises RefusedError in Blender before 5.2 while a preview is rendered."""
+    renders.end_previews()
     scene.render.engine = "CYCLES"
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100

@@ -13,6 +13,7 @@ import numpy as np
 from ..base.messages import RefusedError
 from ..editing import layer_list
 from ..kinds import interiors
+from ..nodes import other_materials
 from . import body, lamps
 
 STILL = 1e-3  # relative, and in radians: what changed by less counts as unchanged
@@ -29,6 +30,7 @@ def note(context, obj, material, node, uv_map, has_image):
         "settings": _settings(material, node),
         "map": uv_map if uv_map in obj.data.uv_layers else "",  # "": a modifier makes it
         "body": _body(obj, context.scene),
+        "faces": other_materials.counts(obj, material),
     }
     settings = material.lamina.interior
     if settings.output == "LIT":
@@ -55,6 +57,9 @@ def stale(context, obj, material):
     try:
         if not _alike_bodies(_body(obj, context.scene), earlier["body"]):
             return f"The object has been scaled or edited since: {AGAIN}"
+        faces = other_materials.counts(obj, material)
+        if earlier.get("faces", faces) != faces:
+            return f"The materials of the object's faces have changed since: {AGAIN}"
         return _stale_light(context, obj, earlier) if "lamps" in earlier else ""
     except RefusedError as error:
         return str(error)

@@ -17,13 +17,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..base import native, package, preferences, renders, uv_maps
+from ..base import native, package, preferences, rendered, renders, undo, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Place, Worker
 from ..kinds import interiors
-from ..nodes import before, interior_graph, lateral_group
+from ..nodes import before, interior_graph, lateral_group, other_materials
 from ..properties.described import quantity
-from . import body, contents, freshness, lamps, lights, rendered, unwrap
+from . import body, contents, freshness, lamps, lights
 
 log = logging.getLogger(__name__)
 
@@ -40,7 +40,7 @@ STOPPED = "Stopped early: the next start continues."
 class Task:
     """One computation, as arrays and numbers. `fill`: a function of (progress, cancel) that returns the
     lamina.Interior. `sources`: the lamps, then the world, for Lit. `note`: of `freshness`.
-    `folder`: of finished parts."""
+    `folder`: of finished parts. `remarks`: sentences about faces of other materials."""
 
     material: int
     name: str
@@ -60,6 +60,7 @@ class Task:
     millimetre: float
     folder: Path
     threads: int
+    remarks: tuple[str, ...]
 
 
 class InteriorJob(OfMaterial, Worker):
@@ -84,7 +85,8 @@ class InteriorJob(OfMaterial, Worker):
         material = self.material()
         if images is None or material is None or self.cancelling:
             return
-        apply(material, self.task, images, again=self.shows)
+        with undo.recorded("Lamina Interior"):
+            apply(material, self.task, images, again=self.shows)
         self.shows = True
 
     def finish(self):
@@ -149,6 +151,9 @@ def gather(context, obj, material, folder=None):
         raise RefusedError(sentence)
     uv_map = settings.uv_map if own else unwrap.ensure(obj)
     shape, lit_by, view = _seen(context, obj, material, uv_map)
+    remarks = shape.notes
+    if settings.output == "RELIGHTABLE" and shape.opaque.any():
+        remarks = (*remarks, other_materials.OPEN_TO_LAMPS)
     uv_map = uv_map or named
     sources = []
     if settings.output == "LIT":
@@ -162,7 +167,7 @@ def gather(context, obj, material, folder=None):
         material=material.session_uid,
         name=material.name,
         output=settings.output,
-        solid=lamina.Solid(shape.arrays.vertices, shape.arrays.triangles, name=obj.name),
+        solid=lamina.Solid(shape.arrays.vertices, shape.arrays.triangles, name=obj.name, opaque=shape.opaque),
         fill=filled.fill,
         surface=filled.surface,
         uvs=shape.arrays.uvs,
@@ -177,6 +182,7 @@ def gather(context, obj, material, folder=None):
         millimetre=0.001 / scene.unit_settings.scale_length,
         folder=Path("."),
         threads=preferences.threads(),
+        remarks=remarks,
     )
     base = package.user_folder("interiors") if folder is None else Path(folder)
     return replace(task, folder=base / _key(task, filled.identity))
@@ -241,7 +247,8 @@ def apply(material, task, found, again=False):
     settings.made_from = task.note
     # The nodes of the panel Lateral are gone.
     material.lamina.lateral_report = ""
-    settings.report = " ".join([found.report, *(f"{note[0].upper()}{note[1:]}." for note in found.notes)])
+    notes = (*found.notes, *task.remarks)
+    settings.report = " ".join([found.report, *(f"{note[0].upper()}{note[1:]}." for note in notes)])
     if found.done == 1.0:
         shutil.rmtree(task.folder, ignore_errors=True)
 
@@ -281,7 +288,7 @@ def _seen(context, obj, material, uv_map):
 def _key(task, identity):
     """Name of the folder: equal settings and geometry have the same."""
     digest = hashlib.sha256()
-    for array in (task.solid.vertices, task.solid.triangles, task.uvs, task.normals):
+    for array in (task.solid.vertices, task.solid.triangles, task.solid.opaque, task.uvs, task.normals):
         digest.update(np.ascontiguousarray(array).data)
     lit_by = [[one.kind, one.numbers] for one in task.sources if one.kind]
     for one in task.sources:

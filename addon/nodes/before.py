@@ -15,6 +15,7 @@ _COLOUR = (0.26, 0.26, 0.26)
 _DOWN = 420.0  # distance from the layers' node down to the node that they replace
 _INPUT = "lamina_input"  # of a reroute: which input of the output it stands for
 _PLACE = "lamina_place"  # of the frame: where the replaced node was
+_READ = "lamina_read"  # of the frame: what the layers have taken from the replaced node, as text
 _OFF = "lamina_nodes_were_off"  # of the tree
 _CORRECTION = "lamina_bump_map_correction"  # of the tree
 _SAMPLING = "lamina_emission_sampling"  # of the tree: the material's earlier choice
@@ -29,10 +30,15 @@ def switch_nodes_on(material):
     return tree
 
 
+def corrects(material):
+    """True if Cycles' bump map correction is on."""
+    return getattr(getattr(material, "cycles", None), "use_bump_map_correction", False)
+
+
 def switch_correction_off(material):
     """Switch Cycles' bump map correction off. Tilted normals of closures are not bump maps: the correction
     would darken them."""
-    if getattr(getattr(material, "cycles", None), "use_bump_map_correction", False):
+    if corrects(material):
         material.cycles.use_bump_map_correction = False
         material.node_tree[_CORRECTION] = True
 
@@ -111,6 +117,18 @@ def put_back(tree):
         if hasattr(node, "location_absolute") and _are_near(node.location_absolute, place[2:]):
             node.location_absolute = place[2:]  # without the rounding of a location within a frame
     del frame[_PLACE]
+    frame.pop(_READ, None)
+
+
+def note(tree, text):
+    """Keep `text`: what the layers have taken from the node that they replace."""
+    _frame(tree)[_READ] = text
+
+
+def noted(tree):
+    """The text of the last `note`, or ''."""
+    frame = _frame(tree)
+    return "" if frame is None else frame.get(_READ, "")
 
 
 def restore(material):

@@ -118,6 +118,8 @@ def _draw(graph, lut, eevee, image, recipe_of):
             directions.of(wanted)
         for multiple in recipe.view_angles.values():
             directions.view_angle(multiple)
+        for parameters in recipe.of_cosine.values():
+            directions.of_cosine(*parameters)
 
     textures = {}
 
@@ -285,7 +287,7 @@ class _Directions:
         self.graph = graph
         self.cosine = cosine
         self.angle = angle
-        self.multiples = {}
+        self.multiples, self.powers, self.numbers = {}, {}, {}
         self.known = {"N": normal, "I": incoming}
         self.line = 10.2
         self.tangent = None
@@ -305,6 +307,19 @@ class _Directions:
             scaled = self.graph.math("MULTIPLY", 3.4, self.line, name, self.angle, multiple)
             self.multiples[multiple] = scaled
         return self.multiples[multiple]
+
+    def of_cosine(self, offset, factor, power):
+        """offset + factor * (N.I) ** power, clamped to [0, 1]."""
+        graph, key = self.graph, (offset, factor, power)
+        if key not in self.numbers:
+            self.line += 1
+            raised = self.powers.get(power)
+            if raised is None:
+                raised = graph.math("POWER", 2.4, self.line, f"(N.I)^{power:g}", self.cosine, power)
+                self.powers[power] = raised
+            self.numbers[key] = graph.math("MULTIPLY_ADD", 3.4, self.line, "of N.I", raised, factor, offset,
+                                           clamp=True)
+        return self.numbers[key]
 
     def _make(self, wanted):
         graph, normal, incoming = self.graph, self.known["N"], self.known["I"]
@@ -365,6 +380,8 @@ def _closure(graph, line, name, recipe, weight, directions, widths):
             graph.link(directions.of(wanted), node.inputs[key])
         for key, multiple in recipe.view_angles.items():
             graph.link(directions.view_angle(multiple), node.inputs[key])
+        for key, parameters in recipe.of_cosine.items():
+            graph.link(directions.of_cosine(*parameters), node.inputs[key])
         for key, (factor, power) in recipe.of_width.items():
             graph.link(widths.of(recipe.width, factor, power), node.inputs[key])
         for socket in node.inputs:

@@ -2,8 +2,10 @@
 """Puts the node of dust_detail between the source of a material's thickness and the baked group, and links a
 painted mask to it."""
 
+import bpy
+
 from ..base import renders
-from . import dust_detail, thickness
+from . import dust_detail, rest_coordinates, thickness
 from .side_graph import BACK, FRONT
 
 
@@ -16,22 +18,24 @@ def detail(material):
     return None
 
 
-def add_detail(material, side=0.0):
+def add_detail(material):
     """Put a node of detail between the source of the thickness and the baked group; returns the node, also
-    one that is there already. `side`: largest side of the mesh in object coordinates, for the sizes of the
-    detail; 0: unknown. Raises RefusedError without a thickness input."""
+    one that is there already. Meshes with the material get rest coordinates. Raises RefusedError without a
+    thickness input."""
     renders.stop_previews()
+    sockets = thickness.required_sockets(material)
+    rest_coordinates.store_for(material)
     node = detail(material)
     if node is not None:
+        dust_detail.group()  # drawn anew in files of earlier versions
         return node
-    sockets = thickness.required_sockets(material)
     tree = material.node_tree
     for source in tree.nodes:
         if thickness.MARK in source:
             source.location.x -= 280.0  # room for the new node
     node = thickness.marked_node(tree, "ShaderNodeGroup", "detail", sockets[0].node, 1)
     node.node_tree = dust_detail.group()
-    dust_detail.set_sizes(node, side)
+    dust_detail.set_sizes(node, bpy.context.scene.unit_settings.scale_length)
     for name in (FRONT, BACK):
         for socket in thickness.group_sockets(material, name):
             if socket.is_linked:
@@ -60,6 +64,7 @@ def remove_detail(material):
                 target.default_value = given.default_value
     tree.nodes.remove(node)
     thickness.remove_nodes(tree)
+    dust_detail.remove_unused()
 
 
 def wipe_by(material, node, output, uv_map=None):

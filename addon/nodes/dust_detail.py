@@ -4,26 +4,27 @@
 A node group between the source of the thickness and the baked group multiplies the thickness by
 (1 + Clouds c) (1 + Grain g) (1 - Wiped), where c and g are noises with values in [-1, 1] and mean 0: the mean
 thickness over a surface is kept. All settings are inputs of the group, so that the viewport follows them
-without a bake, and the file renders without the add-on.
+without a bake, and the file renders without the add-on. The noises lie over rest_coordinates.
 """
 
 import bpy
 
+from . import rest_coordinates
 from .graph import Graph
 from .side_graph import BACK, FRONT
 
 NAME = "Lamina Dust Detail"
 MARK = "lamina_dust_detail"  # of the group, with its version, so that a newer add-on draws the group anew
-VERSION = 1
+VERSION = 2
 CLOUDS, GRAIN = 0.6, 0.5
-CLOUD_SHARE, GRAIN_SHARE = 0.2, 0.006  # default sizes, as shares of the mesh's largest side
+SIZES = {"Cloud Size": 0.05, "Grain Size": 0.0015}  # in metres
 
 # (name, subtype, default, least, most, description) of the settings.
 SETTINGS = (
     ("Clouds", "FACTOR", CLOUDS, 0.0, 1.0, "Strength of broad variation; the mean thickness stays"),
-    ("Cloud Size", "DISTANCE", 0.2, 1e-5, 1e4, "Size of the broad variation, in the object's own units"),
+    ("Cloud Size", "DISTANCE", SIZES["Cloud Size"], 1e-5, 1e4, "Size of the broad variation in the world"),
     ("Grain", "FACTOR", GRAIN, 0.0, 1.0, "Strength of fine variation; the mean thickness stays"),
-    ("Grain Size", "DISTANCE", 0.006, 1e-6, 1e4, "Size of the fine variation, in the object's own units"),
+    ("Grain Size", "DISTANCE", SIZES["Grain Size"], 1e-6, 1e4, "Size of the fine variation in the world"),
     ("Wiped", "FACTOR", 0.0, 0.0, 1.0, "Share of the layer that was wiped off"),
 )
 
@@ -51,11 +52,16 @@ def is_detail(node):
     return node.type == "GROUP" and node.node_tree is not None and MARK in node.node_tree
 
 
-def set_sizes(node, side):
-    """Set the sizes of a node of the group for a mesh whose largest side is `side`, in object coordinates."""
-    if side > 0.0:
-        node.inputs["Cloud Size"].default_value = CLOUD_SHARE * side
-        node.inputs["Grain Size"].default_value = GRAIN_SHARE * side
+def set_sizes(node, unit):
+    """Set the sizes of a node of the group to the defaults. `unit`: metres of a Blender unit."""
+    for name, size in SIZES.items():
+        node.inputs[name].default_value = size / unit
+
+
+def remove_unused():
+    """Remove the group if nothing uses it."""
+    for group in [one for one in bpy.data.node_groups if MARK in one and one.is_editable and not one.users]:
+        bpy.data.node_groups.remove(group)
 
 
 def _add_sockets(tree):
@@ -77,7 +83,7 @@ def _add_sockets(tree):
 def _draw(tree):
     graph = Graph(tree)
     inputs, outputs = graph.node("NodeGroupInput", 0, 0), graph.node("NodeGroupOutput", 8, 0)
-    place = graph.node("ShaderNodeTexCoord", 0, 6).outputs["Object"]
+    place = rest_coordinates.draw(graph, 0, 6)
     clouds = _varied(graph, inputs, place, "Clouds", "Cloud Size", 2)
     grain = _varied(graph, inputs, place, "Grain", "Grain Size", 5)
     left = graph.math("SUBTRACT", 4, 8, "not wiped", 1.0, inputs.outputs["Wiped"], clamp=True)

@@ -13,7 +13,8 @@ from .graph import COLUMN, ROW, Graph
 _SHARED = ("Base Color", "Metallic", "Roughness", "Normal")
 
 _AFTER = ("ADD_SHADER", "MIX_SHADER")  # nodes that follow the layers' node
-_MADE_AFTER = (*_AFTER, "EMISSION", "BSDF_TRANSPARENT")  # these and what they add
+# These and what they add.
+_MADE_AFTER = (*_AFTER, "EMISSION", "BSDF_TRANSPARENT", "FRESNEL", "MATH", "NEW_GEOMETRY")
 
 
 def end_of(node):
@@ -33,23 +34,53 @@ def put(material, node, replaced):
     parent, place = before.put_aside(material.node_tree, replaced)
     node.parent = parent
     node.location = place
+    before.note(material.node_tree, principled.described(replaced))
+
+
+def has_changed(material):
+    """True if the Principled BSDF that the layers replace was edited after the layers have read it."""
+    node = replaced(material)
+    return node is not None and before.noted(material.node_tree) not in ("", principled.described(node))
+
+
+def read_again(material, nodes):
+    """Give the layers' nodes `nodes` what the Principled BSDF that they replace has now, instead of their own
+    links, values and animations. The first node's emission and alpha are made again."""
+    for node in nodes:
+        for name in _SHARED:
+            if name in node.inputs:
+                for link in list(node.inputs[name].links):
+                    material.node_tree.links.remove(link)
+                socket_animation.remove(node.inputs[name])
+        feed(material, node)
+    given = replaced(material)
+    for node in nodes[:1]:
+        _replace_after(material.node_tree, node, given)
+    before.note(material.node_tree, principled.described(given))
 
 
 def settle_after(material, node):
     """Make the emission and alpha of the Principled BSDF again behind the layers' node `node` if its values
     are the base of the layers, and remove them if not: a BSDF that stays in use shows them itself."""
-    tree, end = material.node_tree, end_of(node)
-    replaced = principled.of(before.source(tree))
-    is_base = material.lamina.base.kind == PrincipledBase.kind and replaced is not None
-    targets = [link.to_socket for link in end.links]
-    if is_base and end.node == node:
-        shader = _with_emission_and_alpha(tree, node, replaced)
-    elif not is_base and end.node != node:
-        for made in [one for one in tree.nodes if one.type in _MADE_AFTER and own_nodes.is_marked(one)]:
-            tree.nodes.remove(made)
-        shader = node.outputs["Shader"]
-    else:
-        return
+    given = replaced(material)
+    if (given is None) != (end_of(node).node == node):
+        _replace_after(material.node_tree, node, given)
+
+
+def replaced(material):
+    """The Principled BSDF whose values are the base of the layers, or None."""
+    if material.node_tree is None or material.lamina.base.kind != PrincipledBase.kind:
+        return None
+    return principled.of(before.source(material.node_tree))
+
+
+def _replace_after(tree, node, given):
+    """Make the emission and alpha of the Principled BSDF `given` behind the layers' node `node`, in place
+    of those that are there. None: remove them."""
+    targets = [link.to_socket for link in end_of(node).links]
+    for made in [one for one in tree.nodes if one.type in _MADE_AFTER and own_nodes.is_marked(one)]:
+        tree.nodes.remove(made)
+    shader = node.outputs["Shader"] if given is None else _with_emission_and_alpha(tree, node, given)
     for target in targets:
         tree.links.new(shader, target)
 
@@ -58,12 +89,12 @@ def feed(material, node, names=(*_SHARED, shader_base_graph.SHADER)):
     """Give those inputs `names` that the layers' node `node` has what the shader below the layers has: the
     links, values and animations of a Principled BSDF, or the shader itself."""
     kind, kept = material.lamina.base.kind, before.kept(material.node_tree)
-    replaced = principled.of(before.source(material.node_tree))
+    given = replaced(material)
     for name in names:
         if name not in node.inputs or kept is None:
             continue
-        if kind == PrincipledBase.kind and replaced is not None and name in _SHARED:
-            _carry(replaced.inputs[name], node.inputs[name])
+        if given is not None and name in _SHARED:
+            _carry(given.inputs[name], node.inputs[name])
         elif kind == ShaderBase.kind and name == shader_base_graph.SHADER:
             links.connect(kept, node.inputs[name])
 
@@ -75,7 +106,11 @@ def _with_emission_and_alpha(tree, node, replaced):
     if principled.emits(replaced):
         emission = graph.node("ShaderNodeEmission", column, row - 3, "Emission")
         _carry(replaced.inputs[principled.EMISSION], emission.inputs["Color"])
-        _carry(replaced.inputs[principled.STRENGTH], emission.inputs["Strength"])
+        strength = emission.inputs["Strength"]
+        if principled.is_coated(replaced):
+            left, strength = _below_coat(graph, column, row - 4, replaced)
+            graph.link(left, emission.inputs["Strength"])
+        _carry(replaced.inputs[principled.STRENGTH], strength)
         shader = mix_shader.added(graph, column + 1, row - 2, "With emission", shader, emission.outputs[0])
     if principled.is_cut_out(replaced):
         clear = graph.node("ShaderNodeBsdfTransparent", column, row - 2, "Nothing")
@@ -89,6 +124,26 @@ def _with_emission_and_alpha(tree, node, replaced):
         made.parent = node.parent
         made.location = place
     return shader
+
+
+def _below_coat(graph, column, row, replaced):
+    """(a socket with the share of a strength that passes the coat, the input for that strength). The share is
+    1 - Coat Weight x Fresnel reflectance, as in Cycles for a smooth coat."""
+    fresnel = graph.node("ShaderNodeFresnel", column - 3, row, "coat")
+    ior = graph.math("POWER", column - 4, row, "IOR of the coat", 1.0, 1.0)
+    # The Fresnel node inverts the index on back faces, and the coat does not.
+    geometry = graph.node("ShaderNodeNewGeometry", column - 6, row)
+    back = geometry.outputs["Backfacing"]
+    power = graph.math("MULTIPLY_ADD", column - 5, row, "-1 on back faces", back, -2.0, 1.0)
+    graph.link(power, ior.node.inputs[1])
+    _carry(replaced.inputs[principled.COAT_IOR], ior.node.inputs[0])
+    graph.link(ior, fresnel.inputs["IOR"])
+    _carry(replaced.inputs[principled.COAT_NORMAL], fresnel.inputs["Normal"])
+    reflected = graph.math("MULTIPLY", column - 2, row, "reflected", fresnel.outputs[0], 0.0)
+    _carry(replaced.inputs[principled.COAT], reflected.node.inputs[1])
+    left = graph.math("SUBTRACT", column - 1, row, "left", 1.0, reflected)
+    strength = graph.math("MULTIPLY", column - 1, row + 1, "strength", left, 0.0)
+    return strength, strength.node.inputs[1]
 
 
 def _carry(given, target):

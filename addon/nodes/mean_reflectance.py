@@ -16,7 +16,6 @@ _COLOURED = {
     "BSDF_DIFFUSE": 1.0,
     "BSDF_GLOSSY": 1.0,
     "BSDF_METALLIC": 1.0,
-    "BSDF_PRINCIPLED": 1.0,
     "BSDF_SHEEN": 0.5,
     "BSDF_TOON": 1.0,
     "SUBSURFACE_SCATTERING": 1.0,
@@ -47,6 +46,8 @@ def _of(shader):
     if node.type == "ADD_SHADER":
         first, second = (_of(links.source(socket)) for socket in node.inputs)
         return tuple(one + other for one, other in zip(first, second, strict=True))
+    if node.type == "BSDF_PRINCIPLED":
+        return _of_principled(node)
     if node.type in _COLOURED:
         share, color = _COLOURED[node.type], _color(node) if _COLOURED[node.type] else (0.0,) * 3
         return tuple(share * channel for channel in color)
@@ -57,8 +58,19 @@ def _of(shader):
     return (UNKNOWN,) * 3
 
 
+def _of_principled(node):
+    """Its color, and where it transmits light, that of glass."""
+    metallic, clear = (_number(node.inputs[name]) for name in ("Metallic", "Transmission Weight"))
+    through = (1.0 - metallic) * clear
+    return tuple((1.0 - through * (1.0 - GLASS)) * channel for channel in _color(node))
+
+
+def _number(factor):
+    return UNKNOWN if links.source(factor) is not None else min(max(factor.default_value, 0.0), 1.0)
+
+
 def _mixed(factor, first, second):
-    share = UNKNOWN if links.source(factor) is not None else min(max(factor.default_value, 0.0), 1.0)
+    share = _number(factor)
     return tuple((1.0 - share) * one + share * other for one, other in zip(first, second, strict=True))
 
 

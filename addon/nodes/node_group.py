@@ -18,8 +18,10 @@ from . import (
     in_place,
     links,
     lut_image,
+    node_tree,
     own_nodes,
     principled,
+    principled_graph,
     side_graph,
     thin_sheet,
 )
@@ -82,6 +84,7 @@ def build(material, lut):
         for node in group_nodes(material)[:1]:
             in_place.settle_after(material, node)
     group["lamina_base_kind"] = kind
+    principled_graph.keep_distribution(group, _replaced(material))
     for node in group_nodes(material):
         thin_sheet.connect(material, node)
     return group
@@ -111,8 +114,14 @@ def update(material, lut):
         group_sockets.follow_thickness(group, old_tau, tau)
     group_sockets.follow_base(group, group_sockets.of_base(lut))
     _replace_images(images, lut_image.create(f"Lamina {material.name}", lut, eevee))
+    principled_graph.keep_distribution(group, _replaced(material))
     _note_origin(group, lut)
     return True
+
+
+def _replaced(material):
+    """The Principled BSDF that the layers have replaced, or None."""
+    return principled.of(before.source(material.node_tree))
 
 
 def _note_origin(group, lut):
@@ -171,7 +180,8 @@ def group_nodes(material, group=None):
 def is_connected(material, group=None):
     """True if a node of `group`, by default that of the last bake, is connected to the output that Cycles
     renders, directly or not."""
-    output = material.node_tree.get_output_node("CYCLES") if material.node_tree else None
+    is_on = material.node_tree is not None and node_tree.is_on(material)
+    output = material.node_tree.get_output_node("CYCLES") if is_on else None
     if output is None:
         return False
     group = group or material.lamina.node_group
@@ -189,7 +199,7 @@ def connect(material, group=None):
     group's volume, if there is one, to the Volume. If `group` has none, the volume of the lateral group is
     unlinked. Other nodes are unchanged, and `before` keeps what fed the output. Returns the group node."""
     renders.stop_previews()
-    tree = material.node_tree
+    tree = node_tree.of(material)
     node = (group_nodes(material, group) or [None])[0]
     if group is None:
         before.restore_sampling(material)  # light from inside an object no longer shines

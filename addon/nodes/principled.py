@@ -2,6 +2,7 @@
 """The Principled BSDF of a material: where it is, which values and links it has, and what layers over it
 cannot carry."""
 
+import json
 from dataclasses import dataclass
 
 from ..base.decimals import shortest
@@ -21,34 +22,37 @@ SOCKETS = {
 }
 NORMAL, ALPHA = "Normal", "Alpha"
 EMISSION, STRENGTH = "Emission Color", "Emission Strength"
+COAT, COAT_IOR, COAT_NORMAL = "Coat Weight", "Coat IOR", "Coat Normal"
 
 INPUTS = tuple(item.id for option in PrincipledBase.options if option.several for item in option.items)
 
 _WHITE, _BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+_SMOOTH_COAT = 0.1  # up to this roughness the coat dims the emission like a smooth one
 _FIELDS = {field.name: field for field in PrincipledBase.fields}
 
 
 @dataclass(frozen=True)
 class _Part:
     """A part of the Principled BSDF that the base does not have. It has no effect while its socket `weight`
-    has the value `none`, or where the part `under` ("dielectric" or "coat") has no weight."""
+    has the value `none`, or where the part `under` ("dielectric" or "coat") has no weight. `is_large`:
+    without the part the material is another one, such as plastic instead of glass."""
 
     words: str
     weight: str
     none: float | tuple = 0.0
     under: str = ""
+    is_large: bool = False
 
 
 _PARTS = (
-    _Part("subsurface scattering", "Subsurface Weight", under="dielectric"),
-    _Part("transmission", "Transmission Weight", under="dielectric"),
-    _Part("sheen", "Sheen Weight"),
+    _Part("subsurface scattering", "Subsurface Weight", under="dielectric", is_large=True),
+    _Part("transmission", "Transmission Weight", under="dielectric", is_large=True),
+    _Part("sheen", "Sheen Weight", is_large=True),
     _Part("thin film", "Thin Film Thickness"),
     _Part("anisotropic highlights", "Anisotropic"),
     _Part("rough diffuse light", "Diffuse Roughness", under="dielectric"),
     _Part("tint of the specular highlights", "Specular Tint", _WHITE),
     _Part("tint of the coat", "Coat Tint", _WHITE, under="coat"),
-    _Part("normal of the coat", "Coat Normal", _BLACK, under="coat"),
 )
 _UNDER = {"ior": "dielectric", "specular": "dielectric", "coat_roughness": "coat", "coat_ior": "coat"}
 
@@ -84,9 +88,29 @@ def inputs(node):
     return {name for name in INPUTS if _changes(node.inputs[SOCKETS[name]])}
 
 
+def described(node):
+    """Values and links of the sockets that layers take from the node, and its distribution, as text: equal
+    texts have equal effects on the layers. Values that textures or animations set are left out."""
+    found = [node.distribution]
+    of_emission = (EMISSION, STRENGTH, COAT_NORMAL) if emits(node) else ()
+    for name in (*SOCKETS.values(), NORMAL, ALPHA, *of_emission):
+        socket = node.inputs[name]
+        fed = links.feed(socket)
+        by = None if fed is None else [fed.socket.node.name, fed.socket.identifier, fed.muted]
+        is_set = socket.hide_value or _changes(socket)
+        value = [] if is_set else _numbers(socket.default_value)
+        found.append([by, socket_animation.is_animated(socket), value])
+    return json.dumps(found)
+
+
 def emits(node):
     """True if the node may emit light."""
     return _matters(node, STRENGTH, 0.0) and _matters(node, EMISSION, _BLACK)
+
+
+def is_coated(node):
+    """True if the node may have a coat."""
+    return _matters(node, COAT, 0.0)
 
 
 def is_cut_out(node):
@@ -94,11 +118,19 @@ def is_cut_out(node):
     return _matters(node, ALPHA, 1.0)
 
 
+def transmits(node):
+    """True if light may pass the surface of the node."""
+    weights = ("Transmission Weight", "Subsurface Weight")
+    has_weight = any(_matters(node, name, 0.0) for name in weights)
+    return is_cut_out(node) or (has_weight and _is_seen(node, "dielectric"))
+
+
 def not_carried(node):
     """What layers over the node cannot carry or carry with a change: a list of short texts, without what has
     no effect on the picture."""
-    texts = [part.words for part in _PARTS
-             if _is_seen(node, part.under) and _matters(node, part.weight, part.none)]
+    texts = [part.words for part in _missing(node)]
+    if is_coated(node) and links.source(node.inputs[COAT_NORMAL]) != links.source(node.inputs[NORMAL]):
+        texts.append("normal of the coat (that of the surface is used)")
     for name, socket in SOCKETS.items():
         given, field = node.inputs[socket], _FIELDS[name]
         if not _is_seen(node, _UNDER.get(name, "")):
@@ -111,14 +143,34 @@ def not_carried(node):
             texts.append(f"{socket} {_words(given.default_value)} (must lie in {allowed})")
     if emits(node):
         texts.append("dimming of the emission (it shines above the layers)")
+        if is_coated(node) and values(node)["coat_roughness"] > _SMOOTH_COAT:
+            texts.append("roughness of the coat for the emission (a smooth coat dims it)")
+    if node.distribution != "MULTI_GGX":
+        texts.append("distribution GGX for light that the layers scatter (Multiscatter GGX is used)")
     return texts
+
+
+def is_more_than_base(node):
+    """True if the base lacks a part of the node without which the material is another one."""
+    return any(part.is_large for part in _missing(node))
+
+
+def _missing(node):
+    return [part for part in _PARTS if _is_seen(node, part.under) and _matters(node, part.weight, part.none)]
+
+
+def has_normals(nodes):
+    """True if something feeds a normal of these nodes or of nodes in their groups, such as bump or a map."""
+    sockets = [socket for node in nodes for socket in node.inputs if socket.name.endswith("Normal")]
+    trees = [node.node_tree for node in nodes if node.type == "GROUP" and node.node_tree]
+    return any(map(links.source, sockets)) or any(has_normals(tree.nodes) for tree in trees)
 
 
 def _is_seen(node, under):
     """True if the part of the node that `under` names has any weight."""
     if under == "dielectric":
         return _matters(node, "Metallic", 1.0)
-    return under != "coat" or _matters(node, "Coat Weight", 0.0)
+    return under != "coat" or is_coated(node)
 
 
 def _changes(socket):

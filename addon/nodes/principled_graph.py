@@ -5,12 +5,14 @@ its weight is the share of its light that the layers neither scatter nor absorb.
 from . import mix_shader, principled
 from .graph import rgba
 
+_LABEL = "base"
+
 
 def beside(graph, lut, inputs, normal, weight, layers):
     """The shader `layers` plus the BSDF times `weight`, a socket with equal channels. `inputs`: the group's
     input node; `normal`: a socket."""
     base = lut.header["stack"]["base"]
-    bsdf = graph.node("ShaderNodeBsdfPrincipled", 10.6, -3, "base")
+    bsdf = graph.node("ShaderNodeBsdfPrincipled", 10.6, -3, _LABEL)
     for name, socket in principled.SOCKETS.items():
         if name in base.get("inputs", ()):
             graph.link(inputs.outputs[socket], bsdf.inputs[socket])
@@ -23,6 +25,14 @@ def beside(graph, lut, inputs, normal, weight, layers):
         socket.hide = not socket.is_linked
     weighted = mix_shader.weighted(graph, 12, -3, "weighted", weight, bsdf.outputs[0])
     return mix_shader.added(graph, 13.2, -2, "layers and base", layers, weighted)
+
+
+def keep_distribution(group, replaced):
+    """Give the BSDF inside the node group the microfacet distribution of the BSDF `replaced`, which it stands
+    for; None: that of a new BSDF. With GGX, light is lost between facets, and rough metals are darker."""
+    for node in group.nodes:
+        if node.type == "BSDF_PRINCIPLED" and node.label == _LABEL:
+            node.distribution = replaced.distribution if replaced is not None else "MULTI_GGX"
 
 
 def value(name, channels):

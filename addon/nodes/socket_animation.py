@@ -34,6 +34,12 @@ def copy(given, target):
         new.data_path, new.array_index = path, driver.array_index
 
 
+def remove(socket):
+    """Remove the animation of the value of `socket`."""
+    if hasattr(socket, VALUE):
+        _move(socket.node, {socket.path_from_id(VALUE): None})
+
+
 @contextmanager
 def held(nodes):
     """While inputs of `nodes` are removed: animation stays with its input, that of removed inputs goes.

@@ -39,13 +39,18 @@ class Following:
     * start(context), which returns (job, text of the status line);
     * told(done), the message on what job.finish() has returned;
     * failed(error, context, job), which reports an error; `job` is None before the start;
-    * `kept`, the message after a cancel."""
+    * `kept`, the message after a cancel.
+
+    The job begins after the render of a preview where it must, see `changes_engine`."""
 
     kept = "Cancelled"
+    changes_engine = False  # `start` writes render.engine, see renders.end_previews
 
     def invoke(self, context, _event):
         if bpy.app.background:
             return self.execute(context)
+        if self.changes_engine and renders.is_bound_to_preview():
+            return self.follow(context, None, "Lamina waits for the render of a preview")
         try:
             job, text = self.start(context)
         except Exception as error:
@@ -66,12 +71,17 @@ class Following:
         return {"FINISHED"}
 
     def follow(self, context, job, text):
-        self._job = job
-        self._sign = _Sign(context, f"{text} | ESC: Cancel")
+        self._show(context, job, text)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
+    def _show(self, context, job, text):
+        self._job = job
+        self._sign = _Sign(context, f"{text} | ESC: Cancel")
+
     def modal(self, context, event):
+        if self._job is None:
+            return self._wait(context, event)
         if event.type == "ESC" and event.value == "PRESS" and not self._job.cancelling:
             self._job.cancel()
             return {"RUNNING_MODAL"}
@@ -86,6 +96,20 @@ class Following:
             return {"PASS_THROUGH"}
         self._end()
         return self.ended(context, self._job)
+
+    def _wait(self, context, event):
+        """Wait for the end of a preview's render, then start the job."""
+        is_ended = event.type == "ESC" and event.value == "PRESS"
+        if not is_ended and (event.type != "TIMER" or renders.is_bound_to_preview()):
+            return {"PASS_THROUGH"}
+        self._sign.remove()
+        if is_ended or not self.poll(context):
+            return {"CANCELLED"}
+        try:
+            self._show(context, *self.start(context))
+        except Exception as error:
+            return self.failed(error, context)
+        return {"RUNNING_MODAL"}
 
     def cancel(self, _context):
         """Called when Blender ends the operator: another file, or the end of the session."""

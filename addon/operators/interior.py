@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator for the light inside an object."""
+"""Light inside an object."""
 
 import bpy
 
-from ..interior import interior_job
+from ..base import native
+from ..interior import contents, interior_job
 from . import common
 from .making import Making
 
@@ -18,6 +19,7 @@ class LAMINA_OT_interior(Making, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     jobs = interior_job
+    changes_engine = True
     status = "Lamina follows light inside"
 
     @classmethod
@@ -39,3 +41,25 @@ class LAMINA_OT_interior(Making, bpy.types.Operator):
 
     def told(self, material):
         return material.lamina.interior.report
+
+
+class LAMINA_OT_end_preset(bpy.types.Operator):
+    bl_idname = "lamina.end_preset"
+    bl_label = "Choose Material"
+    bl_description = "Take the coefficients per mm of a preset of the library"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: bpy.props.StringProperty(name="Preset", description="Id of the preset")
+    second: bpy.props.BoolProperty(name="Veins", description="The second of the two materials")
+
+    @classmethod
+    def poll(cls, context):
+        return common.can_edit(cls, context) and common.has_native(cls)
+
+    def execute(self, context):
+        interior = common.material_of(context).lamina.interior
+        try:
+            contents.fill(interior.second if self.second else interior.first, self.preset)
+        except (ValueError, native.NativeMissingError) as error:
+            return common.refused(self, error)
+        return {"FINISHED"}

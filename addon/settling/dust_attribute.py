@@ -10,6 +10,7 @@ from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 
 NEAR = 8  # number of nearest rendered vertices to try for a corner without its own vertex behind modifiers
+REACH = 2.0  # times the distance of the nearest rendered corner: others that are tried
 ALIKE = 0.1  # largest difference of the cosines of normals
 
 
@@ -85,22 +86,60 @@ def _places(surface, own, dust):
     on_points[dust.corners.ravel()] = surface.normals.reshape(-1, 3)
     on_points = _unit(on_points)
     found = np.full(len(vertices), -1, np.int64)
+    if own.face_origins is not None:
+        if own.origins is not None:
+            asking, asked = _same_corners(surface, own, dust)
+            _choose(found, asking, asked, _cosines(normals, asking, on_points, asked, np.abs), dust.tau)
+        lost = np.flatnonzero(found[:len(own.corners)] < 0)
+        asking, asked = _on_same_faces(surface, own, dust, lost)
+        faces = _unit(own.face_normals)[own.faces]
+        _choose(found, asking, asked, _cosines(faces, asking, on_points, asked), dust.tau)
     if own.origins is not None:
-        origin = own.origins[dust.vertices]
-        order = np.argsort(origin, kind="stable")
-        start = np.searchsorted(origin[order], np.arange(len(own.vertices) + 1))
-        counts = (start[1:] - start[:-1])[vertices]
-        asking = np.repeat(np.arange(len(vertices)), counts)
-        first = np.repeat(np.cumsum(counts) - counts, counts)
-        asked = order[np.repeat(start[vertices], counts) + np.arange(len(asking)) - first]
-        cosine = np.einsum("ij,ij->i", normals[asking], on_points[asked])
-        _choose(found, asking, asked, np.abs(cosine), dust.tau)
+        lost = np.flatnonzero(found < 0)
+        asking, asked = _matches(vertices[lost], own.origins[dust.vertices])
+        asking = lost[asking]
+        _choose(found, asking, asked, _cosines(normals, asking, on_points, asked, np.abs), dust.tau)
     lost = np.flatnonzero(found < 0)
     if len(lost):
         asking, asked = _neighbours(surface, own.vertices[vertices[lost]], lost, dust.vertices)
-        cosine = np.einsum("ij,ij->i", normals[asking], on_points[asked])
-        _choose(found, asking, asked, cosine, dust.tau)
+        _choose(found, asking, asked, _cosines(normals, asking, on_points, asked), dust.tau)
     return found
+
+
+def _same_corners(surface, own, dust):
+    """(asking, asked): for each corner of the own mesh, the points of the rendered corners that are of the
+    same vertex and the same face."""
+    count = np.int64(len(own.vertices))
+    face, vertex = np.repeat(own.face_origins, 3), own.origins[surface.triangles.ravel()]
+    keys = np.where((face >= 0) & (vertex >= 0), face * count + vertex, -1)
+    asking, corner = _matches(own.faces * count + own.corners, keys)
+    return asking, dust.corners.ravel()[corner]
+
+
+def _on_same_faces(surface, own, dust, lost):
+    """(asking, asked): for each number of a corner in `lost`, the points of the nearest rendered corners of
+    the same face."""
+    asking, corner = _matches(own.faces[lost], np.repeat(own.face_origins, 3))
+    places = surface.vertices[surface.triangles.ravel()[corner]]
+    distance = np.linalg.norm(places - own.vertices[own.corners[lost]][asking], axis=1)
+    nearest = np.full(len(lost), np.inf)
+    np.minimum.at(nearest, asking, distance)
+    near = distance <= REACH * nearest[asking] + 1e-12
+    return lost[asking[near]], dust.corners.ravel()[corner[near]]
+
+
+def _matches(wanted, given):
+    """(asking, asked): all pairs of a place in `wanted` and one in `given` with the same number."""
+    order = np.argsort(given, kind="stable")
+    first = np.searchsorted(given[order], wanted, side="left")
+    counts = np.searchsorted(given[order], wanted, side="right") - first
+    asking = np.repeat(np.arange(len(wanted)), counts)
+    before = np.repeat(np.cumsum(counts) - counts, counts)
+    return asking, order[np.repeat(first, counts) + np.arange(len(asking)) - before]
+
+
+def _cosines(normals, asking, on_points, asked, of=np.asarray):
+    return of(np.einsum("ij,ij->i", normals[asking], on_points[asked]))
 
 
 def _choose(found, asking, asked, cosine, tau):
@@ -126,7 +165,7 @@ def _neighbours(surface, places, numbers, vertex_of_point):
     asking, asked = [], []
     for number, place in zip(numbers, places, strict=True):
         near = tree.find_n(place, NEAR)
-        reach = 2.0 * near[0][2] + 1e-12
+        reach = REACH * near[0][2] + 1e-12
         for _, index, distance in near:
             if distance <= reach:
                 points = order[start[index]:start[index + 1]]

@@ -5,76 +5,151 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import mesh_arrays
+from ..base import mesh_arrays, rendered
 from ..base.mesh_arrays import Arrays
 from ..base.messages import RefusedError
 from ..nodes import dust_playback
 
 KINDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
+INSTANCES = "instances of its geometry nodes get no dust: end the nodes with Realize Instances"
 MOST_TRIANGLES = 100_000_000  # of all occluders together: some 6 GB
 
-_TAG = "lamina_vertex"
+_TAG, _FACE_TAG = "lamina_vertex", "lamina_face"
 
 
 @dataclass(frozen=True)
 class OwnMesh:
     """The object's own mesh, without its modifiers, in the same space. vertices: (k, 3); corners: (c,), the
-    vertex of each face corner; normals: (c, 3). Relation to the Arrays: loops: (m, 3), the face corner of
-    each corner of a triangle, or None with modifiers; origins: (n,), with modifiers, the vertex of this mesh
-    for each vertex, -1 for none, or None if unknown.
+    vertex of each face corner; normals: (c, 3); faces: (c,), the face of each face corner; face_normals: (f,
+    3). Relation to the Arrays: loops: (m, 3), the face corner of each corner of a triangle, or None with
+    modifiers; with modifiers, origins: (n,), the vertex of this mesh for each vertex, and face_origins: (m,),
+    the face of this mesh for each triangle, -1 for none; either is None if unknown. has_instances: geometry
+    nodes make instances, which have no dust.
     """
 
     vertices: np.ndarray
     corners: np.ndarray
     normals: np.ndarray
+    faces: np.ndarray
+    face_normals: np.ndarray
     loops: np.ndarray | None = None
     origins: np.ndarray | None = None
+    face_origins: np.ndarray | None = None
+    has_instances: bool = False
+
+    @property
+    def is_lost(self):
+        """True if no attribute of this mesh passes the modifiers."""
+        return self.loops is None and self.origins is None and self.face_origins is None
 
 
-def of_object(context, obj, uv_map=None):
-    """(Arrays, OwnMesh) of an object as it is rendered: modifiers and transformation applied. `uv_map`: also
-    that map, "" is the active one. Raises RefusedError.
-    """
+def read(context, obj, uv_map=None, others=True, live=False):
+    """(Arrays, OwnMesh, occluders) of an object as it is rendered: modifiers and transformation applied.
+
+    `uv_map`: also that map, "" is the active one. The occluders of its dust, a list of Arrays, are all other
+    objects that are rendered and cast shadows, also instances; none without `others`. `live`: as the viewport
+    shows all, without a render's dependency graph, which takes longer and needs an idle Blender. An object
+    that is hidden in renders is as the viewport shows it, too. Raises RefusedError."""
+    changed = any(_is_used(one, obj, live) and not dust_playback.is_playback(one) for one in obj.modifiers)
+    tags = _tag(obj.data) if changed else None
     scale = context.scene.unit_settings.scale_length
-    mesh = obj.data
-    changed = any(one.show_viewport and not dust_playback.is_playback(one) for one in obj.modifiers)
-    tags = _tag(mesh) if changed else None
+
+    def read_from(depsgraph):
+        evaluated, matrix = _find(depsgraph, obj)
+        arguments = obj, evaluated, matrix, scale, uv_map, tags
+        body = None if evaluated is None else _body(*arguments, _has_instances(depsgraph, obj))
+        return body, _others(depsgraph, obj, scale) if others else []
+
     try:
-        depsgraph = context.evaluated_depsgraph_get()
-        depsgraph.update()
-        evaluated = obj.evaluated_get(depsgraph)
-        result = evaluated.to_mesh()
-        try:
-            matrix = evaluated.matrix_world
-            vertices = mesh_arrays.vertices(result, matrix, scale)
-            triangles, loops = mesh_arrays.triangles(result, matrix), mesh_arrays.loops(result, matrix)
-            normals, uvs = mesh_arrays.corner_normals(result, matrix)[loops], None
-            if uv_map is not None:
-                uvs = mesh_arrays.uvs(obj, result, uv_map, "keep the dust in an attribute")[loops]
-            own = OwnMesh(
-                mesh_arrays.vertices(mesh, matrix, scale),
-                mesh_arrays.corner_vertices(mesh),
-                mesh_arrays.corner_normals(mesh, matrix),
-                loops if tags is None else None,
-                None if tags is None else _origins(result, tags),
-            )
-        finally:
-            evaluated.to_mesh_clear()
+        shown = context.evaluated_depsgraph_get()
+        shown.update()
+        if live:
+            body, occluders = None, _others(shown, obj, scale) if others else []
+        else:
+            body, occluders = rendered.visit(context.scene, context.view_layer, read_from)
+        if body is None:
+            shown = context.evaluated_depsgraph_get()
+            evaluated = obj.evaluated_get(shown)
+            arguments = obj, evaluated, evaluated.matrix_world, scale, uv_map, tags
+            body = _body(*arguments, _has_instances(shown, obj))
     finally:
         if tags is not None:
-            mesh.attributes.remove(mesh.attributes[_TAG])
+            for name in (_TAG, _FACE_TAG):
+                obj.data.attributes.remove(obj.data.attributes[name])
+    return *body, occluders
+
+
+def has_own_levels(obj):
+    """True if renders show other modifiers, or other levels of them, than the viewport."""
+    return any(
+        one.show_viewport != one.show_render or getattr(one, "levels", 0) != getattr(one, "render_levels", 0)
+        for one in obj.modifiers
+    )
+
+
+def subdivides(obj):
+    """True if a modifier subdivides the mesh in renders."""
+    kinds = ("SUBSURF", "MULTIRES")
+    return any(one.type in kinds and one.show_render and one.render_levels for one in obj.modifiers)
+
+
+def _is_used(modifier, obj, live):
+    return modifier.show_viewport if live or obj.hide_render else modifier.show_render
+
+
+def _find(depsgraph, obj):
+    """The evaluated object and its matrix, or None and None if it is not seen there."""
+    for instance in depsgraph.object_instances:
+        if _is_itself(instance, obj) and instance.show_self:
+            return instance.object, instance.matrix_world.copy()
+    return None, None
+
+
+def _has_instances(depsgraph, obj):
+    """True if the object's geometry nodes make instances. Objects that the older instancing of children
+    places are no such instances."""
+    return obj.instance_type == "NONE" and any(
+        instance.is_instance and instance.parent is not None and instance.parent.original == obj
+        for instance in depsgraph.object_instances
+    )
+
+
+def _body(obj, evaluated, matrix, scale, uv_map, tags, has_instances):
+    """(Arrays, OwnMesh). `matrix`: of the object, in world space."""
+    mesh, result = obj.data, evaluated.to_mesh()
+    try:
+        vertices = mesh_arrays.vertices(result, matrix, scale)
+        triangles, loops = mesh_arrays.triangles(result, matrix), mesh_arrays.loops(result, matrix)
+        normals, uvs = mesh_arrays.corner_normals(result, matrix)[loops], None
+        if uv_map is not None:
+            uvs = mesh_arrays.uvs(obj, result, uv_map, "keep the dust in an attribute")[loops]
+        sizes = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("loop_total", sizes)
+        own = OwnMesh(
+            mesh_arrays.vertices(mesh, matrix, scale),
+            mesh_arrays.corner_vertices(mesh),
+            mesh_arrays.corner_normals(mesh, matrix),
+            np.repeat(np.arange(len(sizes)), sizes),
+            mesh_arrays.face_normals(mesh, matrix),
+            loops if tags is None else None,
+            None if tags is None else _origins(result, tags),
+            None if tags is None else _face_origins(result),
+            has_instances,
+        )
+    finally:
+        evaluated.to_mesh_clear()
     if not len(triangles):
-        raise RefusedError(f"{obj.name} has no faces for dust to settle on")
+        told = f": {INSTANCES}" if has_instances else ""
+        raise RefusedError(f"{obj.name} has no faces for dust to settle on{told}")
     return Arrays(vertices, triangles, normals, uvs, obj.name), own
 
 
-def others(context, obj):
+def _others(depsgraph, obj, scale):
     """The occluders of dust on `obj`: all objects that are rendered and cast shadows, also instances. Raises
     RefusedError.
     """
-    scale = context.scene.unit_settings.scale_length
     found, count = [], 0
-    for instance in context.evaluated_depsgraph_get().object_instances:
+    for instance in depsgraph.object_instances:
         other = instance.object
         if other.type not in KINDS or not _stops(instance) or _is_itself(instance, obj):
             continue
@@ -108,13 +183,28 @@ def _is_itself(instance, obj):
 
 def _tag(mesh):
     """Gives each vertex random numbers that differ from all blends of other vertices, to recognise it behind
-    modifiers."""
+    modifiers, and each face its number, counted from 1."""
     tags = np.random.default_rng(len(mesh.vertices)).random((len(mesh.vertices), 3), np.float32)
-    if _TAG in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[_TAG])
-    attribute = mesh.attributes.new(_TAG, "FLOAT_VECTOR", "POINT")
-    attribute.data.foreach_set("vector", tags.ravel())
+    numbers = np.arange(1, len(mesh.polygons) + 1, dtype=np.int32)
+    for name, kind, domain, key, values in (
+        (_TAG, "FLOAT_VECTOR", "POINT", "vector", tags), (_FACE_TAG, "INT", "FACE", "value", numbers)
+    ):
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+        mesh.attributes.new(name, kind, domain).data.foreach_set(key, values.ravel())
     return tags
+
+
+def _face_origins(mesh):
+    """(m,), the tagged face of each triangle, -1 for none; None if the tags are lost."""
+    attribute = mesh.attributes.get(_FACE_TAG)
+    if attribute is None or (attribute.domain, attribute.data_type) != ("FACE", "INT"):
+        return None
+    found = np.empty(len(mesh.polygons), np.int32)
+    attribute.data.foreach_get("value", found)
+    polygons = np.empty(len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("polygon_index", polygons)
+    return found[polygons] - 1
 
 
 def _origins(mesh, tags):

@@ -12,8 +12,9 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, handlers, messages, native, preferences, redraw, renders, timers
+from ..base import changes, handlers, messages, native, preferences, redraw, renders, timers, undo
 from ..base.worker import Place, with_uid
+from ..nodes import rest_coordinates
 from . import dust_job, dust_settings, object_dust
 
 log = logging.getLogger(__name__)
@@ -70,6 +71,19 @@ def leave(obj):
     _failures.pop(obj.session_uid, None)
 
 
+def clear_of(material):
+    """Remove the dust, and the rest coordinates, of all objects that show them by this material alone.
+    Painted masks stay."""
+    for obj in bpy.data.objects:
+        if obj.type != "MESH" or not obj.is_editable or not obj.data.is_editable:
+            continue
+        used = {slot.material for slot in obj.material_slots if slot.material is not None}
+        if {one for one in used if one.lamina.enabled} == {material}:
+            leave(obj)
+            object_dust.clear(obj)
+            rest_coordinates.remove(obj.data)
+
+
 def poll():
     """The timer's function. Returns the seconds until the next call; None if nothing is left to do."""
     _finish_job()
@@ -103,15 +117,19 @@ def _finish_job():
         return
     if renders.is_running():
         return
-    _place.forget()
     obj = with_uid(bpy.data.objects, job.uid)
     if obj is None or followed is None or job.cancelling:
+        _place.forget()
         return
     try:
-        job.finish()
+        with undo.recorded("Lamina Live Dust"):
+            job.finish()
         _failures.pop(job.uid, None)
     except Exception as error:  # the panel shows one sentence; the last dust is kept
+        if timers.is_refusal(error):
+            raise
         _note(obj, error)
+    _place.forget()
     if not job.is_preview and not followed.changed:
         _followed.pop(job.uid, None)
     redraw.properties()
@@ -168,12 +186,18 @@ def _on_undo(*_):
             mark(obj)
 
 
+def _on_loss(owner):
+    if isinstance(owner, bpy.types.Object):
+        mark(owner)
+
+
 HANDLERS = {"load_pre": _on_load, "undo_post": _on_undo, "redo_post": _on_undo}
 
 
 def register():
     changes.dust_listeners.append(mark)
     changes.dust_switches.append(switch)
+    changes.losses.append(_on_loss)
     handlers.add(HANDLERS)
 
 
@@ -182,6 +206,7 @@ def unregister():
     timers.end(poll)
     changes.dust_listeners.remove(mark)
     changes.dust_switches.remove(switch)
+    changes.losses.remove(_on_loss)
     handlers.remove(HANDLERS)
     _followed.clear()
     _failures.clear()

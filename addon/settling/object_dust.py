@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import data_image, image_removal, native, renders
+from ..base import data_image, image_removal, native, renders, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE
 from ..nodes import detail_wiring, thickness
@@ -17,7 +17,7 @@ from . import dust_attribute, dust_frames, dust_settings, geometry
 
 FINER = 3  # a note is added if modifiers make the mesh finer by this factor
 PREVIEW_RAYS, PREVIEW_SIZE = 16, 256
-PARTLY = "partly"  # instead of the settings' text, of dust without all of its quality or frames
+PARTLY = "partly"  # instead of the settings' text, of dust without all of its quality, frames or levels
 MARGIN = 4  # texels by which an image's islands are extended, so that filtering finds dust at their borders
 
 
@@ -76,6 +76,8 @@ def settle(context, obj, progress=None, cancel=None, threads=0):
 
 def problem(obj):
     """The reason why no dust can settle on an object, in a sentence, or ''."""
+    if obj is not None and obj.type in geometry.KINDS and obj.type != "MESH":
+        return f"{obj.name} is no mesh, and holds no dust: convert it (Object > Convert > Mesh)"
     if obj is None or obj.type != "MESH":
         return "Dust settles on mesh objects: select one"
     if not obj.is_editable or not obj.data.is_editable:
@@ -93,6 +95,28 @@ def unavailable():
         return native.part("dust").available()
     except native.NativeMissingError as error:
         return str(error)
+
+
+def advice(obj, evaluated):
+    """Why an attribute does not suit the dust of `obj`, in a sentence, or ''. `evaluated`: the object as the
+    viewport shows it."""
+    own, shown = len(obj.data.vertices), len(evaluated.data.vertices)
+    if obj.lamina_dust.target != "attribute" or not (geometry.subdivides(obj) or shown > FINER * own):
+        return ""
+    return (
+        f"Modifiers make more vertices than the {own:,} of the mesh, and an attribute has no values for "
+        "them: keep the dust in an image"
+    )
+
+
+def keep_in_image(obj):
+    """Let the next dust of `obj` be an image, over a UV map whose faces do not overlap: the chosen one, or
+    one named “Lamina” that is unwrapped now. Raises RefusedError, NativeMissingError."""
+    settings, mesh = obj.lamina_dust, obj.data
+    settings.target = "image"
+    chosen = uv_maps.find(mesh, settings.uv_map)
+    if chosen is None or not unwrap.fits(mesh, chosen.name):
+        settings.uv_map = unwrap.ensure(obj)
 
 
 def gather(context, obj, live=False, preview=False, moment=None):
@@ -114,9 +138,10 @@ def gather(context, obj, live=False, preview=False, moment=None):
     if moment is None:
         budget = dust_frames.Budget(settings, follows)
         for _frame in dust_frames.visited(context.scene, frames):
-            surface, own = geometry.of_object(context, obj, settings.uv_map if size else None)
+            uv_map = settings.uv_map if size else None
+            surface, own, occluders = geometry.read(context, obj, uv_map, settings.others, live)
             before = moments[-1].occluders if moments else []
-            occluders = dust_frames.shared(geometry.others(context, obj) if settings.others else [], before)
+            occluders = dust_frames.shared(occluders, before)
             budget.add(surface, own, [one for one in occluders if not any(one is known for known in before)])
             moments.append(Moment(surface, own, occluders))
     settling = dust_settings.numbers(settings, context.scene)
@@ -124,7 +149,7 @@ def gather(context, obj, live=False, preview=False, moment=None):
         settling["time"] /= len(moments)
     if preview:
         settling["rays"], size = min(settling["rays"], PREVIEW_RAYS), min(size, PREVIEW_SIZE)
-    is_part = preview or (live and settings.over_frames)
+    is_part = preview or (live and (settings.over_frames or geometry.has_own_levels(obj)))
     settled = PARTLY if is_part else dust_settings.text(settings)
     return Task(obj.session_uid, obj.name, moments, settling, settings.seed, size, follows, settled)
 
@@ -179,6 +204,8 @@ def apply(obj, task, answer):
     every = answer.each or [answer.dust]
     statistics = answer.dust.statistics
     notes = [str(statistics), *statistics.notes, *_switches(statistics), *_coarseness(task)]
+    if task.own.has_instances:
+        notes.append(geometry.INSTANCES)
     if task.follows is not None:
         notes[0] = f"{len(every)} frames; at frame {task.follows[0]} {notes[0]}"
     settings.told, settings.settled = "; ".join(notes), task.settled
@@ -192,14 +219,8 @@ def apply(obj, task, answer):
         linked = thickness.wiring(material).source
         if linked in thickness.SOURCES:
             thickness.wire_thickness(material, source, name, settings.uv_map)
-        if linked == "value":
-            detail_wiring.add_detail(material, largest_side(obj))
-
-
-def largest_side(obj):
-    """The largest side of the box around an object, in object coordinates."""
-    corners = np.array(obj.bound_box)
-    return float((corners.max(axis=0) - corners.min(axis=0)).max())
+        if linked == "value" or detail_wiring.detail(material) is not None:
+            detail_wiring.add_detail(material)
 
 
 def clear(obj):
@@ -224,6 +245,8 @@ def _switches(statistics):
 def _coarseness(task):
     """A note on an attribute that is coarser than the rendered surface."""
     own, rendered = len(task.own.vertices), len(task.surface.vertices)
+    if not task.size and task.own.is_lost:
+        yield "a modifier drops the attributes of the mesh and so the dust: apply it, and settle again"
     if not task.size and rendered > FINER * own:
         yield (
             f"the attribute has the mesh's {own:,} vertices for the {rendered:,} that modifiers make of it: "

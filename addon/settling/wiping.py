@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from ..base import data_image, uv_maps
+from ..base import data_image, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..nodes import detail_wiring
 from . import object_dust
@@ -16,10 +16,13 @@ _MODES = {"attribute": "VERTEX_PAINT", "image": "TEXTURE_PAINT"}
 
 
 def store(obj):
-    """Where a mask of this object is best kept: "attribute" or "image"."""
-    if len(obj.data.vertices) >= FINE or uv_maps.find(obj.data, "") is None:
+    """Where a mask of this object is best kept: "attribute" or "image". An image needs a UV map whose faces
+    do not overlap."""
+    uv_map = uv_maps.find(obj.data, "")
+    if len(obj.data.vertices) >= FINE or uv_map is None:
         return "attribute"
-    return "image"
+    overlaps = not object_dust.unavailable() and not unwrap.fits(obj.data, uv_map.name)
+    return "attribute" if overlaps else "image"
 
 
 def add_mask(obj, material, kept="AUTO"):
@@ -33,7 +36,7 @@ def add_mask(obj, material, kept="AUTO"):
     uv_map = uv_maps.find(obj.data, "")
     if kept == "image" and uv_map is None:
         raise RefusedError(f"{uv_maps.missing(obj, '')}: unwrap it, or keep the mask in an attribute")
-    to = detail_wiring.add_detail(material, object_dust.largest_side(obj)).inputs["Wiped"]
+    to = detail_wiring.add_detail(material).inputs["Wiped"]
     before = to.links[0].from_node if to.is_linked else None
     if kept == "attribute":
         _color_attribute(obj.data)

@@ -35,9 +35,13 @@ class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
             header.label(text=heading)
             if body is not None:
                 _DRAWN[name](context, body, obj)
+        sentence = object_dust.advice(obj, obj.evaluated_get(context.evaluated_depsgraph_get()))
+        if sentence:
+            draw_sentence(context, layout, sentence, "INFO")
+            layout.operator("lamina.dust_image", icon="IMAGE_DATA")
         job = dust_job.running()
         if job is not None:
-            draw_progress(layout, job, "lamina.dust_cancel")
+            draw_progress(layout, job, "DUST")
             return
         row = layout.row(align=True)
         row.scale_y = 1.4
@@ -50,7 +54,7 @@ class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
             draw_sentence(context, layout, live_dust.failure(obj), "ERROR", alert=True)
         if settings.told:
             if dust_settings.is_outdated(settings) and not live_dust.is_pending(obj):
-                text = "Only the present frame" if settings.settled == object_dust.PARTLY else "Out of date"
+                text = "Only a preview" if settings.settled == object_dust.PARTLY else "Out of date"
                 draw_sentence(context, layout, f"{text}: Settle Again uses all settings", "FILE_REFRESH")
             draw_sentence(context, layout, settings.told[0].upper() + settings.told[1:])
             sentence = mismatch(context.material, settings)
@@ -136,6 +140,7 @@ def _draw_to(context, layout, obj):
     if settings.target == "image":
         column.prop(settings, "size")
         draw_uv_map(context, column, settings, obj)
+        column.operator("lamina.dust_image", text="Unwrap If Needed", icon="UV")
     for option in _options("to"):
         _draw_option(column, settings, option)
     column.prop(settings, "seed")

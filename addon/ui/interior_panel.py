@@ -48,7 +48,7 @@ class LAMINA_PT_interior(AnyMaterialPanel, bpy.types.Panel):
         _draw_output(context, layout, settings)
         job = interior_job.running_for(material)
         if job is not None:
-            draw_progress(layout, job, "lamina.interior_cancel")
+            draw_progress(layout, job, "INTERIOR")
             if job.shows:
                 draw_sentence(context, layout, settings.report)
             return

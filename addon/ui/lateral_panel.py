@@ -21,7 +21,7 @@ class LAMINA_PT_lateral(MaterialPanel, bpy.types.Panel):
             split(layout.row()).prop(material.lamina, "lateral_orders")
         job = lateral_job.running_for(material)
         if job is not None:
-            draw_progress(layout, job, "lamina.lateral_cancel")
+            draw_progress(layout, job, "LATERAL")
             return
         layout.operator("lamina.lateral", icon="LIGHT_HEMI")
         if material.lamina.lateral_report and not node_group.shows_lateral(material):

@@ -129,6 +129,10 @@ class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
         layout, material = self.layout, context.material
         layout.active = material.is_editable
         fields.draw_base(layout, material.lamina.base)
+        if over_material.has_changed(material):
+            text = "The shader in the frame Before Lamina was edited: the layers do not show that yet"
+            draw_sentence(context, layout, text)
+            layout.operator("lamina.read_again", icon="FILE_REFRESH")
         ior = layer_list.open_ior(material)
         if ior is not None:
             text = f"The sheet ends inside a dielectric of IOR {ior:.3g}: it has no back surface"
@@ -149,7 +153,7 @@ class LAMINA_PT_bake(MaterialPanel, bpy.types.Panel):
         row.prop(material.lamina, "basis", expand=True)
         job = bake_job.running_for(material)
         if job is not None:
-            draw_progress(layout, job, "lamina.bake_cancel")
+            draw_progress(layout, job, "BAKE")
             return
         row = layout.row()
         row.scale_y = 1.4
@@ -170,7 +174,10 @@ class LAMINA_PT_result(MaterialPanel, bpy.types.Panel):
     def draw(self, context):
         layout, material = self.layout, context.material
         _draw_state(layout, context, material)
-        if material.lamina.node_group is not None and not node_group.is_connected(material):
+        if node_group.shows_lateral(material):
+            text = "The output shows the panel Lateral or Interior instead of this bake"
+            draw_sentence(context, layout, text)
+        elif material.lamina.node_group is not None and not node_group.is_connected(material):
             row = layout.row()
             row.label(text="Not connected to the output", icon="UNLINKED")
             row.operator("lamina.connect", text="Connect")
@@ -268,13 +275,13 @@ def _draw_presets(context, layout, folded):
         preset_picker.draw(body, context)
 
 
-def draw_progress(layout, job, cancel):
-    """A worker's progress bar, and the operator that cancels it."""
+def draw_progress(layout, job, work):
+    """A worker's progress bar, and the operator that cancels `work`, an item of that operator."""
     row = layout.row(align=True)
     row.scale_y = 1.4
     text = "Cancelling" if job.cancelling else f"{job.fraction:.0%}  {job.text}"
     row.progress(factor=job.fraction, text=text)
-    row.operator(cancel, text="", icon="CANCEL")
+    row.operator("lamina.cancel", text="", icon="CANCEL").work = work
 
 
 def _draw_state(layout, context, material):

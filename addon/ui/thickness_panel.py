@@ -76,8 +76,10 @@ def _draw_detail(layout, material):
 def _has_attribute(context, name):
     """True if the evaluated active object has the attribute; other objects are not checked."""
     thing = context.object
-    if thing is None or thing.type != "MESH":
+    if thing is None:
         return True
+    if thing.type != "MESH":
+        return False
     return name in thing.evaluated_get(context.evaluated_depsgraph_get()).data.attributes
 
 

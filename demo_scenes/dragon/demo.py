@@ -57,7 +57,7 @@ def run(out, quality, stack_path, say, mesh=None, up="y", turntable=0):
     setting = QUALITIES[quality]
     stack = load_stack(stack_path or STACK)
     clock = _Clock()
-    figure, stand = scene.figure(mesh, setting.fine, up), scene.stand(setting.fine)
+    figure, stand = scene.figure(mesh, up), scene.stand(setting.fine)
     clock.lap("mesh")
     say(f"dragon: {len(figure.polygons)} faces in {clock.seconds['mesh']:.0f} s")
     dusty, lut = scene.material(stack, setting.bake, setting.row_stride)

@@ -3,15 +3,14 @@
 
 import numpy as np
 
-from . import shells
-
 # Outline from the middle of the top to the middle of the foot: radius and height, relative to the radius of the top.
 PROFILE = ((1.0, 0.0), (1.025, -0.006), (1.04, -0.02), (1.04, -0.05), (1.0, -0.065), (0.985, -0.085), (1.0, -0.11),
            (1.05, -0.135), (1.09, -0.16), (1.1, -0.18), (1.1, -0.22))
 
 
 def build(radius, step):
-    """A shell (see shells.py) whose top is the disc z = 0 of `radius` mm, with edges of about `step` mm."""
+    """(vertices (n, 3), quadrangles (m, 4), triangles (k, 3)), oriented outwards. The top is the disc z = 0 of
+    `radius`; edges are about `step` long."""
     corners = np.array([(0.004, 0.0), *PROFILE, (0.004, PROFILE[-1][1])]) * radius
     gaps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(gaps)])
@@ -31,4 +30,4 @@ def build(radius, step):
         np.stack([last + following, last + ring, np.full(sides, rings * sides + 1)], axis=1),
     ])
     ends = np.array([(0.0, 0.0, z[0]), (0.0, 0.0, z[-1])])
-    return shells.join([(np.concatenate([points, ends]), quads, triangles)])
+    return np.concatenate([points, ends]), quads, triangles

@@ -6,52 +6,37 @@ thickness as the property SHARE, and the material multiplies thickness and share
 """
 
 import math
+from pathlib import Path
 
 import bpy
 import extension
+import mesh_file
 import numpy as np
 
-from . import mesh_file, plinth, sculpture, settling, stage, strokes
+from . import plinth, settling, stage, strokes
 
 SHARE = "dust_share"
 SPACING, MARGIN = 0.298, 0.18  # m between figures; free margin at either side, half of the second, in figures
 HEIGHT, WIDTH = 0.262, 0.21  # m, the box for any other mesh: it must stay on the plinth
 PLINTH_RADIUS, PLINTH_HEIGHT = 0.118, 0.22 * 0.118
 PLINTH_CENTRE = (-0.006, -0.006, 0.0)  # under the dragon's feet and tail
-COARSE, FINE = (1.15, 0.6), (sculpture.SPACING, sculpture.HEAD_SPACING)  # mm
+DRAGON = Path(__file__).resolve().parent / "dragon.ply.gz"  # in mm; tools/sculpting made it
 
 
-def figure(mesh_path=None, fine=True, up="y"):
+def figure(mesh_path=None, up="y"):
     """The mesh to be shown: the dragon, or that of a file. Raises ValueError."""
     if mesh_path is None:
-        vertices, quads, triangles = sculpture.build(*(FINE if fine else COARSE))
-        sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
-        return as_mesh("dragon", 1e-3 * vertices - PLINTH_CENTRE, sizes,
-                       np.concatenate([quads.ravel(), triangles.ravel()]))
-    return as_mesh("figure", *mesh_file.load(mesh_path, WIDTH, HEIGHT, up))
+        vertices, sizes, corners = mesh_file.read(DRAGON)
+        return mesh_file.as_mesh("dragon", 1e-3 * vertices - PLINTH_CENTRE, sizes, corners)
+    return mesh_file.as_mesh("figure", *mesh_file.upright(mesh_path, WIDTH, HEIGHT, up))
 
 
 def stand(fine=True):
     """The plinth's mesh."""
     vertices, quads, triangles = plinth.build(PLINTH_RADIUS, 0.0008 if fine else 0.0014)
     sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
-    mesh = as_mesh("plinth", vertices, sizes, np.concatenate([quads.ravel(), triangles.ravel()]))
+    mesh = mesh_file.as_mesh("plinth", vertices, sizes, np.concatenate([quads.ravel(), triangles.ravel()]))
     strokes.wipe(mesh, vertices)
-    return mesh
-
-
-def as_mesh(name, vertices, sizes, corners):
-    """A Blender mesh with smooth faces: vertices (n, 3), the faces' numbers of corners (m,), their vertices (k,)."""
-    mesh = bpy.data.meshes.new(name)
-    mesh.vertices.add(len(vertices))
-    mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, np.float32).ravel())
-    mesh.loops.add(len(corners))
-    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corners, np.int32))
-    mesh.polygons.add(len(sizes))
-    mesh.polygons.foreach_set("loop_start", np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int32))
-    mesh.update(calc_edges=True)
-    mesh.validate()
-    mesh.shade_smooth()
     return mesh
 
 
@@ -76,7 +61,7 @@ def material(stack, quality, row_stride):
         attribute.attribute_type, attribute.attribute_name = kind, name
         tree.links.new(attribute.outputs["Fac"], product.inputs[k])
     tree.links.new(product.outputs[0], group.inputs["Thickness"])
-    detail = extension.part("nodes.detail_wiring").add_detail(made, HEIGHT)
+    detail = extension.part("nodes.detail_wiring").add_detail(made)
     wiped = tree.nodes.new("ShaderNodeAttribute")
     wiped.attribute_type, wiped.attribute_name = "GEOMETRY", strokes.ATTRIBUTE
     tree.links.new(wiped.outputs["Fac"], detail.inputs["Wiped"])

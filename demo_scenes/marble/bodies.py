@@ -2,18 +2,17 @@
 """The bodies: a slab, and a cup with thin walls, a foot and a handle. Closed meshes, in mm."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import bpy
+import mesh_file
 import numpy as np
-from dragon import distance, surface_nets
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 SLAB_WIDTH, SLAB_THICKNESS = 40.0, 12.0
 FACE_STEP = 0.3  # mm between vertices
-# The cup: a spherical shell, cut open at the top.
-RADIUS, WALL, CENTRE, RIM = 8.0, 1.1, 9.5, 11.0
-MARGIN = 1.0
+CUP = Path(__file__).resolve().parent / "cup.ply.gz"  # in mm; tools/sculpting made it
 MAPPED = 1.125  # side of the mapped square, relative to the picture
 UNWRAPPED = 0.43  # share of the image that an automatic UV map fills, about
 
@@ -26,7 +25,7 @@ class Body:
 
     name: str
     vertices: np.ndarray  # (n, 3), mm
-    quads: np.ndarray  # (m, 4)
+    faces: np.ndarray  # (m, 3) or (m, 4)
     towards_eye: Vector
     middle: Vector
     width: float
@@ -37,13 +36,15 @@ class Body:
         """Texels along an edge of the images for a picture of `size` pixels: about as large as pixels."""
         if self.mapped:
             return round(MAPPED * size)
-        edges = self.vertices[self.quads[:, [2, 3]]] - self.vertices[self.quads[:, [0, 0]]]
+        triangles = self.triangles()
+        edges = self.vertices[triangles[:, 1:]] - self.vertices[triangles[:, :1]]
         area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum()
         return round(np.sqrt(2.0 * area / UNWRAPPED) * size / self.width)
 
     def triangles(self):
-        """(2 m, 3) indices of vertices."""
-        return np.concatenate([self.quads[:, [0, 1, 2]], self.quads[:, [0, 2, 3]]])
+        """(k, 3) indices of vertices."""
+        corners = range(2, self.faces.shape[1])
+        return np.concatenate([self.faces[:, [0, k - 1, k]] for k in corners])
 
     def tree(self):
         """For rays in Python."""
@@ -52,7 +53,7 @@ class Body:
     def mesh(self):
         """A Blender mesh with smooth faces."""
         mesh = bpy.data.meshes.new(self.name)
-        mesh.from_pydata(self.vertices, [], self.quads.tolist())
+        mesh.from_pydata(self.vertices, [], self.faces.tolist())
         mesh.shade_smooth()
         if self.mapped:
             self._map(mesh)
@@ -60,7 +61,7 @@ class Body:
 
     def _map(self, mesh):
         """The upper face's UV map, in which the picture with a margin fills the image; other faces have no area."""
-        corners = self.vertices[self.quads]
+        corners = self.vertices[self.faces]
         uvs = 0.5 + (corners[..., :2] - np.array(self.middle)[:2]) / (MAPPED * self.width)
         uvs[~(corners[..., 2] == corners[..., 2].max()).all(axis=1)] = 0.0
         mesh.uv_layers.new(name="above").uv.foreach_set("vector", uvs.astype(np.float32).ravel())
@@ -85,27 +86,8 @@ def slab(step=FACE_STEP):
                 0.4 * SLAB_WIDTH, 200, mapped=True)
 
 
-def cup(step=FACE_STEP):
+def cup():
     """A cup, about 18 mm wide, seen from above its rim with the sun behind."""
-    parts = [
-        distance.Part(_shell, np.array([(-10.0, -10.0, 0.0), (10.0, 10.0, 13.0)]), 1.0),
-        distance.bone((0.0, 0.0, 0.8), (0.0, 0.0, 1.4), 3.6, 2.6, 1.6),
-        distance.Part(_handle, np.array([(5.0, -3.0, 2.0), (14.0, 3.0, 13.0)]), 1.2),
-    ]
-    box = np.array([(-10.0, -10.0, -3.0), (14.0, 10.0, 13.5)]) + np.array([[-MARGIN], [MARGIN]])
-    vertices, quads = surface_nets.mesh(lambda points, reach: distance.melt(parts, points, reach), box, step)
+    vertices, sizes, corners = mesh_file.read(CUP)
     eye = Vector((0.35, -1.0, 0.62)).normalized()
-    return Body("cup", vertices, quads, eye, Vector((1.0, 0.0, 5.2)), 23.0, 150)
-
-
-def _shell(points):
-    """The wall, thinner towards the rim; the rim has three waves."""
-    away = points - (0.0, 0.0, CENTRE)
-    wall = np.abs(np.linalg.norm(away, axis=1) - RADIUS) - 0.5 * WALL * np.clip(1.5 - 0.08 * points[:, 2], 0.6, 1.5)
-    rim = points[:, 2] - RIM - 0.7 * np.sin(3.0 * np.arctan2(away[:, 1], away[:, 0]))
-    return -distance.smooth_minimum(-wall, -rim, 0.8)
-
-
-def _handle(points):
-    ring = np.hypot(points[:, 0] - 8.6, points[:, 2] - 7.4) - 3.4
-    return np.hypot(ring, points[:, 1]) - 0.85
+    return Body("cup", vertices, corners.reshape(len(sizes), 3), eye, Vector((1.0, 0.0, 5.2)), 23.0, 150)

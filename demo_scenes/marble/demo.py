@@ -13,9 +13,9 @@ from . import bodies, differences, methods, portrait, sheet, veins
 
 EXPOSURE = 1.1
 QUALITIES = {
-    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 6, 8), portrait.Effort((5.0, 4.0), 1, 1, 64, 2)),
-    "small": (methods.Effort(36, 6, 14, 0.1, 3, 10, 24), portrait.Effort((4.0, 2.8), 3, 3, 300, 10)),
-    "final": (methods.Effort(96, 16, 24, 0.05, 4, 64, 128), portrait.Effort((1.3, 0.8), 20, 4, 1000, 48)),
+    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 6, 8), portrait.Effort(1, 1, 64, 2)),
+    "small": (methods.Effort(36, 6, 14, 0.1, 3, 10, 24), portrait.Effort(1, 8, 300, 10)),
+    "final": (methods.Effort(96, 16, 24, 0.05, 4, 64, 128), portrait.Effort(20, 4, 1000, 48)),
 }
 
 
@@ -76,7 +76,7 @@ def verdict_holds(found):
 def _dragons(effort, say):
     """(sRGB pictures of the stones, facts as plain data)."""
     start = time.process_time()
-    made = portrait.figure(effort.spacing)
+    made = portrait.figure()
     pictures, facts = [], {}
     for stone in (portrait.MARBLE, portrait.GREEN):
         pixels, known = portrait.picture(stone, made, effort)

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import bpy
 import cycles_render
 import extension
+import mesh_file
 import node_tree
 import numpy as np
 from dragon import scene as dragon_scene
-from dragon import sculpture
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from scipy import sparse
@@ -66,21 +66,18 @@ HEIGHT, ASIDE, WIDTH = 128.0, -14.0, 300.0  # mm: middle of the picture above th
 
 @dataclass(frozen=True)
 class Effort:
-    """Grid spacing (mm) of the dragon's body and head, samples per vertex, times of averaging, pixels, samples."""
+    """Samples per vertex, times of averaging, pixels, samples."""
 
-    spacing: tuple
     walks: int
     averaged: int
     size: int
     samples: int
 
 
-def figure(spacing):
+def figure():
     """The dragon as (Blender mesh in mm, triangles (m, 3))."""
-    vertices, quads, triangles = sculpture.build(*spacing)
-    sizes = np.concatenate([np.full(len(quads), 4), np.full(len(triangles), 3)])
-    mesh = dragon_scene.as_mesh("dragon", vertices, sizes, np.concatenate([quads.ravel(), triangles.ravel()]))
-    return mesh, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], triangles])
+    mesh = mesh_file.as_mesh("dragon", *mesh_file.read(dragon_scene.DRAGON))
+    return mesh, mesh_file.triangles(mesh)
 
 
 def picture(stone, made, effort):

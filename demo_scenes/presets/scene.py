@@ -68,7 +68,9 @@ def wire_dust(material):
     times.inputs[1].default_value = largest
     tree.links.new(source.node.outputs["Fac"], times.inputs[0])
     tree.links.new(times.outputs[0], source.socket)
-    extension.part("nodes.detail_wiring").add_detail(material, 2.0 * ball.PLATE)
+    detail = extension.part("nodes.detail_wiring").add_detail(material)
+    for name, share in (("Cloud Size", 0.4), ("Grain Size", 0.012)):
+        detail.inputs[name].default_value = share * ball.PLATE
 
 
 def _camera(scene):

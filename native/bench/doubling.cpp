@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measures the doubling step (a layer joined with itself) against this machine's rate of matrix products, alternating
 // in the same run. Prints one line of JSON per size.
+//     bench_doubling [ROUNDS]
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <vector>
 
 #include "operators/adding.hpp"
@@ -20,7 +22,7 @@ double seconds_of(const auto& work) {
 }
 
 /// Floating-point operations of join() without targets: 2 n^3 per product, 2/3 n^3 for LU, 2 n^3 to solve with it.
-double join_operations(double n) { return (9 * 2.0 + 2.0 / 3.0) * n * n * n; }
+double join_operations(double n) { return (8 * 2.0 + 2.0 / 3.0) * n * n * n; }
 
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
@@ -29,8 +31,9 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-int main() {
+int main(int count, char** words) {
   constexpr int kGemm = 512;
+  const int rounds = count > 1 ? std::atoi(words[1]) : 15;
   const Eigen::MatrixXd a = Eigen::MatrixXd::Random(kGemm, kGemm);
   const Eigen::MatrixXd b = Eigen::MatrixXd::Random(kGemm, kGemm);
   Eigen::MatrixXd c(kGemm, kGemm);
@@ -46,7 +49,7 @@ int main() {
     std::vector<double> join_rates;
     std::vector<double> gemm_rates;
     double sink = 0.0;
-    for (int round = 0; round < 15; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       const double joined = seconds_of([&] {
         for (int k = 0; k < repeats; ++k) {
           sink += join(layer, layer).reflect_above.kernel(0, 0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measures collisions per second of CPU time for walks in a mesh of 100,352 faces. Each of the 256^3 voxels holds the
 // coefficients of three channels. Prints one line of JSON for each case and number of threads.
-//     bench_mesh_walk [THREADS ...]
+//     bench_mesh_walk [WALKS OF A POINT [THREADS ...]]
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -104,8 +104,9 @@ double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 }  // namespace
 
 int main(int count, char** words) {
+  const auto walks = static_cast<std::uint32_t>(count > 1 ? std::atoi(words[1]) : 32);
   std::vector<unsigned> threads;
-  for (int k = 1; k < count; ++k) {
+  for (int k = 2; k < count; ++k) {
     threads.push_back(static_cast<unsigned>(std::atoi(words[k])));
   }
   const TrianglePart part = bumpy_ball();
@@ -121,9 +122,9 @@ int main(int count, char** words) {
   for (const unsigned number : threads.empty() ? std::vector<unsigned>{1, 0} : threads) {
     ThreadPool pool(number);
     const double building = cpu_seconds();
-    const Solid solid(part, pool, [](double) { return true; });
+    const Solid solid(part, {}, pool, [](double) { return true; });
     const double built = cpu_seconds() - building;
-    const WalkPoints points{starts_of(part, 2000), 0, 0, 32, 1};
+    const WalkPoints points{starts_of(part, 2000), 0, 0, walks, 1};
     for (const Case& one : cases) {
       const MeshWalk walk(solid, grid, one.boundary);
       const double start = cpu_seconds();

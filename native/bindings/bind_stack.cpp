@@ -19,15 +19,16 @@ Medium make_medium(double albedo, double tau, const std::string& phase, const py
   return {albedo, tau, make_phase(phase, parameters)};
 }
 
-Facets make_facets(double alpha, const std::string& distribution, bool correlated) {
+Facets make_facets(double alpha, const std::string& distribution, bool correlated, bool compensate) {
   if (distribution != "ggx" && distribution != "beckmann") {
     throw py::value_error("distribution = '" + distribution + "': must be 'ggx' or 'beckmann'");
   }
-  return {alpha, distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann, correlated};
+  return {alpha, distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann, correlated,
+          compensate};
 }
 
 auto fields(const Facets& facets) {
-  return std::make_tuple(facets.alpha, static_cast<int>(facets.distribution), facets.correlated);
+  return std::make_tuple(facets.alpha, static_cast<int>(facets.distribution), facets.correlated, facets.compensate);
 }
 
 void bind_parts(py::module_& module) {
@@ -35,15 +36,14 @@ void bind_parts(py::module_& module) {
 
   py::class_<Facets>(module, "Facets", "The facets of a rough surface; alpha 0 is smooth. Equal by value, hashable.")
       .def(py::init(&make_facets), py::arg("alpha") = 0.0, py::arg("distribution") = "ggx",
-           py::arg("correlated") = true)
+           py::arg("correlated") = true, py::arg("compensate") = true)
       .def(
           "__eq__", [](const Facets& a, const Facets& b) { return fields(a) == fields(b); }, py::is_operator())
       .def("__hash__", [](const Facets& facets) { return py::hash(py::cast(fields(facets))); });
 
   py::class_<Interface>(module, "Interface")
-      .def(py::init(
-               [](double ior, const Facets& facets, bool compensate) { return Interface{ior, facets, compensate}; }),
-           py::arg("ior"), py::arg("facets") = make_facets(0.0, "ggx", true), py::arg("compensate") = true);
+      .def(py::init([](double ior, const Facets& facets) { return Interface{ior, facets}; }), py::arg("ior"),
+           py::arg("facets") = Facets{.alpha = 0.0});
 }
 
 void bind_bases(py::module_& module) {
@@ -53,10 +53,10 @@ void bind_bases(py::module_& module) {
                   [](double reflectance) { return Base{.kind = Base::Kind::kLambert, .reflectance = reflectance}; })
       .def_static(
           "conductor",
-          [](double eta, double k, const Facets& facets, bool compensate) {
-            return Base{.kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets, .compensate = compensate};
+          [](double eta, double k, const Facets& facets) {
+            return Base{.kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets};
           },
-          py::arg("eta"), py::arg("k"), py::arg("facets") = make_facets(0.0, "ggx", true), py::arg("compensate") = true)
+          py::arg("eta"), py::arg("k"), py::arg("facets") = Facets{.alpha = 0.0})
       .def_static(
           "principled",
           [](double color, double metallic, double roughness, double ior, double specular, double coat,

@@ -19,14 +19,18 @@ struct BoundSolid {
   ThreadPool pool;
   std::unique_ptr<Solid> solid;
 
-  BoundSolid(const Floats& vertices, const Indices& triangles, unsigned threads, const py::function& go_on)
+  BoundSolid(const Floats& vertices, const Indices& triangles, unsigned threads, const py::function& go_on,
+             std::vector<bool> opaque)
       : pool(threads) {
     TrianglePart part = part_of(vertices, triangles);
     if (part.triangles.empty()) {
       throw py::value_error("triangles must hold at least one");
     }
+    if (!opaque.empty() && 3 * opaque.size() != part.triangles.size()) {
+      throw py::value_error("opaque must be empty, or hold one value per triangle");
+    }
     solid = built_on_a_thread<Solid>(
-        go_on, [&](const auto& ask) { return std::make_unique<Solid>(std::move(part), pool, ask); });
+        go_on, [&](const auto& ask) { return std::make_unique<Solid>(std::move(part), std::move(opaque), pool, ask); });
   }
 };
 
@@ -111,6 +115,17 @@ WalkPoints points_of(const Rows& positions, const Rows& normals, const std::opti
   return points;
 }
 
+py::array_t<std::int8_t> exposures(BoundSolid& solid, const Rows& positions, const Rows& normals) {
+  const WalkPoints points = points_of(positions, normals, std::nullopt, 0, 0, 0, 0);
+  py::array_t<std::int8_t> found(static_cast<py::ssize_t>(points.starts.size()));
+  std::int8_t* out = found.mutable_data();
+  const py::gil_scoped_release release;
+  for (const MeshWalk::Start& start : points.starts) {
+    *out++ = static_cast<std::int8_t>(exposure(*solid.solid, start.place, start.normal));
+  }
+  return found;
+}
+
 /// (mirrored, lost, scatterings, collisions, rays) of each point.
 template <typename Results>
 Rows counts_of(const Results& results) {
@@ -179,8 +194,9 @@ py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary&
 
 void lamina::bind_mesh_walk(py::module_& module) {
   py::class_<BoundSolid>(module, "Solid", "A closed mesh, lengths in mm, and the threads that walk in it.")
-      .def(py::init<const Floats&, const Indices&, unsigned, const py::function&>(), py::arg("vertices"),
-           py::arg("triangles"), py::arg("threads"), py::arg("go_on"))
+      .def(py::init<const Floats&, const Indices&, unsigned, const py::function&, std::vector<bool>>(),
+           py::arg("vertices"), py::arg("triangles"), py::arg("threads"), py::arg("go_on"),
+           py::arg("opaque") = std::vector<bool>())
       .def(
           "clearance",
           [](const BoundSolid& self, const Triple& place) {
@@ -199,6 +215,9 @@ void lamina::bind_mesh_walk(py::module_& module) {
           },
           py::arg("positions").noconvert(), py::arg("within"),
           "Distances in mm from places to the surface, `within` where that is farther.")
+      .def("exposures", &exposures, py::arg("positions"), py::arg("normals"),
+           "Of each start of walks: 0 where light can enter, 1 inside another part of the mesh, 2 where the normal "
+           "points inwards, 3 on an opaque face.")
       .def_property_readonly("bytes", [](const BoundSolid& self) { return self.solid->bytes(); });
   py::class_<BoundGrid>(module, "Grid", "Coefficients in voxels [x, y, z] of a box in mm.")
       .def_static("of_coefficients", &grid_of_coefficients, py::arg("voxels").noconvert(), py::arg("low"),

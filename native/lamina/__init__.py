@@ -120,3 +120,7 @@ __all__ = [
     "walk_in_mesh",
     "walk_part",
 ]
+
+
+def __dir__():
+    return [*__all__, "__version__"]

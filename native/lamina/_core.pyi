@@ -12,6 +12,10 @@ class ThreadPool:
     """
     def __init__(self, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         ...
+    def stop(self) -> None:
+        """
+        From another thread: ends the work on these threads for good.
+        """
     @property
     def threads(self) -> int:
         ...
@@ -51,14 +55,14 @@ class Facets:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True) -> None:
+    def __init__(self, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True, compensate: bool = True) -> None:
         ...
 class Interface:
-    def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ..., compensate: bool = True) -> None:
+    def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ...) -> None:
         ...
 class Base:
     @staticmethod
-    def conductor(eta: typing.SupportsFloat | typing.SupportsIndex, k: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ..., compensate: bool = True) -> Base:
+    def conductor(eta: typing.SupportsFloat | typing.SupportsIndex, k: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ...) -> Base:
         ...
     @staticmethod
     def lambert(arg0: typing.SupportsFloat | typing.SupportsIndex) -> Base:

@@ -42,7 +42,7 @@ class Solid:
     """
     A closed mesh, lengths in mm, and the threads that walk in it.
     """
-    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], threads: typing.SupportsInt | typing.SupportsIndex, go_on: collections.abc.Callable) -> None:
+    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], threads: typing.SupportsInt | typing.SupportsIndex, go_on: collections.abc.Callable, opaque: collections.abc.Sequence[bool] = []) -> None:
         ...
     def clearance(self, place: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
         """
@@ -51,6 +51,10 @@ class Solid:
     def distances(self, positions: numpy.typing.NDArray[numpy.float32], within: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
         """
         Distances in mm from places to the surface, `within` where that is farther.
+        """
+    def exposures(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.int8]:
+        """
+        Of each start of walks: 0 where light can enter, 1 inside another part of the mesh, 2 where the normal points inwards, 3 on an opaque face.
         """
     @property
     def bytes(self) -> int:

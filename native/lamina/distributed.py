@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Long work on the machines of a Dask cluster, with the bytes of one process: pip install "lamina[dask]"."""
+"""Long work on the machines of a Dask cluster, with the bytes of one process: pip install distributed."""
 
 from .cluster.bakes import bakes
 from .cluster.dust import settle_each

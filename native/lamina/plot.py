@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plots of scattering functions and lookup tables. They need matplotlib: pip install "lamina[plot]"."""
+"""Plots of scattering functions and lookup tables. They need matplotlib: pip install matplotlib."""
 
 from .plotting.curves import albedos, errors
 from .plotting.lobes import lobes

@@ -137,3 +137,13 @@ def detached(addon, operator):
     made.reports = []
     made.report = lambda level, text: made.reports.append((*level, text))
     return made
+
+
+def sun(name, towards, energy=2.0):
+    """A new sun of the scene, .1 radians wide, turned by the Euler angles `towards`."""
+    obj = bpy.data.objects.new(name, bpy.data.lights.new(name, "SUN"))
+    obj.data.energy, obj.data.color, obj.data.angle = energy, (1.0, 0.5, 0.25), 0.1
+    obj.rotation_euler = towards
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj

@@ -9,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 import tomllib
 import zipfile
 from pathlib import Path
@@ -52,6 +53,24 @@ finally:
 """
 
 
+# Installs archives one after another, and prints what Blender has unpacked of their wheels.
+REPLACING = """
+import os, sys
+from pathlib import Path
+import bpy
+try:
+    for archive in sys.argv[1:]:
+        bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
+        (text,) = Path(os.environ["BLENDER_USER_RESOURCES"]).rglob("site-packages/lamina/from_the_wheel.txt")
+        print("\\nUNPACKED", text.read_text())
+        (info,) = text.parents[1].glob("lamina-*.dist-info")
+        (version,) = [line for line in (info / "METADATA").read_text().splitlines() if line.startswith("Version")]
+        print(f"INFO {info.name}: {version}", flush=True)
+finally:
+    os._exit(0)
+"""
+
+
 def build(output, *wheels):
     command = [sys.executable, str(TOOL), *map(str, wheels), "--output", str(output)]
     return subprocess.run(command, capture_output=True, text=True)
@@ -68,22 +87,29 @@ def install(archive, resources, how="alone"):
 
 
 def stub_wheel(folder, python=TAG, platform="manylinux_2_34_x86_64", version=VERSION, name="lamina", tag=None,
-               modules=()):
+               modules=(), text=""):
     """A wheel that Blender installs: an empty package with the right names around it.
 
     `tag`: what the file WHEEL says, if that is not the name's. `modules`: names and contents of compiled modules.
+    `text`: of lamina/from_the_wheel.txt; with it Blender finds in RECORD what to remove.
     """
     path = folder / f"{name}-{version}-{python}-{python}-{platform}.whl"
     info = f"{name}-{version}.dist-info"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("lamina/__init__.py", "")
-        archive.writestr("lamina/from_the_wheel.txt", "")
+        archive.writestr("lamina/from_the_wheel.txt", text)
         archive.writestr(f"{info}/METADATA", f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
         archive.writestr(f"{info}/WHEEL", f"Wheel-Version: 1.0\nTag: {tag or f'{python}-{python}-{platform}'}\n")
         for module, data in modules:
             archive.writestr(f"lamina/{module}", data)
-        archive.writestr(f"{info}/RECORD", "")
+        names = [f"lamina/__init__.py,,\n{info}/METADATA,,\n{info}/RECORD,,\n"][:bool(text)]
+        archive.writestr(f"{info}/RECORD", "".join(names))
     return path
+
+
+def plain(name):
+    """A wheel's name without its local version."""
+    return re.sub(r"\+[0-9a-f]{8}(?=-)", "", name)
 
 
 def manifest_of(archive):
@@ -100,7 +126,9 @@ def test_the_archive_holds_the_addon_and_the_wheels(tmp_path):
     archive = tmp_path / "dist" / f"lamina-{VERSION}.zip"
     assert finished.stdout.strip() == str(archive)
     manifest, names = manifest_of(archive)
-    assert sorted(manifest["wheels"]) == sorted(f"./wheels/{wheel.name}" for wheel in wheels)
+    held = [Path(name).name for name in manifest["wheels"]]
+    assert sorted(map(plain, held)) == sorted(wheel.name for wheel in wheels)
+    assert all(f"wheels/{name}" in names for name in held)
     assert manifest["platforms"] == ["linux-x64", "windows-x64"]
     assert manifest["version"] == VERSION
     assert manifest["id"] == "lamina" and manifest["license"] == ["SPDX:GPL-3.0-or-later"]
@@ -111,6 +139,18 @@ def test_the_archive_holds_the_addon_and_the_wheels(tmp_path):
     assert not [name for name in names if "__pycache__" in name or name.endswith(".pyc")]
 
 
+@pytest.mark.parametrize("split", [[], ["--split-platforms"]])  # Blender then writes the manifest with the present time
+def test_of_one_commit_the_archive_has_the_same_bytes(tmp_path, monkeypatch, split):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    wheel, found = stub_wheel(tmp_path), []
+    for seconds in (1600000000, 1650000000):
+        os.utime(wheel, (seconds, seconds))
+        assert build(tmp_path / str(seconds), wheel, *split).returncode == 0
+        found.append(next((tmp_path / str(seconds)).glob("*.zip")).read_bytes())
+        time.sleep(2.1)  # an archive has times of two seconds
+    assert found[0] == found[1]
+
+
 def test_the_archive_holds_the_licences(tmp_path):
     finished = build(tmp_path, stub_wheel(tmp_path))
     assert finished.returncode == 0, finished.stderr
@@ -119,7 +159,7 @@ def test_the_archive_holds_the_licences(tmp_path):
         third_party = opened.read("THIRD_PARTY.md").decode()
         assert "GNU GENERAL PUBLIC LICENSE" in licence and "END OF TERMS AND CONDITIONS" in licence
         texts = re.findall(r"\]\((licenses/[^)]+)\)", third_party)
-        assert len(texts) == 4, "of Eigen, Embree, pybind11 and the presets"
+        assert set(texts) == {f"licenses/{path.name}" for path in (own_blender.ROOT / "licenses").iterdir()}
         for name in texts:
             assert opened.read(name) == (own_blender.ROOT / name).read_bytes()
 
@@ -204,7 +244,7 @@ def test_one_archive_per_platform_with_its_wheels_alone(tmp_path):
         manifest, names = manifest_of(tmp_path / "dist" / f"lamina-{VERSION}-{platform}.zip")
         assert manifest["build"]["generated"]["platforms"] == [platform.replace("_", "-")]
         held = sorted(Path(name).name for name in names if name.endswith(".whl"))
-        assert held == sorted(wheel.name for wheel in wheels[tag])
+        assert sorted(map(plain, held)) == sorted(wheel.name for wheel in wheels[tag])
         assert "LICENSE" in {Path(name).name for name in names}
 
 
@@ -217,6 +257,22 @@ def test_blender_installs_enables_and_disables_it(tmp_path):
     assert Path(facts["file"]).is_relative_to(resources)
     assert list(resources.rglob("site-packages/lamina/from_the_wheel.txt"))
     assert "Traceback" not in error
+
+
+def test_another_build_of_the_same_version_replaces_the_first(tmp_path):
+    """Blender unpacks a wheel only if it has none of that version."""
+    archives = []
+    for text in ("first", "second"):
+        folder = tmp_path / text
+        folder.mkdir()
+        assert build(folder, stub_wheel(folder, text=text)).returncode == 0
+        archives.append(str(folder / f"lamina-{VERSION}.zip"))
+    command = [sys.executable, "-c", REPLACING, *archives]
+    environment = dict(os.environ, BLENDER_USER_RESOURCES=str(tmp_path / "user"))
+    finished = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120)
+    assert re.findall(r"UNPACKED (.*)", finished.stdout) == ["first", "second"], finished.stdout + finished.stderr
+    versions = re.findall(r"INFO lamina-(.*)\.dist-info: Version: (.*)", finished.stdout)
+    assert len(set(versions)) == 2 and all(folder == inside for folder, inside in versions)
 
 
 def test_without_a_wheel_it_is_enabled_and_says_so(tmp_path):

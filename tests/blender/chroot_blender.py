@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Blender executable of another Debian release, run in the release's own root folder (tools/blender_chroot.sh).
+"""A Blender executable of another Debian release, run in the release's own root folder (tools/debian_root.sh).
 
 Each run has mounts and process numbers of its own, which end with the run: nothing stays mounted, no process is left.
 """

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The extension's zip installed in a real Blender, as a user installs the zip from disk.
 
-LAMINA_BLENDER_ROOT names the root folder of tools/blender_chroot.sh; LAMINA_ZIP names the extension.
+LAMINA_BLENDER_ROOT names the root folder of tools/debian_root.sh; LAMINA_ZIP names the extension.
 """
 
 import os

@@ -3,6 +3,7 @@
 
 import re
 import signal
+import statistics
 import time
 
 import pytest
@@ -117,6 +118,8 @@ def test_bakes_do_not_accumulate(blender, made):
     finished = script(blender, "rebake.py", file=made(1))
     assert finished.returncode == 0, finished.stdout + finished.stderr
     found = re.findall(r"bakes: \d+ (\d+) (\d+) (\d+)", finished.stdout)
-    early, late = (list(map(int, numbers)) for numbers in found)
-    assert early[:2] == late[:2]
-    assert late[2] - early[2] < 20_000  # kB
+    counts = {numbers[:2] for numbers in found}
+    memory = [int(numbers[2]) for numbers in found]
+    assert len(found) == 81 and len(counts) == 1
+    # Means, since the memory of a process goes up and down by 15 MB.
+    assert statistics.mean(memory[-20:]) - statistics.mean(memory[:20]) < 20_000  # kB

@@ -7,20 +7,26 @@ import pytest
 from chroot_blender import INSIDE
 
 SEEDS = range(1, 1 + int(os.environ.get("LAMINA_SEEDS", "1")))
+ACTIONS = int(os.environ.get("LAMINA_ACTIONS", "200"))
 
 
-def perform(blender, *story):
+def perform(blender, *story, timeout=600):
     """Perform a story of inside/stories.py; returns what Blender printed."""
     finished = blender.run("--python-exit-code", "1", "--python", f"{INSIDE}/stories.py", "--", *map(str, story),
-                           window=True, timeout=600)
+                           window=True, timeout=timeout)
     printed = finished.stdout + finished.stderr
     assert finished.returncode == 0 and "Traceback" not in printed and "Error:" not in finished.stderr, printed[-3000:]
     return printed
 
 
-@pytest.mark.parametrize("story", ["panel_drawn", "bake", "cancel", "live", "another_file", "disabled"])
+@pytest.mark.parametrize("story", ["panel_drawn", "bake", "cancel", "live", "undo_after_live", "undo_beside_interior",
+                                   "beside_previews", "another_file", "disabled"])
 def test_story(blender, story):
     assert f"story ended: {story}" in perform(blender, story)
+
+
+def test_previews_stopped_quietly(blender):
+    assert "Info:" not in perform(blender, "previews_stopped_quietly")
 
 
 def test_quit_while_baking(blender):
@@ -29,4 +35,4 @@ def test_quit_while_baking(blender):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_actions(blender, seed):
-    assert "story ended" in perform(blender, "random_actions", seed)
+    assert "story ended" in perform(blender, "random_actions", seed, ACTIONS, timeout=3600)

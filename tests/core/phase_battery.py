@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tests that every phase function must pass, run on `lamina._core.PhaseFunction`.
-
-A test file gives its kind's `cases`: (parameters, 4 pi p forward, 4 pi p backward, mean cosine), computed independently
-of the code under test."""
+"""The tests that every phase function must pass, run on `lamina._core.PhaseFunction`: that its values, samples and
+moments agree, and that they have known values."""
 
 from __future__ import annotations
 
@@ -24,10 +22,11 @@ def quadrature(knots=(), count: int = 24):
     return (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
 
 
-class PhaseBattery:
+class Consistency:
+    """`cases`: tuples that begin with the parameters."""
+
     cases: list = []
     knots: np.ndarray = np.array([])  # where the function is not smooth
-    value_accuracy = 1e-12
     moment_accuracy = 1e-11
 
     def pytest_generate_tests(self, metafunc):
@@ -53,25 +52,12 @@ class PhaseBattery:
         assert expected.sum() == pytest.approx(1.0, abs=1e-6)
         assert stats.chisquare(found, expected / expected.sum() * count).pvalue > 1e-3
 
-    def test_straight_on(self, case):
-        assert _core.PhaseFunction(*case[0]).evaluate(1.0) == pytest.approx(case[1], rel=self.value_accuracy)
-
-    def test_straight_back(self, case):
-        back = _core.PhaseFunction(*case[0]).evaluate(-1.0)
-        assert back == pytest.approx(case[2], rel=self.value_accuracy, abs=1e-13)
-
     def test_normalised(self, case):
         phase = _core.PhaseFunction(*case[0])
         x, w = quadrature(self.knots)
         assert np.all(phase.evaluate(x) >= 0.0)
         assert w @ phase.pdf(x) == pytest.approx(1.0, abs=1e-9)
         assert phase.moment(0) == pytest.approx(1.0, abs=1e-13)
-
-    def test_mean_cosine(self, case):
-        phase = _core.PhaseFunction(*case[0])
-        assert phase.moment(1) == pytest.approx(case[3], abs=1e-6)
-        u = (np.arange(100_000) + 0.5) / 100_000
-        assert phase.sample(u).mean() == pytest.approx(case[3], abs=1e-5)
 
     def test_moments_are_integrals(self, case):
         phase = _core.PhaseFunction(*case[0])
@@ -95,3 +81,22 @@ class PhaseBattery:
         phase = _core.PhaseFunction(*case[0])
         ends = phase.sample(np.array([0.0, 1.0 - 2.0**-53]))
         assert np.all(np.abs(ends) <= 1.0) and np.all(np.isfinite(ends))
+
+
+class PhaseBattery(Consistency):
+    """`cases`: (parameters, 4 pi p forward, 4 pi p backward, mean cosine), computed independently of the code."""
+
+    value_accuracy = 1e-12
+
+    def test_straight_on(self, case):
+        assert _core.PhaseFunction(*case[0]).evaluate(1.0) == pytest.approx(case[1], rel=self.value_accuracy)
+
+    def test_straight_back(self, case):
+        back = _core.PhaseFunction(*case[0]).evaluate(-1.0)
+        assert back == pytest.approx(case[2], rel=self.value_accuracy, abs=1e-13)
+
+    def test_mean_cosine(self, case):
+        phase = _core.PhaseFunction(*case[0])
+        assert phase.moment(1) == pytest.approx(case[3], abs=1e-6)
+        u = (np.arange(100_000) + 0.5) / 100_000
+        assert phase.sample(u).mean() == pytest.approx(case[3], abs=1e-5)

@@ -10,7 +10,8 @@ from z_limit import z_limit
 from lamina import _core
 
 POOL = _core.ThreadPool(1)
-FACETS = [(0.1, "ggx", True), (0.2, "ggx", True), (0.1, "beckmann", True), (0.1, "ggx", False)]
+FACETS = [(0.1, "ggx", True, True), (0.2, "ggx", True, True), (0.1, "beckmann", True, True), (0.1, "ggx", False, True),
+          (0.1, "ggx", True, False)]
 BOTTOM = (_core.Side.bottom, _core.Path.transmit)
 
 
@@ -27,9 +28,9 @@ def test_facets_refuse_an_unknown_distribution():
 
 
 def test_surfaces_take_facets_by_name():
-    facets = _core.Facets(0.3, "beckmann", correlated=False)
-    coat = [_core.Interface(1.5, facets, compensate=False), _core.Medium(0.9, 1.0, "isotropic")]
-    metal = _core.Base.conductor(0.2, 3.5, facets=facets, compensate=True)
+    facets = _core.Facets(0.3, "beckmann", correlated=False, compensate=False)
+    coat = [_core.Interface(1.5, facets), _core.Medium(0.9, 1.0, "isotropic")]
+    metal = _core.Base.conductor(0.2, 3.5, facets=facets)
     rough = _core.solve_roughly(_core.Stack(coat, metal), 1e-2, 16, POOL).fluxes(_core.Side.top, [0.5], POOL)
     smooth = [_core.Interface(1.5), _core.Medium(0.9, 1.0, "isotropic")]
     polished = _core.solve_roughly(_core.Stack(smooth, metal), 1e-2, 16, POOL).fluxes(_core.Side.top, [0.5], POOL)

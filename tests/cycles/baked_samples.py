@@ -173,6 +173,15 @@ class Sample:
         errors = self._interpolated(np.moveaxis(errors, 1, 2))
         return np.broadcast_to(errors, (len(self.views.mu), 3))
 
+    def mixture_albedo(self, side, dense):
+        """Directional albedo of the fitted closures with weights interpolated like a texture, with the mirror image,
+        of a stack on a base; shape (views, 3). `dense`: a rule for the integrals."""
+        light = np.einsum("vlc,vl->vc", self.mixture("reflection", side, dense), dense.solid_angle)
+        for name, weight in zip(self.lut.closures, self.lut.weights[self.table_side(side)].astype(float), strict=True):
+            if name.startswith("mirror:"):
+                light = light + self._interpolated(weight[None])[0]
+        return light
+
     def albedo(self, side):
         """Exact directional albedo, with the mirror image and all light that passes a sheet; shape (views, 3)."""
         return self._albedo(side, self.views.mu)

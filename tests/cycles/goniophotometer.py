@@ -76,6 +76,8 @@ def material_from_recipe(lobe, weight=(1.0, 1.0, 1.0)):
             tree.links.new(socket, closure.inputs[name])
     for name, multiple in recipe.view_angles.items():
         tree.links.new(_view_angle(tree, multiple), closure.inputs[name])
+    for name, parameters in recipe.of_cosine.items():
+        tree.links.new(_of_cosine(tree, *parameters), closure.inputs[name])
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(closure.outputs[0], output.inputs["Surface"])
     return material
@@ -125,6 +127,19 @@ def _view_angle(tree, multiple):
     tree.links.new(cosine, angle.inputs[0])
     tree.links.new(angle.outputs[0], scaled.inputs[0])
     scaled.inputs[1].default_value = multiple
+    return scaled.outputs[0]
+
+
+def _of_cosine(tree, offset, factor, power):
+    """A socket that carries offset + factor * cosine ** power, clamped, for the cosine of viewer and normal."""
+    geometry = tree.nodes.new("ShaderNodeNewGeometry")
+    raised, scaled = tree.nodes.new("ShaderNodeMath"), tree.nodes.new("ShaderNodeMath")
+    raised.operation, scaled.operation, scaled.use_clamp = "POWER", "MULTIPLY_ADD", True
+    tree.links.new(_vector(tree, "DOT_PRODUCT", geometry.outputs["Normal"], geometry.outputs["Incoming"]),
+                   raised.inputs[0])
+    raised.inputs[1].default_value = power
+    tree.links.new(raised.outputs[0], scaled.inputs[0])
+    scaled.inputs[1].default_value, scaled.inputs[2].default_value = factor, offset
     return scaled.outputs[0]
 
 

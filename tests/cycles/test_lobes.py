@@ -25,6 +25,7 @@ FURNACE_COSINES = (0.85, 0.25)
 MADE_TO_MEASURE = [
     "ggx:0.03", "ggx:0.1", "ggx:0.4", "beckmann:0.1", "beckmann:0.3",
     "fresnel_ggx:1.5:0.03", "fresnel_ggx:1.5:0.1", "fresnel_ggx:1.1:0.27",
+    "halo:0.05", "halo:0.14", "halo:0.55",
     "toon:0:0.07:0.4", "toon:0.1:0.017:0.04", "toon:0.35:0.017:0.1", "toon:0.6:0.1:0.4", "toon:1:0.03:0.13",
 ]
 LOBES = [*lobes.DICTIONARY, *map(lobes.by_id, MADE_TO_MEASURE)]
@@ -45,7 +46,10 @@ def tolerance(lobe):
     if lobe.strays:
         return 1e-4 + FAST_ACOS * (1.0 / inputs["RoughnessU"] + 1.0 / inputs["RoughnessV"] + STEEPEST)
     if lobe.node.type in ("ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfPrincipled"):
-        alpha = inputs["Roughness"] ** 2 * (1.0 - inputs.get("Anisotropy", 0.0))
+        if lobe.node.of_cosine:
+            alpha = lobe.node.of_cosine["Roughness"][1] ** 2
+        else:
+            alpha = inputs["Roughness"] ** 2 * (1.0 - inputs.get("Anisotropy", 0.0))
         return 1e-4 + 2.0 * SINGLE_PRECISION / alpha**2
     return 1e-4
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The marble scene's plain functions: differences without noise, columns, bodies, pixels, averages on a mesh.
 
+The demo runs at the tiny quality.
+
 Seeds are fixed.
 """
 
@@ -10,6 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from PIL import Image
 from z_limit import z_limit
 
 import lamina
@@ -110,8 +113,8 @@ def test_sublayers_and_rounding_barely_matter(monkeypatch):
 
 @pytest.mark.parametrize("build", [bodies.slab, bodies.cup])
 def test_bodies_are_closed_and_oriented(build):
-    body = build(0.8)
-    edges = np.concatenate([body.quads[:, [k, (k + 1) % 4]] for k in range(4)])
+    body = build()
+    edges = np.stack([body.faces, np.roll(body.faces, -1, axis=1)], axis=-1).reshape(-1, 2)
     directed = set(map(tuple, edges))
     assert len(directed) == len(edges)  # each edge once in each direction
     assert all((b, a) in directed for a, b in directed)
@@ -142,7 +145,7 @@ def test_the_extension_unwraps_the_cup_without_overlaps(addon, size):
     body = bodies.cup()
     mesh = body.mesh()
     thing = bpy.data.objects.new("cup", mesh)
-    layer = mesh.uv_layers[addon.interior.unwrap.ensure(thing)]
+    layer = mesh.uv_layers[addon.base.unwrap.ensure(thing)]
     corners = np.empty(2 * len(mesh.loops), np.float32)
     layer.uv.foreach_get("vector", corners)
     mesh.calc_loop_triangles()
@@ -196,3 +199,11 @@ def test_the_sheet_is_written(tmp_path):
     lines = [["a", "b"]] * len(pictures)
     sheet.save(tmp_path / "marble.png", ("Title", "more"), [(pictures, np.ones((6, 6), bool), lines)] * 2, 1.0)
     assert (tmp_path / "marble.png").stat().st_size > 1000 and len(list(tmp_path.iterdir())) == 1
+
+
+def test_the_demo_makes_its_files(demo, tmp_path):
+    facts, _ = demo("marble")
+    assert all(found["walked"] > 50_000 for found in facts["dragons"].values()) and len(facts["dragons"]) == 2
+    for name in ("marble", "marble_dragons"):
+        with Image.open(tmp_path / f"{name}.png") as picture:
+            assert picture.width >= 2 * facts["effort_dragons"]["size"]

@@ -28,6 +28,8 @@ SMOOTH = {
     "smooth metal": {**RED, "metallic": 1.0, "roughness": 0.1},
     "smooth plastic": {**RED, "roughness": 0.05},
 }
+# A mirror has the energy of the coat's facets.
+WIDE = {"wide coat": {**RED, "coat": 1.0, "coat_roughness": 0.5}}
 DIRECTIONS = ((0.9, 0.9, 0.1), (0.7, 0.7, 0.0), (0.6, 0.5, 0.2), (0.3, 0.7, 2.0), (0.8, 0.3, 3.0), (0.2, 0.25, 0.1))
 OFF_THE_MIRROR = ((0.3, 0.7, 2.0), (0.8, 0.3, 3.0))
 VIEWS = (0.95, 0.6, 0.3)
@@ -73,7 +75,7 @@ def test_values_are_those_of_cycles(cases, directions, allowed):
 
 @pytest.mark.parametrize("mu_o", VIEWS)
 def test_the_directional_albedo_is_that_of_cycles(mu_o):
-    cases = {**ROUGH, **MIXED, **SMOOTH}
+    cases = {**ROUGH, **MIXED, **SMOOTH, **WIDE}
     materials = [principled(*case) for case in cases.items()]
     seen = goniophotometer.furnace_many(materials, mu_o, samples=1024)
     for values, reading in zip(cases.values(), seen, strict=True):

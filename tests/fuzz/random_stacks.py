@@ -6,6 +6,8 @@ from __future__ import annotations
 import math
 import random
 
+from drawn_kinds import drawn, of_all
+
 from lamina import (
     Black,
     Conductor,
@@ -24,23 +26,28 @@ from lamina import (
     Stack,
     Tabulated,
 )
+from lamina.kinds import bases, phases
 
 SHARPEST = 0.93  # of |g|; beyond |g| = .964 the solver refuses, which is tested elsewhere
 MOST_LAYERS = 6
+SPECIAL_BASES = {Black, Conductor, HalfSpace, Lambert}  # drawn with all that they allow, see _Maker.base
 
 
 def random_stack(seed: int, number: int) -> Stack:
     """Stack `number` of the random sequence with this seed."""
-    return _Maker(random.Random(f"{seed}:{number}")).stack()
+    return _Maker(random.Random(f"{seed}:{number}"), random.Random(f"base {seed}:{number}")).stack()
 
 
 class _Maker:
-    def __init__(self, chance: random.Random):
+    def __init__(self, chance: random.Random, own: random.Random):
         self.chance = chance
+        self.own = own  # for bases that are drawn from their descriptions, so that all other stacks stay the same
         self.channels = 3 if chance.random() < 0.25 else 1
 
     def stack(self) -> Stack:
         base = self.base()
+        if base is not None and self.own.random() < 0.1:
+            base = drawn(self.own.choice([cls for cls in bases.KINDS if cls not in SPECIAL_BASES]), self.own)
         count = self.chance.choices(range(MOST_LAYERS + 1), (1, 6, 8, 8, 5, 2, 1))[0]
         if base is None and count == 0:
             count = 1
@@ -84,16 +91,16 @@ class _Maker:
         return self.chance.choice([self.chance.uniform(-0.6, 0.8), self.chance.uniform(-SHARPEST, SHARPEST)])
 
     def phase(self, parts: bool = True):
-        kinds = [
-            Isotropic,
-            Rayleigh,
-            lambda: HenyeyGreenstein(self.spread(self.g)),
-            lambda: DoubleHenyeyGreenstein(self.spread(self.g), self.spread(self.g), self.chance.random()),
-            lambda: Draine(self.chance.uniform(-0.85, 0.85), self.log(0.01, 1000.0)),
-            lambda: CornetteShanks(self.spread(lambda: self.chance.uniform(-0.85, 0.85))),
-            self.moments,
-            self.samples,
-        ]
+        special = {
+            Isotropic: Isotropic,
+            Rayleigh: Rayleigh,
+            HenyeyGreenstein: lambda: HenyeyGreenstein(self.spread(self.g)),
+            DoubleHenyeyGreenstein: lambda: DoubleHenyeyGreenstein(self.spread(self.g), self.spread(self.g),
+                                                                   self.chance.random()),
+            Draine: lambda: Draine(self.chance.uniform(-0.85, 0.85), self.log(0.01, 1000.0)),
+            CornetteShanks: lambda: CornetteShanks(self.spread(lambda: self.chance.uniform(-0.85, 0.85))),
+        }
+        kinds = [*of_all(phases.KINDS, special, self.chance), self.moments, self.samples]
         if parts:
             kinds.append(self.mixture)
         return self.chance.choice(kinds)()

@@ -184,6 +184,88 @@ def test_a_packed_archive_is_refused(tmp_path):
         Lut.load(path)
 
 
+def damaged(member_of_weights):
+    return archive(member("header", "(2,)", b"{}", "|u1"), member_of_weights)
+
+
+REASONS = {
+    "foreign": (b"hello", "no .npz archive"),
+    "truncated": (archive(member("header", "(2,)", b"{}", "|u1"))[:-30], "the archive is truncated or damaged"),
+    "no weights": (archive(member("header", "(2,)", b"{}", "|u1")), "it has no array 'weights'"),
+    "no header": (archive(member("weights", "(0,)", b"")), "it has no array 'header'"),
+    "bad header": (archive(member("header", "(2,)", b"{]", "|u1"), member("weights", "(0,)", b"")),
+                   "its header is not valid JSON, Expecting"),
+    "packed": (damaged(member("weights", "(1000,)", bytes(4000), compression=zipfile.ZIP_DEFLATED)),
+               "its array 'weights' is compressed"),
+    "objects": (damaged(member("weights", "(1,)", bytes(8), "|O")), "its array 'weights' holds Python objects"),
+    "shape": (damaged(member("weights", "(3,)", bytes(4))),
+              "its array 'weights' has 4 bytes, which do not fit the shape"),
+    "literal": (damaged(member("weights", "(2, 3", b"")), "its array 'weights' has no description that NumPy reads"),
+}
+
+
+@pytest.mark.parametrize("name", REASONS)
+def test_a_damaged_table_names_what_is_wrong(tmp_path, name):
+    content, reason = REASONS[name]
+    path = tmp_path / "bad.npz"
+    path.write_bytes(content)
+    with pytest.raises(LutError) as caught:
+        Lut.load(path)
+    assert str(caught.value).startswith(f"{path}: not a complete Lamina lookup table: {reason}")
+
+
+SHEET = Stack([Medium(albedo=0.5, tau=1.0)])
+TRIANGLE = lamina.dust.Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+
+
+@pytest.mark.parametrize(("call", "says"), [
+    (lambda: lamina.solve(SHEET, "preview").to_xarray("a"), "mu_o = 'a': must be a number or an array of numbers"),
+    (lambda: lamina.bake(SHEET, "preview", closures=[]), "closures = []: must hold a lobe id, or be None"),
+    (lambda: lamina.dust.settle_image(TRIANGLE, np.zeros((1, 3, 2)), (8,)),
+     "size = [8]: must be one or two whole numbers from 1 to"),
+    (lambda: lamina.dust.settle_image(TRIANGLE, "a", 8), "uvs_per_corner = 'a': must be an array of numbers"),
+], ids=["to_xarray", "closures", "size", "uvs"])
+def test_wrong_arguments_get_a_sentence(call, says):
+    with pytest.raises(ValueError) as caught:
+        call()
+    assert str(caught.value).startswith(says) and "\n" not in str(caught.value)
+
+
+HEADER = """ply
+format ascii 1.0
+element vertex {}
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+3 0 1 2
+"""
+
+
+def test_a_byte_order_mark_is_read_over(tmp_path):
+    stack, mesh = tmp_path / "stack.json", tmp_path / "mesh.ply"
+    stack.write_text("\ufeff" + json.dumps(SHEET.to_json()), encoding="utf-8")
+    assert Stack.load(stack) == SHEET
+    mesh.write_text("\ufeff" + HEADER.format(3), encoding="utf-8")
+    assert len(lamina.ply.load(mesh).vertices) == 3
+
+
+def test_huge_numbers_in_files(tmp_path):
+    stack, mesh = tmp_path / "stack.json", tmp_path / "mesh.ply"
+    stack.write_text('{"schema": 1' + "0" * 5000 + "}")
+    with pytest.raises(lamina.StackError, match=r"a number has 5001 digits: must have at most 1000"):
+        Stack.load(stack)
+    for count in ("4000000000", "9" * 5000):
+        mesh.write_text(HEADER.format(count))
+        with pytest.raises(lamina.common.errors.MeshFileError, match="elements 'vertex': must have at most 1073741824"):
+            lamina.ply.load(mesh)
+
+
 @pytest.fixture(scope="module")
 def lut():
     varying = Stack([Medium(albedo=0.9, tau=1.0, varying=True)], Lambert(0.5, textured=True))

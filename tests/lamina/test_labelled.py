@@ -51,5 +51,5 @@ def test_a_table_with_roughness():
 
 def test_without_xarray_one_sentence(monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(lamina.ExtraMissing, match=r'^to_xarray needs xarray, .*: pip install "lamina\[xarray\]"$'):
+    with pytest.raises(lamina.ExtraMissing, match=r'^to_xarray needs xarray, .*: pip install xarray$'):
         lamina.solve(SHEET, "preview").to_xarray()

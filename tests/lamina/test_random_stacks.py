@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import lamina
+from lamina.kinds import bases, phases
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fuzz"))
 import invariants
@@ -29,6 +30,22 @@ def test_what_holds_for_every_stack(number):
     assert invariants.of_values(stack, found) + invariants.of_energy(solved) == []
     if number % 4 == 1:
         assert invariants.of_splitting(stack, found, random.Random(number)) == []
+
+
+def test_added_kinds_take_part(monkeypatch):
+    class AddedPhase(lamina.HenyeyGreenstein):
+        pass
+
+    class AddedBase(lamina.Lambert):
+        pass
+
+    monkeypatch.setattr(phases, "KINDS", (*phases.KINDS, AddedPhase))
+    monkeypatch.setattr(bases, "KINDS", (*bases.KINDS, AddedBase))
+    stacks = [random_stack(SEED, number) for number in range(300)]
+    assert {type(stack.base) for stack in stacks} == set(bases.KINDS) | {type(None)}
+    found = {type(layer.phase) for stack in stacks for layer in stack.layers
+             if isinstance(layer, lamina.Medium) and layer.profile is None}
+    assert found == set(phases.KINDS) | {lamina.Tabulated, lamina.Mixture}
 
 
 def test_the_invariants_notice_what_is_wrong():

@@ -42,6 +42,32 @@ def test_anything_else_is_refused_in_a_sentence(wrong):
         lamina.solve(wrong)
 
 
+def test_a_misspelt_preset_has_suggestions():
+    with pytest.raises(ArgumentError, match="similar presets are lacquered-copper"):
+        lamina.solve("lacqured-copper")
+    with pytest.raises(ArgumentError) as caught:
+        lamina.solve("qqq")
+    assert "similar" not in str(caught.value)
+
+
+def test_preset_ids_where_stacks_are_saved_and_exported(tmp_path, monkeypatch):
+    monkeypatch.setenv("LAMINA_PRESETS", str(tmp_path / "mine"))
+    assert lamina.Stack.load(lamina.presets.save(PRESET, "my soot")) == lamina.presets.load(PRESET)
+    files = [tmp_path / name for name in ("id.bsdf", "solved.bsdf")]
+    for file, given in zip(files, (PRESET, lamina.solve(PRESET)), strict=True):
+        lamina.rgl.save_bsdf(given, file, size=8, angles=4)
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_a_file_in_place_of_the_folder_of_presets_is_named(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("LAMINA_PRESETS", str(tmp_path / "file"))
+    assert lamina.presets.user_names() == []
+    with pytest.raises(NotADirectoryError, match="must be a folder, for the user's presets") as caught:
+        lamina.presets.save(PRESET, "mine")
+    assert caught.value.filename == str(tmp_path / "file")
+
+
 def test_a_missing_file_is_named():
     with pytest.raises(FileNotFoundError, match="missing.json"):
         lamina.solve("missing.json")

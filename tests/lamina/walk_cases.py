@@ -2,6 +2,9 @@
 """Stacks and directions on which walks are compared with the solver: (name, stack, query)."""
 
 import math
+import random
+
+from drawn_kinds import drawn
 
 from lamina import (
     Black,
@@ -14,6 +17,7 @@ from lamina import (
     Rayleigh,
     Stack,
 )
+from lamina.kinds import phases
 from lamina.walks.estimate import Query
 
 
@@ -60,6 +64,10 @@ CASES = [
     ("over glass", IN_GLASS, Query(0.5, 0.7, 1.0)),
     ("double peak", DOUBLE, Query(0.2, 0.3, 2.8)),
 ]
+# Each kind of phase function that no stack above has, below a boundary and over a base.
+_USED = {type(layer.phase) for _, stack, _ in CASES for layer in stack.layers if isinstance(layer, Medium)}
+CASES += [(cls.kind, Stack([Interface(1.4), Medium(albedo=0.9, tau=1.0, phase=drawn(cls, random.Random(1)))],
+                           Lambert(0.4)), Query(0.6, 0.7, 1.0)) for cls in phases.KINDS if cls not in _USED]
 
 
 def solved_value(solved, query):

@@ -244,38 +244,32 @@ std::optional<LitBase> lit_base(const LateralStack& stack) {
   return LitBase(directions.back(), beam, base.reflectance, std::move(parts));
 }
 
-Rings unscattered_rings(const LateralStack& stack) {
-  Rings rings;
-  if (stack.along_normal()) {
-    return rings;
-  }
+namespace {
+
+/// Light of the beam between two layers, on a specular path.
+struct SpecularLight {
+  std::size_t gap;  // light is above this layer
+  bool down;
+  double flux;
+  double direct;  // without light of truncated peaks
+  double radius;  // distance from the point of entry
+};
+
+/// Follows the specular paths of an oblique beam with at least 1e-9 of its power, and calls `visit` for each light.
+template <typename Visit>
+void follow_specular_paths(const LateralStack& stack, const Visit& visit) {
   constexpr double kFaintest = 1e-9;
   const std::vector<ScatteringFunction> layers = delta_layers(stack);
   const Index beam = stack.directions().front().nodes;
-  struct Light {
-    std::size_t gap;  // light is above this layer
-    bool down;
-    double flux;
-    double direct;
-    double radius;
-  };
-  std::vector<Light> waiting{{0, true, 1.0, 1.0, 0.0}};
+  std::vector<SpecularLight> waiting{{0, true, 1.0, 1.0, 0.0}};
   while (!waiting.empty()) {
-    const Light light = waiting.back();
+    const SpecularLight light = waiting.back();
     waiting.pop_back();
     if (light.flux < kFaintest) {
       continue;
     }
-    if (!light.down && light.gap == 0) {
-      if (light.radius > 0.0) {
-        rings.reflected.push_back({light.radius, light.flux, light.direct});
-      }
-      continue;
-    }
-    if (light.down && light.gap == layers.size()) {
-      if (light.radius > 0.0) {
-        rings.transmitted.push_back({light.radius, light.flux, light.direct});
-      }
+    visit(light);
+    if (light.gap == (light.down ? layers.size() : 0)) {
       continue;
     }
     const std::size_t layer = light.down ? light.gap : light.gap - 1;
@@ -294,7 +288,43 @@ Rings unscattered_rings(const LateralStack& stack) {
     waiting.push_back(
         {light.down ? layer + 1 : layer, light.down, passed * light.flux, passed * peaks * light.direct, radius});
   }
+}
+
+}  // namespace
+
+Rings unscattered_rings(const LateralStack& stack) {
+  Rings rings;
+  if (stack.along_normal()) {
+    return rings;
+  }
+  const bool open = stack.measured().stack.base.kind == Base::Kind::kNone;
+  const std::size_t bottom = stack.measured().stack.layers.size() + (open ? 0 : 1);
+  follow_specular_paths(stack, [&](const SpecularLight& light) {
+    if (light.radius > 0.0 && light.gap == (light.down ? bottom : 0)) {
+      (light.down ? rings.transmitted : rings.reflected).push_back({light.radius, light.flux, light.direct});
+    }
+  });
   return rings;
+}
+
+std::optional<ObliqueScattering> oblique_scattering(const LateralStack& stack, bool top) {
+  if (stack.along_normal() || (!top && stack.measured().stack.base.kind != Base::Kind::kNone)) {
+    return std::nullopt;
+  }
+  const std::optional<NextMedium> next = next_medium(stack, top);
+  if (!next) {
+    return std::nullopt;
+  }
+  constexpr double kFaintest = 1e-3;  // the singularities of fainter light are not seen
+  std::vector<BeamWay> ways;
+  follow_specular_paths(stack, [&](const SpecularLight& light) {
+    if (light.flux >= kFaintest && light.gap == next->layer + (light.down ? 0 : 1)) {
+      ways.push_back({light.radius, light.flux, light.down == top});
+    }
+  });
+  return ObliqueScattering(
+      *stack.media()[next->layer], stack.directions()[next->layer], std::move(ways),
+      [indices = next->indices](double mu) { return passing(indices, mu); }, critical_cosine(next->indices));
 }
 
 ForwardPeaks::ForwardPeaks(const LateralStack& stack, int legs) {

@@ -6,6 +6,7 @@
 
 #include "lateral/lateral_stack.hpp"
 #include "lateral/lit_base.hpp"
+#include "lateral/oblique_scattering.hpp"
 #include "lateral/once_scattered_beam.hpp"
 
 namespace lamina {
@@ -36,6 +37,11 @@ struct Rings {
   std::vector<Ring> reflected;
   std::vector<Ring> transmitted;
 };
+
+/// Single scattering of an oblique beam in the medium next to the top or the bottom, if only smooth boundaries lie
+/// between.
+std::optional<ObliqueScattering> oblique_scattering(const LateralStack& stack, bool top);
+
 /// The rings of specular paths with at least 1e-9 of the beam's power. Empty for a beam along the normal.
 Rings unscattered_rings(const LateralStack& stack);
 

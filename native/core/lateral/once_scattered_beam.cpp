@@ -23,31 +23,24 @@ Complex mean_decay(Complex z) {
   return (1.0 - std::exp(-z)) / z;
 }
 
-/// Integrals of attenuation over the optical depth below the face where light leaves. Scattered light is attenuated by
-/// `rate` on its way to the face; the beam runs away from the face (`turned`) or towards it (`forward`).
-struct Attenuation {
-  Complex turned;
-  Complex forward;
-
-  Attenuation(Complex rate, double tau) {
-    if (std::isinf(tau)) {
-      turned = 1.0 / (rate + 1.0);
-      forward = 0.0;
-    } else {
-      turned = tau * mean_decay(tau * (rate + 1.0));
-      // The integral is symmetric in both exponents; take the form with a decaying exponential.
-      forward = rate.real() >= 1.0 ? std::exp(-tau) * tau * mean_decay(tau * (rate - 1.0))
-                                   : std::exp(-tau * rate) * tau * mean_decay(tau * (1.0 - rate));
-    }
-  }
-};
-
 const AzimuthRule& fine_azimuths() {
   static const AzimuthRule rule(32, 0.7, 1);
   return rule;
 }
 
 }  // namespace
+
+Complex once_attenuated(Complex rate, Complex beam, double tau, bool away) {
+  if (std::isinf(tau)) {
+    return away ? 1.0 / (rate + beam) : 0.0;
+  }
+  if (away) {
+    return tau * mean_decay(tau * (rate + beam));
+  }
+  // The integral is symmetric in both exponents; take the form with a decaying exponential.
+  return rate.real() >= beam.real() ? std::exp(-tau * beam) * tau * mean_decay(tau * (rate - beam))
+                                    : std::exp(-tau * rate) * tau * mean_decay(tau * (beam - rate));
+}
 
 double truncated_phase(const TruncatedMedium& medium, double cosine) {
   double before = 0.0;
@@ -109,9 +102,11 @@ double OnceScatteredBeam::spectrum(double q, const Phases& phases) const {
     const Crossing crossed = crossing(mu_[k]);
     double mean = 0.0;
     for (Eigen::Index j = 0; j < azimuths.cosines.size(); ++j) {
-      const Attenuation attenuation((1.0 + Complex(0.0, slant * sine) * azimuths.cosines[j]) / mu_[k], tau_);
+      const Complex rate = (1.0 + Complex(0.0, slant * sine) * azimuths.cosines[j]) / mu_[k];
       const Complex on_the_way = std::exp(-crossed.optical - Complex(0.0, q * crossed.aside) * azimuths.cosines[j]);
-      mean += (azimuths.weights[j] * on_the_way * (turned * attenuation.turned + forward * attenuation.forward)).real();
+      mean += (azimuths.weights[j] * on_the_way *
+               (turned * once_attenuated(rate, 1.0, tau_, true) + forward * once_attenuated(rate, 1.0, tau_, false)))
+                  .real();
     }
     sum += weight_[k] * mean;
   }
@@ -135,9 +130,10 @@ double OnceScatteredBeam::discretised(double q, const AzimuthRule& azimuths) con
     const double forward = beam_.towards * medium.albedo * truncated_phase(medium, mu);
     const Crossing crossed = crossing(mu);
     const auto scattered = [&](Complex cosine) {
-      const Attenuation attenuation((1.0 + Complex(0.0, slant * sine) * cosine) / mu, tau_);
+      const Complex rate = (1.0 + Complex(0.0, slant * sine) * cosine) / mu;
       const Complex on_the_way = std::exp(-crossed.optical - Complex(0.0, q * crossed.aside) * cosine);
-      return on_the_way * (turned * attenuation.turned + forward * attenuation.forward);
+      return on_the_way *
+             (turned * once_attenuated(rate, 1.0, tau_, true) + forward * once_attenuated(rate, 1.0, tau_, false));
     };
     double mean = azimuths.count == 1 ? scattered(0.0).real() : 0.0;
     for (Eigen::Index j = 0; j < azimuths.cosines.size(); ++j) {

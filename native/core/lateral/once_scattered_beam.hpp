@@ -2,6 +2,7 @@
 // Single scattering of a pencil beam in one medium, on its way to a face, in closed form.
 #pragma once
 #include <Eigen/Core>
+#include <complex>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -9,6 +10,11 @@
 #include "lateral/lateral_layer.hpp"
 
 namespace lamina {
+
+/// The integral of attenuation over the optical depth below the face where light leaves, in a layer of optical
+/// thickness `tau`. Scattered light is attenuated by `rate` on its way to the face. The beam is attenuated by `beam`,
+/// and runs away from the face (`away`) or towards it.
+std::complex<double> once_attenuated(std::complex<double> rate, std::complex<double> beam, double tau, bool away);
 
 /// The truncated phase function at a cosine, summed from its moments.
 double truncated_phase(const TruncatedMedium& medium, double cosine);

@@ -8,6 +8,7 @@ ResolvedBeam::ResolvedBeam(const MeasuredStack& measured, const LateralResolutio
     : stack_(measured, resolution, mu, pool),
       limit_(stack_.at_infinity()),
       once_{once_scattered_upward(stack_), once_scattered_downward(stack_)},
+      oblique_{oblique_scattering(stack_, true), oblique_scattering(stack_, false)},
       deeper_{deeper_scattered_upward(stack_), deeper_scattered_downward(stack_)},
       lit_base_(lit_base(stack_)) {
   // The closed forms replace light at the nodes themselves.
@@ -39,6 +40,9 @@ ResolvedBeam::Faces ResolvedBeam::beside(double q, const AzimuthRule& azimuths) 
   for (std::size_t face = 0; face < rest.size(); ++face) {
     if (once_[face]) {
       rest[face] += once_[face]->at(q) - once_[face]->discretised(q, azimuths);
+    }
+    if (oblique_[face]) {
+      rest[face] -= oblique_[face]->discretised(q, azimuths);
     }
     for (const OnceScatteredBeam& deeper : deeper_[face]) {
       rest[face] += deeper.at(q) - deeper.discretised(q, azimuths);

@@ -30,6 +30,9 @@ class ResolvedBeam {
   /// Single scattering that is singular near the beam.
   const std::optional<OnceScatteredBeam>& once(std::size_t face) const { return once_[face]; }
 
+  /// Single scattering of an oblique beam next to a face; `beside` is without it.
+  const std::optional<ObliqueScattering>& oblique(std::size_t face) const { return oblique_[face]; }
+
   /// The spectrum of light that leaves beside the point of entry, at the lateral frequency q, 1/mm. Light in rings is
   /// left out. Thread-safe.
   Faces beside(double q, const AzimuthRule& azimuths) const;
@@ -38,6 +41,7 @@ class ResolvedBeam {
   LateralStack stack_;
   LateralFlux limit_;
   std::array<std::optional<OnceScatteredBeam>, 2> once_;
+  std::array<std::optional<ObliqueScattering>, 2> oblique_;
   std::array<std::vector<OnceScatteredBeam>, 2> deeper_;
   std::optional<LitBase> lit_base_;
   std::array<std::optional<ForwardPeaks>, 2> peaks_;  // of reflected and of transmitted light

@@ -63,7 +63,7 @@ bool has_clear_layer(const MeasuredStack& measured) {
 }  // namespace
 
 double LeavingLight::at(double q) const {
-  double sum = at_entry + rest.at(q) + (once ? once->whole_at(q) : 0.0);
+  double sum = at_entry + rest.at(q) + (once ? once->whole_at(q) : 0.0) + (oblique ? oblique->at(q) : 0.0);
   for (const Ring& ring : rings) {
     sum += ring.flux * bessel_j0(q * ring.radius);
   }
@@ -71,7 +71,7 @@ double LeavingLight::at(double q) const {
 }
 
 double LeavingLight::inside(double r) const {
-  double sum = at_entry + rest.inside(r) + (once ? once->inside(r) : 0.0);
+  double sum = at_entry + rest.inside(r) + (once ? once->inside(r) : 0.0) + (oblique ? oblique->inside(r) : 0.0);
   for (const Ring& ring : rings) {
     sum += ring.radius <= r ? ring.flux : 0.0;
   }
@@ -79,7 +79,7 @@ double LeavingLight::inside(double r) const {
 }
 
 double LeavingLight::density(double r) const {
-  return rest.density(r) + (once ? once->density_times_radius(r) / r : 0.0);
+  return rest.density(r) + (once ? once->density_times_radius(r) / r : 0.0) + (oblique ? oblique->density(r) : 0.0);
 }
 
 Searchlight::Searchlight(MeasuredStack measured, double mu, const SearchlightQuality& quality)
@@ -129,6 +129,9 @@ void Searchlight::advance(ThreadPool& pool) {
     resolve_forward(pool);
     for (std::size_t face = 0; face < faces_.size(); ++face) {
       faces_[face].once = beam_->once(face);
+      if (beam_->oblique(face)) {
+        faces_[face].oblique = beam_->oblique(face)->by_distance();
+      }
     }
     for (auto& rest : small_rest_) {
       rest.resize(small_.size());
@@ -215,7 +218,7 @@ void Searchlight::finish() {
     for (const Piece& piece : pieces_) {
       spectrum.push_back({piece.low, piece.high, piece.rest[face]});
     }
-    faces_[face].rest = Spectrum(scale_, std::move(spectrum), !faces_[face].once);
+    faces_[face].rest = Spectrum(scale_, std::move(spectrum), !faces_[face].once && !faces_[face].oblique);
   }
   const Rings rings = unscattered_rings(beam_->stack());
   faces_[0].rings = rings.reflected;
@@ -285,8 +288,9 @@ void Searchlight::add_moments(std::size_t face) {
     }
   }
   mean += whole / scale_.frequency(end);
-  light.distance = mean + (light.once ? light.once->moment(1) : 0.0);
-  light.square_distance = 4.0 * quotient(0.0) + (light.once ? light.once->moment(2) : 0.0);
+  light.distance = mean + (light.once ? light.once->moment(1) : 0.0) + (light.oblique ? light.oblique->moment(1) : 0.0);
+  light.square_distance = 4.0 * quotient(0.0) + (light.once ? light.once->moment(2) : 0.0) +
+                          (light.oblique ? light.oblique->moment(2) : 0.0);
   for (const Ring& ring : light.rings) {
     light.distance += ring.flux * ring.radius;
     light.square_distance += ring.flux * ring.radius * ring.radius;

@@ -21,6 +21,7 @@ struct LeavingLight {
   double direct = 0.0;                    ///< flux that neither media nor facets have scattered, at r = 0 and in rings
   std::vector<Ring> rings;                ///< unscattered light of an oblique beam
   std::optional<OnceScatteredBeam> once;  ///< single scattering that is singular near the beam
+  std::optional<FluxByDistance> oblique;  ///< single scattering of an oblique beam
   Spectrum rest;
   double distance = 0.0;         ///< integral of the flux density times r over the surface, mm
   double square_distance = 0.0;  ///< integral of the flux density times r^2, mm^2

@@ -17,7 +17,6 @@ struct Base {
   double reflectance = 0.0;                       ///< of a Lambert surface, [0, 1]
   std::complex<double> ior = {};                  ///< of a conductor, n + ik, absolute
   Facets facets{.alpha = 0.0};                    ///< of a conductor or a Principled material
-  bool compensate = true;                         ///< of a conductor
   std::shared_ptr<const PrincipledLaw> law = {};  ///< of a Principled material
 
   /// True if the base scatters light equally into all azimuths, without facets.
@@ -32,7 +31,7 @@ struct Base {
   /// True for nothing and for a Lambert surface, which the methods for media alone include.
   bool is_none_or_lambert() const { return kind == Kind::kNone || kind == Kind::kLambert; }
   /// True if light that lobes lose to shadowing is returned by an operator of its own.
-  bool compensates() const { return compensate && !law; }
+  bool compensates() const { return facets.compensate && !law; }
   /// True if an exchange of view and light changes nothing.
   bool is_reciprocal() const { return !law; }
   bool scatters() const { return is_diffuse() || is_rough(); }

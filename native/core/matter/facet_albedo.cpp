@@ -127,4 +127,20 @@ CosineRows schlick_rise(double roughness) {
   return rise_row(roughness, [](double c) { return std::pow(1.0 - c, 5.0); });
 }
 
+CosineRows facet_share(double roughness, const std::function<double(double)>& reflectance) {
+  constexpr int kEntries = 65;
+  const Facets facets{.alpha = std::max(kLeast, roughness * roughness)};
+  CosineRows row;
+  for (int k = 0; k < kEntries; ++k) {
+    const double root = entry(k, kEntries);
+    const double mu = root * root;
+    const double own = facets.lambda(mu);
+    const double albedo = visible_mean(facets.alpha, mu, [&](double cosine, double up) {
+      return reflectance(cosine) * (1.0 + own) * facets.masked(own, facets.lambda(up));
+    });
+    row.values.push_back(albedo / reflectance(mu));
+  }
+  return row;
+}
+
 }  // namespace lamina

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The directional albedo of GGX facets, as Cycles reads it from its tables.
 #pragma once
+#include <functional>
 #include <vector>
 
 namespace lamina {
@@ -25,5 +26,9 @@ CosineRows fresnel_rise(double roughness, double eta);
 
 /// The mean over visible facets of (1 - cosine)^5, Schlick's rise of a metal's reflectance. By cosine, as above.
 CosineRows schlick_rise(double roughness);
+
+/// Light that GGX facets reflect once, relative to a smooth surface of the same `reflectance`, which is given by the
+/// cosine between ray and facet: a table over the square root of the cosine, for exactly this roughness.
+CosineRows facet_share(double roughness, const std::function<double(double)>& reflectance);
 
 }  // namespace lamina

@@ -41,10 +41,13 @@ double sine(double mu) { return std::sqrt(std::max(0.0, 1.0 - mu * mu)); }
 
 ArrayXd sine(const ArrayXd& mu) { return (1.0 - mu.square()).max(0.0).sqrt(); }
 
-/// Smith's masking between one direction and many.
-ArrayXd masking(const Facets& facets, double mu, const ArrayXd& others) {
+/// Masking between one direction and many, of reflected or of refracted light.
+ArrayXd masking(const Facets& facets, double mu, const ArrayXd& others, bool refracted) {
   const double own = facets.lambda(mu);
-  return others.unaryExpr([&](double other) { return facets.masked(own, facets.lambda(other)); });
+  return others.unaryExpr([&](double other) {
+    const double lambda = facets.lambda(other);
+    return refracted ? facets.passed(own, lambda) : facets.masked(own, lambda);
+  });
 }
 
 /// Single reflection between the directions of cosines mu_o and mu_i. `Mu` is a number, or an array as long as that of
@@ -82,13 +85,12 @@ ArrayXd transmission(const Facets& facets, double ior, double beyond, double mu,
   return possible.select(facets.density(normal.max(1e-9)) * passed * jacobian * mask, 0.0);
 }
 
-/// Calls `one` for each column of azimuths, with the masking of its direction.
+/// Calls `one` for each column of azimuths.
 template <typename One>
-ArrayXXd of_pairs(const Facets& facets, double mu, const FacetPairs& pairs, const One& one) {
-  const ArrayXd mask = masking(facets, mu, pairs.mu);
+ArrayXXd of_pairs(const FacetPairs& pairs, const One& one) {
   ArrayXXd values(pairs.cosines.rows(), pairs.cosines.cols());
   for (Eigen::Index p = 0; p < values.cols(); ++p) {
-    values.col(p) = one(mask, pairs.cosines.col(p));
+    values.col(p) = one(pairs.cosines.col(p));
   }
   return values;
 }
@@ -135,7 +137,8 @@ ArrayXd dielectric_reflection(const Facets& facets, double ior, double beyond, d
 }
 
 ArrayXXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu, const FacetPairs& pairs) {
-  return of_pairs(facets, mu, pairs, [&](const ArrayXd& mask, const ArrayXd& cosines) {
+  const ArrayXd mask = masking(facets, mu, pairs.mu, false);
+  return of_pairs(pairs, [&](const ArrayXd& cosines) {
     return reflection(facets, mu, pairs.mu, mask, cosines,
                       [&](const ArrayXd& c) { return dielectric_fresnel(c, beyond / ior); });
   });
@@ -148,7 +151,8 @@ ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, d
 }
 
 ArrayXXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu, const FacetPairs& pairs) {
-  return of_pairs(facets, mu, pairs, [&](const ArrayXd& mask, const ArrayXd& cosines) {
+  const ArrayXd mask = masking(facets, mu, pairs.mu, false);
+  return of_pairs(pairs, [&](const ArrayXd& cosines) {
     return reflection(facets, mu, pairs.mu, mask, cosines,
                       [&](const ArrayXd& c) { return conductor_fresnel_array(c, ratio); });
   });
@@ -162,7 +166,8 @@ ArrayXd opaque_reflection(const Facets& facets, const std::function<double(doubl
 
 ArrayXXd opaque_reflection(const Facets& facets, const std::function<double(double)>& reflectance, double mu,
                            const FacetPairs& pairs) {
-  return of_pairs(facets, mu, pairs, [&](const ArrayXd& mask, const ArrayXd& cosines) {
+  const ArrayXd mask = masking(facets, mu, pairs.mu, false);
+  return of_pairs(pairs, [&](const ArrayXd& cosines) {
     return reflection(facets, mu, pairs.mu, mask, cosines,
                       [&](const ArrayXd& c) { return c.unaryExpr(reflectance).eval(); });
   });
@@ -181,13 +186,13 @@ double mean_conductor_fresnel(std::complex<double> ratio) {
 
 ArrayXd dielectric_transmission(const Facets& facets, double ior_above, double ior_below, double mu_above,
                                 double mu_below, const ArrayXd& cosines) {
-  return transmission(facets, ior_above, ior_below, mu_above, mu_below, facets.masking(mu_above, mu_below), cosines);
+  return transmission(facets, ior_above, ior_below, mu_above, mu_below, facets.passing(mu_above, mu_below), cosines);
 }
 
 ArrayXXd dielectric_transmission(const Facets& facets, double ior, double beyond, double mu, const FacetPairs& pairs) {
-  return of_pairs(facets, mu, pairs, [&](const ArrayXd& mask, const ArrayXd& cosines) {
-    return transmission(facets, ior, beyond, mu, pairs.mu, mask, cosines);
-  });
+  const ArrayXd mask = masking(facets, mu, pairs.mu, true);
+  return of_pairs(
+      pairs, [&](const ArrayXd& cosines) { return transmission(facets, ior, beyond, mu, pairs.mu, mask, cosines); });
 }
 
 }  // namespace lamina

@@ -2,6 +2,7 @@
 // Microfacet distributions of rough boundaries, masking, and single scattering by the facets.
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <complex>
 #include <functional>
 
@@ -14,6 +15,8 @@ struct Facets {
   Distribution distribution = Distribution::kGgx;
   /// Smith's masking for the two directions: height-correlated (Heitz 2014), or their product.
   bool correlated = true;
+  /// Adds the energy that single scattering loses to masking: see passed(), RoughSurface and FacetScatter.
+  bool compensate = true;
 
   /// Density of facet normals with cosine h to the mean normal; int D h dw = 1.
   Eigen::ArrayXd density(const Eigen::ArrayXd& h) const;
@@ -22,9 +25,16 @@ struct Facets {
   /// Smith's Lambda.
   double lambda(double mu) const;
   double masking(double mu_o, double mu_i) const;
+  double passing(double mu_o, double mu_i) const { return passed(lambda(mu_o), lambda(mu_i)); }
   /// Masking from Lambda at both directions.
   double masked(double lambda_o, double lambda_i) const {
     return correlated ? 1.0 / (1.0 + lambda_o + lambda_i) : 1.0 / ((1.0 + lambda_o) * (1.0 + lambda_i));
+  }
+  /// Masking of refracted light. With compensation, refracted light that meets further facets passes through them
+  /// without a turn: the smaller of Smith's maskings for one direction remains. Between equal indices, the light that
+  /// arrives is then the light that leaves. The law is symmetric, and nothing is gained.
+  double passed(double lambda_o, double lambda_i) const {
+    return compensate ? 1.0 / (1.0 + std::max(lambda_o, lambda_i)) : masked(lambda_o, lambda_i);
   }
 };
 

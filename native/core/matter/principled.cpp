@@ -57,7 +57,11 @@ PrincipledLaw::PrincipledLaw(const PrincipledSockets& sockets)
       lobe_(specular_lobe(sockets)),
       coat_(sockets.coat_ior, f0_from_index(sockets.coat_ior), sockets.coat_roughness),
       metal_rise_(schlick_rise(sockets.roughness)),
-      metal_repeated_(repeated_reflectance(mix(sockets.color, 1.0, 1.0 / 21.0), lobe_.facets.mean)) {}
+      metal_repeated_(repeated_reflectance(mix(sockets.color, 1.0, 1.0 / 21.0), lobe_.facets.mean)) {
+  if (has_coat()) {
+    coat_share_ = facet_share(sockets.coat_roughness, [this](double cosine) { return coat_.reflectance(cosine); });
+  }
+}
 
 std::vector<double> PrincipledLaw::key() const {
   const PrincipledSockets& s = sockets_;
@@ -86,7 +90,7 @@ double PrincipledLaw::diffuse(double mu) const {
 }
 
 double PrincipledLaw::coat(double mu) const {
-  return has_coat() ? sockets_.coat * coat_.gain(mu) * coat_.reflectance(mu) : 0.0;
+  return has_coat() ? sockets_.coat * coat_.gain(mu) * coat_.reflectance(mu) * coat_share_.at(std::sqrt(mu)) : 0.0;
 }
 
 double PrincipledLaw::below_coat(double mu) const {

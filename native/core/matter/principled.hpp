@@ -41,8 +41,8 @@ struct DielectricLobe {
 /// The law of the surface. The weights depend on the view only: the surface is not reciprocal.
 ///
 /// value(view, light) = lobe_weight(view) * facets(view, light) + diffuse(view) / pi, plus the mirror image in the
-/// coat. The facets of the metal and of the dielectric have one width and are one lobe. The coat is smooth here: its
-/// width is that of its closure in a lookup table.
+/// coat. The facets of the metal and of the dielectric have one width and are one lobe. The coat is a mirror here
+/// with the energy of its facets: its width is that of its closure in a lookup table.
 class PrincipledLaw {
  public:
   explicit PrincipledLaw(const PrincipledSockets& sockets);
@@ -52,7 +52,7 @@ class PrincipledLaw {
   double lobe_weight(double mu) const;
   /// The reflectance of the diffuse surface, by the view cosine.
   double diffuse(double mu) const;
-  /// The share of light that the smooth coat reflects.
+  /// The share of light that the coat's facets reflect.
   double coat(double mu) const;
 
   /// All parameters, for caches.
@@ -68,6 +68,7 @@ class PrincipledLaw {
   PrincipledSockets sockets_;
   DielectricLobe lobe_;
   DielectricLobe coat_;
+  CosineRows coat_share_;  // see facet_share
   CosineRows metal_rise_;
   double metal_repeated_;
 };

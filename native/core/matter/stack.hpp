@@ -17,7 +17,6 @@ namespace lamina {
 struct Interface {
   double ior = 1.5;
   Facets facets{.alpha = 0.0};
-  bool compensate = true;  ///< add the energy that single-scattering facets lose
 
   /// False between media of the same index, where light passes straight.
   bool is_rough(double ior_above) const { return facets.alpha > 0.0 && ior != ior_above; }

@@ -4,6 +4,8 @@
 #include <embree3/rtcore.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -96,6 +98,21 @@ Eigen::Vector3f nearest_on_triangle(const Eigen::Vector3f& p, const Eigen::Vecto
   return a + (vb * ab + vc * ac) / (va + vb + vc);
 }
 
+/// The corners of the face that a query has found.
+std::array<Eigen::Vector3f, 3> corners_of(const std::vector<TrianglePart>& parts,
+                                          const RTCPointQueryFunctionArguments& found) {
+  const TrianglePart& part = parts[found.geomID];
+  const auto corner = [&](std::size_t k) {
+    return Eigen::Vector3f(part.vertices.data() + std::size_t{3} * part.triangles[3 * std::size_t{found.primID} + k]);
+  };
+  return {corner(0), corner(1), corner(2)};
+}
+
+float distance_to(const std::array<Eigen::Vector3f, 3>& face, const RTCPointQuery& query) {
+  const Eigen::Vector3f place(query.x, query.y, query.z);
+  return (nearest_on_triangle(place, face[0], face[1], face[2]) - place).norm();
+}
+
 /// State of a query for the nearest face: the parts, and the shortest distance found so far.
 struct NearestSearch {
   const std::vector<TrianglePart>& parts;
@@ -104,18 +121,30 @@ struct NearestSearch {
 
 bool take_nearer_face(RTCPointQueryFunctionArguments* found) {
   auto& search = *static_cast<NearestSearch*>(found->userPtr);
-  const TrianglePart& part = search.parts[found->geomID];
-  const auto corner = [&](std::size_t k) {
-    return Eigen::Vector3f(part.vertices.data() + std::size_t{3} * part.triangles[3 * std::size_t{found->primID} + k]);
-  };
-  const Eigen::Vector3f place(found->query->x, found->query->y, found->query->z);
-  const float distance = (nearest_on_triangle(place, corner(0), corner(1), corner(2)) - place).norm();
+  const float distance = distance_to(corners_of(search.parts, *found), *found->query);
   if (!(distance < search.distance)) {
     return false;
   }
   search.distance = distance;
   found->query->radius = distance;
   return true;
+}
+
+/// State of a query for the face whose normal is closest to a direction: the parts, and the largest cosine so far.
+struct AlignedSearch {
+  const std::vector<TrianglePart>& parts;
+  Eigen::Vector3f direction;
+  std::optional<float> cosine;
+};
+
+bool take_more_aligned_face(RTCPointQueryFunctionArguments* found) {
+  auto& search = *static_cast<AlignedSearch*>(found->userPtr);
+  const auto face = corners_of(search.parts, *found);
+  const Eigen::Vector3f normal = (face[1] - face[0]).cross(face[2] - face[0]);
+  if (normal.norm() > 0.0F && distance_to(face, *found->query) <= found->query->radius) {
+    search.cosine = std::max(search.cosine.value_or(-1.0F), normal.dot(search.direction) / normal.norm());
+  }
+  return false;  // the radius of the query stays
 }
 
 }  // namespace
@@ -209,7 +238,7 @@ std::optional<SurfaceHit> MeshScene::first_surface(const MeshRay& ray) const {
   const float y = traced.hit.Ng_y;
   const float z = traced.hit.Ng_z;
   const float scale = 1.0F / std::sqrt(x * x + y * y + z * z);
-  return SurfaceHit{traced.ray.tfar, {scale * x, scale * y, scale * z}};
+  return SurfaceHit{traced.ray.tfar, {scale * x, scale * y, scale * z}, traced.hit.primID};
 }
 
 float MeshScene::nearest_distance(const float place[3], float within) const {
@@ -219,6 +248,15 @@ float MeshScene::nearest_distance(const float place[3], float within) const {
   NearestSearch search{parts_, within};
   rtcPointQuery(embree_->scene, &query, &context, &take_nearer_face, &search);
   return search.distance;
+}
+
+std::optional<float> MeshScene::largest_cosine(const float place[3], const float direction[3], float within) const {
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  RTCPointQuery query = {place[0], place[1], place[2], 0.0F, within};
+  AlignedSearch search{parts_, Eigen::Vector3f(direction), std::nullopt};
+  rtcPointQuery(embree_->scene, &query, &context, &take_more_aligned_face, &search);
+  return search.cosine;
 }
 
 std::size_t MeshScene::bytes() const { return static_cast<std::size_t>(std::max<ssize_t>(0, embree_->bytes)); }

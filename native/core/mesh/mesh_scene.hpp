@@ -33,11 +33,12 @@ struct MeshHit {
   bool front;
 };
 
-/// The intersection of a ray and a face: the distance along the ray in units of the direction's length, and the unit
-/// normal on the side from which the face's corners run counter-clockwise.
+/// The intersection of a ray and a face: the distance along the ray in units of the direction's length, the unit normal
+/// on the side from which the face's corners run counter-clockwise, and the number of the face in its part.
 struct SurfaceHit {
   float distance;
   float normal[3];
+  std::uint32_t face;
 };
 
 /// Several parts in one scene. Queries are thread-safe and watertight at shared edges, and do not depend on the number
@@ -59,6 +60,9 @@ class MeshScene {
   std::optional<SurfaceHit> first_surface(const MeshRay& ray) const;
   /// The distance from a position to the nearest face of any part, at most `within`.
   float nearest_distance(const float place[3], float within) const;
+  /// The largest cosine between a unit vector and the normals of the faces within a distance of a position. Faces
+  /// without area do not count.
+  std::optional<float> largest_cosine(const float place[3], const float direction[3], float within) const;
   std::size_t parts() const { return parts_.size(); }
   /// Memory that Embree holds for the scene.
   std::size_t bytes() const;

@@ -19,6 +19,7 @@ constexpr double kWidest = 0.9;      // of 1 - g
 constexpr double kNarrow = 1.5;     // 1 - g of the narrow lobe, relative to the spread of the light
 constexpr double kWide = 8.0;       // 1 - g of the wide lobe, relative to the narrow lobe
 constexpr double kWideShare = 0.4;  // of the directions
+constexpr double kNear = 0.25;      // angle between equal guesses, relative to 1 - g of the narrow lobe
 constexpr double kFourPi = 4.0 * std::numbers::pi;
 
 }  // namespace
@@ -30,33 +31,52 @@ std::optional<AimedLight> AimedLight::at(const Scattering& scattering, const Lam
   if (walk.clearance(scattering.place) > reach) {
     return std::nullopt;
   }
-  // First guess: the face that the path met last, or the faces towards the lamp.
-  Ray normal = scattering.normal;
-  const bool faces = light.towards.dot(normal) > 0.0;
-  const Ray first = faces ? -walk.boundary().inside(light.towards, normal) : light.towards;
-  ++counts.rays;
-  const auto found = walk.normal_towards(scattering.place, first, reach, scattering.shells);
-  if (!found || light.irradiance == 0.0 || light.towards.dot(*found) <= 0.0) {
-    return std::nullopt;
-  }
-  const Ray middle = -walk.boundary().inside(light.towards, *found);
   // Facets spread the light of one point of the lamp. A smooth boundary refracts only light of the entire lamp.
   const bool is_rough = walk.boundary().kind() == SurfaceBoundary::Kind::kRough;
   const double spread = is_rough ? walk.boundary().blur() : 0.5 * lamp.spread(scattering.place);
   const double parallax = reach / (kReach * light.distance);
   const double narrow = std::clamp(kNarrow * (spread + parallax), kNarrowest, kWidest);
-  return AimedLight(middle, 1.0 - narrow, 1.0 - std::min(kWide * narrow, kWidest));
+  AimedLight aim(1.0 - narrow, 1.0 - std::min(kWide * narrow, kWidest));
+  // First guess: the face that the path met last, or the faces towards the lamp. Then the face that the refracted light
+  // of the last guess would pass, until guesses repeat. Where faces differ, light may arrive through each of them.
+  const double near = 1.0 - 0.5 * (kNear * narrow) * (kNear * narrow);
+  const bool faces = light.towards.dot(scattering.normal) > 0.0;
+  Ray direction = faces ? -walk.boundary().inside(light.towards, scattering.normal) : light.towards;
+  while (light.irradiance > 0.0 && aim.guesses_ < kMostGuesses) {
+    ++counts.rays;
+    const auto found = walk.normal_towards(scattering.place, direction, reach, scattering.shells);
+    if (!found || light.towards.dot(*found) <= 0.0) {
+      break;
+    }
+    const Ray guess = -walk.boundary().inside(light.towards, *found);
+    const auto is_near = [&](const Ray& other) { return other.dot(guess) > near; };
+    if (std::any_of(aim.middles_.begin(), aim.middles_.begin() + aim.guesses_, is_near)) {
+      break;
+    }
+    aim.middles_[static_cast<std::size_t>(aim.guesses_++)] = guess;
+    if (is_near(direction)) {
+      break;
+    }
+    direction = guess;
+  }
+  return aim.guesses_ > 0 ? std::optional(aim) : std::nullopt;
 }
 
 Ray AimedLight::sample(Rng& rng) const {
-  const double g = rng.uniform() < kWideShare ? wide_ : narrow_;
-  return scattered(middle_, HenyeyGreenstein{g}.sample(rng.uniform()), rng);
+  if (rng.uniform() < kWideShare) {
+    return scattered(middles_[last()], HenyeyGreenstein{wide_}.sample(rng.uniform()), rng);
+  }
+  const auto guess = static_cast<std::size_t>(rng.uniform() * guesses_);
+  return scattered(middles_[guess], HenyeyGreenstein{narrow_}.sample(rng.uniform()), rng);
 }
 
 double AimedLight::density(const Ray& direction) const {
-  const double cosine = middle_.dot(direction);
-  const double narrow = HenyeyGreenstein{narrow_}.evaluate(cosine);
-  return (narrow + kWideShare * (HenyeyGreenstein{wide_}.evaluate(cosine) - narrow)) / kFourPi;
+  double narrow = 0.0;
+  for (std::size_t k = 0; k <= last(); ++k) {
+    narrow += HenyeyGreenstein{narrow_}.evaluate(middles_[k].dot(direction)) / guesses_;
+  }
+  const double wide = HenyeyGreenstein{wide_}.evaluate(middles_[last()].dot(direction));
+  return (narrow + kWideShare * (wide - narrow)) / kFourPi;
 }
 
 }  // namespace lamina

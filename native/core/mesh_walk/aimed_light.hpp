@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Directions from inside a solid in which the light of a lamp arrives through the boundary.
 #pragma once
+#include <array>
+#include <cstddef>
 #include <optional>
 
 #include "mesh_walk/lamp.hpp"
@@ -8,9 +10,9 @@
 
 namespace lamina {
 
-/// A density of directions at a scattering, concentrated about the direction from which the refracted light of one
-/// point of a lamp arrives. The direction is a guess from the normals of nearby faces. A wrong guess costs noise, not
-/// bias, because the density is combined with the phase function by the balance heuristic (Veach and Guibas 1995).
+/// A density of directions at a scattering, concentrated about the directions from which the refracted light of one
+/// point of a lamp may arrive. The directions are guesses from the normals of nearby faces. A wrong guess costs noise,
+/// not bias, because the density is combined with the phase function by the balance heuristic (Veach and Guibas 1995).
 class AimedLight {
  public:
   /// Nothing if the lamp's light would reach the position through more than a few mean free paths, or not at all. The
@@ -23,10 +25,14 @@ class AimedLight {
   double density(const Ray& direction) const;
 
  private:
-  AimedLight(const Ray& middle, double narrow, double wide) : middle_(middle), narrow_(narrow), wide_(wide) {}
+  static constexpr int kMostGuesses = 4;
 
-  Ray middle_;
-  double narrow_;  ///< g of a lobe with the shape of Henyey and Greenstein's phase function
+  AimedLight(double narrow, double wide) : narrow_(narrow), wide_(wide) {}
+  std::size_t last() const { return static_cast<std::size_t>(guesses_ - 1); }
+
+  std::array<Ray, kMostGuesses> middles_;  ///< of the narrow lobes; the last is that of the wide lobe
+  int guesses_ = 0;
+  double narrow_;  ///< g of lobes with the shape of Henyey and Greenstein's phase function
   double wide_;    ///< g of a wider lobe
 };
 

@@ -18,6 +18,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kStartReach = 1e-4;
 // Walks start this far below the surface, relative to the solid's size: a few rounding errors of single precision.
 constexpr double kInset = 2e-7;
+// Shading normals may point slightly away from a face at the edge of a thin part.
+constexpr double kTurned = -0.5;
+
+/// The face at a start, seen along the normal from kStartReach outside.
+std::optional<Crossing> face_at(const Solid& solid, const Place& place, const Ray& normal) {
+  const double reach = kStartReach * solid.size();
+  return solid.first_crossing(place.moved(normal, reach), -normal, 0.0, 2.0 * reach);
+}
 
 }  // namespace
 
@@ -71,12 +79,13 @@ class MeshWalk::Path {
     const Ray& normal = start.normal;
     normal_ = normal;
     place_ = start.place;
-    const double reach = kStartReach * solid_.size();
     ++counts_.rays;
-    if (const auto hit = solid_.first_crossing(start.place.moved(normal, reach), -normal, 0.0, 2.0 * reach);
-        hit && hit->normal.dot(normal) > 0.0) {
-      place_ = start.place.moved(normal, reach - hit->distance);
-      normal_ = hit->normal;
+    if (const auto face = face_at(solid_, start.place, normal); face && face->normal.dot(normal) > 0.0) {
+      place_ = start.place.moved(normal, kStartReach * solid_.size() - face->distance);
+      normal_ = face->normal;
+      if (face->is_opaque) {
+        return false;
+      }
     }
     // Move inwards, so that at a vertex all adjacent faces lie outside of the start.
     place_ = place_.moved(normal, -kInset * solid_.size());
@@ -152,14 +161,15 @@ class MeshWalk::Path {
           end = surface.leaving(distance);
         }
         if (end) {
-          place_ = place_.moved(direction_, end->distance);
-          on_surface_ = true;
-          return cross(end->normal);
+          return cross(*end);
         }
         free = distance;
       }
       const Place here = place_.moved(direction_, distance);
       if (distance == kInfinity || !solid_.box_holds(here)) {
+        if (const auto last = surface.leaving(kInfinity)) {
+          return cross(*last);
+        }
         counts_.lost += mean_of(weights_) / kChannels;
         return false;
       }
@@ -168,6 +178,7 @@ class MeshWalk::Path {
       if (is_real(sample, flight.majorant(), chances)) {
         place_ = here;
         on_surface_ = false;
+        shells_ = surface.shells_at(distance);
         scatter(sample);
         return true;
       }
@@ -226,10 +237,16 @@ class MeshWalk::Path {
   }
 
   /// Light from inside meets the surface. Returns false if the walk ends.
-  bool cross(const Ray& normal) {
-    normal_ = normal;
+  bool cross(const Crossing& crossing) {
+    if (crossing.is_opaque) {
+      return false;
+    }
+    place_ = place_.moved(direction_, crossing.distance);
+    normal_ = crossing.normal;
+    on_surface_ = true;
+    shells_ = 1;
     meet_boundary();
-    return direction_.dot(normal) <= 0.0 || leave(normal);
+    return direction_.dot(normal_) <= 0.0 || leave(normal_);
   }
 
   void meet_boundary() {
@@ -252,8 +269,12 @@ class MeshWalk::Path {
         listener_.escapes(direction_, weights_);
         return false;
       }
+      if (crossing->is_opaque) {
+        return false;
+      }
       place_ = place_.moved(direction_, crossing->distance);
       normal_ = crossing->normal;
+      shells_ = 1;
       meet_boundary();
       if (direction_.dot(normal_) <= 0.0) {
         return true;
@@ -300,7 +321,7 @@ class MeshWalk::Path {
   Weights weights_ = {};
   Weights densities_ = {};  ///< of the path, if each of the channels that it serves led it, relative to the mean of all
   std::uint64_t scatterings_ = 0;
-  int shells_ = 1;
+  int shells_ = 1;  ///< number of parts of the mesh that contain the position
   bool on_surface_ = true;
 };
 
@@ -350,10 +371,16 @@ Weights MeshWalk::transmittance(const Place& from, const Ray& direction, double 
     if (!out) {
       return shares;
     }
+    if (out->is_opaque) {
+      return {};
+    }
     ++counts.rays;
     const auto in = surface.entering(farthest);
     if (!in) {
       return shares;
+    }
+    if (in->is_opaque) {
+      return {};
     }
     flight.skip_to(in->distance);
   }
@@ -363,7 +390,7 @@ std::optional<Emergence> MeshWalk::emergence(const Place& from, const Ray& direc
                                              WalkCounts& counts) const {
   ++counts.rays;
   const auto out = SurfaceSearch(solid_, from, direction, shells, false).leaving(kInfinity);
-  if (!out) {
+  if (!out || out->is_opaque) {
     return std::nullopt;
   }
   Weights shares = {1.0, 1.0, 1.0};
@@ -377,12 +404,25 @@ std::optional<Emergence> MeshWalk::emergence(const Place& from, const Ray& direc
 std::optional<Ray> MeshWalk::normal_towards(const Place& from, const Ray& direction, double farthest,
                                             int shells) const {
   const auto out = SurfaceSearch(solid_, from, direction, shells, false).leaving(farthest);
-  return out ? std::optional(out->normal) : std::nullopt;
+  return out && !out->is_opaque ? std::optional(out->normal) : std::nullopt;
 }
 
 bool MeshWalk::is_visible(const Place& from, const Ray& direction, double farthest) const {
-  int shells = 1;
-  return !SurfaceSearch(solid_, from, direction, shells, true).entering(farthest);
+  return !SurfaceSearch(solid_, from, direction, 1, true).entering(farthest);
+}
+
+Exposure exposure(const Solid& solid, const Place& place, const Ray& normal) {
+  const double reach = kStartReach * solid.size();
+  if (solid.largest_cosine(place, normal, reach) < kTurned) {
+    return Exposure::kInward;
+  }
+  const auto face = face_at(solid, place, normal);
+  const Place outside = place.moved(normal, reach);
+  // A ray that leaves a part without entering it starts inside that part.
+  if (SurfaceSearch(solid, outside, normal, 0, false).shells_on_the_way() < 0) {
+    return Exposure::kBuried;
+  }
+  return face && face->is_opaque ? Exposure::kOpaque : Exposure::kOpen;
 }
 
 }  // namespace lamina

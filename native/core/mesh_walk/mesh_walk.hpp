@@ -81,6 +81,7 @@ struct WalkCounts {
 /// paths. Separate paths of a sample use the same random numbers: where the channels differ by a factor only, the paths
 /// have the same shape, so that most of the noise is common to the channels and changes brightness, not colour.
 /// Absorption reduces the weights; Russian roulette ends paths. The path length is unlimited.
+/// Opaque faces absorb all light that meets them.
 class MeshWalk {
  public:
   MeshWalk(const Solid& solid, const CoefficientGrid& grid, const SurfaceBoundary& boundary)
@@ -123,5 +124,10 @@ class MeshWalk {
   const CoefficientGrid& grid_;
   const SurfaceBoundary& boundary_;
 };
+
+/// Whether light can enter at a start of walks. kBuried: another part of the mesh contains the start. kInward: the
+/// normal points against those of all faces around. kOpaque: the face there is opaque.
+enum class Exposure { kOpen, kBuried, kInward, kOpaque };
+Exposure exposure(const Solid& solid, const Place& place, const Ray& normal);
 
 }  // namespace lamina

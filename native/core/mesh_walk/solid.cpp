@@ -33,10 +33,11 @@ std::array<double, 3> sides_of(const std::array<double, 3>& low, const std::arra
 
 }  // namespace
 
-Solid::Solid(TrianglePart part, ThreadPool& pool, const std::function<bool(double)>& go_on)
+Solid::Solid(TrianglePart part, std::vector<bool> opaque, ThreadPool& pool, const std::function<bool(double)>& go_on)
     : low_(corner_of(part.vertices, false)),
       high_(corner_of(part.vertices, true)),
       size_(std::hypot(high_[0] - low_[0], high_[1] - low_[1], high_[2] - low_[2])),
+      opaque_(std::move(opaque)),
       scene_({std::move(part)}, pool.threads(), [&](double fraction) { return go_on(0.5 * fraction); }),
       distance_(scene_, low_, sides_of(low_, high_, size_), pool,
                 [&](double fraction) { return go_on(0.5 + 0.5 * fraction); }) {}

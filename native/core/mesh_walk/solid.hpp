@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "interior/place.hpp"
 #include "mesh/mesh_scene.hpp"
@@ -14,24 +15,36 @@
 
 namespace lamina {
 
-/// The intersection of a ray and the surface: the distance in mm, and the outward normal.
+/// The intersection of a ray and the surface: the distance in mm, the outward normal, and whether the face absorbs all
+/// light that meets it, from either side.
 struct Crossing {
   double distance;
   Ray normal;
+  bool is_opaque;
 };
 
 /// A closed mesh with outward normals; lengths in mm. Coordinates should lie around 0: single precision resolves the
 /// surface to about 1e-7 of the largest one.
 class Solid {
  public:
-  /// Calls `go_on(fraction)` from time to time. Throws MeshScene::Stopped if `go_on` returns false.
-  Solid(TrianglePart part, ThreadPool& pool, const std::function<bool(double)>& go_on);
+  /// `opaque`: which faces absorb all light that meets them; empty: none. Calls `go_on(fraction)` from time to time.
+  /// Throws MeshScene::Stopped if `go_on` returns false.
+  Solid(TrianglePart part, std::vector<bool> opaque, ThreadPool& pool, const std::function<bool(double)>& go_on);
 
   /// A lower bound in mm of the distance to the surface; 0 if no bound is known.
   double clearance(const Place& place) const { return distance_.clearance(place); }
 
   /// The distance from a position to the surface in mm, at most `within`.
   float distance(const float place[3], float within) const { return scene_.nearest_distance(place, within); }
+
+  /// The largest cosine between a direction and the normals of the faces within a distance of a position; 1 without
+  /// such faces.
+  double largest_cosine(const Place& place, const Ray& direction, double within) const {
+    const float at[3] = {static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(place.z)};
+    const float along[3] = {static_cast<float>(direction.x), static_cast<float>(direction.y),
+                            static_cast<float>(direction.z)};
+    return scene_.largest_cosine(at, along, static_cast<float>(within)).value_or(1.0F);
+  }
 
   std::optional<Crossing> first_crossing(const Place& from, const Ray& direction, double nearest,
                                          double farthest) const {
@@ -45,7 +58,8 @@ class Solid {
     if (!hit) {
       return std::nullopt;
     }
-    return Crossing{hit->distance, {hit->normal[0], hit->normal[1], hit->normal[2]}};
+    return Crossing{
+        hit->distance, {hit->normal[0], hit->normal[1], hit->normal[2]}, !opaque_.empty() && opaque_[hit->face]};
   }
 
   /// True if a position lies in the mesh's bounding box, with a margin for rounding.
@@ -67,6 +81,7 @@ class Solid {
   std::array<double, 3> low_;
   std::array<double, 3> high_;
   double size_;
+  std::vector<bool> opaque_;
   MeshScene scene_;
   SurfaceDistance distance_;
 };

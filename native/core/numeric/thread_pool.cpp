@@ -37,6 +37,9 @@ void ThreadPool::run(std::size_t count, const std::function<void(std::size_t)>& 
   std::unique_lock lock(mutex_);
   done_.wait(lock, [this] { return active_ == 0 && next_ >= count_; });
   task_ = nullptr;
+  if (stopped_) {
+    throw Stopped();
+  }
   if (failure_) {
     std::rethrow_exception(failure_);
   }
@@ -60,6 +63,10 @@ void ThreadPool::work() {
 void ThreadPool::drain() {
   std::unique_lock lock(mutex_);
   while (task_ != nullptr && next_ < count_) {
+    if (stopped_) {
+      next_ = count_;
+      break;
+    }
     const std::size_t index = next_++;
     const auto* task = task_;
     ++active_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Runs independent tasks on a fixed number of threads.
 #pragma once
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
@@ -24,8 +25,14 @@ class ThreadPool {
   unsigned threads() const { return static_cast<unsigned>(workers_.size()) + 1; }
 
   /// Calls task(0) ... task(count - 1) and returns when all are done. Rethrows the exception of the lowest task that
-  /// threw. Must not be called from inside a task.
+  /// threw. Throws Stopped after stop(). Must not be called from inside a task.
   void run(std::size_t count, const std::function<void(std::size_t)>& task);
+
+  struct Stopped : std::exception {
+    const char* what() const noexcept override { return "the work was stopped"; }
+  };
+  /// From another thread: run() begins no further task, now or later, and throws Stopped.
+  void stop() { stopped_ = true; }
 
  private:
   void work();
@@ -42,6 +49,7 @@ class ThreadPool {
   std::size_t active_ = 0;
   std::size_t run_number_ = 0;
   bool stopping_ = false;
+  std::atomic<bool> stopped_ = false;
   std::size_t failed_task_ = 0;
   std::exception_ptr failure_;
 };

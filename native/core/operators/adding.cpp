@@ -4,16 +4,16 @@
 namespace lamina {
 
 ScatteringFunction join(const ScatteringFunction& above, const ScatteringFunction& below) {
-  const DirectionOperator between = resolvent(above.reflect_below * below.reflect_above);
+  const Resolvent between(above.reflect_below * below.reflect_above);
   const DirectionOperator downward = between * above.transmit;
-  // T2 R1' (1 - R2 R1')^-1 = T2 (1 - R1' R2)^-1 R1'.
-  const DirectionOperator upward = between * above.reflect_below;
+  // T2 R1' (1 - R2 R1')^-1 T2' = T2 (1 - R1' R2)^-1 R1' T2'.
+  const DirectionOperator upward = between * (above.reflect_below * below.transmit.transposed());
   return {above.reflect_above + above.transmit.transposed() * (below.reflect_above * downward),
-          below.transmit * downward, below.reflect_below + below.transmit * (upward * below.transmit.transposed())};
+          below.transmit * downward, below.reflect_below + below.transmit * upward};
 }
 
 DirectionOperator join_opaque(const ScatteringFunction& above, const DirectionOperator& below) {
-  const DirectionOperator between = resolvent(above.reflect_below * below);
+  const Resolvent between(above.reflect_below * below);
   return above.reflect_above + above.transmit.transposed() * (below * (between * above.transmit));
 }
 

@@ -14,7 +14,7 @@ ScatteringFunction base_deltas(const Base& base, const Directions& above) {
 }
 
 ScatteringFunction base_reflection(const Base& base, int order, const Directions& above) {
-  ScatteringFunction s = base_deltas(base, above).with_zero_kernels();
+  ScatteringFunction s = base_deltas(base, above);
   if (base.is_diffuse() && order == 0) {
     const Eigen::VectorXd leaving =
         above.mu.unaryExpr([&](double mu) { return base.diffuse_reflectance(mu); }).cwiseProduct(above.scale);

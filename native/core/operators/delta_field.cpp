@@ -6,6 +6,14 @@ namespace {
 
 Eigen::ArrayXd repeated(const Eigen::ArrayXd& pass) { return (pass < 1.0).select(1.0 / (1.0 - pass), 1.0); }
 
+std::vector<Deltas> deltas_of(const std::vector<ScatteringFunction>& layers) {
+  std::vector<Deltas> own;
+  for (const ScatteringFunction& layer : layers) {
+    own.push_back({layer.reflect_above.delta, layer.transmit.delta, layer.reflect_below.delta});
+  }
+  return own;
+}
+
 }  // namespace
 
 Deltas joined(const Deltas& above, const Deltas& below) {
@@ -15,17 +23,14 @@ Deltas joined(const Deltas& above, const Deltas& below) {
           below.reflect_below + below.transmit * above.reflect_below * between * below.transmit};
 }
 
-DeltaField::DeltaField(const std::vector<ScatteringFunction>& layers) {
-  const std::size_t count = layers.size();
+DeltaField::DeltaField(const std::vector<ScatteringFunction>& layers) : DeltaField(deltas_of(layers)) {}
+
+DeltaField::DeltaField(const std::vector<Deltas>& own) {
+  const std::size_t count = own.size();
   if (count == 0) {
     return;
   }
-  const Eigen::Index size = layers.front().transmit.delta.size();
-  const Deltas nothing = Deltas::nothing(size);
-  std::vector<Deltas> own;
-  for (const ScatteringFunction& layer : layers) {
-    own.push_back({layer.reflect_above.delta, layer.transmit.delta, layer.reflect_below.delta});
-  }
+  const Deltas nothing = Deltas::nothing(own.front().transmit.size());
   std::vector<Deltas> above(count + 1, nothing);  // above[k]: layers 0 to k - 1
   std::vector<Deltas> below(count + 1, nothing);  // below[k]: layers k to the end
   for (std::size_t k = 0; k < count; ++k) {

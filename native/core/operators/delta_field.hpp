@@ -37,6 +37,7 @@ struct DeltaField {
   DeltaField() = default;
   /// `layers` are scattering functions, top first; only their delta parts are used.
   explicit DeltaField(const std::vector<ScatteringFunction>& layers);
+  explicit DeltaField(const std::vector<Deltas>& own);
 };
 
 }  // namespace lamina

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "operators/scattering_function.hpp"
 
+#include <utility>
+
 namespace lamina {
 
 ScatteringFunction ScatteringFunction::reversed() const {
@@ -17,12 +19,13 @@ ScatteringFunction ScatteringFunction::bare(Eigen::Index size, Eigen::Index node
   return {none, none, none};
 }
 
-ScatteringFunction ScatteringFunction::with_zero_kernels() const {
-  ScatteringFunction s = *this;
-  for (DirectionOperator* part : {&s.reflect_above, &s.transmit, &s.reflect_below}) {
-    part->kernel.setZero(part->delta.size(), part->delta.size());
+ScatteringFunction ScatteringFunction::with_kernels() && {
+  for (DirectionOperator* part : {&reflect_above, &transmit, &reflect_below}) {
+    if (!part->has_kernel()) {
+      part->kernel.setZero(part->delta.size(), part->delta.size());
+    }
   }
-  return s;
+  return std::move(*this);
 }
 
 ScatteringFunction ScatteringFunction::empty(const Directions& directions) {

@@ -19,11 +19,11 @@ struct ScatteringFunction {
   static ScatteringFunction nothing(Eigen::Index size, Eigen::Index nodes,
                                     Eigen::Index views = DirectionOperator::kAllTargets);
 
-  /// Zero delta parts and empty kernels, for lists of targets that are too long for kernels.
+  /// Zero delta parts and empty kernels.
   static ScatteringFunction bare(Eigen::Index size, Eigen::Index nodes);
 
-  /// A copy with zero kernels.
-  ScatteringFunction with_zero_kernels() const;
+  /// Writes out empty kernels as zeros.
+  ScatteringFunction with_kernels() &&;
 
   /// No layer: light passes unchanged.
   static ScatteringFunction empty(const Directions& directions);

@@ -229,7 +229,7 @@ void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, doub
     const double along = cosine / ratio_ - refracted;
     const double down = mu / ratio_ - along * z;
     if (down > 0.0) {
-      transmitted.add(weight * cosine * (1.0 - back) * facets_.masked(facets_.lambda(down), lambda), down,
+      transmitted.add(weight * cosine * (1.0 - back) * facets_.passed(facets_.lambda(down), lambda), down,
                       along * x - across / ratio_, along * y);
     }
   }

@@ -152,7 +152,7 @@ void fill(MatrixXd& kernel, const Directions& out, const Directions& in, const M
 
 RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders,
                            ThreadPool& pool, double fineness)
-    : facets_(interface.facets), ior_above_(ior_above), ior_below_(interface.ior), compensate_(interface.compensate) {
+    : facets_(interface.facets), ior_above_(ior_above), ior_below_(interface.ior), compensate_(facets_.compensate) {
   const double ior_below = interface.ior;
   from_above_.emplace(FacetRays(facets_, ior_below / ior_above, pieces(set, ior_above, ior_below, orders, fineness)),
                       set, ior_above, ior_below, orders);
@@ -211,6 +211,29 @@ RoughSurface::Operators RoughSurface::on(const Directions& above, const Directio
   }
   operators.compensate(pool);
   return operators;
+}
+
+std::vector<FacetRays> RoughSurface::rays_on(const DirectionSet& set, int degree) const {
+  std::vector<FacetRays> rays;
+  const std::vector<double> above = ends(set, ior_above_);
+  if (base_) {
+    rays.emplace_back(facets_, reflectance_, FacetRays::Pieces{degree, above, {}});
+  } else {
+    const std::vector<double> below = ends(set, ior_below_);
+    rays.emplace_back(facets_, ior_below_ / ior_above_, FacetRays::Pieces{degree, above, below});
+    rays.emplace_back(facets_, ior_above_ / ior_below_, FacetRays::Pieces{degree, below, above});
+  }
+  return rays;
+}
+
+std::vector<LobeOperator> RoughSurface::lobes_on(const DirectionSet& set, int orders) const {
+  std::vector<LobeOperator> lobes;
+  for (FacetRays& rays : rays_on(set, orders)) {
+    const bool upward = !lobes.empty();
+    const double beyond = base_ ? 0.0 : (upward ? ior_above_ : ior_below_);
+    lobes.emplace_back(std::move(rays), set, upward ? ior_below_ : ior_above_, beyond, orders);
+  }
+  return lobes;
 }
 
 const MatrixXd& RoughSurface::Operators::from_targets(Face from, Face to, int m) const {

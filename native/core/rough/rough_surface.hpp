@@ -17,8 +17,9 @@ enum class Face { kTop, kBottom };
 
 /// A rough boundary between two dielectrics, or the facets of a base, as operators in all azimuth orders.
 ///
-/// Single scattering by facets loses energy to shadowing. Compensation returns the energy in proportion to the losses
-/// of the directions on both sides (Kulla and Conty, SIGGRAPH 2017 course), so a dielectric boundary absorbs nothing.
+/// Single scattering by facets loses energy to shadowing. Compensation lets refracted light pass, see Facets::passed,
+/// and returns the other energy in proportion to the losses of the directions on both sides (Kulla and Conty, SIGGRAPH
+/// 2017 course), so a dielectric boundary absorbs nothing.
 /// Without compensation the energy stays lost.
 class RoughSurface {
  public:
@@ -58,6 +59,12 @@ class RoughSurface {
     Eigen::VectorXd lost_below_;
   };
   Operators on(const Directions& above, const Directions& below, ThreadPool& pool) const;
+
+  /// The lobes on other nodes and in other azimuth orders: for light from above and, unless the surface is a base, for
+  /// light from below.
+  std::vector<LobeOperator> lobes_on(const DirectionSet& set, int orders) const;
+  /// The rays of the lobes, for integrands that are polynomials of `degree`; in the order of lobes_on.
+  std::vector<FacetRays> rays_on(const DirectionSet& set, int degree) const;
 
   /// The lobes in closed form, for light that arrives at the face `from` and leaves at the face `to`. `mu_from` and
   /// `mu_to` are cosines in the media there, `cosines` those of the azimuths dphi. Radiance in 1/sr for unit

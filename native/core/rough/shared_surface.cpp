@@ -11,12 +11,11 @@ namespace {
 /// All parameters on which the boundary's operators depend.
 using Key = std::vector<double>;
 
-Key key_of(const Facets& facets, bool compensate, const DirectionSet& set, double ior_above, int orders,
-           double fineness) {
+Key key_of(const Facets& facets, const DirectionSet& set, double ior_above, int orders, double fineness) {
   Key key{facets.alpha,
           static_cast<double>(facets.distribution),
           static_cast<double>(facets.correlated),
-          static_cast<double>(compensate),
+          static_cast<double>(facets.compensate),
           ior_above,
           static_cast<double>(orders),
           fineness};
@@ -50,7 +49,7 @@ std::shared_ptr<const RoughSurface> known_or_made(const Key& key, const Make& ma
 
 std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, const DirectionSet& set,
                                                    double ior_above, int orders, ThreadPool& pool, double fineness) {
-  Key key = key_of(interface.facets, interface.compensate, set, ior_above, orders, fineness);
+  Key key = key_of(interface.facets, set, ior_above, orders, fineness);
   key.push_back(interface.ior);
   return known_or_made(
       key, [&] { return std::make_shared<RoughSurface>(interface, set, ior_above, orders, pool, fineness); });
@@ -58,7 +57,7 @@ std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, c
 
 std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const DirectionSet& set, double ior_above,
                                                    int orders, ThreadPool& pool, double fineness) {
-  Key key = key_of(base.facets, base.compensates(), set, ior_above, orders, fineness);
+  Key key = key_of(base.facets, set, ior_above, orders, fineness);
   key.insert(key.end(), {base.ior.real(), base.ior.imag()});
   if (base.law) {
     const std::vector<double> sockets = base.law->key();

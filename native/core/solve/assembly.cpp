@@ -47,16 +47,13 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
     functions.push_back(kernels ? surfaces_[surface].order(order) : ScatteringFunction::bare(here.size(), here.nodes));
     ++surface;
   };
-  const auto push_smooth = [&](ScatteringFunction deltas) {
-    functions.push_back(kernels ? deltas.with_zero_kernels() : std::move(deltas));
-  };
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
     const Directions& here = directions_[layer];
     if (const auto* interface = std::get_if<Interface>(&stack.layers[layer])) {
       if (interface->is_rough(here.ior)) {
         rough(here);
       } else {
-        push_smooth(smooth_interface(here, directions_[layer + 1]));
+        functions.push_back(smooth_interface(here, directions_[layer + 1]));
       }
       continue;
     }
@@ -88,16 +85,29 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
   return functions;
 }
 
-ScatteringFunction Assembly::joined(int order, const std::vector<LayerKernels>& once) const {
-  const std::vector<ScatteringFunction> functions = layers(order, &once);
+ScatteringFunction Assembly::joined(int order, const std::vector<LayerKernels>& once, bool between_targets) const {
+  std::vector<ScatteringFunction> functions = layers(order, &once);
   if (functions.empty()) {
     return ScatteringFunction::empty(directions_.front());
   }
-  ScatteringFunction whole = functions.back();
-  for (std::size_t k = functions.size() - 1; k-- > 0;) {
-    whole = join(functions[k], whole);
+  ScatteringFunction whole = std::move(functions.back());
+  functions.pop_back();
+  if (between_targets && !functions.empty()) {
+    // Light comes in from targets at the top and at the bottom, and leaves towards targets.
+    functions.front().transmit.from_targets = true;
+    whole.transmit.to_targets = true;
+    whole.reflect_below.to_targets = true;
+    whole.reflect_below.from_targets = true;
   }
-  return whole;
+  const bool opaque = solution_.stack().base.kind != Base::Kind::kNone;
+  for (std::size_t k = functions.size(); k-- > 0;) {
+    if (opaque) {
+      whole.reflect_above = join_opaque(functions[k], whole.reflect_above);
+    } else {
+      whole = join(functions[k], whole);
+    }
+  }
+  return std::move(whole).with_kernels();
 }
 
 ScatteringFunction Assembly::without_single(int order) const {
@@ -118,7 +128,7 @@ ScatteringFunction Assembly::without_single(int order) const {
     return rest;
   }
   const std::vector<LayerKernels> single = once(order);
-  ScatteringFunction rest = joined(order, single);
+  ScatteringFunction rest = joined(order, single, true);
   rest.reflect_above.delta.setZero();
   rest.reflect_below.delta.setZero();
   rest.transmit.delta.setZero();

@@ -27,9 +27,10 @@ class Assembly {
   const DeltaField& deltas() const { return deltas_; }
 
   /// The whole stack in one azimuth order. Lobes of rough boundaries between two targets are left out.
-  ScatteringFunction joined(int order) const { return joined(order, once(order)); }
+  ScatteringFunction joined(int order) const { return joined(order, once(order), false); }
 
   /// The stack without single scattering by a medium or a rough boundary, and without delta parts: smooth in azimuth.
+  /// Kernels are those between targets; other blocks are undefined.
   ScatteringFunction without_single(int order) const;
 
  private:
@@ -37,7 +38,8 @@ class Assembly {
   std::vector<LayerKernels> once(int order) const;
   /// The layers, top first; only their delta parts if `once` is null.
   std::vector<ScatteringFunction> layers(int order, const std::vector<LayerKernels>* once) const;
-  ScatteringFunction joined(int order, const std::vector<LayerKernels>& once) const;
+  /// With `between_targets`, only kernels between targets are computed.
+  ScatteringFunction joined(int order, const std::vector<LayerKernels>& once, bool between_targets) const;
 
   const Solution& solution_;
   std::vector<Directions> directions_;

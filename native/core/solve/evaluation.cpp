@@ -9,6 +9,7 @@
 
 #include "solve/assembly.hpp"
 #include "solve/facet_meetings.hpp"
+#include "solve/scattering_between_lobes.hpp"
 #include "solve/stack_single_scattering.hpp"
 
 namespace lamina {
@@ -82,13 +83,16 @@ struct AngleTable {
 }  // namespace
 
 std::vector<std::vector<Eigen::MatrixXd>> smooth_orders(const Assembly& assembly, const FacetMeetings& meetings,
+                                                        const ScatteringBetweenLobes& between,
                                                         const std::vector<Passage>& passages, ThreadPool& pool) {
   const Eigen::Index targets = assembly.directions().front().targets;
-  const auto count = static_cast<std::size_t>(assembly.solution().orders());
+  const auto count = static_cast<std::size_t>(between.orders());
   std::vector<std::vector<Eigen::MatrixXd>> orders(passages.size(), std::vector<Eigen::MatrixXd>(count));
   pool.run(count, [&](std::size_t m) {
-    ScatteringFunction rest = assembly.without_single(static_cast<int>(m));
-    meetings.take_from(rest, static_cast<int>(m));
+    ScatteringFunction rest = between.without_single(static_cast<int>(m));
+    if (static_cast<int>(m) < assembly.solution().orders()) {
+      meetings.take_from(rest, static_cast<int>(m));
+    }
     for (std::size_t k = 0; k < passages.size(); ++k) {
       orders[k][m] = kernel_of(rest, passages[k].side, passages[k].path).bottomRightCorner(targets, targets);
     }
@@ -107,9 +111,10 @@ std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const 
   const Targets targets({&mu_o, &mu_i});
   const Assembly assembly(solution, targets.mu, pool);
   const FacetMeetings meetings(assembly);
-  const std::vector<std::vector<Eigen::MatrixXd>> all = smooth_orders(assembly, meetings, passages, pool);
+  const ScatteringBetweenLobes between(assembly, pool);
+  const std::vector<std::vector<Eigen::MatrixXd>> all = smooth_orders(assembly, meetings, between, passages, pool);
   const Eigen::ArrayXd cosines = dphi.array().cos();
-  Eigen::MatrixXd waves(static_cast<Eigen::Index>(solution.orders()), dphi.size());
+  Eigen::MatrixXd waves(static_cast<Eigen::Index>(between.orders()), dphi.size());
   for (Eigen::Index m = 0; m < waves.rows(); ++m) {
     waves.row(m) = (m == 0 ? 1.0 : 2.0) / pi * (static_cast<double>(m) * dphi.array()).cos();
   }
@@ -148,8 +153,8 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
   const Targets exact({&mu_o, &mu_i});
   const bool tabulate = exact.mu.size() > AngleTable::kKnots;
   const Assembly smooth(solution, tabulate ? AngleTable::cosines() : exact.mu, pool);
-  const std::vector<Eigen::MatrixXd> orders =
-      std::move(smooth_orders(smooth, FacetMeetings(smooth), {{side, path}}, pool).front());
+  const std::vector<Eigen::MatrixXd> orders = std::move(
+      smooth_orders(smooth, FacetMeetings(smooth), ScatteringBetweenLobes(smooth, pool), {{side, path}}, pool).front());
   const Assembly all(solution, exact.mu);
   const FacetMeetings meetings(all);
   const StackSingleScattering once(all, side, path);

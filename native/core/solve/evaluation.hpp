@@ -10,6 +10,7 @@ namespace lamina {
 
 class Assembly;
 class FacetMeetings;
+class ScatteringBetweenLobes;
 
 enum class Side { kTop, kBottom };
 enum class Path { kReflect, kTransmit };
@@ -28,6 +29,7 @@ struct Passage {
 /// For each passage and azimuth order, the smooth part of pi f between all targets of an assembly. Single scattering by
 /// media, and single and double scattering by facets, are not part of it.
 std::vector<std::vector<Eigen::MatrixXd>> smooth_orders(const Assembly& assembly, const FacetMeetings& meetings,
+                                                        const ScatteringBetweenLobes& between,
                                                         const std::vector<Passage>& passages, ThreadPool& pool);
 std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const std::vector<Passage>& passages,
                                                 const Eigen::VectorXd& mu_o, const Eigen::VectorXd& mu_i,

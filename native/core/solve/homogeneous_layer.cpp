@@ -57,6 +57,16 @@ Eigen::PermutationMatrix<Eigen::Dynamic> ascending_order(const Eigen::VectorXd& 
   return places;
 }
 
+/// A matrix between live nodes, interpolated to live nodes and targets.
+Eigen::MatrixXd interpolated(const Eigen::MatrixXd& nodes, const Directions& directions) {
+  const auto to_targets = directions.interpolation.bottomRows(directions.targets);
+  Eigen::MatrixXd all(directions.live + directions.targets, directions.live + directions.targets);
+  all.topLeftCorner(directions.live, directions.live) = nodes;
+  all.bottomLeftCorner(directions.targets, directions.live).noalias() = to_targets * nodes;
+  all.rightCols(directions.targets).noalias() = all.leftCols(directions.live) * to_targets.transpose();
+  return all;
+}
+
 }  // namespace
 
 HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions) {
@@ -216,10 +226,9 @@ LayerShapes::LayerShapes(const Directions& directions, double tau)
 LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
                          const TruncatedMedium& medium, const LayerShapes& shapes, int order) {
   const Eigen::VectorXd outer = parity_factor(order, directions.mu) * directions.scale.array();
-  const Eigen::MatrixXd& carry = directions.interpolation;
   const Eigen::MatrixXd shape = outer.asDiagonal() * shapes.reflect * outer.asDiagonal();
-  LayerKernels kernels{(carry * multiple.reflect * carry.transpose()).cwiseProduct(shape),
-                       (carry * multiple.transmit * carry.transpose()).cwiseProduct(shape)};
+  LayerKernels kernels{interpolated(multiple.reflect, directions).cwiseProduct(shape),
+                       interpolated(multiple.transmit, directions).cwiseProduct(shape)};
   if (order == 0 && directions.targets > 0 && multiple.survival.size() > 0) {
     const auto to_targets = [&](const LayerKernels& k) -> Eigen::MatrixXd {
       return (k.reflect + k.transmit).topRightCorner(directions.live, directions.targets);

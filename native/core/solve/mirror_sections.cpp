@@ -68,4 +68,12 @@ Deltas MirrorSections::section(std::size_t section, const Cosines& cosines) cons
   return all;
 }
 
+DeltaField MirrorSections::field(std::size_t section, const Cosines& cosines) const {
+  std::vector<Deltas> layers;
+  for (std::size_t k = sections_[section].first; k < sections_[section].last; ++k) {
+    layers.push_back(layer(k, cosines));
+  }
+  return DeltaField(layers);
+}
+
 }  // namespace lamina

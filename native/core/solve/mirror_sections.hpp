@@ -19,6 +19,10 @@ class MirrorSections {
   /// `gap` (one past the layers: below the last), 0 where a direction does not exist.
   using Cosines = std::function<Eigen::ArrayXd(std::size_t gap)>;
   Deltas section(std::size_t section, const Cosines& cosines) const;
+  /// Specular light at the layers of one section, from the layer first_layer(section) on, for light that the rough
+  /// boundaries at its ends send into it.
+  DeltaField field(std::size_t section, const Cosines& cosines) const;
+  std::size_t first_layer(std::size_t section) const { return sections_[section].first; }
 
  private:
   struct Medium {

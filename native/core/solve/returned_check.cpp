@@ -8,6 +8,7 @@
 
 #include "solve/evaluation.hpp"
 #include "solve/facet_meetings.hpp"
+#include "solve/scattering_between_lobes.hpp"
 #include "solve/stack_single_scattering.hpp"
 
 namespace lamina {
@@ -43,6 +44,18 @@ ArrayXd rest_of(const ArrayXd& orders, const ArrayXd& dphi) {
   return rest;
 }
 
+/// The sum of azimuth orders of pi f between two targets, in 1/sr.
+ArrayXd sum_of(const std::vector<Eigen::MatrixXd>& orders, Index o, Index i, const ArrayXd& dphi) {
+  ArrayXd sum = ArrayXd::Zero(dphi.size());
+  for (std::size_t m = 0; m < orders.size(); ++m) {
+    sum += (m == 0 ? 1.0 : 2.0) / pi * orders[m](o, i) * (static_cast<double>(m) * dphi).cos();
+  }
+  return sum;
+}
+
+/// The last azimuths of the check, at which single scattering is compared with a sum over rays.
+constexpr Index kBack = 2;
+
 }  // namespace
 
 SolveChecks check_returned(const Solution& solution, ThreadPool& pool) {
@@ -55,14 +68,16 @@ SolveChecks check_returned(const Solution& solution, ThreadPool& pool) {
     passages.push_back({Side::kBottom, Path::kReflect});
     passages.push_back({Side::kTop, Path::kTransmit});
   }
-  const std::vector<std::vector<Eigen::MatrixXd>> smooth = smooth_orders(assembly, meetings, passages, pool);
+  const ScatteringBetweenLobes between(assembly, pool);
+  const std::vector<std::vector<Eigen::MatrixXd>> smooth = smooth_orders(assembly, meetings, between, passages, pool);
+  const std::vector<Eigen::MatrixXd> held = between.none() ? std::vector<Eigen::MatrixXd>() : between.held();
   SolveChecks checks;
   for (std::size_t k = 0; k < passages.size(); ++k) {
     const auto& [side, path] = passages[k];
     const StackSingleScattering once(assembly, side, path);
     for (Index o = 0; o < mu.size(); ++o) {
       for (Index i = path == Path::kReflect ? o : 0; i < mu.size(); ++i) {
-        ArrayXd orders(solution.orders());
+        ArrayXd orders(between.orders());
         ArrayXd values = once(o, i, dphi.cos()) + meetings.value(side, path, o, i, dphi);
         for (Index m = 0; m < orders.size(); ++m) {
           orders[m] = (m == 0 ? 1.0 : 2.0) / pi * smooth[k][static_cast<std::size_t>(m)](o, i);
@@ -75,6 +90,10 @@ SolveChecks check_returned(const Solution& solution, ThreadPool& pool) {
         SolveChecks found;
         found.azimuth = (rest_of(orders, dphi) / values.max(std::max(kFaint * mean, kLeast))).maxCoeff();
         found.negativity = std::max(0.0, -values.minCoeff()) / std::max(mean, kLeast);
+        if (k == 0 && o == i && o > 1 && !between.none()) {
+          const ArrayXd lost = (between.by_rays(o, i, dphi.tail(kBack)) - sum_of(held, o, i, dphi.tail(kBack))).abs();
+          found.resolution = (lost / values.tail(kBack).max(std::max(kFaint * mean, kLeast))).maxCoeff();
+        }
         checks.worsen(found);
       }
     }

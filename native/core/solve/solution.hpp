@@ -38,6 +38,7 @@ class Solution {
   /// The stack as it is solved, with sublayers for graded layers.
   const Stack& stack() const { return sublayers_.stack; }
   const Resolution& resolution() const { return resolution_; }
+  const DirectionSet& direction_set() const { return *set_; }
   const SolveChecks& checks() const { return checks_; }
   void add_checks(const SolveChecks& more) { checks_.worsen(more); }
   /// Throws std::runtime_error, with the numbers, if a check exceeds the tolerance.

@@ -12,14 +12,15 @@ AssemblySlices::AssemblySlices(const Solution& solution, std::span<const Sight> 
       azimuth_(grid.dphi.array().cos()),
       assembly_(solution,
                 (Eigen::VectorXd(grid.view_mu.size() + grid.light_mu.size()) << grid.view_mu, grid.light_mu).finished(),
-                pool, grid.view_mu.size()) {
+                pool, grid.view_mu.size()),
+      between_(assembly_, pool) {
   for (const Sight& sight : sights) {
     once_.try_emplace({sight.viewer, sight.path}, assembly_, sight.entry(), sight.path);
   }
 }
 
 std::vector<Eigen::MatrixXd> AssemblySlices::order(int m) {
-  const ScatteringFunction rest = assembly_.without_single(m);
+  const ScatteringFunction rest = between_.without_single(m);
   const Index nodes = assembly_.directions().front().nodes;
   const Index lights = rest.transmit.delta.size() - nodes - views_;
   std::vector<Eigen::MatrixXd> seen;

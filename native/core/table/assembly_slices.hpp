@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solve/assembly.hpp"
+#include "solve/scattering_between_lobes.hpp"
 #include "solve/stack_single_scattering.hpp"
 #include "table/slice_source.hpp"
 
@@ -16,6 +17,7 @@ class AssemblySlices : public SliceSource {
  public:
   AssemblySlices(const Solution& solution, std::span<const Sight> sights, const SliceGrid& grid, ThreadPool& pool);
 
+  int orders() const override { return between_.orders(); }
   std::vector<Eigen::MatrixXd> order(int m) override;
   void add_once(const Sight& sight, Eigen::Index view, Slice slice) const override;
   void add_lobes(const Sight& sight, Eigen::Index view, Slice slice) const override;
@@ -26,6 +28,7 @@ class AssemblySlices : public SliceSource {
   Eigen::Index views_;
   Eigen::ArrayXd azimuth_;  // cosines of dphi
   Assembly assembly_;
+  ScatteringBetweenLobes between_;
   std::map<std::pair<Side, Path>, StackSingleScattering> once_;
 };
 

@@ -16,6 +16,7 @@ class MediaSlices : public SliceSource {
   MediaSlices(const Solution& solution, std::span<const Sight> sights, const SliceGrid& grid)
       : solution_(solution), sights_(sights), grid_(grid), geometry_(solution, grid.view_mu, grid.light_mu) {}
 
+  int orders() const override { return solution_.orders(); }
   std::vector<Eigen::MatrixXd> order(int m) override;
   void add_once(const Sight& sight, Eigen::Index view, Slice slice) const override;
   void add_lobes(const Sight&, Eigen::Index, Slice) const override {}

@@ -19,19 +19,20 @@ using std::numbers::pi;
 class Work {
  public:
   Work(const Solution& solution, std::span<const Sight> sights, const SliceGrid& grid, ThreadPool& pool)
-      : grid_(grid),
-        sights_(sights),
-        coefficients_(sights.size(), Eigen::MatrixXd(grid.view_mu.size() * grid.light_mu.size(), solution.orders())),
-        waves_(solution.orders(), grid.dphi.size()) {
+      : grid_(grid), sights_(sights) {
     if (has_only_media(solution.stack())) {
       source_ = std::make_unique<MediaSlices>(solution, sights, grid);
     } else {
       source_ = std::make_unique<AssemblySlices>(solution, sights, grid, pool);
     }
+    coefficients_.assign(sights.size(), Eigen::MatrixXd(grid.view_mu.size() * grid.light_mu.size(), orders()));
+    waves_.resize(orders(), grid.dphi.size());
     for (Index m = 0; m < waves_.rows(); ++m) {
       waves_.row(m) = (m == 0 ? 1.0 : 2.0) / pi * (static_cast<double>(m) * grid.dphi.array()).cos();
     }
   }
+
+  int orders() const { return source_->orders(); }
 
   void solve_order(int order) {
     const std::vector<Eigen::MatrixXd> seen = source_->order(order);
@@ -90,7 +91,7 @@ void evaluate_slices(std::span<const Solution* const> solutions, std::span<const
 
   std::vector<std::pair<std::size_t, int>> tasks;
   for (std::size_t k = 0; k < solutions.size(); ++k) {
-    for (int order = 0; order < solutions[k]->orders(); ++order) {
+    for (int order = 0; order < work[k]->orders(); ++order) {
       tasks.emplace_back(k, order);
     }
   }

@@ -38,6 +38,7 @@ class SliceSource {
   SliceSource& operator=(const SliceSource&) = delete;
   virtual ~SliceSource() = default;
 
+  virtual int orders() const = 0;
   /// An azimuth order of pi f by sight, [view, light], without single scattering and without deltas. Called once per
   /// order, from several threads.
   virtual std::vector<Eigen::MatrixXd> order(int m) = 0;

@@ -63,7 +63,7 @@ class LayerWalk final : public StackWalk {
     return count <= 1;
   }
 
-  bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
+  bool cross(std::size_t element, const Exits& out, Light& light, bool first, double& score, Rng& rng,
              std::uint64_t& events) const override {
     ++events;
     const LayerTable* table = tables_[element].met_by(light.ray);
@@ -73,23 +73,31 @@ class LayerWalk final : public StackWalk {
     if (!first && !is_flux()) {
       score += light.weight * leaving(element, out, light.ray);
     }
-    return table->cross(light.ray, light.weight, first, rng);
+    const Ray in = light.ray;
+    const bool goes_on = table->cross(light.ray, light.weight, first, rng);
+    const bool passed = in.x == light.ray.x && in.y == light.ray.y && in.z == light.ray.z;
+    if (goes_on && !passed && has_lobes()) {
+      light.earlier = earlier(density(element, in, light.ray));
+    }
+    return goes_on;
   }
 
-  double leaving(std::size_t element, const Exit& out, const Ray& in) const override {
+  double leaving(std::size_t element, const Exits& out, const Ray& in) const override {
     const LayerTable* table = tables_[element].met_by(in);
     if (table == nullptr) {
       return 0.0;
     }
-    const double n = stack().ior[element];
     double sum = 0.0;
-    if (out.up_share > 0.0) {
-      sum += out.up_share * table->value(in, out.up);
+    for (const Exit& one : out) {
+      sum += one.share * one.weighed(density(element, in, one.ray));
     }
-    if (out.down_share > 0.0) {
-      sum += out.down_share * table->value(in, out.down);
-    }
-    return sum / (n * n);
+    return sum;
+  }
+
+  /// The density of light that the layer scatters, relative to n^2 times the projected solid angle.
+  double density(std::size_t element, const Ray& in, const Ray& out) const {
+    const double n = stack().ior[element];
+    return tables_[element].met_by(in)->value(in, out) / (n * n);
   }
 
   double scattered_share(std::size_t element, const Ray& in) const override {

@@ -17,17 +17,17 @@ using std::numbers::pi;
 
 }  // namespace
 
-FacetScatter::FacetScatter(const Facets& facets, double ior_above, double ior_below, bool compensate)
-    : facets_(facets), ior_above_(ior_above), ior_below_(ior_below), compensate_(compensate) {
+FacetScatter::FacetScatter(const Facets& facets, double ior_above, double ior_below)
+    : facets_(facets), ior_above_(ior_above), ior_below_(ior_below), compensate_(facets.compensate) {
   compensate_all();
 }
 
-FacetScatter::FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal, bool compensate)
+FacetScatter::FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal)
     : facets_(facets),
       ior_above_(ior_above),
       ior_below_(ior_above),
       metal_(metal / ior_above),
-      compensate_(compensate) {
+      compensate_(facets.compensate) {
   compensate_all();
 }
 
@@ -125,7 +125,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
     return 0.0;
   }
   return facets_.density(std::min(1.0, half.z)) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
-         facets_.masking(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
+         facets_.passing(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
 }
 
 FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const {
@@ -147,19 +147,36 @@ FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal,
   const double along = seen / ratio - std::sqrt(refracted2);
   const Ray out{along * normal.x - view.x / ratio, along * normal.y - view.y / ratio,
                 along * normal.z - view.z / ratio};
-  return {out, 1.0, out.z < 0.0 ? facets_.masking(view.z, -out.z) / masked(view.z) : 0.0};
+  return {out, 1.0, out.z < 0.0 ? facets_.passing(view.z, -out.z) / masked(view.z) : 0.0};
 }
 
 double FacetScatter::value(const Ray& in, const Ray& out) const {
   const bool from_below = in.z > 0.0;
   const bool to_below = out.z < 0.0;
   const Ray view = from_below ? -in.mirrored() : -in;
-  double value = facet_value(view, from_below ? out.mirrored() : out, from_below);
+  double value = value_once(in, out);
   if (compensate_ && !(metal_ && to_below)) {
     value += compensation_ * losses_[from_below ? 1 : 0](view.z) * losses_[to_below ? 1 : 0](std::abs(out.z)) /
              (pi * whole_loss_);
   }
   return value;
+}
+
+double FacetScatter::value_once(const Ray& in, const Ray& out) const {
+  const bool from_below = in.z > 0.0;
+  return facet_value(from_below ? -in.mirrored() : -in, from_below ? out.mirrored() : out, from_below);
+}
+
+FacetScatter::Outcome FacetScatter::sample_once(const Ray& in, bool reflected, Rng& rng) const {
+  const bool from_below = in.z > 0.0;
+  const Ray view = from_below ? -in.mirrored() : -in;
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  const Ray normal = visible_normal(facets_, view, u, v);
+  const ByFacet facet = by_facet(view, normal, from_below, reflected ? 0.0 : 1.0);
+  const double fresnel = fresnel_at(std::clamp(view.dot(normal), 0.0, 1.0), ior_of(!from_below) / ior_of(from_below));
+  const double share = reflected ? fresnel : metal_ ? 0.0 : 1.0 - fresnel;
+  return {from_below ? facet.ray.mirrored() : facet.ray, share * facet.kept};
 }
 
 FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {

@@ -14,9 +14,11 @@ namespace lamina {
 /// directions of travel, z up.
 class FacetScatter {
  public:
-  FacetScatter(const Facets& facets, double ior_above, double ior_below, bool compensate);
+  FacetScatter(const Facets& facets, double ior_above, double ior_below);
   /// A conductor of absolute index `metal`.
-  FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal, bool compensate);
+  FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal);
+
+  double alpha() const { return facets_.alpha; }
 
   /// The radiance along `out`, divided by the square of the index there, for unit irradiance along `in`.
   double value(const Ray& in, const Ray& out) const;
@@ -27,6 +29,11 @@ class FacetScatter {
     double weight;
   };
   Outcome sample(const Ray& in, Rng& rng) const;
+
+  /// As `value` and `sample` for the light that meets one facet, without compensation. Only reflected or only refracted
+  /// light is sampled.
+  double value_once(const Ray& in, const Ray& out) const;
+  Outcome sample_once(const Ray& in, bool reflected, Rng& rng) const;
 
  private:
   /// The energy that single scattering by facets loses for light from one side, tabulated by the square root of the

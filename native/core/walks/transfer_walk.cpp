@@ -30,7 +30,7 @@ class TransferWalk final : public StackWalk {
   }
 
  private:
-  bool cross(std::size_t element, const Exit& out, Light& light, bool first, double& score, Rng& rng,
+  bool cross(std::size_t element, const Exits& out, Light& light, bool first, double& score, Rng& rng,
              std::uint64_t& events) const override {
     const WalkElements::Element& here = this->stack().elements[element];
     const Medium& medium = here.medium;
@@ -60,7 +60,11 @@ class TransferWalk final : public StackWalk {
         if (!survives(light.weight, rng)) {
           return false;
         }
-        light.ray = scattered(light.ray, local.sample(rng.uniform()), rng);
+        const double cosine = local.sample(rng.uniform());
+        light.ray = scattered(light.ray, cosine, rng);
+        if (has_lobes()) {
+          light.earlier = earlier(density(element, local.evaluate(cosine) / local.albedo(), light.ray));
+        }
         continue;
       }
       light.weight *= medium.albedo;
@@ -70,13 +74,15 @@ class TransferWalk final : public StackWalk {
       if (!survives(light.weight, rng)) {
         return false;
       }
-      const bool both = both_[element] && out.up_share + out.down_share > 0.0;
+      const bool both = both_[element] && !out.empty();
       if (both) {
         score += light.weight * from_exit(element, out, light.ray, depth, rng);
       }
       const double cosine = medium.phase.sample(rng.uniform());
       light.ray = scattered(light.ray, cosine, rng);
-      share = both ? share_of_ray(element, out, medium.phase.evaluate(cosine), light.ray) : 1.0;
+      const double phase = both || has_lobes() ? medium.phase.evaluate(cosine) : 0.0;
+      share = both ? share_of_ray(element, out, phase, light.ray) : 1.0;
+      light.earlier = earlier(density(element, phase, light.ray));
     }
   }
 
@@ -85,10 +91,14 @@ class TransferWalk final : public StackWalk {
   }
 
   /// The second sample of the balance heuristic: a flight scattered backwards from one of the exit directions.
-  double from_exit(std::size_t element, const Exit& out, const Ray& in, double depth, Rng& rng) const {
+  double from_exit(std::size_t element, const Exits& out, const Ray& in, double depth, Rng& rng) const {
     const Medium& medium = this->stack().elements[element].medium;
-    const bool up = rng.uniform() * (out.up_share + out.down_share) < out.up_share;
-    const Ray ray = scattered(up ? out.up : out.down, medium.phase.sample(rng.uniform()), rng);
+    double choice = rng.uniform() * sum_of_shares(out);
+    std::size_t chosen = 0;
+    while (chosen + 1 < out.size() && choice >= out[chosen].share) {
+      choice -= out[chosen++].share;
+    }
+    const Ray ray = scattered(out[chosen].ray, medium.phase.sample(rng.uniform()), rng);
     const double length = to_face(medium, ray, depth);
     return share_of_ray(element, out, medium.phase.evaluate(in.dot(ray)), ray) *
            on_flight(element, out, ray, depth, length, std::exp(-length));
@@ -96,20 +106,17 @@ class TransferWalk final : public StackWalk {
 
   /// The balance heuristic's weight of a direction sampled from the ray with density `from_ray`. The weight also
   /// applies to directions sampled from an exit, where the ratio of the densities cancels against the phase function.
-  double share_of_ray(std::size_t element, const Exit& out, double from_ray, const Ray& ray) const {
+  double share_of_ray(std::size_t element, const Exits& out, double from_ray, const Ray& ray) const {
     const PhaseFunction& phase = this->stack().elements[element].medium.phase;
     double from_exit = 0.0;
-    if (out.up_share > 0.0) {
-      from_exit += out.up_share * phase.evaluate(ray.dot(out.up));
+    for (const Exit& one : out) {
+      from_exit += one.share * phase.evaluate(ray.dot(one.ray));
     }
-    if (out.down_share > 0.0) {
-      from_exit += out.down_share * phase.evaluate(ray.dot(out.down));
-    }
-    from_exit /= out.up_share + out.down_share;
+    from_exit /= sum_of_shares(out);
     return from_ray > 0.0 ? from_ray / (from_ray + from_exit) : 0.0;
   }
 
-  double leaving(std::size_t element, const Exit& out, const Ray& in) const override {
+  double leaving(std::size_t element, const Exits& out, const Ray& in) const override {
     if (!along_[element]) {
       return 0.0;
     }
@@ -123,59 +130,70 @@ class TransferWalk final : public StackWalk {
     return medium.albedo > 0.0 ? -std::expm1(-medium.tau / std::abs(in.z)) : 0.0;
   }
 
-  double scattering(std::size_t element, const Ray& in, const Ray& out) const {
-    const double n = this->stack().ior[element];
-    return this->stack().elements[element].medium.phase.evaluate(in.dot(out)) / (4.0 * pi * n * n * std::abs(out.z));
+  static double sum_of_shares(const Exits& out) {
+    double sum = 0.0;
+    for (const Exit& one : out) {
+      sum += one.share;
+    }
+    return sum;
   }
 
-  double on_flight(std::size_t element, const Exit& out, const Ray& in, double depth, double length,
+  /// The density of a ray into which a phase function of this value scatters, relative to n^2 times the projected solid
+  /// angle.
+  double density(std::size_t element, double phase, const Ray& ray) const {
+    const double n = this->stack().ior[element];
+    return phase / (4.0 * pi * n * n * std::abs(ray.z));
+  }
+
+  double scattering(std::size_t element, const Ray& in, const Exit& out) const {
+    const double phase = this->stack().elements[element].medium.phase.evaluate(in.dot(out.ray));
+    return out.weighed(density(element, phase, out.ray));
+  }
+
+  double on_flight(std::size_t element, const Exits& out, const Ray& in, double depth, double length,
                    double through) const {
     const Medium& medium = this->stack().elements[element].medium;
     double sum = 0.0;
-    const auto add = [&](const Ray& ray, double share, double to_face) {
-      const double mu = std::abs(ray.z);
+    for (const Exit& one : out) {
+      const double to_face = one.is_up() ? depth : medium.tau - depth;
+      const double mu = std::abs(one.ray.z);
       const double far = medium.tau - to_face;
-      if (share == 0.0) {
-        return;
-      }
       const double kept = std::exp(-to_face / mu);
-      const bool away = (in.z < 0.0) != (ray.z < 0.0);
+      const bool away = (in.z < 0.0) == one.is_up();
       const double integral = away ? flight_away(kept, std::exp(-(to_face + far) / mu), through, std::abs(in.z) / mu)
                                    : flight_towards(kept, through, to_face / mu, length);
-      sum += share * integral * scattering(element, in, ray);
-    };
-    add(out.up, out.up_share, depth);
-    add(out.down, out.down_share, medium.tau - depth);
+      sum += one.share * integral * scattering(element, in, one);
+    }
     return medium.albedo * sum;
   }
 
-  double at_collision(std::size_t element, const Exit& out, const Ray& in, double depth) const {
-    const double tau = this->stack().elements[element].medium.tau;
+  double at_collision(std::size_t element, const Exits& out, const Ray& in, double depth) const {
     double sum = 0.0;
-    if (out.up_share > 0.0) {
-      sum += out.up_share * std::exp(-depth / out.up.z) * scattering(element, in, out.up);
-    }
-    if (out.down_share > 0.0) {
-      sum += out.down_share * std::exp((tau - depth) / out.down.z) * scattering(element, in, out.down);
+    for (const Exit& one : out) {
+      sum += one.share * kept_from(element, one, depth) * scattering(element, in, one);
     }
     return sum;
   }
 
   /// The next event at one depth of a graded medium, albedo included.
-  double at_depth(std::size_t element, const Exit& out, const Ray& in, double depth,
+  double at_depth(std::size_t element, const Exits& out, const Ray& in, double depth,
                   const LocalScattering& local) const {
-    const double n = this->stack().ior[element];
-    const double tau = this->stack().elements[element].medium.tau;
+    const double albedo = local.albedo();
+    if (albedo == 0.0) {
+      return 0.0;
+    }
     double sum = 0.0;
-    const auto add = [&](const Ray& ray, double share, double to_face) {
-      if (share > 0.0) {
-        const double mu = std::abs(ray.z);
-        sum += share * std::exp(-to_face / mu) * local.evaluate(in.dot(ray)) / mu;
-      }
-    };
-    add(out.up, out.up_share, depth);
-    add(out.down, out.down_share, tau - depth);
-    return sum / (4.0 * pi * n * n);
+    for (const Exit& one : out) {
+      const double phase = local.evaluate(in.dot(one.ray)) / albedo;
+      sum += one.share * kept_from(element, one, depth) * one.weighed(density(element, phase, one.ray));
+    }
+    return albedo * sum;
+  }
+
+  /// The share of light from this depth that reaches the face where it leaves.
+  double kept_from(std::size_t element, const Exit& out, double depth) const {
+    const double tau = this->stack().elements[element].medium.tau;
+    return std::exp(-(out.is_up() ? depth : tau - depth) / std::abs(out.ray.z));
   }
 
   std::vector<bool> along_;  ///< by element

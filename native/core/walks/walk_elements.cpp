@@ -32,7 +32,7 @@ Element element_of(const Layer& layer, double ior_above, double ior_below) {
   element.kind = Kind::kSmooth;
   if (boundary.is_rough(boundary.ior == ior_above ? ior_below : ior_above)) {
     element.kind = Kind::kRough;
-    element.facets = std::make_shared<FacetScatter>(boundary.facets, ior_above, ior_below, boundary.compensate);
+    element.facets = std::make_shared<FacetScatter>(boundary.facets, ior_above, ior_below);
   }
   return element;
 }
@@ -46,7 +46,7 @@ Element element_of(const Base& base, double ior_above) {
     element.mirror = base;
   } else if (base.is_rough()) {
     element.kind = Kind::kRough;
-    element.facets = std::make_shared<FacetScatter>(base.facets, ior_above, base.ior, base.compensate);
+    element.facets = std::make_shared<FacetScatter>(base.facets, ior_above, base.ior);
   }
   return element;
 }

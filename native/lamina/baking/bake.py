@@ -107,7 +107,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     nodes = check_nodes(nodes)
     row_stride = check_whole(row_stride, "row_stride", 1, TAU_ROWS)
     limits = CLOSURE_BASES[check_choice(basis, "basis", CLOSURE_BASES)]
-    given = _by_kind(() if closures is None else closures)
+    given = _by_kind(closures)
     require_table(stack)
     started = time.perf_counter()
     measured = stack.varying is not None and quality == "final"
@@ -124,7 +124,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     # Solve the stack for each thickness of its varying layer
     solved = solve_rows(on_lambert(stack), quality, threads, steps["solve"], row_stride, nodes)
     pool = thread_pool(threads)
-    grid = grid_for(quality, narrow_lobes.narrowest(stack))
+    grid = grid_for(quality, narrow_lobes.narrowest(stack), narrow_lobes.has_halo(stack))
 
     # Evaluate the slices to be fitted by closures
     if _is_textured(stack) or isinstance(stack.base, ShaderBase):
@@ -247,11 +247,15 @@ def _header(stack: Stack, quality: str, basis: str, solved: SolvedRows, parts: d
     }
 
 
-def _by_kind(ids: Sequence[str]) -> dict[str, list[str]]:
-    """Given closures by kind, or by the prefix of the strips of a Principled base for metallic 1. Raises
-    ArgumentError for a closure that is unknown or given twice, and for too many."""
-    if isinstance(ids, str) or not isinstance(ids, Sequence) or not all(isinstance(name, str) for name in ids):
+def _by_kind(ids: Sequence[str] | None) -> dict[str, list[str]]:
+    """Given closures by kind, or by the prefix of the strips of a Principled base for metallic 1; none for None. Raises
+    ArgumentError for no closure, one that is unknown or given twice, and for too many."""
+    if ids is None:
+        ids = ()
+    elif isinstance(ids, str) or not isinstance(ids, Sequence) or not all(isinstance(name, str) for name in ids):
         raise ArgumentError(f"closures = {quoted(ids)}: must be a list of lobe ids")
+    elif not ids:
+        raise ArgumentError("closures = []: must hold a lobe id, or be None for a choice by the bake")
     kinds = ("reflection", "transmission", "base", METAL, METAL + PREFIX, DARK, FIRST, AGAIN, METAL + DARK,
              METAL + FIRST, METAL + AGAIN)
     given: dict[str, list[str]] = {kind: [] for kind in kinds}

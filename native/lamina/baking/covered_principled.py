@@ -107,7 +107,7 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
     roughnesses = np.linspace(0.0, 1.0, ROUGHNESSES).tolist() if follows else [base.roughness]
     if follows:
         stride = max(stride, ROUGH_STRIDE[quality])
-    grid = grid_for(quality, narrowest(stack))
+    grid = grid_for(quality, narrowest(stack), narrow_lobes.has_halo(stack))
     work = _Work(stack, replace(base, inputs=()), roughnesses, quality, threads, stride, nodes, grid,
                  thread_pool(threads))
 
@@ -215,7 +215,7 @@ def _made(work: _Work) -> list[str]:
     for width in (0.4, 1.0):
         names += [following_lobes.toon(index * width, least * width, lean, size, smooth)
                   for lean in narrow_lobes.LEANS for size, smooth in narrow_lobes.CONES]
-    return names
+    return names + narrow_lobes.halos(work.stack)
 
 
 def _with_mirror(fit: FollowingFit, light: Slices, names: list[str]) -> np.ndarray:

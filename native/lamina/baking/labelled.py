@@ -12,7 +12,7 @@ from ..solver.labelled import CHANNELS, channel_names
 
 def dataset(header: dict, weights: np.ndarray):
     """See Lut.to_xarray."""
-    xarray = require("xarray", "xarray", "to_xarray")
+    xarray = require("xarray", "to_xarray")
     axes, report = header["axes"], header["report"]
     roughness = axes.get("roughness", {}).get("values", [0.0])
     tau = axes["tau"]["values"] or [0.0]

@@ -12,7 +12,9 @@ from ..common import svg
 from .fitted_function import OTHER
 
 STEPS = 181  # directions on each side of the horizon
-LEAST_COSINE = 1e-3  # of drawn light
+# Least cosine of drawn light. Hair closures have a pole at the tangent, which is at the horizon for a view along the
+# normal: in Cycles too, a thin spike with hardly any light.
+LEAST_COSINE = 0.05
 VIEWS = ((1.0, ""), (math.sqrt(0.5), "6 3"), (0.3, "2 2"))  # cosines and dashes
 COLOURS = ("#c03028", "#2f8f2f", "#2f55c0")
 GREY = "#303030"

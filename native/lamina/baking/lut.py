@@ -129,8 +129,8 @@ class Lut(ByContent):
         inconsistent header, and OSError when it cannot be opened."""
         try:
             header, (weights,) = load_archive(path, "weights")
-        except Damaged:
-            raise LutError(f"{path}: not a complete Lamina lookup table") from None
+        except Damaged as error:
+            raise LutError(f"{path}: not a complete Lamina lookup table: {error}") from None
         problem = lut_header.problem(header, weights)
         if problem:
             raise LutError(f"{path}: {problem}")

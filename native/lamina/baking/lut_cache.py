@@ -6,15 +6,13 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-import time
 from pathlib import Path
 
 from .. import _core
+from ..common.atomic import remove_forgotten
 from ..common.errors import LutError
 from ..material.stack import Stack
 from .lut import Lut
-
-FORGOTTEN = 3600.0  # seconds after which a temporary file is taken for that of a killed process
 
 
 class LutCache:
@@ -57,10 +55,7 @@ class LutCache:
 
     def remove_forgotten(self) -> None:
         """Removes the temporary files of killed processes."""
-        for path in self.folder.glob(".*.npz.*.part"):
-            with contextlib.suppress(OSError):
-                if time.time() - path.stat().st_mtime > FORGOTTEN:
-                    path.unlink()
+        remove_forgotten(self.folder, ".*.npz.*.part")
 
     def prune(self, most_bytes: int) -> None:
         """Removes tables until they take at most `most_bytes`, starting with those that were not used for longest.

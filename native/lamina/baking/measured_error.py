@@ -43,7 +43,7 @@ class Gauge:
             narrowest = covered_principled.narrowest(stack)
         else:
             narrowest = narrow_lobes.narrowest(stack)
-        return cls(grid_for(quality, narrowest), quality, threads, channels, stride)
+        return cls(grid_for(quality, narrowest, narrow_lobes.has_halo(stack)), quality, threads, channels, stride)
 
     @property
     def pool(self) -> _core.ThreadPool:

@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..closures import narrow_lobes
 from ..closures.closure_table import LightGrid, grid_for, light_grid, view_cosines
 from ..closures.lobes import ggx
 from ..common.progress import Progress, portion
@@ -115,7 +116,8 @@ def parts(stack: Stack, quality: str, threads: int, step: Progress, stride: int,
     roughnesses = roughness_rows() if "roughness" in base.inputs else [base.roughness]
     few = stack.varying is not None and len(roughnesses) > 1 and stride < ROUGH_STRIDE[quality]
     rows = ROUGH_ROWS[quality] if few else None
-    work = _Work(stack, base, quality, threads, stride, rows, nodes, grid_for(quality, None), thread_pool(threads))
+    grid = grid_for(quality, None, narrow_lobes.has_halo(stack))
+    work = _Work(stack, base, quality, threads, stride, rows, nodes, grid, thread_pool(threads))
     ends = (0.0, 1.0) if "metallic" in base.inputs else (base.metallic,)
     table: dict[str, Mixture] = {}
     for number, metallic in enumerate(ends):
@@ -243,10 +245,11 @@ def _fitted(work: _Work, rests: _Rests, given: dict[str, list[str]], prefix: str
     and its error too."""
     def fit(wanted: Slices, weight: np.ndarray, count: int, names: Sequence[str], step: Progress) -> Mixture:
         effort = Effort(0, count, count, **search)
-        fitted = mix("reflection", wanted, work.grid, effort, work.pool, step, made=BROADENED, given=names,
+        fitted = mix("reflection", wanted, work.grid, effort, work.pool, step, made=made, given=names,
                      whole=np.sqrt(_inverse(weight)), rows=rows)
         return folded(fitted, wanted, work.grid, False)
 
+    made = [*BROADENED, *narrow_lobes.halos(work.stack)]
     rows = _rows_of_choice(thicknesses, rests.dark.albedo.shape[1], search["row_stride"])
     inverse = _inverse(rests.whole2)
     dark = fit(rests.dark, inverse.mean(axis=0), counts[0], given[prefix or "reflection"], portion(step, 0.0, 0.6))

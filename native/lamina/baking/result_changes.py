@@ -11,9 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from .. import _core
+from ..closures.narrow_lobes import has_halo
 from ..kinds.boundaries import Interface
+from ..material.phase import Mixture, Tabulated
 from ..material.stack import Stack
-from ..solver.sharp_facets import as_mirrors, lose_light
+from ..solver.sharp_facets import as_mirrors, has_sharp_facets
 
 FIRST = "0.1.0"  # tables of this version do not name a version
 
@@ -33,12 +35,19 @@ def _has_rough_boundary(stack: Stack) -> bool:
 
 
 def _has_sharp_facets(stack: Stack) -> bool:
-    return lose_light(stack, as_mirrors(stack))
+    return has_sharp_facets(stack, as_mirrors(stack))
+
+
+def _has_table_over_facets(stack: Stack) -> bool:
+    tables = any(isinstance(getattr(layer, "phase", None), Tabulated | Mixture) for layer in stack.layers)
+    return tables and any(getattr(stack.base, name, 0.0) > 0.0 for name in ("alpha", "roughness"))
 
 
 CHANGES = (
     Change("0.2.0", "rough boundaries", _has_rough_boundary),
-    Change("0.2.0", "narrow facets below other boundaries", _has_sharp_facets),
+    Change("0.2.0", "narrow facets on an opaque base", _has_sharp_facets),
+    Change("0.2.0", "forward-scattering dust over mirrors", has_halo),
+    Change("0.2.0", "tabulated phase functions over rough bases", _has_table_over_facets),
 )
 
 

@@ -14,6 +14,7 @@ from ..closures.axes import tau_at, tau_rows
 from ..closures.closure_table import LightGrid, view_cosines
 from ..common.errors import StackError
 from ..material.stack import Stack
+from ..solver.sharp_facets import take_lost
 from ..solver.solve import ScatteringFunction, solve_with_mirrors
 
 SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
@@ -160,8 +161,12 @@ def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, gri
         part = part if len(distinct) == len(solutions) else part[:, every]
         return part.reshape(*shape, *part.shape[2:])
 
-    values, lobes, albedo, direct = (None if part is None else by_channel(part) for part in parts)
+    values, albedo, direct = (by_channel(parts[k]) for k in (0, 2, 3))
+    lobes = None if parts[1] is None else by_channel(parts[1])
     lost = [found for function in functions if (found := function.lost_by_facets(mu_o)) is not None]
     if lost:  # reflected to the top: the only sight of a stack on a base
-        direct = np.maximum(direct - np.stack(lost).swapaxes(1, 2), 0.0)
+        solved = albedo
+        albedo, direct = take_lost(solved, direct, np.stack(lost).swapaxes(1, 2)[None])
+        share = np.divide(albedo, solved, out=np.ones_like(solved), where=solved > 0.0)[..., None]
+        values, lobes = values * share, None if lobes is None else lobes * share
     return values, lobes, albedo, direct

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import errno
+import os
 import sys
 
 from .. import _core
@@ -32,14 +33,14 @@ from . import (
 )
 from .arguments import check
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+FAILED, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
 COMMANDS = (bake_command, presets_command, export_command, estimate_command, searchlight_command, merge_command,
             dust_command)
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Runs one command. Returns the exit code: 0, 1 if the work failed, 2 for bad input, 130 after Ctrl-C. Errors are
-    one sentence on standard error."""
+    """Runs one command. Returns the exit code: 0, 1 if the work failed, 2 for bad input, 130 after Ctrl-C, 141 where
+    the reader of standard output has ended. Errors are one sentence on standard error."""
     parser = _parser()
     if not (sys.argv[1:] if argv is None else argv):
         parser.print_help()
@@ -47,7 +48,12 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     try:
         check(arguments)
-        return arguments.run(arguments)
+        code = arguments.run(arguments)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # the reader, such as `head`, has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what Python flushes at exit has no reader
+        return BROKEN_PIPE
     except (KeyboardInterrupt, Cancelled):
         return _fail("interrupted; nothing was written", INTERRUPTED)
     except (ArgumentError, StackError, LutError, ShardError, DustError, MeshFileError) as error:

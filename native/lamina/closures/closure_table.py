@@ -21,6 +21,8 @@ SMOOTH_NODES = {"preview": (16, 12), "final": (24, 16)}
 # For lobes of alpha .03 and more: azimuths are dense near the mirror direction.
 SHARP_NODES = {"preview": (40, 32), "final": (64, 48)}
 DENSITY = 5.0
+# For the halos of light scattered above a mirror, alpha .05 and more.
+HALO_NODES, HALO_DENSITY = {"preview": (24, 16), "final": (40, 28)}, 3.0
 # Grazing columns are sampled a little above the horizon, where slices are still defined.
 LOWEST_COSINE = 6e-3
 # In a sheet, the largest share of a tilted lobe beyond the horizon: small if Cycles loses this light, larger if the
@@ -57,11 +59,11 @@ def light_grid(cosines: int, azimuths: int, density: float = 0.0) -> LightGrid:
 
 
 @functools.lru_cache(maxsize=4)
-def grid_for(quality: str, narrowest: float | None) -> LightGrid:
-    """The light grid for slices whose narrowest lobe has this alpha, or None without lobes."""
-    if narrowest is None or narrowest >= BROAD_ALPHA:
-        return light_grid(*SMOOTH_NODES[quality])
-    return light_grid(*SHARP_NODES[quality], density=DENSITY)
+def grid_for(quality: str, narrowest: float | None, halo: bool = False) -> LightGrid:
+    """The light grid for slices whose narrowest lobe has this alpha, or None without lobes; `halo`: with a halo."""
+    if narrowest is not None and narrowest < BROAD_ALPHA:
+        return light_grid(*SHARP_NODES[quality], density=DENSITY)
+    return light_grid(*HALO_NODES[quality], density=HALO_DENSITY) if halo else light_grid(*SMOOTH_NODES[quality])
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,7 +32,8 @@ class NodeRecipe:
     further sockets that take a direction: "I" is the vector Geometry.Incoming, "T" the vector in the plane of incidence
     that is perpendicular to I, "I aside" the vector I turned by some 1e-5 radians. Cycles renders black if a tangent is
     parallel to the normal; "I aside" is a tangent that is valid also where I is the normal, seen exactly from above.
-    `view_angles` are sockets whose value is a multiple of the view angle theta_o, in radians.
+    `view_angles` are sockets whose value is a multiple of the view angle theta_o, in radians. `of_cosine` are sockets
+    by (offset, factor, power): their value is offset + factor * mu_o ** power, clamped to [0, 1].
     `width`, (scale, least), belongs to a closure that follows the roughness of the base: its width is
     following_lobes.width. `of_width` are sockets by (factor, power): their value is factor * width ** power, at most 1.
     """
@@ -45,6 +46,7 @@ class NodeRecipe:
     normal_input: str = "Normal"
     vectors: Mapping[str, Normal] = field(default_factory=dict)
     view_angles: Mapping[str, float] = field(default_factory=dict)
+    of_cosine: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     width: tuple[float, float] | None = None
     of_width: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 

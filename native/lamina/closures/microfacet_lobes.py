@@ -11,6 +11,9 @@ import numpy as np
 from ..common.fresnel import fresnel
 from .lobe import ASIDE, INCOMING, Geometry, Lobe, NodeRecipe, number
 
+# Cycles limits the Anisotropy of a Glossy BSDF to this.
+MOST_ANISOTROPY = 0.99
+
 
 def _smith_lambda(x, y, z, alpha_x, alpha_y):
     """Smith's Lambda of the GGX distribution for the direction (x, y, z)."""
@@ -18,7 +21,7 @@ def _smith_lambda(x, y, z, alpha_x, alpha_y):
     return 0.5 * (np.sqrt(1.0 + slope2) - 1.0)
 
 
-def _ggx_reflection(g: Geometry, alpha_x: float, alpha_y: float):
+def _ggx_reflection(g: Geometry, alpha_x, alpha_y):
     """D G2 / (4 mu_o) with height-correlated Smith masking; x is the plane of incidence.
 
     For alpha_x = alpha_y = 1 this is mu_i / (2 pi (mu_o + mu_i)), the law of Lommel and Seeliger.
@@ -28,7 +31,7 @@ def _ggx_reflection(g: Geometry, alpha_x: float, alpha_y: float):
     return _ggx_facets(g, alpha_x, alpha_y) / (4.0 * g.mu_o * masking)
 
 
-def _ggx_facets(g: Geometry, alpha_x: float, alpha_y: float):
+def _ggx_facets(g: Geometry, alpha_x, alpha_y):
     """The distribution D of facet normals, at the half vector."""
     half_x, half_y, half_z = g.sin_o + g.light_x, g.light_y, g.mu_o + g.mu_i
     length2 = half_x**2 + half_y**2 + half_z**2
@@ -36,7 +39,7 @@ def _ggx_facets(g: Geometry, alpha_x: float, alpha_y: float):
     return (length2 / stretched) ** 2 / (np.pi * alpha_x * alpha_y)
 
 
-def _ggx_density(alpha_x: float, alpha_y: float):
+def _ggx_density(alpha_x, alpha_y):
     """Density of reflected directions, with sampling of visible normals (Heitz 2018): D G1 / (4 mu_o)."""
 
     def density(mu_o, mu_i, dphi):
@@ -70,6 +73,34 @@ def ggx(roughness: float, anisotropy: float = 0.0, name: str = "") -> Lobe:
     )
     density = _ggx_density(alpha_x, alpha_y)
     return Lobe(name, "reflection", evaluate, node, narrow=roughness < 0.65, density=density)
+
+
+def halo(alpha: float, name: str = "") -> Lobe:
+    """Glossy BSDF, distribution GGX, whose lobe about the mirror direction is round at every view: the halo of light
+    that a layer scatters forward above a mirror.
+
+    A half vector that is off by d across the plane of incidence turns the direction by 2 d mu_o, one in the plane by
+    2 d. The widths of the facets are therefore `alpha` in the plane and alpha / mu_o across it, both at most 1. Tangent
+    and Anisotropy are as in `ggx`, with 1 - Anisotropy = sqrt(mu_o) and Roughness^2 = alpha / sqrt(mu_o).
+    """
+
+    def widths(mu_o):
+        squeeze = np.maximum(np.sqrt(np.asarray(mu_o, float)), 1.0 - MOST_ANISOTROPY)
+        mean = np.minimum(alpha / squeeze, 1.0)
+        return mean * squeeze, np.minimum(mean / squeeze, 1.0)
+
+    def evaluate(mu_o, mu_i, dphi):
+        return _ggx_reflection(Geometry(mu_o, mu_i, dphi), *widths(mu_o))
+
+    def density(mu_o, mu_i, dphi):
+        return _ggx_density(*widths(mu_o))(mu_o, mu_i, dphi)
+
+    node = NodeRecipe(
+        "ShaderNodeBsdfAnisotropic", inputs={"Rotation": 0.0}, enums={"distribution": "GGX"},
+        vectors={"Tangent": ASIDE},
+        of_cosine={"Roughness": (0.0, alpha**0.5, -0.25), "Anisotropy": (1.0, -1.0, 0.5)},
+    )
+    return Lobe(name or f"halo_{number(alpha)}", "reflection", evaluate, node, narrow=True, density=density)
 
 
 def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:

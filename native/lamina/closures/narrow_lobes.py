@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Narrow lobes of rough boundaries and metals, and the closures made for the lobes of one stack."""
+"""Narrow lobes of rough boundaries and metals, halos around mirror images, and the closures made for these lobes."""
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 
+from .. import _core
 from ..kinds.bases import LEAST_ALPHA, Conductor, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
+from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.sharp_facets import is_sharp
 
@@ -25,6 +28,11 @@ STEP = 1.35
 LEANS = (0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
 AWAY = (-0.2, -0.05, 0.1)
 CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
+
+# A phase function with a smaller 4 pi p straight ahead makes a halo that the dictionary's broad closures hold.
+LEAST_FORWARD = 3.0
+# Widths of closures for the halo that a medium scatters around the image in a mirror below: those of the half vectors.
+HALO_ALPHAS = (0.05, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.55)
 
 
 def narrowest(stack: Stack) -> float | None:
@@ -66,7 +74,39 @@ def closures(stack) -> list[str]:
         for width in sorted({_rounded(widest / STEP), _rounded(max(least, 0.3 * widest))}):
             ids += [_cone(lean, min(1.0, width * size), min(1.0, width * smooth)) for lean in LEANS
                     for size, smooth in CONES]
-    return list(dict.fromkeys(ids))
+    return list(dict.fromkeys([*ids, *halos(stack)]))
+
+
+def halos(stack: Stack) -> list[str]:
+    """Ids of the closures for a halo, none for a stack without one."""
+    return [_id("halo", alpha) for alpha in HALO_ALPHAS] if has_halo(stack) else []
+
+
+def has_halo(stack: Stack) -> bool:
+    """True if a medium in air that scatters forward lies above a boundary that is solved as a mirror, seen from the top
+    or, of a sheet, from the bottom. A medium below an interface is seen through the interface, so its halo is not
+    round."""
+    down = [surface for surface, _, _ in _in_order(stack)]
+    return _reaches_mirror(down) or (stack.base is None and _reaches_mirror(down[-2::-1]))
+
+
+def _reaches_mirror(surfaces: list) -> bool:
+    media = list(itertools.takewhile(lambda layer: isinstance(layer, Medium), surfaces))
+    below = surfaces[len(media)] if len(media) < len(surfaces) else None
+    return _is_mirror(below) and any(map(_scatters_forward, media))
+
+
+def _is_mirror(surface) -> bool:
+    if isinstance(surface, PrincipledBase) and "roughness" in surface.inputs:
+        return True  # at some values of the input
+    return isinstance(surface, Interface | Conductor | PrincipledBase) and surface.alpha < LEAST_ALPHA
+
+
+def _scatters_forward(medium: Medium) -> bool:
+    given = medium.sigma_s if medium.albedo is None else medium.albedo
+    if given is not None and mean(given) == 0.0:
+        return False
+    return float(_core.PhaseFunction(*medium.phase.in_channel(0)).evaluate(1.0)) >= LEAST_FORWARD
 
 
 def _widths(surface) -> tuple[float, ...]:

@@ -6,10 +6,13 @@ depend on the workers."""
 
 from __future__ import annotations
 
+import pkgutil
+import time
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from .. import _core
 from ..common.arguments import check_whole
 from ..common.errors import ArgumentError, quoted
 from ..common.extras import require
@@ -24,9 +27,11 @@ def gather(client, call: Callable, arguments: Sequence[tuple], shared: tuple, wo
            cancel: Callable[[], bool] | None, keep: Callable[[Any], None] | None = None) -> list:
     """[call(*shared, *each) for each in arguments], on the workers of `client`. `shared` is sent once, and recomputed
     from the client's copy if its worker dies. `keep` is called with each result as soon as it is there. Raises what a
-    call raises, Cancelled, and KilledWorker of Dask if a call has killed several workers."""
+    call raises, Cancelled, KilledWorker of Dask if a call has killed several workers, and ArgumentError for a worker
+    without this version of Lamina."""
     distributed = checked(client)
     step = stepper(work, progress, cancel)
+    _probe(client, step)
     step(0.0, f"0 of {len(arguments)} parts")
     with warnings.catch_warnings():
         # From 10 MB on. The ways that Dask advises instead lose the data if its worker dies.
@@ -53,9 +58,24 @@ def gather(client, call: Callable, arguments: Sequence[tuple], shared: tuple, wo
         client.cancel([held, *(future for future in futures if not future.done())])
 
 
+def _probe(client, step: Progress) -> None:
+    """Waits for a worker, and raises ArgumentError unless all workers have this version of Lamina. One without it would
+    leave the cluster at its first call, and the call would wait for another worker."""
+    while not client.nthreads():
+        step(0.0, "waiting for a worker")
+        time.sleep(POLL)
+    # A function of Python itself, for the worker may have no other. A worker that dies meanwhile returns an OSError.
+    found = client.run(pkgutil.resolve_name, "lamina:__version__", on_error="return")
+    for worker, version in sorted(found.items()):
+        if version == _core.__version__ or isinstance(version, OSError):
+            continue
+        has = f"lamina {version}" if isinstance(version, str) else "no lamina that it can import"
+        raise ArgumentError(f"client: its worker {worker} has {has}: must have lamina {_core.__version__}, as here")
+
+
 def checked(client):
     """The module `distributed`. Raises ExtraMissing, and ArgumentError unless `client` is a client of it."""
-    distributed = require("distributed", "dask", "lamina.distributed")
+    distributed = require("distributed", "lamina.distributed")
     if not isinstance(client, distributed.Client) or client.asynchronous:
         raise ArgumentError(f"client = {quoted(client)}: must be a synchronous distributed.Client")
     return distributed

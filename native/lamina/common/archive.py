@@ -16,6 +16,7 @@ import numpy as np
 
 from . import json_file
 from .atomic import write_atomically
+from .errors import clipped
 
 # Exceptions from reading a damaged or foreign archive.
 _DAMAGE = (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, RuntimeError, RecursionError,
@@ -23,7 +24,7 @@ _DAMAGE = (ValueError, KeyError, EOFError, OSError, TypeError, AttributeError, R
 
 
 class Damaged(Exception):  # noqa: N818 - callers raise their own error with a description of the file
-    """The file is not a complete archive of these arrays."""
+    """The file is not a complete archive of these arrays; str() gives the reason."""
 
 
 def save_archive(path, header: dict, **arrays: np.ndarray) -> None:
@@ -44,28 +45,45 @@ def _write(file, arrays: dict[str, np.ndarray]) -> None:
 def load_archive(path, *names: str) -> tuple[Any, list[np.ndarray]]:
     """(header, arrays by these names) of an .npz file. Raises Damaged, and OSError when it cannot be opened."""
     with Path(path).open("rb") as file:
+        if file.read(2) != b"PK":  # zipfile would skip bytes before the archive
+            raise Damaged("no .npz archive")
         try:
-            if file.read(2) != b"PK":  # zipfile would skip bytes before the archive
-                raise ValueError("not an archive from its start")
             with zipfile.ZipFile(file) as archive:
-                header = json_file.parse(bytes(_read(archive, "header", file)))
+                content = bytes(_read(archive, "header", file))
+                try:
+                    header = json_file.parse(content)
+                except ValueError as error:
+                    raise Damaged(f"its header is not valid JSON, {clipped(str(error))}") from None
                 return header, [_read(archive, name, file) for name in names]
         except _DAMAGE:
-            raise Damaged(str(path)) from None
+            raise Damaged("the archive is truncated or damaged") from None
 
 
 def _read(archive: zipfile.ZipFile, name: str, file) -> np.ndarray:
     """One array. Its shape is compared with the size of the file before memory is allocated; numpy.load would allocate
-    first. Raises one of _DAMAGE."""
-    entry = archive.getinfo(f"{name}.npy")
-    if entry.compress_type != zipfile.ZIP_STORED or entry.file_size > os.fstat(file.fileno()).st_size:
-        raise ValueError("not stored as it is")
+    first. Raises Damaged, or one of _DAMAGE."""
+    try:
+        entry = archive.getinfo(f"{name}.npy")
+    except KeyError:
+        raise Damaged(f"it has no array {name!r}") from None
+    if entry.compress_type != zipfile.ZIP_STORED:
+        raise Damaged(f"its array {name!r} is compressed")
+    if entry.file_size > os.fstat(file.fileno()).st_size:
+        raise Damaged(f"its array {name!r} is larger than the file")
     with archive.open(entry) as member:
-        shape, by_column, dtype = _shape_of(member)
+        try:
+            shape, by_column, dtype = _shape_of(member)
+        except _DAMAGE:
+            raise Damaged(f"its array {name!r} has no description that NumPy reads") from None
         size = entry.file_size - member.tell()
-        if dtype.hasobject or min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != size:
-            raise ValueError("the shape does not fit the file")
-        content = bytearray(member.read())
+        if dtype.hasobject:
+            raise Damaged(f"its array {name!r} holds Python objects")
+        if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != size:
+            raise Damaged(f"its array {name!r} has {size} bytes, which do not fit the shape {clipped(str(shape))}")
+        try:
+            content = bytearray(member.read())
+        except zipfile.BadZipFile:
+            raise Damaged(f"the checksum of its array {name!r} is wrong") from None
     return np.frombuffer(content, dtype).reshape(shape, order="F" if by_column else "C")
 
 

@@ -3,19 +3,77 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
+import glob
 import os
+import stat
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
+
+from .errors import ArgumentError, quoted
+
+FORGOTTEN = 3600.0  # seconds since the last write after which the process that wrote a temporary file is taken for dead
 
 
 def write_atomically(path: str | os.PathLike, write: Callable[[BinaryIO], object]) -> None:
     """Calls `write` with a temporary file beside `path`, and renames this file to `path` when all is written.
 
-    After any failure or interruption the earlier file is unchanged. Raises OSError."""
-    path = Path(path)
-    descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+    A symbolic link stays, and its target is written. After any failure or interruption the earlier file is unchanged;
+    a kill leaves the temporary file, which a later save of the same file removes. Raises ArgumentError for a path that
+    cannot name a file; OSError, with the name of the target, for devices, pipes, sockets and folders, which are left
+    alone, and where writing fails."""
+    target = _target(path)
+    try:
+        _refuse_special(target)
+        remove_forgotten(target.parent, _pattern(target))
+        _replace(target, write)
+    except OSError as error:
+        # Errors of the temporary file would show its name, and errors of a full disk show none.
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+
+
+def remove_forgotten(folder: Path, pattern: str) -> None:
+    """Removes the temporary files of killed processes, by a pattern of glob."""
+    for path in folder.glob(pattern):
+        with contextlib.suppress(OSError):
+            if time.time() - path.stat().st_mtime > FORGOTTEN:
+                path.unlink()
+
+
+def _target(path: str | os.PathLike) -> Path:
+    """The file that `path` names, with symbolic links followed. Raises ArgumentError."""
+    try:
+        text = os.fspath(path)
+    except TypeError:
+        raise ArgumentError(f"path = {quoted(path)}: must be a string or a Path") from None
+    text = os.fsdecode(text)
+    if not text or "\0" in text:
+        raise ArgumentError(f"path = {quoted(text)}: must name a file")
+    return Path(os.path.realpath(text))
+
+
+def _refuse_special(target: Path) -> None:
+    """Raises OSError if something other than an ordinary file is there."""
+    try:
+        mode = target.stat().st_mode
+    except FileNotFoundError:
+        return
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, "not an ordinary file, but a device, pipe or socket")
+
+
+def _pattern(target: Path) -> str:
+    return f".{glob.escape(target.name)}.*.part"
+
+
+def _replace(target: Path, write: Callable[[BinaryIO], object]) -> None:
+    descriptor, temporary = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".part", dir=target.parent)
     try:
         with os.fdopen(descriptor, "wb") as file:
             write(file)
@@ -25,7 +83,7 @@ def write_atomically(path: str | os.PathLike, write: Callable[[BinaryIO], object
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
+        os.replace(temporary, target)
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise

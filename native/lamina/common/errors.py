@@ -8,7 +8,8 @@ import difflib
 from ..kinds.errors import LONGEST, DustError, StackError, clipped, quoted
 
 __all__ = ["ArgumentError", "Cancelled", "DustError", "DustUnavailable", "ExportError", "InteriorError", "LutError",
-           "MeshFileError", "ShardError", "SolveError", "StackError", "UnknownName", "clipped", "quoted", "unknown"]
+           "MeshFileError", "ShardError", "SolveError", "StackError", "UnknownName", "clipped", "quoted", "similar",
+           "unknown"]
 
 
 class ArgumentError(ValueError):
@@ -21,9 +22,14 @@ class UnknownName(StackError, KeyError):  # noqa: N818 - clear without the suffi
     __str__ = Exception.__str__  # a KeyError would quote the sentence
 
 
+def similar(name: str, known: list[str], cutoff: float = 0.6) -> list[str]:
+    """The three `known` names most similar to `name`, above the `cutoff` of difflib."""
+    return difflib.get_close_matches(name[:LONGEST], known, n=3, cutoff=cutoff)
+
+
 def unknown(what: str, name, known: list[str]) -> UnknownName:
     """The error for an unknown `what` called `name`."""
-    nearest = difflib.get_close_matches(str(name)[:LONGEST], known, n=3, cutoff=0.0)
+    nearest = similar(str(name), known, 0.0)
     return UnknownName(f"{what} = {quoted(name)}: unknown; the nearest of {len(known)} are {', '.join(nearest)}")
 
 

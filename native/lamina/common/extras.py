@@ -11,10 +11,11 @@ class ExtraMissing(ImportError):  # noqa: N818 - clear without the suffix Error
     """A package of an extra is not installed; the message says how to install it."""
 
 
-def require(module: str, extra: str, what: str) -> ModuleType:
-    """The module `module`, which `what` needs and `pip install "lamina[EXTRA]"` installs. Raises ExtraMissing."""
+def require(module: str, what: str) -> ModuleType:
+    """The module `module`, which `what` needs. Raises ExtraMissing."""
     try:
         return importlib.import_module(module)
     except ImportError:
         package = module.partition(".")[0]
-        raise ExtraMissing(f'{what} needs {package}, which is not installed: pip install "lamina[{extra}]"') from None
+        # Not "lamina[EXTRA]": no package index has Lamina, and another project may take the name there.
+        raise ExtraMissing(f"{what} needs {package}, which is not installed: pip install {package}") from None

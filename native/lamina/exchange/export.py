@@ -118,14 +118,14 @@ def load_npz(path: str | os.PathLike) -> Export:
     try:
         header, _ = load_archive(path)
         if not isinstance(header, dict) or header.get("format") != FORMAT:
-            raise Damaged
+            raise Damaged("its header names another format")
         schema = header.get("schema")
         if isinstance(schema, int) and schema > SCHEMA:
             raise ExportError(f"{path}: schema {schema} needs a newer Lamina, which reads up to {SCHEMA}")
         names = _names(header.get("sides"))
         _, arrays = load_archive(path, *names)
-    except Damaged:
-        raise ExportError(f"{path}: not a complete scattering function exported by Lamina") from None
+    except Damaged as error:
+        raise ExportError(f"{path}: not a complete scattering function exported by Lamina: {error}") from None
     export = Export(header, dict(zip(names, arrays, strict=True)))
     problem = _problem(export)
     if problem:
@@ -154,7 +154,7 @@ def _angles(values, name: str) -> np.ndarray:
 def _names(sides) -> list[str]:
     """The arrays of an archive with these sides."""
     if sides not in (["top"], ["top", "bottom"]):
-        raise Damaged
+        raise Damaged("its header names no sides")
     return [*_AXES, *_KERNELS[:len(sides)], *_BY_ANGLE, *_DIFFUSE]
 
 

@@ -14,15 +14,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ..common.arguments import check_callable, check_kind, check_whole, finite_list
+from ..common.arguments import check_callable, check_whole, finite_list
 from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, quoted
-from ..solver.solve import ScatteringFunction
+from ..material.any_stack import AnyStack
+from ..solver.solve import ScatteringFunction, solve
 
 # The most grazing angle of the tables; at the horizon itself the cosine is 0.
 GRAZING = math.radians(89.9)
-# Nodes in theta_o and dphi of the product grid from which the half vectors are interpolated.
-TABLE = (256, 181)
+# Nodes in theta_o and dphi of the product grid from which the half vectors are interpolated. The azimuths are denser
+# about the mirror direction and back towards the light: dphi = pi (1 - cos(pi t)) / 2, with t uniform.
+TABLE = (128, 61)
 # Type numbers of the tensor file.
 _TYPES = {"uint8": 1, "float32": 10}
 
@@ -34,10 +36,11 @@ def incident_angles(count: int) -> np.ndarray:
     return GRAZING * s * (2.0 - s)
 
 
-def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 64, angles: int = 32,
+def save_bsdf(solved: ScatteringFunction | AnyStack, path: str | os.PathLike, size: int = 64, angles: int = 32,
               wavelengths: Sequence[float] | None = None,
               progress: Callable[[float, str], object] | None = None) -> float:
-    """Writes the reflection from the top as a .bsdf file, completely or not at all.
+    """Writes the reflection from the top as a .bsdf file, completely or not at all. `solved`: what lamina.solve
+    returns, or a stack, which is solved first.
 
     `size`: nodes of the half vector in elevation and in azimuth, [8, 1024]; `angles`: slices in theta_i, [4, 512].
     Readers interpolate linearly between them, so errors fall with the squares of both. Three channels are red, green
@@ -48,8 +51,9 @@ def save_bsdf(solved: ScatteringFunction, path: str | os.PathLike, size: int = 6
     and OSError."""
     for name, value, low, high in (("size", size, 8, 1024), ("angles", angles, 4, 512)):
         check_whole(value, name, low, high, f"must be a whole number in [{low}, {high}]")
-    check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returns")
     check_callable(progress, "progress")
+    if not isinstance(solved, ScatteringFunction):
+        solved = solve(solved)
     spectral = check_wavelengths(wavelengths, solved.stack.channels)
     theta_i = incident_angles(angles)
     values, importance = _tabulate(solved, theta_i, size, progress or (lambda fraction, text: None))
@@ -98,7 +102,7 @@ def _tabulate(solved: ScatteringFunction, theta_i: np.ndarray, size: int, progre
     theta_m, phi_m = half * u * u, (2.0 * v - 1.0) * math.pi
     m = np.stack([np.sin(theta_m) * np.cos(phi_m), np.sin(theta_m) * np.sin(phi_m), np.cos(theta_m)], axis=-1)
     theta_o = np.linspace(0.0, GRAZING, TABLE[0])
-    azimuths = np.linspace(0.0, math.pi, TABLE[1])
+    azimuths = half * (1.0 - np.cos(np.linspace(0.0, math.pi, TABLE[1])))
     values = np.empty((len(theta_i), solved.stack.channels, size, size))
     importance = np.empty((len(theta_i), size, size))
     valid = np.empty((len(theta_i), size, size), bool)
@@ -112,9 +116,9 @@ def _tabulate(solved: ScatteringFunction, theta_i: np.ndarray, size: int, progre
         # dphi is 0 when light keeps its azimuth: it then leaves opposite to the direction where it came from.
         dphi = np.abs(np.arctan2(wo[..., 1], -wo[..., 0]))
         elevation = np.arccos(np.minimum(np.abs(wo[..., 2]), 1.0))
-        f = _bicubic(table[:, index], elevation / theta_o[1], dphi / azimuths[1])
-        # Continue the values below the horizon as odd functions, so that linear interpolation is 0 at the horizon.
-        values[index] = np.moveaxis(f * wo[..., 2:], -1, 0)
+        place = np.arccos(np.clip(1.0 - dphi / half, -1.0, 1.0)) / math.pi * (TABLE[1] - 1)
+        f = _bicubic(table[:, index], elevation / theta_o[1], place)
+        values[index] = np.moveaxis(f * np.maximum(wo[..., 2:], 0.0), -1, 0)
         density = 2.0 * math.pi**2 * u * np.sin(theta_m) * 4.0 * np.abs(cosine)
         importance[index] = f.mean(axis=-1) * np.abs(wo[..., 2]) * density
         progress((index + 1) / len(theta_i), "half vectors")

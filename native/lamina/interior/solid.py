@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.errors import DustError, InteriorError
+from ..common.errors import DustError, InteriorError, quoted
 from ..settling.mesh import Mesh, checked_mesh
 
 WELD = 1e-6  # relative to the mesh's size: vertices closer than this are merged
@@ -21,18 +21,34 @@ class Solid:
 
     Repaired without a message: vertices whose coordinates agree after rounding to 1e-6 of the mesh's size are merged,
     and triangles that then have a vertex twice are removed. With `fill_holes`, each hole is closed by triangles from
-    its edges to the mean of its vertices. Parts may overlap, and cavities may lie inside. `name`: name of the mesh in
-    messages."""
+    its edges to the mean of its vertices. Parts may overlap, and cavities may lie inside. `opaque`: (m,) bool, which
+    triangles absorb all light that meets them, from inside and from outside, such as faces of another, black material;
+    None: none. Faces that fill holes are not opaque. `name`: name of the mesh in messages."""
 
     vertices: np.ndarray
     triangles: np.ndarray
     fill_holes: bool = False
     name: str = ""
+    opaque: np.ndarray | None = None
+
+    def is_closed(self) -> bool:
+        """False for an open mesh, such as a plane. Raises InteriorError where walk_in_mesh would for a closed one: if
+        it is inside out or has no volume, and for any mesh that is empty or has inconsistent orientations."""
+        return not _examined(self)[2]
 
 
-def closed(solid: Solid) -> Mesh:
-    """The repaired mesh. Raises InteriorError if the mesh is empty or open, if it is inside out, or a shell that bounds
-    no cavity, or if its faces have inconsistent orientations."""
+def closed(solid: Solid) -> tuple[Mesh, np.ndarray]:
+    """(the repaired mesh, which of its triangles are opaque). Raises InteriorError if the mesh is empty or open, if the
+    mesh or a shell that bounds no cavity is inside out, if its faces have inconsistent orientations, or if `opaque`
+    does not fit."""
+    mesh, opaque, opening = _examined(solid)
+    if opening:
+        raise InteriorError(opening)
+    return mesh, opaque
+
+
+def _examined(solid: Solid) -> tuple[Mesh, np.ndarray, str]:
+    """As `closed`, and '' or the sentence about an open mesh, whose side is not examined."""
     if not isinstance(solid, Solid):
         raise InteriorError(f"solid = {type(solid).__name__}: must be a lamina.Solid")
     name = solid.name or "solid"
@@ -42,17 +58,20 @@ def closed(solid: Solid) -> Mesh:
         raise InteriorError(str(error)) from None
     if not len(mesh.triangles):
         raise InteriorError(f"{name}.triangles is empty: must have faces")
+    opaque = _checked_opaque(solid.opaque, len(mesh.triangles), name)
     used = mesh.vertices[mesh.triangles.ravel()]
     size = float(np.linalg.norm(used.max(axis=0) - used.min(axis=0)))
     if not size > 0.0:
         raise InteriorError(f"{name} is 0 mm large: must have an extent")
-    vertices, triangles = _welded(mesh.vertices, mesh.triangles, size)
+    vertices, triangles, kept = _welded(mesh.vertices, mesh.triangles, size)
     open_edges = _open_edges(triangles, len(vertices))
     if solid.fill_holes and len(open_edges) and _ends_balance(open_edges, len(vertices)):
         vertices, triangles = _filled(vertices, triangles, open_edges)
         open_edges = _open_edges(triangles, len(vertices))
+    filling = np.zeros(len(triangles) - int(kept.sum()), bool)
+    examined = Mesh(vertices, triangles, name=solid.name), np.concatenate([opaque[kept], filling])
     if len(open_edges):
-        _refuse_open(vertices, triangles, open_edges, name)
+        return *examined, _opening(vertices, triangles, open_edges, name)
     corners = vertices[triangles] - 0.5 * (used.max(axis=0) + used.min(axis=0))
     volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
     volume = float(volumes.sum())
@@ -62,18 +81,27 @@ def closed(solid: Solid) -> Mesh:
         raise InteriorError(f"{name} is inside out, with a volume of {volume:g} mm^3: flip its normals (in Blender: "
                             "Mesh > Normals > Recalculate Outside)")
     _refuse_turned_shells(corners, triangles, volumes, FLAT * size**3, name)
-    return Mesh(vertices, triangles, name=solid.name)
+    return *examined, ""
+
+
+def _checked_opaque(opaque, count: int, name: str) -> np.ndarray:
+    if opaque is None:
+        return np.zeros(count, bool)
+    found = np.asarray(opaque)
+    if found.dtype != bool or found.shape != (count,):
+        raise InteriorError(f"{name}.opaque = {quoted(opaque)}: must be {count} booleans, one per triangle, or None")
+    return found
 
 
 def _welded(vertices, triangles, size: float):
-    """(vertices, triangles) with vertices at equal positions merged."""
+    """(vertices, triangles, which of the given triangles these are) with vertices at equal positions merged."""
     low = vertices.min(axis=0)
     rounded = np.rint((vertices - low) / (WELD * size)).astype(np.int64)
     _, first, place = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     triangles = place.ravel()[triangles]
     a, b, c = triangles.T
-    kept = triangles[(a != b) & (b != c) & (c != a)]
-    return vertices[first], np.ascontiguousarray(kept, np.uint32)
+    kept = (a != b) & (b != c) & (c != a)
+    return vertices[first], np.ascontiguousarray(triangles[kept], np.uint32), kept
 
 
 def _open_edges(triangles, count: int) -> np.ndarray:
@@ -163,14 +191,17 @@ class _Rays:
         return bool(np.sign(whole[hit]).sum() > 0.0)
 
 
-def _refuse_open(vertices, triangles, edges, name: str) -> None:
+def _opening(vertices, triangles, edges, name: str) -> str:
+    """The sentence about an open mesh. Raises InteriorError if faces disagree along an edge."""
     ends = triangles.astype(np.int64)
     pairs = np.sort(np.concatenate([ends[:, [0, 1]], ends[:, [1, 2]], ends[:, [2, 0]]]), axis=1)
     keys, sides = np.unique(pairs[:, 0] * len(vertices) + pairs[:, 1], return_counts=True)
-    here = np.sort(edges[0])
-    where = " to ".join("({:g}, {:g}, {:g})".format(*vertices[end]) for end in here)
-    if sides[np.searchsorted(keys, here[0] * len(vertices) + here[1])] % 2 == 0:
+    here = np.sort(edges, axis=1)
+    disagree = np.flatnonzero(sides[np.searchsorted(keys, here[:, 0] * len(vertices) + here[:, 1])] % 2 == 0)
+    first = here[disagree[0] if len(disagree) else 0]
+    where = " to ".join("({:g}, {:g}, {:g})".format(*vertices[end]) for end in first)
+    if len(disagree):
         raise InteriorError(f"{name} has faces that disagree about which side is outside, as along the edge from "
                             f"{where}: make its normals consistent (in Blender: Mesh > Normals > Recalculate Outside)")
-    raise InteriorError(f"{name} is open along {len(edges)} edges, as from {where}: close it (in Blender: Mesh > Clean "
-                        "Up > Fill Holes; in Python: fill_holes=True)")
+    return (f"{name} is open along {len(edges)} edges, as from {where}: close it (in Blender: Mesh > Clean Up > Fill "
+            "Holes; in Python: fill_holes=True)")

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import hashlib
 import math
 import time
@@ -14,7 +15,7 @@ import numpy as np
 
 from ..common.arguments import check_choice, check_field, check_seed, check_threads, check_whole, finite_array
 from ..common.errors import ArgumentError, InteriorError, quoted
-from ..common.progress import Progress, portion, stepper
+from ..common.progress import Progress, portion, silent, stepper
 from ..kinds.boundaries import ALPHA, DISTRIBUTION, IOR
 from ..settling import embree
 from ..settling.mesh import Mesh, checked_mesh, vertex_points
@@ -24,6 +25,7 @@ from .solid import Solid, closed
 
 MOST_SAMPLES = 1 << 32
 CHUNK_WALKS = 1 << 12  # samples, of three walks each, between two calls of `cancel`
+OPEN, INWARD = 0, 2  # exposures of a point in the core; 1: inside another part of the mesh; 3: on an opaque face
 OFF_SURFACE = 1e-4  # relative to the mesh's size: points farther off the surface are refused
 
 
@@ -66,7 +68,7 @@ class Walker:
         check_threads(threads)
         layer = self._layer = embree.layer()
         step(0.0, "checking the mesh")
-        mesh = closed(solid)
+        mesh, opaque = closed(solid)
         if points is None:
             if normals is not None:
                 raise ArgumentError("normals are given without points: must be given together")
@@ -78,14 +80,30 @@ class Walker:
         self.views = None if directions is None else self._views(directions)
         digest = hashlib.sha256(np.ascontiguousarray(mesh.vertices).data)
         digest.update(np.ascontiguousarray(mesh.triangles).data)
+        if opaque.any():
+            digest.update(opaque.data)
         self.solid_hash = digest.hexdigest()
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         self._centre = 0.5 * (low + high)
         self._size = float(np.linalg.norm(high - low))
-        self._solid = layer.Solid(np.ascontiguousarray(mesh.vertices - self._centre, np.float32), mesh.triangles,
-                                  threads, lambda fraction: step(fraction, "sorting the faces"))
+
+
+        def built(which: tuple[bool, ...], told: Progress):
+            return layer.Solid(np.ascontiguousarray(mesh.vertices - self._centre, np.float32), mesh.triangles, threads,
+                               lambda fraction: told(fraction, "sorting the faces"), which)
+
+        self._solid = solid_in_core = built(tuple(opaque.tolist()) if opaque.any() else (), step)
+        self._clear = functools.cache(lambda: built((), silent) if opaque.any() else solid_in_core)
         self._grid = self._gridded(self.interior)
         self._boundary = layer.Boundary(self.surface.ior, self.surface.alpha, self.surface.distribution)
+
+    def is_open(self) -> np.ndarray:
+        """Whether light can enter at each point, (n,): not inside another part of the mesh, not on an opaque face, and
+        not where the normal points inwards."""
+        return self._exposures(slice(None)) == OPEN
+
+    def _exposures(self, part: slice) -> np.ndarray:
+        return self._solid.exposures(self.positions[part] - self._centre, self.normals[part])
 
     def with_points(self, chosen: np.ndarray, samples: int, seed: int) -> Walker:
         """The same walker for the `chosen` of its points, with other samples and another seed."""
@@ -102,10 +120,12 @@ class Walker:
         return other
 
     def with_matched(self, interior: Interior) -> Walker:
-        """The same walker in another interior, without a boundary and with light from all directions."""
+        """The same walker in another interior, without a boundary or opaque faces and with light from all directions,
+        as Cycles' random walk sees the mesh."""
         other = copy.copy(self)
         other.interior, other.surface, other.views = interior, Surface(), None
         other._grid, other._boundary = self._gridded(interior), self._layer.Boundary(1.0, 0.0, "ggx")
+        other._solid = self._clear()
         return other
 
     @property
@@ -129,6 +149,7 @@ class Walker:
 
     def _each(self, call, first: int, last: int, step: Progress, *more) -> list[np.ndarray]:
         self._require_on_surface(first, last)
+        self._require_outward(first, last)
         size = max(1, CHUNK_WALKS // self.samples)
         found = []
         for start in range(first, max(last, first + 1), size):
@@ -158,6 +179,14 @@ class Walker:
             where = "({:g}, {:g}, {:g})".format(*self.positions[worst])
             raise InteriorError(f"points[{worst}] = {where} lies off the surface: must lie within "
                                 f"{OFF_SURFACE * self._size:g} mm of a face")
+
+    def _require_outward(self, first: int, last: int) -> None:
+        """Raises InteriorError if a normal points inwards."""
+        inward = np.flatnonzero(self._exposures(slice(first, last)) == INWARD)
+        if len(inward):
+            worst = first + int(inward[0])
+            where = "({:g}, {:g}, {:g})".format(*self.normals[worst])
+            raise InteriorError(f"normals[{worst}] = {where} points into the solid: must point outwards")
 
     def _views(self, directions) -> np.ndarray:
         views = finite_array(directions, "directions")

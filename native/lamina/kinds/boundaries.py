@@ -30,8 +30,8 @@ class Interface(Hashable):
     """A boundary between two dielectrics. `ior`: absolute refractive index of everything below it, down to the next
     interface, [1, 4]; above the first interface is air, and a sheet seen from both sides ends with an interface of ior
     1. `alpha`: microfacet width, [0, 1], 0 is smooth. `compensate`: add the energy that single scattering by facets
-    loses to shadowing. `correlated`: height-correlated masking, else the product of the masking of both directions (the
-    older form that some renderers use)."""
+    loses to shadowing, refracted light in its own direction. `correlated`: height-correlated masking, else the product
+    of the masking of both directions (the older form that some renderers use)."""
 
     ior: Channels
     alpha: float = 0.0

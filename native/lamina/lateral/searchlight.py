@@ -10,6 +10,7 @@ import numpy as np
 from .. import _core
 from ..common.arguments import LEAST_BEAM_COSINE, check_number, finite_array
 from ..common.errors import ArgumentError
+from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
 from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
@@ -47,11 +48,21 @@ def searchlight(stack: AnyStack, mu_i: float = 1.0, quality: str = "final", thre
         part = portion(step, number / len(distinct), (number + 1) / len(distinct))
         core = _core.Searchlight(measured_stack(layers, base), mu_i, quality == "preview")
         while not core.done:
-            part(core.progress, "Lateral frequencies")
-            or_solve_error(lambda core=core: core.advance(pool))
+            _advance(core, pool, part)
         solved[layers, base] = core
     step(1.0, "Done")
     return Searchlight(stack, mu_i, [solved[key] for key in channels], pool, (stack, mu_i, quality, threads))
+
+
+def _advance(core: _core.Searchlight, pool: _core.ThreadPool, step: Progress) -> None:
+    """One part of the core's work. Raises SolveError, and what `step` raises."""
+    done = core.progress
+
+    def ask() -> None:
+        step(done, "Lateral frequencies")
+
+    ask()
+    or_solve_error(lambda: interruptible(pool, lambda: core.advance(pool), ask))
 
 
 class Searchlight:

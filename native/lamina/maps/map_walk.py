@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.arguments import check_field, check_whole, finite_array
-from ..common.errors import ArgumentError
+from ..common.errors import ArgumentError, InteriorError
 from ..common.progress import Progress, portion, silent, stepper
 from ..interior.estimates import ExitEstimate, LightEstimate
 from ..interior.grid import Interior
@@ -20,8 +20,8 @@ from ..interior.solid import Solid
 from ..interior.walk import MOST_SAMPLES, Lit, Surface, Walker, checked_lit
 from ..kinds.interiors import NOISE
 from .coarse import everywhere
-from .noise import trial
-from .part_folder import PartFolder
+from .noise import TRIAL_SAMPLES, trial
+from .part_folder import PartFolder, Pilot
 from .places import Places, places_of
 from .spread import Spread, WalkTask
 
@@ -86,6 +86,13 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
     points = places.points
     walker = Walker(job.solid, job.interior, surface, points.positions, points.normals, directions, job.samples or 1,
                     job.seed, job.threads, portion(step, 0.0, 0.5 * SETTING_UP))
+    open_places = walker.is_open()
+    if not open_places.all():
+        if not open_places.any():
+            raise InteriorError("all points of the map lie inside other parts of the mesh or on opaque faces: must lie "
+                                "on its outside")
+        places, walker = places.only(open_places), walker.with_points(open_places, walker.samples, job.seed)
+        points, directions = places.points, None if directions is None else directions[open_places]
     described = job_of(kind, walker, used)
     wanted = {"noise": job.noise} if job.samples is None else {"samples": job.samples}
     wanted["previews"] = job.shown is not None
@@ -95,10 +102,13 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
         if job.shown is not None:
             job.shown(MapWalk(places, estimate, walker, silent, began, done))
 
-    walks = parts.samples or job.samples
+    walks, pilot = parts.samples or job.samples, Pilot()
     if walks is None:
         few = trial(kind, walker, used, portion(step, 0.5 * SETTING_UP, SETTING_UP))
         walks = few.samples_for(job.noise)
+        if job.spread is None:  # other machines have another speed
+            pilot = Pilot(few.seconds, TRIAL_SAMPLES * len(few.chosen) / len(points.positions),
+                          f" for a noise of {100.0 * job.noise:.2g} %")
         if job.shown is not None:
             show(everywhere(few, places.points), 0.0)
     parts.begin(walks)
@@ -114,7 +124,7 @@ def walk_map(job: MapJob, kind: str, lamps=(), surroundings=None, view=None, eye
             keep(task.part(shard, walker, portion(within, place / len(shards), (place + 1) / len(shards))))
 
     done = parts.run(passes, compute, portion(step, SETTING_UP, 1.0), lambda found: show(
-        merge_passes(found), (passes[len(found) - 1]["first"] + passes[len(found) - 1]["samples"]) / walks))
+        merge_passes(found), (passes[len(found) - 1]["first"] + passes[len(found) - 1]["samples"]) / walks), pilot)
     return MapWalk(places, merge_passes(done), walker, portion(whole, share, 1.0), began)
 
 

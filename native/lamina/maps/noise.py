@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,10 +22,12 @@ OTHER_SEED = 0x9E3779B97F4A7C15  # the trial must not share random numbers with 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Walks at few of the points of a map. `chosen`: their indices; `estimate`: at these points."""
+    """Walks at few of the points of a map. `chosen`: their indices; `estimate`: at these points; `seconds`: that they
+    took."""
 
     chosen: np.ndarray
     estimate: ExitEstimate | LightEstimate
+    seconds: float
 
     def samples_for(self, noise: float) -> int:
         """Walks per point, 16 to 2^20, for which `noise_of` the run is about `noise`."""
@@ -37,8 +40,9 @@ def trial(kind: str, walker: Walker, lit: Lit, step: Progress) -> Trial:
     count = len(walker.positions)
     chosen = np.unique(np.linspace(0, count - 1, min(count, TRIAL_POINTS)).astype(int))
     few = walker.with_points(chosen, TRIAL_SAMPLES, (walker.seed ^ OTHER_SEED) % 2**64)
+    began = time.perf_counter()
     part = part_of(job_of(kind, few, lit), (1, 1), few, lit, lambda fraction, _: step(fraction, "Noise"))
-    return Trial(chosen, merge_walks([part]))
+    return Trial(chosen, merge_walks([part]), time.perf_counter() - began)
 
 
 def noise_of(estimate: ExitEstimate | LightEstimate) -> float:

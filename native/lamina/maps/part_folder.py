@@ -7,6 +7,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..common import json_file
@@ -18,6 +19,19 @@ from ..interior.parts import WalkPart
 FORMAT, SCHEMA = "lamina-run", 1
 MOST_PARTS = 4096
 SAMPLES_PER_PART = 1 << 15  # about a second of work without lamps
+
+LEAST_SECONDS = 1.0  # of work, on which an estimate of the remaining time is based
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """Earlier work of the same kind: `seconds` of it, and its `work`, in samples per point of the run. `aim`: what the
+    run is for, in words."""
+
+    seconds: float = 0.0
+    work: float = 0.0
+    aim: str = ""
+
 
 # compute(description of the run, parts that are missing, function that keeps a part, progress)
 Compute = Callable[[dict, list[tuple[int, int]], Callable[[WalkPart], None], Progress], None]
@@ -59,23 +73,25 @@ class PartFolder:
             self._kept(lambda: write_atomically(path, lambda file: file.write(text.encode())), 0)
 
     def run(self, passes: Sequence[dict], compute: Compute, step: Progress,
-            passed: Callable[[list[list[WalkPart]]], None]) -> list[list[WalkPart]]:
+            passed: Callable[[list[list[WalkPart]]], None], pilot: Pilot | None = None) -> list[list[WalkPart]]:
         """All parts of each pass, in sequence: read from the folder where they are whole, otherwise computed and
         written. `passes`: the descriptions that the parts must have, which differ in their samples. Calls
-        `passed(parts so far)` after each pass except the last."""
+        `passed(parts so far)` after each pass except the last. `pilot`: with it the first report of progress already
+        tells the time."""
         plan = [(place, shard) for place, job in enumerate(passes) for shard in _shards(job)]
         numbers = {one: number for number, one in enumerate(plan, start=1)}
         found = {one: self._load(passes[one[0]], one[1], number, len(plan)) for one, number in numbers.items()}
         whole = {one: part for one, part in found.items() if part is not None}
         work = {(place, shard): passes[place]["samples"] / shard[1] for place, shard in plan}
-        total, kept = sum(work.values()), len(whole)
+        total, pilot = sum(work.values()), pilot or Pilot()
         before, began = sum(work[one] for one in whole), time.perf_counter()
 
         def told(fraction: float, _text: str) -> None:
             text = f"Part {min(len(whole) + 1, len(plan))} of {len(plan)}"
-            if len(whole) > kept:
-                done = sum(work[one] for one in whole)
-                text += f", {time_left((time.perf_counter() - began) / (done - before) * (total - done))}"
+            walked = fraction * total - before + pilot.work
+            seconds = time.perf_counter() - began + pilot.seconds
+            if walked > 0.0 and (pilot.work or seconds >= LEAST_SECONDS):
+                text += f", {time_left(seconds / walked * (1.0 - fraction) * total)}{pilot.aim}"
             step(fraction, text)
 
         for place, job in enumerate(passes):

@@ -40,10 +40,14 @@ class Places:
         faces = along > GRAZING * np.linalg.norm(self.points.normals, axis=1) * np.linalg.norm(directions, axis=1)
         if not faces.any():
             raise InteriorError("no point of the map faces the eye: must be a view of the mapped faces from outside")
+        return self.only(faces), directions[faces]
+
+    def only(self, chosen: np.ndarray) -> Places:
+        """The places for which `chosen`, (points,), is true."""
         mask = self.mask.copy()
-        mask[mask] = faces
-        points = Points(self.points.positions[faces], self.points.normals[faces])
-        return dataclasses.replace(self, points=points, mask=mask), directions[faces]
+        mask[mask] = chosen
+        return dataclasses.replace(self, points=Points(self.points.positions[chosen], self.points.normals[chosen]),
+                                   mask=mask)
 
     def filled(self, values: np.ndarray, margin: int) -> np.ndarray:
         """float32: `values` (points, ...) at their texels or vertices, extended over `margin` texels, or edges of the

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.arguments import check_callable, check_whole
-from ..common.progress import Progress
+from ..common.progress import Progress, silent
 from ..interior.estimates import ExitEstimate
 from ..interior.grid import Interior
 from ..interior.solid import Solid
@@ -21,6 +21,7 @@ from ..kinds.limits import MOST_NODE_IOR
 from ..subsurface.node_inputs import Closure, SubsurfaceInputs, checked_version, inputs_of_closures
 from ..subsurface.node_parameters import LEAST_IOR
 from ..subsurface.node_response import LARGEST_G
+from ..subsurface.unscattered import MOST_UNSCATTERED
 from ..walks.searchlight_moments import Measured
 from .body_response import closures_in_body
 from .lit import MOST_MARGIN
@@ -29,6 +30,7 @@ from .noise import noise_of, preview_report
 from .smoothing import smoothed
 from .spread import Spread
 
+FEW_POINTS, FEW_SAMPLES = 256, 32  # for the share of light that crosses a body without scattering
 WALKING = 0.8  # share of the progress: the walks of the map
 _ARRAYS = ("color", "radius", "extra_color", "extra_radius", "albedo", "distance", "albedo_error", "distance_error")
 
@@ -113,8 +115,23 @@ def _images(walked: MapWalk, surface: Surface, version: tuple[int, int], margin:
     inputs = _inputs(found, walked, surface, version)
     images = {name: walked.places.filled(getattr(inputs, name), margin) for name in _ARRAYS}
     in_images = dataclasses.replace(inputs, **images)  # type: ignore[arg-type]  # fields that are arrays
+    notes = (*walked.places.notes, *_crossing(walked)) if walked.done == 1.0 else walked.places.notes
     return RelightableImages(in_images, walked.places.mask, found, noise_of(found),
-                             time.perf_counter() - walked.began, walked.places.notes, walked.done)
+                             time.perf_counter() - walked.began, notes, walked.done)
+
+
+def _crossing(walked: MapWalk) -> tuple[str, ...]:
+    """A note if much of the light that leaves has not scattered: Cycles' node shows this light as scattered."""
+    count = len(walked.places.points.positions)
+    few = np.unique(np.linspace(0, count - 1, min(count, FEW_POINTS)).astype(int))
+    walker = walked.walker.with_points(few, FEW_SAMPLES, walked.walker.seed)
+    moments, _, _, scattered = walker.exits(0, len(few), silent, (0.0,) * 3)
+    leaving = moments[..., 0].sum()
+    share = 1.0 - scattered[..., 0].sum() / leaving if leaving > 0.0 else 0.0
+    if share <= MOST_UNSCATTERED:
+        return ()
+    return (f"{100.0 * share:.0f} % of the light that leaves has crossed the body without scattering, and Relightable "
+            "shows this light as scattered: use Lit",)
 
 
 def _inputs(found: ExitEstimate, walked: MapWalk, surface: Surface, version: tuple[int, int]) -> SubsurfaceInputs:

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from ..common.arguments import check_kind
-from ..common.errors import ArgumentError, quoted
+from ..common.errors import ArgumentError, quoted, similar
 from . import presets, user_presets
 from .stack import Stack
 
@@ -24,7 +24,9 @@ def as_stack(given: AnyStack) -> Stack:
         return user_presets.load_user(given)
     if isinstance(given, (str, os.PathLike)):
         if Path(given).suffix.lower() != ".json":
+            nearest = similar(str(given), [*presets.names(), *user_presets.user_names()])
+            meant = f"; similar presets are {', '.join(nearest)}" if nearest else ""
             raise ArgumentError(f"stack = {quoted(str(given))}: must be a lamina.Stack, the id of a preset (see "
-                                "lamina.presets.names()), or the path of a .json file")
+                                f"lamina.presets.names()), or the path of a .json file{meant}")
         return Stack.load(given)
     return check_kind(given, "stack", Stack, "a lamina.Stack, the id of a preset, or the path of a .json file")

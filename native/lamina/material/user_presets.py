@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from pathlib import Path
 
-from ..common.arguments import check_kind
 from ..common.errors import StackError, UnknownName, quoted, unknown
 from ..kinds.preset_files import SUFFIX, checked_name, names_in, same_name, shared_folder
 from .presets import names as library_names
@@ -42,10 +42,7 @@ def load_user(name: str) -> Stack:
 
 
 def save(stack: Stack, name: str, replace: bool = False) -> Path:
-    """Saves a stack as a preset of the user, completely or not at all, and returns the file's path. The folder is made
-    if necessary. `name`: 1 to 60 characters that can be a file's name, other than the library's ids. Raises StackError
-    for a bad name, and for one that is taken unless `replace` is true; ArgumentError; and OSError."""
-    check_kind(stack, "stack", Stack, "a lamina.Stack")
+    """See lamina.presets.save."""
     name = checked_name(name)
     if same_name(name, library_names()):
         raise StackError(f"name = {name}: must not be the id of a preset of the library")
@@ -53,7 +50,10 @@ def save(stack: Stack, name: str, replace: bool = False) -> Path:
     if taken is not None and not replace:
         raise StackError(f"name = {name}: there is a preset of this name; choose another, or set replace")
     folder = user_folder()
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise NotADirectoryError(errno.ENOTDIR, "must be a folder, for the user's presets", str(folder)) from None
     path = folder / ((taken or name) + SUFFIX)
     stack.save(path)
     return path

@@ -23,8 +23,10 @@ def lobes(what: AnySubject, *more: AnySubject, mu_o: float | Sequence[float] = 0
     solved stack and its table to see exact beside fitted. The angle is that of the light with the normal: 0 along the
     normal, right of it the light that comes from the mirror direction's side, below the horizon transmitted light of a
     sheet. `channel`: the only one drawn. `side`: of the viewer. `ax`: polar axes of matplotlib, by default new ones,
-    which are returned. Specular and unscattered light has no finite value and is not drawn. Raises ExtraMissing without
-    matplotlib, and ArgumentError."""
+    which are returned. Directions within 3 degrees of the horizon are left out: there the Hair closures of a sheet's
+    table have a pole for a view along the normal. For oblique views this pole, which Cycles has too, is drawn as a thin
+    spike. Specular and unscattered light has no finite value and is not drawn. Raises ExtraMissing without matplotlib,
+    and ArgumentError."""
     subjects = [subject_of(one) for one in (what, *more)]
     views = cosines(finite_list(mu_o, "mu_o"), "mu_o")
     ax = new_axes(ax, polar=True)

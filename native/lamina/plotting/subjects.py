@@ -65,7 +65,7 @@ def colours(channels: int) -> tuple[str, ...]:
 
 def pyplot():
     """matplotlib.pyplot. Raises ExtraMissing."""
-    return require("matplotlib.pyplot", "plot", "lamina.plot")
+    return require("matplotlib.pyplot", "lamina.plot")
 
 
 def new_axes(given, polar: bool = False):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import codecs
 import gzip
 import os
 import warnings
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..common.errors import MeshFileError
+from ..common.errors import MeshFileError, clipped
 from .mesh import Mesh
 
 _TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -72,6 +73,7 @@ class _BadFileError(Exception):
 
 def _header(data: bytes) -> tuple[str | None, list[_Element], bytes]:
     """(byte order or None for ASCII, elements, the bytes after the header)."""
+    data = data.removeprefix(codecs.BOM_UTF8)
     if data[:3] != b"ply":
         raise _BadFileError("is not a PLY file")
     # The first line determines the line end of the header. After the header, such a byte may be part of a binary
@@ -95,8 +97,10 @@ def _header(data: bytes) -> tuple[str | None, list[_Element], bytes]:
             continue
         if words[0] == "format" and len(words) == 3 and words[1] in _FORMATS:
             order = _FORMATS[words[1]]
-        elif words[0] == "element" and len(words) == 3 and words[2].isdecimal() and len(words[2]) < 11 and \
-                int(words[2]) <= _MOST:
+        elif words[0] == "element" and len(words) == 3 and words[2].isdecimal():
+            if len(words[2]) > len(str(_MOST)) or int(words[2]) > _MOST:
+                raise _BadFileError(f"has {clipped(words[2])} elements {clipped(words[1])!r}: must have at most "
+                                    f"{_MOST}")
             if any(element.name == words[1] for element in elements):
                 raise _BadFileError(f"has two elements {words[1][:60]!r}")
             elements.append(_Element(words[1], int(words[2]), []))

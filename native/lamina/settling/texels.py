@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..common.errors import DustError
+from ..common.errors import DustError, quoted
 from ..kinds.limits import MOST_TEXELS
 from . import embree
 from .corners import corners_of
@@ -31,26 +31,34 @@ def texel_points(mesh: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, 
     return texels.points()
 
 
+def checked_size(size) -> tuple[int, int]:
+    """(width, height) of an image. Raises DustError."""
+    sides = tuple(size) if isinstance(size, tuple | list) else (size, size)
+    if len(sides) != 2 or not all(isinstance(one, int) and not isinstance(one, bool) and 1 <= one <= MOST_TEXELS
+                                  for one in sides):
+        raise DustError(f"size = {quoted(size)}: must be one or two whole numbers from 1 to {MOST_TEXELS}")
+    return sides[0], sides[1]
+
+
 class TexelMap:
     """A checked mesh and its UV map over an image of `width` x `height` texels. Raises DustError, DustUnavailable."""
 
     def __init__(self, mesh: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int]):
-        uvs = np.ascontiguousarray(uvs_per_corner, dtype=np.float64)
+        try:
+            uvs = np.ascontiguousarray(uvs_per_corner, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise DustError(f"uvs_per_corner = {quoted(uvs_per_corner)}: must be an array of numbers") from None
         if uvs.shape != (len(mesh.triangles), 3, 2):
             raise DustError(f"uvs_per_corner has shape {uvs.shape}: must be ({len(mesh.triangles)}, 3, 2)")
         if not np.isfinite(uvs).all():
             raise DustError(f"uvs_per_corner[{np.argwhere(~np.isfinite(uvs))[0][0]}]: must be finite")
-        width, height = (size, size) if not isinstance(size, tuple | list) else size
-        for value in (width, height):
-            if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_TEXELS:
-                raise DustError(f"size = {size!r}: must be whole numbers from 1 to {MOST_TEXELS}")
-        self.width, self.height = width, height
+        self.width, self.height = checked_size(size)
         self._mesh, self._uvs = mesh, uvs
         self._corners = corners_of(mesh)
         normals = vertex_points(mesh, corners=self._corners).normals
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         self._normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0.0)
-        self._areas, self._texel_areas = _areas(mesh, uvs, width * height)
+        self._areas, self._texel_areas = _areas(mesh, uvs, self.width * self.height)
         self._painted = 0.0
 
     def bands(self) -> Iterator[tuple[slice, Points, np.ndarray]]:

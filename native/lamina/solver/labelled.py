@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common.arguments import finite_list
 from ..common.extras import require
 
 COSINES = np.linspace(0.05, 1.0, 20)
@@ -20,9 +21,9 @@ def channel_names(count: int) -> list:
 
 def dataset(function, mu_o=None, mu_i=None, dphi=None):
     """See ScatteringFunction.to_xarray."""
-    xarray = require("xarray", "xarray", "to_xarray")
-    axes = [np.atleast_1d(np.asarray(usual if given is None else given, float))
-            for given, usual in ((mu_o, COSINES), (mu_i, COSINES), (dphi, AZIMUTHS))]
+    xarray = require("xarray", "to_xarray")
+    axes = [finite_list(usual if given is None else given, name)
+            for name, given, usual in (("mu_o", mu_o, COSINES), ("mu_i", mu_i, COSINES), ("dphi", dphi, AZIMUTHS))]
     stack = function.stack
     sides = ["top", "bottom"] if stack.base is None else ["top"]
     names = ("side", "mu_o", "mu_i", "dphi", "channel")

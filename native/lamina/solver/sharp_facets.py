@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Facets narrower than alpha .03, which a bake solves as mirrors: their lobes need many azimuth orders.
 
-Between boundaries a mirror is too bright. Light near the critical angle that facets deflect is reflected totally, and
-meets the facets again. The mean over azimuths alone tells how much light is lost there, for facets of any width."""
+A mirror reflects another share of the light than such facets. At grazing views the facets reflect less, because many of
+them face the light more steeply: a third at a cosine of .05 and alpha .03. Between boundaries light that facets deflect
+beyond the critical angle is reflected totally, and meets the facets again. The mean over azimuths alone tells how much
+light facets of any width reflect."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from ..kinds.bases import LEAST_ALPHA, Conductor, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..material.stack import Stack
-
-GLOSSY = Conductor | PrincipledBase
 
 
 def is_sharp(surface) -> bool:
@@ -27,14 +29,20 @@ def as_mirrors(stack: Stack) -> Stack:
     return stack.with_facets([_smoothed(layer) for layer in stack.layers], _smoothed(stack.base))
 
 
-def lose_light(stack: Stack, shown: Stack) -> bool:
-    """True if `stack` has sharp facets that are mirrors in `shown`, and another boundary, so that it may reflect less
-    light. Only stacks on an opaque base count."""
-    interfaces = sum(isinstance(layer, Interface) for layer in stack.layers)
-    if interfaces + isinstance(stack.base, GLOSSY) < 2 or stack.base is None:
-        return False
+def has_sharp_facets(stack: Stack, shown: Stack) -> bool:
+    """True if `stack`, on an opaque base, has sharp facets that are solved as mirrors in `shown`."""
     base = stack.base
+    if base is None:
+        return False
     return shown is not stack or (isinstance(base, PrincipledBase) and 0.0 < base.roughness**2 < LEAST_ALPHA)
+
+
+def take_lost(scattered, mirrored, lost):
+    """(scattered, mirrored): shares of flux less `lost`, see ScatteringFunction.lost_by_facets. Facets below an
+    absorbing layer may lose more than the mirrored light; the rest is taken from the scattered light. Arrays of one
+    shape."""
+    kept = np.maximum(mirrored - lost, 0.0)
+    return np.maximum(scattered - np.maximum(lost - mirrored, 0.0), 0.0), kept
 
 
 def _smoothed(surface):

@@ -22,6 +22,8 @@ from ..common.arguments import (
     finite_list,
 )
 from ..common.errors import ArgumentError, SolveError, quoted
+from ..common.interruptible import interruptible
+from ..common.progress import Progress, portion, stepper
 from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
@@ -34,27 +36,31 @@ from ..material.thickness import check_opaque, with_thickness
 from . import labelled, sharp_facets
 
 TOLERANCE = {"preview": 1e-2, "final": 1e-3}
+FACETS_SHARE = 0.2  # of the time, for the energy of narrow facets where mirrors replace them
 _SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
 _PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
 
 
-def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int | None = None) -> ScatteringFunction:
+def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int | None = None,
+          progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> ScatteringFunction:
     """The scattering function of a stack, which is a lamina.Stack, the id of a preset, or the path of a JSON file.
 
     The relative pointwise tolerance (cosines >= .05) is .1 % ("final") or 1 % ("preview"). `threads` 0 uses every
     hardware thread; results do not depend on it. In stacks with boundaries, the tolerance is relative to at least 1e-3
     per steradian and to at least 1e-3 of the mean over azimuths. At most 200 azimuth orders are tried. `nodes` sets the
-    number of nodes per hemisphere, without a check of the tolerance, for previews.
+    number of nodes per hemisphere, without a check of the tolerance, for previews. `progress(fraction, text)` is called
+    with the share of the channels that are solved, 0 to 1. `cancel()` is called often; Cancelled is raised if it
+    returns true.
 
     Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
     ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
     Method: discrete ordinates per azimuth order, solved by modes (Nakajima and Tanaka 1986), layers joined
     by the adding equations (van de Hulst 1963), truncation of the forward peak with exact single
     scattering (Nakajima and Tanaka 1988).
-    A PrincipledBase of roughness below .173 is solved as a mirror. Below an Interface the mirror has the energy of the
-    facets."""
+    A PrincipledBase of roughness below .173 is solved as a mirror that has the energy of the facets."""
     stack = as_stack(stack)
-    return _solved(stack, stack, quality, threads, nodes, solve)
+    step = None if progress is None and cancel is None else stepper("the solve", progress, cancel)
+    return _solved(stack, stack, quality, threads, nodes, solve, step)
 
 
 def solve_with_mirrors(stack: Stack, quality: str = "final", threads: int = 0,
@@ -64,15 +70,20 @@ def solve_with_mirrors(stack: Stack, quality: str = "final", threads: int = 0,
     return _solved(sharp_facets.as_mirrors(stack), stack, quality, threads, nodes, solve_with_mirrors)
 
 
-def _solved(shown: Stack, stack: Stack, quality: str, threads: int, nodes: int | None, made: Callable):
+def _solved(shown: Stack, stack: Stack, quality: str, threads: int, nodes: int | None, made: Callable,
+            step: Progress | None = None):
     """The scattering function of `shown`, in which mirrors replace sharp facets of `stack`."""
-    method = _Method(tolerance_of(quality), check_nodes(nodes), thread_pool(threads))
+    method = _Method(tolerance_of(quality), check_nodes(nodes), thread_pool(threads), step=step)
     again = (made, (stack, quality, threads, nodes))
     facets = None
-    if sharp_facets.lose_light(stack, shown):
-        mean = replace(method, only_mean=True)
-        facets = ScatteringFunction(stack, mean.channels(stack), mean, again)
-    return ScatteringFunction(shown, method.channels(shown), method, again, facets)
+    if sharp_facets.has_sharp_facets(stack, shown):
+        mean = replace(method, only_mean=True, step=None if step is None else portion(step, 0.0, FACETS_SHARE))
+        method = replace(method, step=None if step is None else portion(step, FACETS_SHARE, 1.0))
+        facets = ScatteringFunction(stack, mean.channels(stack), replace(mean, step=None), again)
+    channels = method.channels(shown)
+    if step is not None:
+        step(1.0, "Solved")
+    return ScatteringFunction(shown, channels, replace(method, step=None), again, facets)
 
 
 @dataclass(frozen=True)
@@ -84,6 +95,7 @@ class _Method:
     nodes: int | None
     pool: _core.ThreadPool
     only_mean: bool = False
+    step: Progress | None = None
 
     def channels(self, stack: Stack) -> list[_core.Solution]:
         """The solution of each channel; channels with equal parts share one."""
@@ -92,19 +104,25 @@ class _Method:
         for index in range(stack.channels):
             key, layers, base = core_stack(stack, index, self.only_mean)
             if key not in solved:
-                solved[key] = self._solve(_core.Stack(layers, base))
+                solved[key] = self._solve(_core.Stack(layers, base), index / stack.channels)
             channels.append(solved[key])
         return channels
 
     def channel(self, stack: Stack, index: int) -> _core.Solution:
-        return self._solve(_core.Stack(*core_stack(stack, index, self.only_mean)[1:]))
+        return self._solve(_core.Stack(*core_stack(stack, index, self.only_mean)[1:]), 0.0)
 
-    def _solve(self, core: _core.Stack) -> _core.Solution:
+    def _solve(self, core: _core.Stack, done: float) -> _core.Solution:
+        """`done`: the share of the work before this channel."""
+        step = self.step
+        ask = None if step is None else lambda: step(done, "Solving")
+        return or_solve_error(lambda: interruptible(self.pool, lambda: self._solution(core), ask))
+
+    def _solution(self, core: _core.Stack) -> _core.Solution:
         if self.only_mean:
-            return or_solve_error(lambda: _core.solve_mean(core, self.tolerance, self.pool))
+            return _core.solve_mean(core, self.tolerance, self.pool)
         if self.nodes is not None:
-            return or_solve_error(lambda: _core.solve_roughly(core, self.tolerance, self.nodes, self.pool))
-        return or_solve_error(lambda: _core.solve(core, self.tolerance, self.pool))
+            return _core.solve_roughly(core, self.tolerance, self.nodes, self.pool)
+        return _core.solve(core, self.tolerance, self.pool)
 
 
 def check_nodes(nodes: int | None) -> int | None:
@@ -128,7 +146,7 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
     entries: list[tuple] = []
     for number, layer in enumerate(stack.layers):
         if isinstance(layer, Interface):
-            entries.append((_core.Interface, (channel(layer.ior, index), _facets(layer, index), layer.compensate)))
+            entries.append((_core.Interface, (channel(layer.ior, index), _facets(layer, index))))
         elif layer.profile is not None and layer.optics(index)[1] > 0.0:
             entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
         else:
@@ -138,7 +156,7 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
         entries.append((_core.Medium, endless))
     base: tuple = ("none",)
     if isinstance(stack.base, Conductor):
-        base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index), stack.base.compensate)
+        base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index))
     elif isinstance(stack.base, PrincipledBase):
         base = stack.base.below(_index_above_base(stack, index), index, all_facets)
     elif stack.base is not None:
@@ -162,7 +180,8 @@ def core_base(base: tuple) -> _core.Base:
 
 def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
     """The surface's facets in one channel."""
-    return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated)
+    return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated,
+                        surface.compensate)
 
 
 def or_solve_error(call):
@@ -317,14 +336,14 @@ class ScatteringFunction:
         return (diffuse, direct) if parts else diffuse + direct
 
     def lost_by_facets(self, mu0) -> np.ndarray | None:
-        """What facets that are solved as mirrors reflect less than these: the difference of the fluxes reflected to
-        the top, shape of mu0 + (channels,), at least 0; None if all mirrors are smooth."""
+        """What facets that are solved as mirrors reflect less than these, negative where they reflect more: the
+        difference of the fluxes reflected to the top, shape of mu0 + (channels,); None if all mirrors are smooth."""
         return None if self._facets is None else self._lost(mu0, *self._solved_fluxes(mu0, "top")[:2])
 
     def _lost(self, mu0, scattered: np.ndarray, mirrored: np.ndarray) -> np.ndarray:
         """lost_by_facets, with the fluxes that are reflected to the top."""
         assert self._facets is not None
-        return np.maximum(scattered + mirrored - sum(self._facets._solved_fluxes(mu0, "top")[:2]), 0.0)
+        return scattered + mirrored - sum(self._facets._solved_fluxes(mu0, "top")[:2])
 
     def absorption(self, mu0, side: str = "top") -> np.ndarray:
         """The absorbed share of the incident flux: 1 - reflectance - transmittance."""
@@ -354,7 +373,7 @@ class ScatteringFunction:
         """(scattered, mirrored, diffusely and directly transmitted), where mirrors have the energy of facets."""
         scattered, mirrored, diffuse, direct = self._solved_fluxes(mu0, side)
         if self._facets is not None and side == "top":
-            mirrored = np.maximum(mirrored - self._lost(mu0, scattered, mirrored), 0.0)
+            scattered, mirrored = sharp_facets.take_lost(scattered, mirrored, self._lost(mu0, scattered, mirrored))
         return scattered, mirrored, diffuse, direct
 
     def _solved_fluxes(self, mu0, side: str):

@@ -156,9 +156,10 @@ def test_cancel_keeps_the_old_lut(addon, lamina, material, call, monkeypatch):
     assert begun.wait(10.0) and not job.done
     with pytest.raises(RuntimeError, match="A bake is running"):
         call(bpy.ops.lamina.bake, material)
-    assert bpy.ops.lamina.bake_cancel() == {"FINISHED"}
+    assert bpy.ops.lamina.cancel(work="BAKE") == {"FINISHED"}
     with pytest.raises(lamina.Cancelled):
         finish(addon)
+    assert bpy.ops.lamina.cancel(work="BAKE") == {"CANCELLED"}
     assert job.done and snapshot(material) == before and addon.baking.bake_job.state(material) == "stale"
 
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from addon_helpers import detached
+from addon_helpers import detached, icosphere
 
 
 @pytest.fixture
@@ -263,3 +263,75 @@ def test_a_thin_object_is_named(addon, lamina, marble):
     job.make(marble, quality="preview", output="RELIGHTABLE")
     assert reach.too_thin(shown, marble, millimetre) == ""
     assert reach.too_thin(None, marble, millimetre) == ""
+
+
+@pytest.fixture
+def milk_ball(addon, milk):
+    """A ball, 10 mm wide, of milk with a mean free path of 1 / 1.1 mm."""
+    obj = bpy.data.objects.new("Ball", icosphere("Ball", 0.005))
+    obj.data.materials.append(milk)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+    return obj
+
+
+@pytest.mark.parametrize("output", ["PORTAL", "RELIGHTABLE"])
+def test_inside_out_meshes_are_refused(addon, milk, milk_ball, call, output):
+    milk.lamina.lateral = output
+    milk_ball.data.flip_normals()
+    with pytest.raises(RuntimeError, match="Ball is inside out"):
+        call(bpy.ops.lamina.lateral, milk)
+    milk_ball.data.flip_normals()
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+    milk_ball.scale = (-1.0, 1.0, 1.0)  # Blender turns the faces of mirrored objects
+    bpy.context.view_layer.update()
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+    milk_ball.data.clear_geometry()  # shows nothing
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+
+
+@pytest.mark.parametrize("output", ["PORTAL", "RELIGHTABLE"])
+def test_scripts_and_other_objects_are_checked(addon, lamina, milk, milk_ball, output):
+    """Without the operator, and for an object that is not the active one."""
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "SUN"))
+    bpy.context.scene.collection.objects.link(lamp)
+    bpy.context.view_layer.objects.active = lamp
+    milk_ball.data.flip_normals()
+    for call in (addon.baking.lateral_job.make, addon.baking.lateral_job.start):
+        milk.lamina.lateral = output
+        with pytest.raises(lamina.InteriorError, match="Ball is inside out"):
+            call(milk, bpy.context.scene)
+    assert milk.lamina.lateral_group is None and addon.baking.lateral_job.running() is None
+
+
+@pytest.mark.parametrize("output", ["PORTAL", "RELIGHTABLE"])
+def test_planes_are_allowed(milk, milk_ball, call, output):
+    bpy.ops.mesh.primitive_plane_add(size=0.01)
+    bpy.context.object.data.materials.append(milk)
+    milk.lamina.lateral = output
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+
+
+def test_opaque_faces_of_other_materials_are_told(milk, milk_ball, call):
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+    assert "Lamps shine" not in milk.lamina.lateral_report
+    milk_ball.data.materials.append(bpy.data.materials.new("Cap"))
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+    assert "Lamps shine" not in milk.lamina.lateral_report  # no face has the material
+    milk_ball.data.polygons[0].material_index = 1
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+    assert "Lamps shine into the body through opaque faces" in milk.lamina.lateral_report
+
+
+def test_relightable_refuses_bodies_that_light_crosses(milk, milk_ball, call):
+    milk.lamina.lateral = "RELIGHTABLE"
+    milk_ball.scale = (0.00364,) * 3  # .04 mean free paths across; the icosphere's flat faces leave .038 as mean width
+    bpy.context.view_layer.update()
+    before = milk.lamina.lateral_report
+    words = "0.038 mean free paths wide .*98 % of the light.*Lit in the panel Interior"
+    with pytest.raises(RuntimeError, match=words):
+        call(bpy.ops.lamina.lateral, milk)
+    assert milk.lamina.lateral_report == before and milk.lamina.lateral_group is None
+    milk.lamina.lateral = "PORTAL"  # the panel warns
+    assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}

@@ -64,3 +64,13 @@ def test_a_replaced_image_gives_name_and_users(removal, image):
     removal.state.now += 1.5
     removal.module.poll()
     assert "Table (unused)" not in names() and new.name == "Table"
+
+
+def test_undo_takes_a_used_image_off_the_list(removal, image):
+    """An image that was removed with its users, and that undo has given back, stays under its old name."""
+    texture = bpy.data.textures.new("User", "IMAGE")
+    texture.image = image
+    removal.module.remove(image)
+    removal.module._on_undo()
+    removal.state.now += 1.5
+    assert removal.module.poll() is None and "Table" in names() and "Table (unused)" not in names()

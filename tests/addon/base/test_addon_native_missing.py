@@ -88,3 +88,16 @@ def test_a_wheel_that_arrives_later_is_found(addon, lamina):
     addon.unregister()
     addon.register()
     assert addon.base.native.available() and addon.base.native.reason() == ""
+
+
+def test_a_build_that_replaces_the_loaded_one(addon, lamina, monkeypatch):
+    """Blender keeps the old modules in memory until its next start."""
+    monkeypatch.setattr(lamina, "_written", lamina._written - 1)
+    try:
+        addon.base.native.load()
+        assert not addon.base.native.available()
+        assert addon.base.native.reason() == addon.base.native.REPLACED
+    finally:
+        monkeypatch.undo()
+        addon.base.native.load()
+    assert addon.base.native.available()

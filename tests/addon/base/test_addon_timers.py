@@ -54,3 +54,63 @@ def test_an_error_is_told_and_nothing_stays(timers):
     with pytest.raises(RuntimeError, match="ValueError: seen"):
         called()
     assert bpy.ops.lamina.timer() == {"CANCELLED"}, "nothing is due"
+
+
+def test_a_function_that_may_not_write_is_called_again(timers):
+    """Blender 4.3 refuses writes in rare moments, and drops a timer that raises."""
+    module, registered = timers
+    answers = iter([RuntimeError("can't modify blend data in this state (drawing/rendering)"), None])
+
+    def sometimes():
+        answer = next(answers)
+        if answer is not None:
+            raise answer
+
+    module.start(sometimes)
+    (called,) = registered
+    assert [called(), called()] == [module.AGAIN, None]
+
+
+@pytest.fixture
+def refusing(timers, monkeypatch):
+    """(addon.base.timers, its functions) while Blender refuses operators: in 4.3, after a preview, for the rest of the
+    session."""
+    module, registered = timers
+
+    def refused():
+        raise RuntimeError('Calling operator "bpy.ops.lamina.timer" error, cannot modify blend data in this state '
+                           "(drawing/rendering)")  # the words of 5.2; 4.3 says "can't"
+
+    monkeypatch.setattr(module.bpy, "ops", SimpleNamespace(lamina=SimpleNamespace(timer=refused)))
+    monkeypatch.setattr(module.bpy, "context", bpy.context, raising=False)
+    return module, registered
+
+
+def test_a_property_calls_the_function_where_the_operator_is_refused(refusing):
+    module, registered = refusing
+    waits = iter([0.5, None])
+    module.start(lambda: next(waits))
+    (called,) = registered
+    assert [called(), called()] == [0.5, None]
+
+
+def test_errors_are_told_where_the_operator_is_refused(refusing):
+    module, registered = refusing
+
+    def wrong():
+        raise ValueError("seen")
+
+    module.start(wrong)
+    (called,) = registered
+    with pytest.raises(ValueError, match="seen"):
+        called()
+    answers = iter([AttributeError("Writing to ID classes in this context is not allowed: Cube"), None])
+
+    def sometimes():
+        answer = next(answers)
+        if answer is not None:
+            raise answer
+
+    module.start(sometimes)
+    called = list(registered)[-1]
+    assert [called(), called()] == [module.AGAIN, None]

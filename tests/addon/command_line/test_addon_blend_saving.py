@@ -198,3 +198,20 @@ def test_a_disk_that_is_really_full(run, blend, small_disk):
     code, lines, error = run("bake", "first", "--output", target)
     assert code == 1 and len(lines) == 1 and "could not be saved: the disk of" in one_sentence(error)
     assert list(small_disk.iterdir()) == []
+
+
+@pytest.mark.parametrize("arguments", [["--save"], ["--output", "link"]])
+def test_a_symbolic_link_stays_and_its_file_is_saved(run, blend, tmp_path, arguments):
+    """The link stands in another folder, from which the file was opened."""
+    folder = tmp_path / "links"
+    folder.mkdir()
+    link, manifest = folder / "link.blend", tmp_path / "manifest.json"
+    link.symlink_to(blend)
+    if arguments == ["--save"]:
+        bpy.ops.wm.open_mainfile(filepath=str(link))
+    else:
+        arguments = ["--output", link]
+    assert run("bake", "first", *arguments, "--manifest", manifest)[0] == 0
+    assert link.is_symlink() and [path.name for path in folder.iterdir()] == ["link.blend"]
+    assert baked(blend) == {"first"} and not blend.is_symlink()
+    assert [one["output"] for one in json.loads(manifest.read_text())["files"]] == [str(blend)]

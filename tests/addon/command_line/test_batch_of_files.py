@@ -242,6 +242,18 @@ def test_list_of_files_as_json(run, addon, lamina, files):
     assert first["baked"]["lamina"] == lamina.__version__ and second["baked"] is None
 
 
+def test_list_and_bake_agree_on_a_group_without_its_tables(run, files):
+    assert run("bake", files[0], "dusty_a", "--save")[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(files[0]))
+    group = bpy.data.materials["dusty_a"].lamina.node_group
+    next(node.image for node in group.nodes if node.type == "TEX_IMAGE").unpack(method="REMOVE")
+    code, lines, _ = run("list")
+    assert code == 0 and lines[0] == "dusty_a: 1 layer, the node group of the last bake is not whole"
+    assert json.loads(run("list", "--json")[1][0])["materials"][0]["state"] == "broken"
+    code, lines, _ = run("bake", "dusty_a", "--dry-run")
+    assert code == 0 and "in the cache (the node group of the last bake is not whole)" in lines[0]
+
+
 def test_the_group_tells_which_lamina_baked_it(run, lamina, files):
     assert run("bake", files[0], "dusty_a", "--save")[0] == 0
     assert bpy.data.materials["dusty_a"].lamina.node_group["lamina_version"] == lamina.__version__

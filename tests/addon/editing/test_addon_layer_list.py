@@ -182,9 +182,7 @@ def test_names_are_unique(addon):
 
 
 def test_every_operator_that_changes_data_can_be_undone(addon):
-    no_data = {"LAMINA_OT_bake_cancel", "LAMINA_OT_dust_cancel", "LAMINA_OT_lateral_cancel",
-        "LAMINA_OT_interior_cancel", "LAMINA_OT_stack_export",
-               "LAMINA_OT_preset_save", "LAMINA_OT_preset_delete"}
+    no_data = {"LAMINA_OT_cancel", "LAMINA_OT_stack_export", "LAMINA_OT_preset_save", "LAMINA_OT_preset_delete"}
     for cls in addon.operators.CLASSES:
         assert ("UNDO" in cls.bl_options) == (cls.__name__ not in no_data), cls.__name__
 

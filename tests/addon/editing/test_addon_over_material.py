@@ -125,11 +125,58 @@ def test_the_panel_offers_one_choice_and_names_what_is_lost(addon, lamina, gloss
     tree = addon.nodes.node_tree.of(plain)
     assert drawn(addon, plain) == ["Add Layers Over This Material", "New Layers Instead", "Presets"]
     tree.nodes["Principled BSDF"].inputs["Sheen Weight"].default_value = 0.5
-    assert drawn(addon, plain)[1:3] == ["Not carried over:", "sheen"]
+    assert drawn(addon, plain)[1].startswith("Approximate, because the shader stays in use")
+    tree.nodes["Principled BSDF"].inputs["Sheen Weight"].default_value = 0.0
+    tree.nodes["Principled BSDF"].inputs["Anisotropic"].default_value = 0.5
+    assert drawn(addon, plain)[1:3] == ["Not carried over:", "anisotropic highlights"]
     tree.nodes.clear()
     assert drawn(addon, plain) == ["Add Lamina Layers", "Presets"]
     addon.editing.over_material.add(glossy)
     assert drawn(addon, glossy) == ["Presets"]
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="the nodes of a material cannot be switched off")
+def test_use_nodes_is_off(addon, lamina, glossy, call):
+    """The panel says so before, and afterwards, when the layers are not seen."""
+    node_tree = addon.nodes.node_tree
+    node_tree.switch_off(glossy)
+    assert addon.editing.over_material.problem(glossy).startswith("Use Nodes is off")
+    node_tree.of(glossy)
+    addon.editing.over_material.add(glossy)
+    addon.baking.bake_job.bake_material(glossy, "preview")
+    connected = addon.nodes.node_group.is_connected
+    assert connected(glossy)
+    node_tree.switch_off(glossy)
+    assert not connected(glossy)
+    assert call(bpy.ops.lamina.connect, glossy) == {"FINISHED"}
+    assert node_tree.is_on(glossy) and connected(glossy)
+
+
+PARTS = {"Transmission Weight": 1.0, "Subsurface Weight": 0.3, "Sheen Weight": 0.5}
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_shader_with_more_than_the_base_has_stays_in_use(addon, lamina, call, part):
+    """Glass would become plastic. The choice holds for presets, in either way."""
+    over, kinds = addon.editing.over_material, []
+    for keep in (None, True, False):
+        material = bpy.data.materials.new("Glass")
+        shader = addon.nodes.node_tree.of(material).nodes["Principled BSDF"]
+        assert not over.keeps_shader(material)
+        shader.inputs[part].default_value = PARTS[part]
+        assert over.keeps_shader(material)
+        assert bool(over.not_carried(material, keep)) == (keep is False)
+        chosen = {} if keep is None else {"keep_shader": keep}
+        assert call(bpy.ops.lamina.add_over, material, **chosen) == {"FINISHED"}
+        kinds.append(material.lamina.base.kind)
+        assert ("Base" in surface_source(material).inputs) == (keep is not False)
+        for preset in ("dusty-bronze", "dusty-lacquer"):
+            addon.editing.presets.apply(material, preset)
+            assert material.lamina.base.kind == kinds[-1]
+        if keep is not False:
+            reflectance = tuple(material.lamina.base.shader_reflectance)
+            assert reflectance == pytest.approx((0.08 if part == "Transmission Weight" else 0.8,) * 3)
+    assert kinds == ["shader", "shader", "principled"]
 
 
 def test_the_command_line(addon, lamina, glossy, tmp_path, capsys):
@@ -146,3 +193,53 @@ def test_the_command_line(addon, lamina, glossy, tmp_path, capsys):
     addon.nodes.node_tree.of(empty).nodes.clear()
     assert main(["bake", "Empty", "--over"]) == 1
     assert "No shader is linked to the Surface" in capsys.readouterr().out and not empty.lamina.enabled
+
+
+def told_by_base_panel(addon, material):
+    """Texts and operators that the panel Base draws."""
+    layout = Layout()
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
+    context = SimpleNamespace(material=material, preferences=preferences, region=SimpleNamespace(width=400.0))
+    addon.ui.panel.LAMINA_PT_base.draw(SimpleNamespace(layout=layout), context)
+    return " ".join(layout.lines)
+
+
+def test_edits_of_the_replaced_shader_are_told_and_read_again(addon, lamina, call):
+    material = bpy.data.materials.new("Painted")
+    tree = addon.nodes.node_tree.of(material)
+    shader, rgb = tree.nodes["Principled BSDF"], tree.nodes.new("ShaderNodeRGB")
+    tree.links.new(rgb.outputs[0], shader.inputs["Base Color"])
+    another = tree.nodes.new("ShaderNodeRGB")
+    assert call(bpy.ops.lamina.add_over, material) == {"FINISHED"}
+    node = addon.nodes.node_group.group_nodes(material)[0]
+    assert node.inputs["Base Color"].links and surface_source(material) == node
+    assert not addon.editing.over_material.has_changed(material)
+    assert "Before Lamina" not in told_by_base_panel(addon, material)
+    shader.inputs["Emission Color"].default_value = (0.2, 0.4, 0.6, 1.0)
+    shader.inputs["Sheen Weight"].default_value = 0.3  # the layers do not read this
+    assert not addon.editing.over_material.has_changed(material), "the emission has no strength"
+    tree.links.new(another.outputs[0], shader.inputs["Base Color"])
+    assert addon.editing.over_material.has_changed(material)
+    addon.editing.over_material.read_again(material)
+    assert node.inputs["Base Color"].links[0].from_node == another
+    edits = (
+        lambda: setattr(shader.inputs["IOR"], "default_value", 1.7),
+        lambda: setattr(shader.inputs["Emission Strength"], "default_value", 3.0),
+        lambda: tree.links.remove(shader.inputs["Base Color"].links[0]),
+    )
+    for edit in edits:
+        edit()
+        assert addon.editing.over_material.has_changed(material)
+        assert "Before Lamina" in told_by_base_panel(addon, material)
+        assert call(bpy.ops.lamina.read_again, material) == {"FINISHED"}
+        assert not addon.editing.over_material.has_changed(material)
+        assert addon.baking.bake_job.state(material) == "fresh"
+    base = addon.editing.stack_io.to_dict(material)["base"]
+    assert base["ior"] == pytest.approx(1.7) and not base.get("inputs")
+    emission = surface_source(material).inputs[1].links[0].from_node
+    assert emission.type == "EMISSION" and emission.inputs["Strength"].default_value == pytest.approx(3.0)
+    assert tuple(emission.inputs["Color"].default_value) == pytest.approx((0.2, 0.4, 0.6, 1.0))
+    assert not any(socket.links for socket in node.inputs)
+    assert call(bpy.ops.lamina.remove_stack, material) == {"FINISHED"}
+    assert surface_source(material) == shader
+    assert not any("Lamina" in one.label for one in tree.nodes)

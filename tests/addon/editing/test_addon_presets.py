@@ -64,7 +64,7 @@ def test_applying_can_be_undone(addon, material, library, call):
 
 
 def test_the_tooltip_names_the_source(addon, library):
-    operator = addon.operators.LAMINA_OT_preset_apply
+    operator = addon.operators.presets.LAMINA_OT_preset_apply
     text = operator.description(None, SimpleNamespace(preset="varnished-wood", user=False))
     assert "Measured by hand" in text
     assert operator.description(None, SimpleNamespace(preset="gone", user=False)) == operator.bl_description
@@ -248,7 +248,7 @@ def test_a_library_whose_files_are_gone_is_one_sentence(addon, lamina, material,
         assert addon.base.native.GONE in layout.lines
         assert addon.base.native.GONE in refused(bpy.ops.lamina.preset_apply, material, call, preset="gold")
         chosen = SimpleNamespace(preset="gold", user=False)
-        assert addon.operators.LAMINA_OT_preset_apply.description(None, chosen) == addon.base.native.GONE
+        assert addon.operators.presets.LAMINA_OT_preset_apply.description(None, chosen) == addon.base.native.GONE
     finally:
         library._texts.cache_clear()
         library._load.cache_clear()

@@ -122,6 +122,27 @@ def test_layers(freshness, ball, addon):
     assert stale(freshness, ball) == "The layers have changed since: compute again"
 
 
+def test_other_materials(freshness, ball, addon):
+    """What counts is which faces are opaque: not the name or the color of their material."""
+    cap = bpy.data.materials.new("Cap")
+    tree = addon.nodes.node_tree.of(cap)
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    note(freshness, ball)
+    ball.data.materials.append(cap)
+    assert stale(freshness, ball) == ""
+    ball.data.polygons[0].material_index = 1
+    words = "The materials of the object's faces have changed since: compute again"
+    assert stale(freshness, ball) == words
+    note(freshness, ball)
+    cap.name, shader.inputs["Base Color"].default_value = "Lid", (0.1, 0.2, 0.3, 1.0)
+    assert stale(freshness, ball) == ""
+    shader.inputs["Transmission Weight"].default_value = 1.0
+    assert stale(freshness, ball) == words
+    note(freshness, ball)
+    ball.data.polygons[1].material_index = 5  # drawn with the last slot
+    assert stale(freshness, ball) == words
+
+
 def test_node_texture(freshness, ball):
     settings_of(ball).source = "NODES"
     note(freshness, ball, ("Noise Texture", "Fac"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The interior of an object: its images, their nodes, interruptions, and what is refused."""
+"""The interior of an object: its images, their nodes and interruptions."""
 
 from types import SimpleNamespace
 
@@ -7,33 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from addon_helpers import drawn, icosphere, pixels, surface_source
-
-
-@pytest.fixture
-def ball(addon):
-    """A ball of radius 10 mm, turned and moved, with the material Marble in large voxels and a small noisy image."""
-    mesh = icosphere("Ball", 1.0)
-    obj = bpy.data.objects.new("Ball", mesh)
-    obj.scale, obj.location, obj.rotation_euler = (0.01,) * 3, (1.0, 2.0, 3.0), (0.4, 0.5, 0.6)
-    bpy.context.scene.collection.objects.link(obj)
-    material = bpy.data.materials.new("Marble")
-    addon.nodes.node_tree.of(material)
-    mesh.materials.append(material)
-    settings = material.lamina.interior
-    settings.resolution, settings.size, settings.noise, settings.second.sigma_a = 16, 12, 40.0, (0.5, 0.4, 0.3)
-    bpy.context.view_layer.objects.active = obj
-    bpy.context.view_layer.update()
-    return obj
-
-
-def sun(name, towards, energy=2.0):
-    obj = bpy.data.objects.new(name, bpy.data.lights.new(name, "SUN"))
-    obj.data.energy, obj.data.color, obj.data.angle = energy, (1.0, 0.5, 0.25), 0.1
-    obj.rotation_euler = towards
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.update()
-    return obj
+from addon_helpers import drawn, pixels, sun, surface_source
 
 
 def images(group):
@@ -203,7 +177,7 @@ def test_operator_and_worker(jobs, ball, lamina, call):
     assert material.lamina.lateral_group == group
     np.testing.assert_array_equal(images(group)["color"], first["color"])
     job = jobs.start(bpy.context, ball, material)
-    assert call(bpy.ops.lamina.interior_cancel, material) == {"FINISHED"}
+    assert call(bpy.ops.lamina.cancel, material, work="INTERIOR") == {"FINISHED"}
     job.wait()
     jobs.forget()
     with pytest.raises(lamina.Cancelled):
@@ -298,113 +272,3 @@ def test_panel(addon, ball):
     ball.data.uv_layers.new(name="Own")
     assert any("the map “Own” is used" in line for line in drawn(
         lambda layout: interior_panel.LAMINA_PT_interior.draw(SimpleNamespace(layout=layout), context)))  # fmt: skip
-
-
-def stretched(obj):
-    obj.scale.x *= 2.0
-
-
-def shared(obj):
-    other = bpy.data.objects.new("Twin", obj.data)
-    bpy.context.scene.collection.objects.link(other)
-
-
-def opened(obj):
-    made = bmesh.new()
-    made.from_mesh(obj.data)
-    bmesh.ops.delete(made, geom=[made.faces[:][0]], context="FACES")
-    made.to_mesh(obj.data)
-    made.free()
-
-
-def flipped(obj):
-    obj.data.flip_normals()
-
-
-def emptied(obj):
-    obj.data.clear_geometry()
-
-
-def overlapping(obj):
-    layer = obj.data.uv_layers.new(name="Own")
-    layer.uv.foreach_set("vector", np.tile([0.1, 0.1, 0.9, 0.1, 0.1, 0.9], len(obj.data.polygons)))
-
-
-def lit_by(obj, kind):
-    """A new lamp of the scene, named Bulb."""
-    obj.active_material.lamina.interior.output = "LIT"
-    made = bpy.data.objects.new("Bulb", bpy.data.lights.new("Bulb", kind))
-    bpy.context.scene.collection.objects.link(made)
-    return made
-
-
-def lamp_with_nodes(obj):
-    from bl_ext.user_default.lamina.nodes import node_tree
-
-    lamp = lit_by(obj, "POINT").data
-    falloff = node_tree.of(lamp).nodes.new("ShaderNodeLightFalloff")
-    emission = next(node for node in lamp.node_tree.nodes if node.type == "EMISSION")
-    lamp.node_tree.links.new(falloff.outputs["Linear"], emission.inputs["Strength"])
-
-
-def focused_area(obj):
-    lit_by(obj, "AREA").data.spread = np.radians(60.0)
-
-
-def world_by_ray(obj):
-    from bl_ext.user_default.lamina.nodes import node_tree
-
-    obj.active_material.lamina.interior.output = "LIT"
-    world = bpy.context.scene.world = bpy.data.worlds.new("Sky")
-    path = node_tree.of(world).nodes.new("ShaderNodeLightPath")
-    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
-    world.node_tree.links.new(path.outputs[0], background.inputs["Color"])
-
-
-def narrow_sun(obj):
-    settings = obj.active_material.lamina.interior
-    settings.output, settings.roughness = "LIT", 0.0
-    sun("Sun", (0, 0, 0)).data.angle = 0.0
-
-
-def no_texture(obj):
-    obj.active_material.lamina.interior.source = "NODES"
-
-
-def layers_without_lengths(obj):
-    from bl_ext.user_default.lamina.editing import layer_list
-
-    layer_list.add_stack(obj.active_material)
-    obj.active_material.lamina.interior.source = "LAYERS"
-
-
-def missing_map(obj):
-    obj.data.uv_layers.new(name="Own")
-    obj.active_material.lamina.interior.uv_map = "Other"
-
-
-@pytest.mark.parametrize(("change", "words"), [
-    (stretched, r"Ball has a scale that is not uniform, \(0.02, 0.01, 0.01\): apply the scale"),
-    (shared, "Marble is also on Twin: its images fit one object, make it single-user"),
-    (opened, "Ball is open along 3 edges"),
-    (flipped, "Ball is inside out"),
-    (emptied, "Ball has no faces"),
-    (overlapping, "Ball: .* texels lie on two parts of the surface"),
-    (lamp_with_nodes, "Bulb has nodes of its own: remove them for Lit, or hide it in renders"),
-    (focused_area, "Bulb has a Spread of 60 degrees: must be 180 for Lit"),
-    (world_by_ray, "Sky has a Light Path node, with light that depends on the ray"),
-    (narrow_sun, r"lamps\[0\].angle = 0: must be at least"),
-    (no_texture, "Marble has no texture linked to a color or density"),
-    (layers_without_lengths, "has no lengths"),
-    (missing_map, "Ball has no UV map named .Other.: unwrap it, or let Lamina unwrap it"),
-])  # fmt: skip
-def test_refusals(jobs, ball, call, change, words):
-    """One sentence, and the material is unchanged."""
-    change(ball)
-    bpy.context.view_layer.update()
-    material = ball.active_material or bpy.data.materials["Marble"]
-    before = [node.name for node in material.node_tree.nodes]
-    with pytest.raises(ValueError, match=words) as raised:
-        jobs.make(bpy.context, ball, material)
-    assert "\n" not in str(raised.value)
-    assert [node.name for node in material.node_tree.nodes] == before and material.lamina.lateral_group is None

@@ -24,7 +24,8 @@ def rooms(addon, lamina):
 
 
 def lamps_of(scene, frame):
-    from bl_ext.user_default.lamina.interior import lamps, rendered
+    from bl_ext.user_default.lamina.base import rendered
+    from bl_ext.user_default.lamina.interior import lamps
 
     return rendered.visit(scene, bpy.context.view_layer, lambda depsgraph: lamps.rendered(depsgraph, frame))
 

@@ -9,7 +9,7 @@ from addon_helpers import icosphere
 
 @pytest.fixture
 def rendered(addon):
-    from bl_ext.user_default.lamina.interior import rendered
+    from bl_ext.user_default.lamina.base import rendered
 
     return rendered
 

@@ -10,7 +10,7 @@ from addon_helpers import icosphere, linked
 
 @pytest.fixture
 def unwrap(addon, lamina):
-    from bl_ext.user_default.lamina.interior import unwrap
+    from bl_ext.user_default.lamina.base import unwrap
 
     return unwrap
 

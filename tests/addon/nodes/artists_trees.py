@@ -282,6 +282,11 @@ def _glow(t):
     t.set(Emission_Color=(1.0, 0.6, 0.2, 1.0), Emission_Strength=3.0)
 
 
+def _glowing_paint(t):
+    _glow(t)
+    t.set(Coat_Weight=0.8)
+
+
 def _half_clear(t):
     t.set(Alpha=0.35)
     t.material.blend_method = "HASHED"
@@ -369,8 +374,8 @@ TREES = {
         _gltf, _gltf_alpha, _obj, _cut_out, _two_principled, _glow_added, _glass, _hair, _classic, _own_group,
         _group_of_maps, _reroutes, _empty_reroute, _frames, _outputs, _shared_outputs, _two_for_all,
         _muted_texture_link, _muted_output_link, _muted_nodes, _muted_principled, _animated, _driven, _glow,
-        _half_clear, _glowing_leaf, _volume, _no_output, _nothing_linked, _no_nodes, _nodes_off, _everything,
-        _ramps, _names, _several_principled, _geometry,
+        _glowing_paint, _half_clear, _glowing_leaf, _volume, _no_output, _nothing_linked, _no_nodes, _nodes_off,
+        _everything, _ramps, _names, _several_principled, _geometry,
     )
 }
 

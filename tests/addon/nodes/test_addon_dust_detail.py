@@ -80,6 +80,83 @@ def test_noise_varies_the_thickness_and_keeps_its_mean(dusty, add, tmp_path, str
     assert error < 0.03
 
 
+@pytest.fixture
+def noise(dusty, add, tmp_path):
+    """noise(size): a picture of the clouds, of this size in the world, on the square of `plane`."""
+
+    def noise(size):
+        node = add(dusty)
+        node.inputs["Grain"].default_value, node.inputs["Cloud Size"].default_value = 0.0, size
+        return shown(dusty, node.outputs["Thickness"], tmp_path / "noise.exr")
+
+    return noise
+
+
+def likeness(one, other):
+    return np.corrcoef(one.ravel(), other.ravel())[0, 1]
+
+
+def test_noise_stays_with_a_surface_that_deforms(addon, dusty, noise, tmp_path):
+    """A shape key moves all vertices, and the camera follows. On a mesh without rest coordinates, the noise swims."""
+    detail = addon.nodes.detail_wiring.detail
+    square, camera = plane(cells=8), bpy.context.scene.camera
+    square.data.materials.append(dusty)
+    square.shape_key_add(name="Basis")
+    before = noise(0.3)
+    moved = square.shape_key_add(name="Moved")
+    for point in moved.data:
+        point.co.x += 3.7
+    moved.value, camera.location.x = 1.0, 3.7
+    assert likeness(before, noise(0.3)) > 0.999
+    square.data.attributes.remove(square.data.attributes["lamina_rest"])
+    node = detail(dusty)
+    swimming = shown(dusty, node.outputs["Thickness"], tmp_path / "swimming.exr")
+    assert swimming.std() > 0.5 * before.std() and abs(likeness(before, swimming)) < 0.5
+
+
+@pytest.mark.parametrize("factor", [1.0, 4.0])
+def test_noise_has_one_size_in_the_world(dusty, noise, factor):
+    """A mesh that is scaled by its object, and one that is as large itself."""
+    square = plane(width=2.0 / factor)
+    square.data.materials.append(dusty)
+    square.scale = (factor,) * 3
+    bpy.context.scene.camera.data.ortho_scale = 2.0
+    bpy.context.view_layer.update()
+    scaled = noise(0.3)
+    square.data.attributes.remove(square.data.attributes["lamina_rest"])
+    square.data.transform(square.matrix_world)
+    square.scale = (1.0, 1.0, 1.0)
+    bpy.context.view_layer.update()
+    assert likeness(scaled, noise(0.3)) > 0.999
+
+
+def test_sizes_are_metres(dusty, add):
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    node = add(dusty)
+    bpy.context.scene.unit_settings.scale_length = 1.0
+    assert [node.inputs[name].default_value for name in ("Cloud Size", "Grain Size")] == pytest.approx([5.0, 0.15])
+
+
+def test_rest_coordinates_are_stored_once(addon, dusty, add, call):
+    square = plane()
+    square.data.materials.append(dusty)
+
+    def stored():
+        return [tuple(one.vector) for one in square.data.attributes["lamina_rest"].data]
+
+    add(dusty)
+    first = stored()
+    assert first == [tuple(vertex.co) for vertex in square.data.vertices]
+    square.data.vertices[0].co.x += 0.5
+    add(dusty)
+    assert stored() == first
+    bpy.context.view_layer.objects.active = square
+    assert call(bpy.ops.lamina.dust_detail, dusty) == {"FINISHED"}
+    assert stored() == [tuple(vertex.co) for vertex in square.data.vertices]
+    addon.nodes.detail_wiring.remove_detail(dusty)
+    assert not any(group.name.startswith("Lamina Dust Detail") for group in bpy.data.node_groups)
+
+
 def test_a_wiped_place_has_no_layer_and_a_back_without_thickness_stays_so(dusty, add, tmp_path):
     plane().data.materials.append(dusty)
     node = add(dusty)
@@ -169,7 +246,7 @@ def test_the_buttons_add_detail_and_start_painting(addon, dusty, call):
     bpy.context.view_layer.objects.active = square
     assert call(bpy.ops.lamina.dust_detail, dusty) == {"FINISHED"}
     node = addon.nodes.detail_wiring.detail(dusty)
-    assert node.inputs["Cloud Size"].default_value == pytest.approx(0.4)
+    assert node.inputs["Cloud Size"].default_value == pytest.approx(0.05)
     assert call(bpy.ops.lamina.dust_wipe, dusty, paint=False) == {"FINISHED"}
     assert node.inputs["Wiped"].links[0].from_node.type == "TEX_IMAGE"  # the mesh is coarse and has a UV map
     assert call(bpy.ops.lamina.dust_detail, dusty, remove=True) == {"FINISHED"}

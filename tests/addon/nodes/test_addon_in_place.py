@@ -13,10 +13,10 @@ INPUTS = ("color", "metallic", "roughness")
 
 @pytest.fixture
 def add_over(addon, lamina, tables):
-    """add_over(material): layers over the material, with a baked node group."""
+    """add_over(material): layers over the material, with a baked node group; over the values of a Principled BSDF."""
 
     def add_over(material):
-        addon.editing.over_material.add(material)
+        addon.editing.over_material.add(material, keep_shader=not addon.nodes.principled.find(material))
         kind = material.lamina.base.kind
         if kind not in tables:
             every = lamina.PrincipledBase([0.5, 0.4, 0.3], inputs=INPUTS)

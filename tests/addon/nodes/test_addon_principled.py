@@ -63,10 +63,30 @@ def test_parts_without_effect_are_not_named(addon, node):
     white, red = (1.0, 1.0, 1.0, 1.0), (1.0, 0.0, 0.0, 1.0)
     assert lost(addon, node, Coat_Tint=red, Coat_Weight=0.0) == []
     assert lost(addon, node, Coat_Weight=0.5) == ["tint of the coat"]
-    assert lost(addon, node, Coat_Tint=white, Coat_Normal=(0.0, 0.0, 1.0)) == ["normal of the coat"]
+    assert lost(addon, node, Coat_Tint=white) == []
     assert lost(addon, node, Coat_Weight=0.0, Transmission_Weight=1.0, Metallic=1.0) == []
     assert lost(addon, node, Transmission_Weight=1.0, Metallic=0.5) == ["transmission"]
     assert lost(addon, node, Transmission_Weight=0.0, Emission_Strength=2.0, Emission_Color=(0, 0, 0, 1)) == []
+
+
+def test_the_coat_has_the_normal_of_the_surface(addon, node):
+    tree, told = node.id_data, ["normal of the coat (that of the surface is used)"]
+    tree.links.new(tree.nodes.new("ShaderNodeBump").outputs[0], node.inputs["Normal"])
+    assert lost(addon, node) == []
+    assert lost(addon, node, Coat_Weight=0.5) == told
+    tree.links.new(node.inputs["Normal"].links[0].from_socket, node.inputs["Coat Normal"])
+    assert lost(addon, node) == []
+    tree.links.remove(node.inputs["Normal"].links[0])
+    assert lost(addon, node) == told
+
+
+def test_ggx_and_emission_below_a_rough_coat_are_named(addon, node):
+    node.distribution = "GGX"
+    assert [text.split(" for ")[0] for text in lost(addon, node)] == ["distribution GGX"]
+    node.distribution = "MULTI_GGX"
+    lost(addon, node, Emission_Strength=1.0, Emission_Color=(1.0, 1.0, 1.0, 1.0), Coat_Weight=1.0)
+    assert len(lost(addon, node, Coat_Roughness=0.05)) == 1
+    assert lost(addon, node, Coat_Roughness=0.2)[1].startswith("roughness of the coat for the emission")
 
 
 def test_a_number_out_of_range_is_named_and_clipped(addon, node):

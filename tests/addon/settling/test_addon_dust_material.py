@@ -34,11 +34,32 @@ def test_the_first_dust_of_a_material_gets_grain_and_clouds(dust, addon, materia
     plate = grid(size=3.0, material=material)
     dust.settle(bpy.context, plate)
     node = addon.nodes.detail_wiring.detail(material)
-    assert node.inputs["Cloud Size"].default_value == pytest.approx(0.2 * 6.0)
+    assert node.inputs["Cloud Size"].default_value == pytest.approx(0.05)
+    small = grid("Small", size=0.01, material=material)
+    dust.settle(bpy.context, small)
+    assert node.inputs["Cloud Size"].default_value == pytest.approx(0.05), "objects with one material have one size"
+    assert all("lamina_rest" in one.data.attributes for one in (plate, small))
     addon.nodes.detail_wiring.remove_detail(material)
     dust.settle(bpy.context, plate)
     assert addon.nodes.detail_wiring.detail(material) is None
     assert addon.nodes.thickness.wiring(material).source == "attribute"
+
+
+def test_remove_leaves_no_dust(dust, addon, material, call):
+    """Dust that another material shows stays."""
+    other = bpy.data.materials.new("Other")
+    addon.editing.layer_list.add_stack(other)
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    alone, shared = grid("Alone", material=material), grid("Shared", material=material)
+    shared.data.materials.append(other)
+    for obj in (alone, shared):
+        dust.settle(bpy.context, obj)
+    assert any(group.name.startswith("Lamina Dust Detail") for group in bpy.data.node_groups)
+    assert call(bpy.ops.lamina.remove_stack, material) == {"FINISHED"}
+    assert not any(one.name.startswith("lamina") for one in alone.data.attributes) and not alone.lamina_dust.told
+    assert NAME in shared.data.attributes and shared.lamina_dust.told
+    assert not bpy.data.node_groups and not material.node_tree.nodes.get("Lamina")
 
 
 def test_an_artists_own_node_stays(dust, addon, material):

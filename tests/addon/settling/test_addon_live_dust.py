@@ -113,8 +113,8 @@ def test_a_long_settling_of_old_settings_is_given_up(addon, live, plate, monkeyp
 
 
 def test_the_scene_is_read_once_for_the_previews_and_again_at_rest(addon, live, plate, monkeypatch):
-    reads, real = [], addon.settling.geometry.of_object
-    monkeypatch.setattr(addon.settling.geometry, "of_object", lambda *given: (reads.append(1), real(*given))[1])
+    reads, real = [], addon.settling.geometry.read
+    monkeypatch.setattr(addon.settling.geometry, "read", lambda *given: (reads.append(1), real(*given))[1])
     monkeypatch.setattr(live, "REST", 1e9)
     for amount in (2.0, 3.0, 4.0):
         plate.lamina_dust.amount = amount

@@ -105,3 +105,17 @@ def test_live_editing_draws_the_picture_at_rest(addon, lamina, material, monkeyp
         addon.editing.stack_io.to_stack(material), lamina.bake(addon.editing.stack_io.to_stack(material), "preview"))
     assert material.lamina.result.curves != before
     assert curves["exact"] == json.loads(expected)["exact"]
+
+
+def test_nothing_undoes_portal_or_relightable(addon, lamina, material):
+    """While they are shown, the bake is not connected on purpose: no button that connects it."""
+    addon.baking.bake_job.bake_material(material)
+
+    def draw(graph, _length, _sockets):
+        return graph.node("ShaderNodeBsdfDiffuse", 0, 0).outputs[0], None
+
+    addon.nodes.lateral_group.build(material, "Portal", draw, 0.001)
+    texts = " ".join(lines(addon, material))
+    assert "instead of this bake" in texts and "Not connected" not in texts
+    addon.nodes.node_group.connect(material)
+    assert "instead of this bake" not in " ".join(lines(addon, material))

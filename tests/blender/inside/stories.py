@@ -48,7 +48,7 @@ def cancel(panel):
     earlier = material.lamina.result.stack_hash
     yield from slowly_baking(panel, material)
     with window.on(panel):
-        bpy.ops.lamina.bake_cancel()
+        bpy.ops.lamina.cancel(work="BAKE")
     while part("baking.bake_job").running() is not None:
         yield 0.1
     assert material.lamina.result.stack_hash == earlier and material.lamina.node_group is not None
@@ -72,6 +72,92 @@ def live(panel):
     assert material.lamina.layers[0].albedo[0] > 0.3
     yield from until(lambda: part("baking.bake_job").state(material) in ("fresh", "live"))
     assert material.lamina.result.stack_hash != blue
+
+
+def undo_after_live(panel):
+    """Undo after Live has applied two changes of one bake: the image of that bake is in no undo step."""
+    with window.on(panel):
+        bpy.ops.lamina.add_over()
+    push("over")
+    material = bpy.context.object.active_material
+    material.lamina.live = True
+    push("live")
+    yield from until(lambda: part("baking.bake_job").state(material) in ("fresh", "live"))
+    for thickness in (0.3, 0.6):
+        material.lamina.layers[0].tau = thickness
+        push(f"thickness {thickness}")
+    yield from at_rest()
+    with window.on(panel):
+        bpy.ops.ed.undo()
+    check_images()
+    yield from at_rest()
+    material = bpy.context.object.active_material
+    assert abs(material.lamina.layers[0].tau - 0.3) < 1e-6
+    assert part("baking.bake_job").state(material) == "fresh" and part("nodes.node_group").is_whole(material)
+    check_images()
+    with window.on(panel):
+        bpy.ops.ed.redo()
+    check_images()
+    yield from at_rest()
+    material = bpy.context.object.active_material
+    assert abs(material.lamina.layers[0].tau - 0.6) < 1e-6
+    assert part("baking.bake_job").state(material) == "fresh" and part("nodes.node_group").is_whole(material)
+
+
+def undo_beside_interior(panel):
+    """Undo while the interior shows its first images: no operator has recorded their group and its node. The steps
+    before have moved the object, so Blender would keep the material as it is."""
+    layered(panel)
+    panel.spaces.active.context = "OBJECT"  # a preview of the material would change the material
+    push("layers")
+    yield 2.0
+    for place in (1.0, 2.0):
+        bpy.context.object.location.x = place
+        yield 1.0
+        push("moved")
+    yield 2.0
+    with window.on(panel):
+        bpy.ops.lamina.interior("INVOKE_DEFAULT")
+    job = part("interior.interior_job")
+    yield from until(lambda: job.running() is None or job.running().shows)
+    for operator in (bpy.ops.ed.undo, bpy.ops.ed.redo, bpy.ops.ed.undo):
+        with window.on(panel):
+            operator()
+        check_images()
+        yield 0.5
+    if job.running() is not None:
+        bpy.ops.lamina.cancel(work="INTERIOR")
+    yield from until(lambda: job.running() is None)
+    check_images()
+
+
+def beside_previews(panel):
+    """The interior is computed, and dust settles, while the material's ball is rendered by Cycles."""
+    material = layered(panel)
+    unfold_ball()
+    interior = part("interior.interior_job"), bpy.ops.lamina.interior, "INTERIOR"
+    dust = part("settling.dust_job"), bpy.ops.lamina.dust_settle, "DUST"
+    for number, (job, start, work) in enumerate((interior, dust) * 2):
+        yield from preview_rendered(panel, material, number)
+        with window.on(panel):
+            start("INVOKE_DEFAULT")
+        yield from until(lambda job=job: job.running() is not None, step=0.02)
+        bpy.ops.lamina.cancel(work=work)
+        yield from until(lambda job=job: job.running() is None)
+
+
+def previews_stopped_quietly(panel):
+    """A stopped render of a preview writes no line to the Info log; the test sees what Blender prints."""
+    material = layered(panel)
+    unfold_ball()
+    for number in range(4):
+        yield 1.0
+        yield from preview_rendered(panel, material, number)
+        before = info_log()
+        part("base.renders").stop_previews()
+        stops = bpy.app.version >= part("base.renders").STOPS_PREVIEWS
+        assert not (stops and bpy.app.is_job_running("RENDER_PREVIEW")), "the render goes on"
+        assert info_log() == before
 
 
 def another_file(panel):
@@ -107,13 +193,18 @@ def quit_while_baking(panel):
     raise AssertionError("Blender has not quit")
 
 
-def random_actions(panel, seed):
-    """200 random clicks and values in the panel."""
+def random_actions(panel, seed, count):
+    """`count` random clicks and values in the panel, presets, undo and redo, with a viewport that Cycles renders now
+    and then. Pauses are short or long enough for a bake."""
     chance = random.Random(seed)
     layered(panel)
-    for _ in range(200):
-        act(panel, chance)
-        yield 0.02
+    push("layers")
+    for _ in range(count):
+        faulthandler.dump_traceback_later(HANGING, exit=True)
+        chance.choices([act, step_in_time, take_preset, shade], [10, 4, 2, 1])[0](panel, chance)
+        check_images()
+        yield chance.choice([0.02, 0.02, 0.3, 1.0])
+        check_images()
     part("baking.bake_job").stop()
     part("baking.live").stop()
 
@@ -122,8 +213,9 @@ def act(panel, chance):
     """One random click, or a random value of a random property. An error that an operator reports is no failure."""
     material = bpy.context.object.active_material
     if chance.random() < 0.5 and material.lamina.layers:
-        owner = chance.choice([material.lamina, *material.lamina.layers])
-        change(owner, chance)
+        settings = material.lamina
+        change(chance.choice([settings, settings.base, settings.interior, *settings.layers]), chance)
+        push("value")
         return
     name = chance.choice([name for name in dir(bpy.ops.lamina) if name not in NEVER])
     operator = getattr(bpy.ops.lamina, name)
@@ -131,16 +223,36 @@ def act(panel, chance):
         try:
             if operator.poll():
                 ways = ["INVOKE_DEFAULT"] if name in LONG else ["INVOKE_DEFAULT", "EXEC_DEFAULT"]
-                operator(chance.choice(ways))
+                operator(chance.choice(ways), True)
         except RuntimeError as error:
             assert "Traceback" not in str(error), f"lamina.{name}: {error}"
         except TypeError as error:  # an argument that the panel's button gives is missing
             assert "required" in str(error) or "enum" in str(error), f"lamina.{name}: {error}"
 
 
+def step_in_time(panel, chance):
+    """Undo or redo, sometimes several times."""
+    operator = chance.choice([bpy.ops.ed.undo, bpy.ops.ed.undo, bpy.ops.ed.redo])
+    for _ in range(chance.choice([1, 1, 3])):
+        with window.on(panel):
+            if operator.poll():
+                operator()
+
+
+def take_preset(panel, chance):
+    with window.on(panel):
+        if bpy.ops.lamina.preset_apply.poll():
+            bpy.ops.lamina.preset_apply("EXEC_DEFAULT", True, preset=chance.choice(PRESETS))
+
+
+def shade(_panel, chance):
+    (view,) = (area for area in window.WINDOW.screen.areas if area.type == "VIEW_3D")
+    view.spaces.active.shading.type = chance.choice(["RENDERED", "RENDERED", "SOLID"])
+
+
 def change(owner, chance):
     """Give a random property of `owner` a random value within its limits."""
-    known = [one for one in owner.bl_rna.properties if not one.is_readonly and one.identifier not in ("name", "live")]
+    known = [one for one in owner.bl_rna.properties if not one.is_readonly and one.identifier != "name"]
     chosen = chance.choice(known)
     if chosen.type == "BOOLEAN":
         value = chance.random() < 0.5
@@ -155,8 +267,11 @@ def change(owner, chance):
         setattr(owner, chosen.identifier, value)
 
 
-# Operators that open a file dialogue, which waits for a user, and the one that timers call.
-NEVER = ("stack_export", "stack_import", "preset_save", "profile_replace", "phase_replace", "timer")
+HANGING = 240.0  # seconds without a step, after which Blender ends with what its threads do
+# Matte, a metal, with varying dust, a sheet, and one with translucent layers.
+PRESETS = ("paper", "gold", "dusty-bronze", "leaf", "skin-light")
+# Operators that open a file dialogue, which waits for a user, and those that the add-on calls.
+NEVER = ("stack_export", "stack_import", "preset_save", "profile_replace", "phase_replace", "timer", "stop_previews")
 # Long work runs beside the window, as buttons start it: scripts would wait for its end.
 LONG = ("bake", "dust_settle", "interior", "lateral")
 
@@ -189,11 +304,59 @@ def baked(panel, material):
     assert part("baking.bake_job").failure(material) == ""
 
 
-def until(holds, longest=120.0):
+def push(message):
+    """An undo step, as a button in the panel makes one after its change."""
+    bpy.ops.ed.undo_push(message=message)
+
+
+def unfold_ball():
+    """Show the material's ball in the Material tab."""
+    ball = bpy.types.CYCLES_MATERIAL_PT_preview
+    bpy.utils.unregister_class(ball)
+    ball.bl_options = set()
+    bpy.utils.register_class(ball)
+
+
+def preview_rendered(panel, material, number):
+    """Change the material, until Cycles renders its ball."""
+    material.diffuse_color[0] = 0.1 * number
+    material.node_tree.nodes[0].location.x += 1.0
+    material.node_tree.update_tag()
+    panel.tag_redraw()
+    yield from until(lambda: bpy.app.is_job_running("RENDER_PREVIEW"), step=0.01)
+
+
+def info_log():
+    """The text of the Info log."""
+    (area,) = (area for area in window.WINDOW.screen.areas if area.type == "INFO")
+    with window.on(area):
+        bpy.ops.info.select_all(action="SELECT")
+        bpy.ops.info.report_copy()
+    return bpy.context.window_manager.clipboard
+
+
+def check_images():
+    """Every image and group that a node uses is in the file: a pointer to one that undo has freed crashes Blender."""
+    known = {one.as_pointer() for one in (*bpy.data.images, *bpy.data.node_groups)}
+    trees = [*bpy.data.node_groups, *(one.node_tree for one in bpy.data.materials if one.node_tree)]
+    for node in (node for tree in trees for node in tree.nodes):
+        used = getattr(node, "image", None) or (getattr(node, "node_tree", None) if node.type == "GROUP" else None)
+        assert used is None or used.as_pointer() in known, f"{node.id_data.name}: {node.name} uses a freed data-block"
+
+
+def at_rest():
+    """Until Live has nothing left to do."""
+    quiet = 0.0
+    while quiet < 2.0 * part("baking.live").REST:  # after the bakes of changes come the refinement and the curves
+        yield 0.1
+        quiet = 0.0 if part("baking.live").running() is not None else quiet + 0.1
+
+
+def until(holds, longest=120.0, step=0.1):
     waited = 0.0
     while not holds():
-        yield 0.1
-        waited += 0.1
+        yield step
+        waited += step
         assert waited < longest, "waited too long"
 
 

@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina import Conductor, Interface, Lambert, Lut, Medium, PrincipledBase, ShaderBase, Stack
+from lamina import (
+    Conductor,
+    HenyeyGreenstein,
+    Interface,
+    Lambert,
+    Lut,
+    Medium,
+    PrincipledBase,
+    ShaderBase,
+    Stack,
+)
 from lamina.baking import lut_cache, result_changes
 from lamina.baking.lut_cache import LutCache
 from lamina.baking.table_size import largest_size
@@ -133,9 +143,13 @@ def test_a_newer_version_tells_which_bakes_its_changes_concern(running, baked, s
 
 
 def test_the_table_of_changes():
-    """Rough boundaries have changed since 0.1.0, and so have narrow facets below others; smooth boundaries have not."""
+    """Rough boundaries have changed since 0.1.0, and so have narrow facets below others, halos of dust,
+    and tables over rough bases. Smooth boundaries above media have not."""
     smooth = Stack([Interface(ior=1.5), DUST], base=Lambert(0.5))
     metal = Stack([Interface(ior=1.5)], PrincipledBase(metallic=1.0, roughness=0.1))
-    stacks = (ROUGH, metal, smooth, ON_GREY)
+    halo = Stack([Medium(albedo=0.8, tau=0.1, phase=HenyeyGreenstein(0.8)), Interface(ior=1.5)], base=Lambert(0.5))
+    bow = lamina.Tabulated(cosines=[-1.0, -0.8, 0.0, 1.0], values=[2.0, 1.0, 1.0, 3.0])
+    table = Stack([Medium(albedo=0.8, tau=0.1, phase=bow)], base=Conductor(eta=0.2, k=3.0, alpha=0.2))
+    stacks = (ROUGH, metal, smooth, ON_GREY, halo, table)
     concerned = [[change.concerns(stack) for stack in stacks] for change in result_changes.CHANGES]
-    assert concerned == [[True, False, False, False], [False, True, False, False]]
+    assert concerned == [[stack is changed for stack in stacks] for changed in (ROUGH, metal, halo, table)]

@@ -157,11 +157,12 @@ class TestReport:
         content = baked.read_bytes()
         baked.write_bytes(content[: int(share * len(content))])
         assert main(["report", "out.npz"]) == 2
-        assert capfd.readouterr() == ("", "lamina: out.npz: not a complete Lamina lookup table\n")
+        reason = "no .npz archive" if share == 0.0 else "the archive is truncated or damaged"
+        assert capfd.readouterr() == ("", f"lamina: out.npz: not a complete Lamina lookup table: {reason}\n")
 
     def test_foreign(self, folder, capfd):
         assert main(["report", "good.json"]) == 2
-        assert capfd.readouterr() == ("", "lamina: good.json: not a complete Lamina lookup table\n")
+        assert capfd.readouterr() == ("", "lamina: good.json: not a complete Lamina lookup table: no .npz archive\n")
 
     def test_newer(self, baked, capfd):
         lut = lamina.Lut.load(baked)

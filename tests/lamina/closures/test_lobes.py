@@ -24,7 +24,10 @@ def _ahead(lobe):
     return replace(lobe, evaluate=evaluate)
 
 
-@pytest.mark.parametrize("lobe", lobes.DICTIONARY, ids=lambda lobe: lobe.id)
+HALOS = [lobes.by_id("halo:0.05"), lobes.by_id("halo:0.55")]
+
+
+@pytest.mark.parametrize("lobe", [*lobes.DICTIONARY, *HALOS], ids=lambda lobe: lobe.id)
 class TestEveryLobe:
     def test_is_finite_and_non_negative(self, lobe):
         value = lobe.evaluate(*GRID)
@@ -74,6 +77,24 @@ def test_ggx_is_reciprocal():
     for lobe in (lobes.ggx(0.6), lobes.fresnel_ggx(1.4)):
         swapped = lobe.evaluate(mu_i, mu_o, dphi) / mu_o
         assert lobe.evaluate(*GRID) / mu_i == pytest.approx(swapped, rel=1e-9)
+
+
+def test_a_halo_is_round_about_the_mirror_direction():
+    """Half the peak at equal angles in the plane of incidence and across it; an isotropic GGX is narrower across."""
+    mu, angle = 0.3, 0.1
+    sine = np.sqrt(1.0 - mu**2)
+    mirror, ahead, across = np.array([-sine, 0.0, mu]), np.array([mu, 0.0, sine]), np.array([0.0, 1.0, 0.0])
+
+    def at(lobe, aside):
+        x, y, z = np.cos(angle) * mirror + np.sin(angle) * aside
+        return float(lobe.evaluate(mu, z, np.arctan2(-y, -x)))
+
+    def shape(lobe):
+        """Mean of both sides in the plane, relative to the value across."""
+        return 0.5 * (at(lobe, ahead) + at(lobe, -ahead)) / at(lobe, across)
+
+    assert shape(lobes.by_id("halo:0.05")) == pytest.approx(1.0, abs=0.15)
+    assert shape(lobes.ggx(0.05**0.5)) > 3.0
 
 
 def test_fresnel_lobe_is_black_backwards_and_full_forwards():

@@ -10,9 +10,12 @@ import pytest
 
 @pytest.fixture(scope="package")
 def client():
-    dask = pytest.importorskip("distributed")
-    with (dask.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1",
-                            dashboard_address=None) as cluster, dask.Client(cluster) as client):
+    distributed, config = pytest.importorskip("distributed"), pytest.importorskip("dask.config")
+    # 15 seconds after a worker is lost, Dask gives it up for good where no worker of its name runs: also where that
+    # one had come back in time and a later test has just killed it again.
+    with (config.set({"distributed.deploy.lost-worker-timeout": "1 hour"}),
+          distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1",
+                                   dashboard_address=None) as cluster, distributed.Client(cluster) as client):
         yield client
 
 

@@ -57,6 +57,8 @@ def turned(solid, faces):
     (lamina.Solid(CUBE.vertices * np.nan, CUBE.triangles), r"solid.vertices\[0\] has the coordinate nan"),
     (lamina.Solid(CUBE.vertices, CUBE.triangles + 1), "has index 8: must lie in"),
     (lamina.Solid(np.zeros((8, 3)), CUBE.triangles), "0 mm large"),
+    (lamina.Solid(CUBE.vertices, CUBE.triangles, opaque=[True]), "solid.opaque = .*must be 12 booleans, one per tri"),
+    (lamina.Solid(CUBE.vertices, CUBE.triangles, opaque=np.zeros(12)), "solid.opaque = .*must be 12 booleans"),
     ("dragon", "solid = str: must be a lamina.Solid"),
 ])
 def test_bad_meshes(solid, words):
@@ -73,6 +75,16 @@ def joined(*shells):
 
 def inverted(shell, by=(0, 0, 0)):
     return lamina.Solid(shell.vertices + by, shell.triangles[:, ::-1])
+
+
+def test_open_meshes_are_told_from_bad_ones():
+    flat = lamina.Solid(np.eye(3), [[0, 1, 2]])
+    assert CUBE.is_closed() and not flat.is_closed()
+    assert not lamina.Solid(CUBE.vertices, CUBE.triangles[:-1]).is_closed()
+    with pytest.raises(lamina.InteriorError, match="inside out"):
+        turned(CUBE, range(12)).is_closed()
+    with pytest.raises(lamina.InteriorError, match="disagree"):
+        turned(lamina.Solid(CUBE.vertices, CUBE.triangles[:-1]), [3]).is_closed()
 
 
 @pytest.mark.parametrize("by", [(3, 0, 0), (0, 0, 3), (0, 0, -3), (0.9, 0.9, 0.9)])
@@ -98,7 +110,7 @@ def test_a_cavity_of_a_cavity_is_inside_out():
 ], ids=["cavity", "two", "body in a cavity", "cavity that opens", "overlap", "beside"])
 def test_shells_that_are_cavities_or_bodies(shells):
     solid = joined(sphere(1.0, 3), *shells)
-    assert len(closed(solid).triangles) == len(solid.triangles)
+    assert len(closed(solid)[0].triangles) == len(solid.triangles)
 
 
 @pytest.mark.parametrize(("error", "change", "words"), [

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The descriptions from which `lamina` makes its checks and the add-on its panel."""
 
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -46,6 +47,20 @@ def test_the_range_and_its_sentence_agree(field):
         high = field.high if field.panel.high is None else field.panel.high
         for value in (low, high, *np.atleast_1d(field.panel.default)):
             field.check(float(value), "x")
+
+
+@pytest.mark.parametrize(("file", "name"), [
+    ("core/test_phase.py", "DRAWN"), ("lamina/material/test_phase_in_stack.py", "ALL"),
+    ("lamina/solver/test_phase_solves.py", "PHASES"), ("lamina/walk_cases.py", "CASES"),
+])
+def test_an_added_phase_function_is_in_the_lists_of_the_tests(file, name, monkeypatch):
+    class Added(lamina.HenyeyGreenstein):
+        pass
+
+    path = str(Path(__file__).parents[2] / file)
+    before = runpy.run_path(path)[name]
+    monkeypatch.setattr(phases, "KINDS", (*phases.KINDS, Added))
+    assert len(runpy.run_path(path)[name]) > len(before)
 
 
 @pytest.mark.parametrize("cls", phases.KINDS, ids=lambda cls: cls.kind)

@@ -22,7 +22,7 @@ EMPTY = lamina.Solid(np.zeros((0, 3)), np.zeros((0, 3), int))
     ({"samples": 0}, ArgumentError, "samples = 0: must be a whole number from 1 to"),
     ({"margin": 65}, ArgumentError, "margin = 65: must be a whole number from 0 to 64"),
     ({"size": None}, ArgumentError, "size and uvs must be given together"),
-    ({"size": 0}, InteriorError, "size = 0: must be whole numbers from 1 to 16384"),
+    ({"size": 0}, InteriorError, "size = 0: must be one or two whole numbers from 1 to 16384"),
     ({"uvs": UVS[1:]}, InteriorError, r"uvs_per_corner has shape \(11, 3, 2\): must be \(12, 3, 2\)"),
     ({"uvs": UVS * np.nan}, InteriorError, r"uvs_per_corner\[0\]: must be finite"),
     ({"uvs": 0.0 * UVS}, InteriorError, "the UV map has no area"),

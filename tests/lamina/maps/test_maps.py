@@ -189,3 +189,10 @@ def test_margin_and_seams():
         wide = np.pad(grown, 1)
         grown = np.any([wide[1 + y:21 + y, 1 + x:21 + x] for y in (-1, 0, 1) for x in (-1, 0, 1)], axis=0)
     np.testing.assert_array_equal(filled, grown)
+
+
+@pytest.mark.parametrize(("radius", "note"), [(0.02, "97 % of the light that leaves has crossed"), (3.0, "")])
+def test_relightable_tells_how_much_light_crosses_a_small_body(radius, note):
+    """A ball, .04 mean free paths wide: 1 - 2/3 times .04 of the light crosses it from all directions of entry."""
+    found = lamina.relightable_images(sphere(radius, 3), Interior.uniform(EndMaterial(1.0)), samples=16)
+    assert any(one.startswith(note) and "use Lit" in one for one in found.notes) == bool(note), found.notes

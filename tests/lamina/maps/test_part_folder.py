@@ -14,6 +14,10 @@ from map_meshes import slab_with_uvs
 
 import lamina
 from lamina import EndMaterial, Interior
+from lamina.common.progress import time_left
+from lamina.interior.parts import WalkPart
+from lamina.maps import part_folder
+from lamina.maps.part_folder import PartFolder, Pilot
 
 SOLID, UVS = slab_with_uvs(0.5)
 DARK = Interior.uniform(EndMaterial(0.5, 1.0))  # walks are short
@@ -118,3 +122,34 @@ def test_number_of_walks_is_kept(tmp_path):
     assert bytes_of(again) == bytes_of(first) and "Noise" not in said
     assert first.noise == pytest.approx(0.05, rel=0.1)
     np.testing.assert_array_equal(first.estimate.count.samples, again.estimate.count.samples)
+
+
+def test_first_report_tells_the_time():
+    """The trial that finds the number of walks also finds their time."""
+    said = []
+    lamina.relightable_images(SOLID, DARK, progress=lambda _, text: said.append(text),
+                              **{**HOW, "samples": None, "noise": 0.02})
+    first = next(text for text in said if text.startswith("Part 1 of"))
+    assert first.endswith("left for a noise of 2 %")
+
+
+def test_time_left(monkeypatch):
+    """A pilot of 4 s for 10 of 1000 samples per point; then each part takes 50 s, half of what the pilot told."""
+    count, clock, said = 4 * part_folder.SAMPLES_PER_PART // 1000, [0.0], []
+    monkeypatch.setattr(part_folder.time, "perf_counter", lambda: clock[0])
+
+    def compute(job, shards, keep, within):
+        for place, shard in enumerate(shards):
+            within(place / len(shards), "")
+            clock[0] += 25.0
+            within((place + 0.5) / len(shards), "")
+            clock[0] += 25.0
+            keep(WalkPart(job, shard, ()))
+
+    PartFolder(None, {}).run([{"count": count, "samples": 1000}], compute, lambda _, text: said.append(text),
+                             lambda _: None, Pilot(4.0, 10.0, " for a noise of 2 %"))
+    remaining = [1000 - 125 * half for half in range(8)]
+    rates = [(4.0 + 25.0 * half) / (10.0 + 125.0 * half) for half in range(8)]
+    assert said == [f"Part {half // 2 + 1} of 4, {time_left(rates[half] * remaining[half])} for a noise of 2 %"
+                    for half in range(8)]
+    assert said[0].startswith("Part 1 of 4, about 7 minutes left") and "left" in said[-1]

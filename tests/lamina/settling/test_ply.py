@@ -93,7 +93,7 @@ BAD = {
     "no z": (header("ascii", "property float x\nproperty float y") + b"0 0", "has no number z"),
     "no faces list": (header("ascii", face="property int area") + ascii_body(), "has no list vertex_indices"),
     "header": (header("ascii").replace(b"comment", b"remark"), "is not understood"),
-    "huge": (header("ascii", vertices=10**15), "is not understood"),
+    "huge": (header("ascii", vertices=10**15), "must have at most 1073741824"),
     "format": (header("ascii").replace(b"format ascii 1.0\n", b""), "has no format line"),
     "gzip": (gzip.compress(header("ascii") + ascii_body())[:-20], "damaged gzip"),
     "a changed byte of gzip": (PACKED[:30] + bytes([PACKED[30] ^ 255]) + PACKED[31:], "damaged gzip"),

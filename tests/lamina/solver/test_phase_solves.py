@@ -3,10 +3,12 @@
 descriptions of the same medium."""
 
 import math
+import random
 
 import disort_oracle
 import numpy as np
 import pytest
+from drawn_kinds import drawn
 
 import lamina
 from lamina import (
@@ -20,7 +22,9 @@ from lamina import (
     Rayleigh,
     Stack,
     Tabulated,
+    _core,
 )
+from lamina.kinds import phases
 
 MU = np.array([0.05, 0.0713, 0.2, 0.45, 0.7, 0.95, 1.0])
 DPHI = np.array([0.0, 0.3, 1.4, 2.6, math.pi])
@@ -57,6 +61,9 @@ PHASES = [
     (Mixture([(0.4, HenyeyGreenstein(0.75)), (0.4, Draine(0.3, 2.0)), (0.2, Rayleigh())]),
      lambda x: 0.4 * hg(0.75, x) + 0.4 * draine(0.3, 2.0, x) + 0.15 * (1.0 + x * x)),
 ]
+# The kinds without an entry above, with the core's own values as the function.
+PHASES += [(one, _core.PhaseFunction(*one.in_channel(0)).evaluate) for one in (
+    drawn(cls, random.Random(1)) for cls in phases.KINDS if cls not in {type(phase) for phase, _ in PHASES})]
 
 
 @pytest.mark.parametrize("mu0", [0.2, 0.9])

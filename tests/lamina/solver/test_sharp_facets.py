@@ -3,15 +3,27 @@
 
 import numpy as np
 import pytest
+from z_limit import z_limit
 
 import lamina
-from lamina import Conductor, Interface, Lambert, Medium, PrincipledBase, Stack
+from lamina import Conductor, HalfSpace, HenyeyGreenstein, Interface, Lambert, Medium, PrincipledBase, Stack
 from lamina.kinds.bases import LEAST_ALPHA
 from lamina.solver.solve import solve_with_mirrors
 
 VIEWS = np.cos(np.radians([50.0, 64.0, 70.0, 75.0, 80.0]))
 COVERS = {"varnish": [Interface(1.5)], "hazy varnish": [Interface(1.4), Medium(tau=0.3, albedo=0.9)],
           "honed varnish": [Interface(1.5, alpha=0.01)]}
+DUST = Medium(tau=0.5, albedo=0.9, phase=HenyeyGreenstein(0.6))
+# Stacks with one surface of narrow facets, by the width of the facets
+ALONE = {
+    "varnish": lambda alpha: Stack([Interface(1.5, alpha)], Lambert(0.2)),
+    "weak boundary": lambda alpha: Stack([Interface(1.05, alpha)], Lambert(0.7)),
+    "varnish under dust": lambda alpha: Stack([DUST, Interface(1.5, alpha)], Lambert(0.2)),
+    "milk": lambda alpha: Stack([Interface(1.35, alpha)], HalfSpace(0.9, HenyeyGreenstein(0.5))),
+    "metal": lambda alpha: Stack([], _metal(alpha)),
+    "principled": lambda alpha: Stack([], PrincipledBase(color=0.2, roughness=alpha**0.5)),
+}
+GRAZING = np.array([0.05, 0.07, 0.1, 0.2, 0.5, 1.0])
 # Standard errors. By chance one of the 45 comparisons below exceeds this limit in one of 25 sets of seeds.
 MOST = 3.3
 
@@ -65,6 +77,42 @@ def test_the_base_below_a_honed_varnish():
     half = solve_with_mirrors(stack).with_base_reflectance(0.25)
     again = solve_with_mirrors(Stack(stack.layers, Lambert(0.25)))
     assert half.reflectance(VIEWS) == pytest.approx(again.reflectance(VIEWS), abs=1e-9)
+
+
+@pytest.mark.parametrize("alpha", [0.003, 0.01, 0.0299])
+@pytest.mark.parametrize("kind", [kind for kind in ALONE if kind != "principled"])
+def test_one_surface_has_the_energy_of_its_facets(kind, alpha):
+    stack = ALONE[kind](alpha)
+    assert solve_with_mirrors(stack).reflectance(GRAZING) == pytest.approx(
+        lamina.solve(stack).reflectance(GRAZING), rel=1e-3)
+
+
+def test_one_varnish_reflects_like_photons():
+    stack = ALONE["varnish"](0.0299)
+    found = solve_with_mirrors(stack).reflectance(GRAZING)[:, 0]
+    photons = [lamina.estimate(stack, None, mu, samples=100_000, seed=number, threads=2)
+               for number, mu in enumerate(GRAZING)]
+    scores = [(one.value[0] - wanted) / one.stderr[0] for one, wanted in zip(photons, found, strict=True)]
+    assert np.abs(scores).max() < z_limit(len(scores))
+
+
+@pytest.mark.parametrize("kind", ALONE)
+def test_one_surface_has_no_jump_where_its_facets_become_resolved(kind):
+    narrow, wide = (solve_with_mirrors(ALONE[kind](LEAST_ALPHA * by)).reflectance(GRAZING) for by in (0.9999, 1.0001))
+    assert narrow == pytest.approx(wide, rel=2e-3)
+
+
+def test_a_table_of_one_varnish_has_the_energy_of_its_facets():
+    for stack in (ALONE["varnish"](0.0299), ALONE["varnish under dust"](0.0299)):
+        table = lamina.bake(stack, "preview")
+        exact = lamina.solve(stack).reflectance(GRAZING)
+        assert table.reflectance(GRAZING)[:, 0] == pytest.approx(exact[:, 0], rel=5e-3)
+
+
+def test_a_wide_coat_creates_no_light():
+    for roughness in (0.3, 0.5):
+        base = PrincipledBase(color=1.0, coat=1.0, coat_roughness=roughness)
+        assert lamina.solve(Stack([], base)).reflectance(GRAZING).max() < 1.001
 
 
 @pytest.mark.parametrize("inputs", [(), ("roughness",)])

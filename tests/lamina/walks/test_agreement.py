@@ -8,10 +8,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from drawn_kinds import of_all
 from z_limit import z_limit
 
 import lamina
 from lamina import Black, Knot, Lambert, Medium, Stack, _core
+from lamina.kinds import phases
 from lamina.solver.solve import core_stack, tolerance_of
 from lamina.walks.estimate import Query
 
@@ -23,16 +25,19 @@ POOL = _core.ThreadPool(1)
 
 
 def phase(chance):
-    kinds = [
-        lamina.Isotropic,
-        lamina.Rayleigh,
-        lambda: lamina.HenyeyGreenstein(chance.uniform(-0.4, 0.7)),
-        lambda: lamina.DoubleHenyeyGreenstein(chance.uniform(0.2, 0.7), chance.uniform(-0.5, 0.0), chance.random()),
-        lambda: lamina.Draine(chance.uniform(0.0, 0.6), chance.uniform(0.0, 2.0)),
-        lambda: lamina.CornetteShanks(chance.uniform(0.0, 0.6)),
-        lambda: lamina.Tabulated(moments=[1.0, chance.uniform(-0.2, 0.3), chance.uniform(0.0, 0.1)]),
-        lambda: lamina.Mixture([(0.6, lamina.HenyeyGreenstein(0.6)), (0.4, lamina.Rayleigh())]),
-    ]
+    special = {
+        lamina.Isotropic: lamina.Isotropic,
+        lamina.Rayleigh: lamina.Rayleigh,
+        lamina.HenyeyGreenstein: lambda: lamina.HenyeyGreenstein(chance.uniform(-0.4, 0.7)),
+        lamina.DoubleHenyeyGreenstein: lambda: lamina.DoubleHenyeyGreenstein(
+            chance.uniform(0.2, 0.7), chance.uniform(-0.5, 0.0), chance.random()),
+        lamina.Draine: lambda: lamina.Draine(chance.uniform(0.0, 0.6), chance.uniform(0.0, 2.0)),
+        lamina.CornetteShanks: lambda: lamina.CornetteShanks(chance.uniform(0.0, 0.6)),
+        lamina.Tabulated: lambda: lamina.Tabulated(
+            moments=[1.0, chance.uniform(-0.2, 0.3), chance.uniform(0.0, 0.1)]),
+        lamina.Mixture: lambda: lamina.Mixture([(0.6, lamina.HenyeyGreenstein(0.6)), (0.4, lamina.Rayleigh())]),
+    }
+    kinds = of_all(phases.KINDS, special, chance)
     return chance.choice(kinds)()
 
 
@@ -97,3 +102,12 @@ def by_scattering_equation(stack, query, samples):
     total, squares, _, count, _ = _core.run_walk(made.walk, 1, 0, samples // _core.WALK_BLOCK, POOL)
     mean = total / count
     return mean, math.sqrt((squares / count - mean**2) / (count - 1)), 0.0
+
+
+def test_an_added_phase_function_takes_part(monkeypatch):
+    class Added(lamina.HenyeyGreenstein):
+        pass
+
+    monkeypatch.setattr(phases, "KINDS", (*phases.KINDS, Added))
+    chance = random.Random(1)
+    assert {type(phase(chance)) for _ in range(200)} == set(phases.KINDS) | {lamina.Tabulated, lamina.Mixture}

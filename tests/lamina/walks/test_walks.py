@@ -3,10 +3,12 @@
 family-wise level 1 %."""
 
 import math
+import random
 from functools import cache
 
 import numpy as np
 import pytest
+from drawn_kinds import drawn
 from walk_cases import CASES, SLAB, hg, solved_value
 from z_limit import z_limit
 
@@ -24,6 +26,7 @@ from lamina import (
     StackError,
 )
 from lamina.cli import main
+from lamina.kinds import phases
 
 SAMPLES = 1 << 16
 LIMIT = z_limit(2 * len(CASES))  # both walks of all cases
@@ -63,7 +66,7 @@ def test_hard_cases(stack, directions, samples):
     assert abs(z_score(stack, query, "transfer", samples, truth=truth)) < LIMIT
 
 
-@pytest.mark.parametrize("phase", [lamina.Draine(0.5, 1.0), lamina.CornetteShanks(0.4), lamina.Isotropic(),
+@pytest.mark.parametrize("phase", [*(drawn(cls, random.Random(1)) for cls in phases.KINDS),
                                    lamina.Mixture([(0.7, HenyeyGreenstein(0.6)), (0.3, lamina.Rayleigh())])],
                          ids=lambda phase: phase.kind)
 def test_every_kind_of_phase_function_has_a_slab_loop(phase):

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Coordinates that stay with the surface of a mesh: where its vertices are at rest, in lengths of the world,
+as an attribute. Noise over them does not swim when shape keys or modifiers deform the mesh, and has its size
+in the world."""
+
+import bpy
+import numpy as np
+
+NAME = "lamina_rest"
+
+
+def store(obj, again=False):
+    """Store the rest coordinates of a mesh object of this file. They are stored once, `again`: anew. Objects
+    that share the mesh share them."""
+    mesh = obj.data
+    if obj.type != "MESH" or not mesh.is_editable or obj.mode == "EDIT":
+        return
+    attribute = mesh.attributes.get(NAME)
+    if attribute is not None and (attribute.data_type, attribute.domain) != ("FLOAT_VECTOR", "POINT"):
+        return  # not ours
+    if attribute is None:
+        attribute, again = mesh.attributes.new(NAME, "FLOAT_VECTOR", "POINT"), True
+    if again:
+        places = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.vertices.foreach_get("co", places)
+        scale = np.array(obj.matrix_world.to_scale(), np.float32)
+        attribute.data.foreach_set("vector", (places.reshape(-1, 3) * scale).ravel())
+        mesh.update()
+
+
+def store_for(material):
+    """Store them for all objects with the material."""
+    for obj in bpy.data.objects:
+        if obj.type == "MESH" and any(slot.material == material for slot in obj.material_slots):
+            store(obj)
+
+
+def remove(mesh):
+    """Remove the rest coordinates."""
+    attribute = mesh.attributes.get(NAME)
+    if attribute is not None:
+        mesh.attributes.remove(attribute)
+
+
+def draw(graph, column, row):
+    """The socket of the coordinates in a shader: the object's own on a mesh without the attribute."""
+    stored = graph.node("ShaderNodeAttribute", column, row, "at rest")
+    stored.attribute_type, stored.attribute_name = "GEOMETRY", NAME
+    place = graph.node("ShaderNodeTexCoord", column, row + 3).outputs["Object"]
+    # A missing attribute is 0 everywhere.
+    length = graph.vector("LENGTH", column + 0.4, row + 1, "length", stored.outputs["Vector"])
+    is_stored = graph.math("GREATER_THAN", column + 0.4, row + 2, "is stored", length, 0.0)
+    return graph.mix("VECTOR", column + 1, row, "at rest or now", is_stored, place, stored.outputs["Vector"])

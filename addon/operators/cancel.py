@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cancel work that runs beside Blender."""
+
+import bpy
+
+from ..baking import bake_job, lateral_job
+from ..interior import interior_job
+from ..settling import dust_job
+
+JOBS = {"BAKE": bake_job, "LATERAL": lateral_job, "INTERIOR": interior_job, "DUST": dust_job}
+WORK = (
+    ("BAKE", "Bake", "Stop the running bake; the earlier one is kept"),
+    ("LATERAL", "Lateral", "Stop the computation; the earlier nodes are kept"),
+    (
+        "INTERIOR",
+        "Interior",
+        "Stop the computation. The images so far stay, if any are shown yet; Undo restores the earlier "
+        "nodes. Finished parts are kept, and the next start continues after them",
+    ),
+    ("DUST", "Dust", "Stop settling; the earlier dust is kept"),
+)
+
+
+class LAMINA_OT_cancel(bpy.types.Operator):
+    bl_idname = "lamina.cancel"
+    bl_label = "Cancel"
+    bl_description = "Stop work that is running"
+    bl_options = {"INTERNAL"}
+
+    work: bpy.props.EnumProperty(name="Work", description="What to stop", items=WORK, options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, _context, properties):
+        return next(text for work, _name, text in WORK if work == properties.work)
+
+    def execute(self, _context):
+        job = JOBS[self.work].running()
+        if job is None:
+            return {"CANCELLED"}
+        job.cancel()
+        return {"FINISHED"}

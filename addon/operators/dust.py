@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dust that settles on objects."""
+
+import bpy
+
+from ..base import messages, preferences
+from ..base.messages import RefusedError
+from ..settling import dust_job, live_dust, object_dust
+from . import common
+from .following import Following
+
+
+class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
+    bl_idname = "lamina.dust_settle"
+    bl_label = "Settle Dust"
+    bl_description = (
+        "Let dust settle on this object and, with All Selected, on each one that is selected. ESC cancels"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    jobs = dust_job
+    changes_engine = True
+    kept = "Cancelled; the last dust is kept"
+
+    selected: bpy.props.BoolProperty(
+        name="All Selected", description="Every selected mesh, each with its own settings"
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return common.can_be_dusty(cls, context)
+
+    def execute(self, context):
+        """Settle and wait for it: scripts, and everything under `blender -b`."""
+        try:
+            for obj in self._objects(context):
+                live_dust.leave(obj)
+                object_dust.settle(context, obj, threads=preferences.threads())
+        except Exception as error:
+            return self.failed(error, context)
+        return {"FINISHED"}
+
+    def start(self, context):
+        objects = self._objects(context)
+        for obj in objects:
+            live_dust.leave(obj)
+        job = dust_job.start(context, objects)
+        return job, f"Dust settles on {objects[0].name if len(objects) == 1 else f'{len(objects)} objects'}"
+
+    def told(self, objects):
+        return "; ".join(f"{obj.name}: {obj.lamina_dust.told}" for obj in objects)
+
+    def _objects(self, context):
+        if not self.selected:
+            return [context.object]
+        chosen = [obj for obj in context.selected_objects if obj.type == "MESH"]
+        return chosen or [context.object]
+
+    def failed(self, error, _context, _job=None):
+        if not messages.expected(error):
+            dust_job.log.error("dust failed", exc_info=error)
+        return common.refused(self, error)
+
+
+class LAMINA_OT_dust_image(bpy.types.Operator):
+    bl_idname = "lamina.dust_image"
+    bl_label = "Keep Dust in an Image"
+    bl_description = (
+        "Let the next dust of this object be an image. A UV map named Lamina is unwrapped if the chosen map "
+        "is missing or overlaps itself"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.can_be_dusty(cls, context)
+
+    def execute(self, context):
+        try:
+            object_dust.keep_in_image(context.object)
+        except RefusedError as error:
+            return common.refused(self, error)
+        return {"FINISHED"}
+
+
+class LAMINA_OT_dust_clear(bpy.types.Operator):
+    bl_idname = "lamina.dust_clear"
+    bl_label = "Clear Dust"
+    bl_description = "Remove the settled dust from this object"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_dust(cls, context)
+
+    def execute(self, context):
+        live_dust.leave(context.object)
+        object_dust.clear(context.object)
+        return {"FINISHED"}

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of layers, the base, and what was imported into them."""
+
+import bpy
+
+from ..base import native
+from ..editing import layer_list, metals
+from ..properties.layer_properties import LAYER_KINDS
+from ..stack_json import phases, profiles
+from . import common
+
+
+class LAMINA_OT_layer_add(bpy.types.Operator):
+    bl_idname = "lamina.layer_add"
+    bl_label = "Add Layer"
+    bl_description = "Add a layer above the selected one"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: bpy.props.EnumProperty(
+        name="Kind", description="What the new layer is", items=LAYER_KINDS, default="medium"
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_stack(cls, context)
+
+    def execute(self, context):
+        layer_list.add_layer(common.material_of(context), self.kind)
+        return {"FINISHED"}
+
+
+class LAMINA_OT_layer_remove(bpy.types.Operator):
+    bl_idname = "lamina.layer_remove"
+    bl_label = "Remove Layer"
+    bl_description = "Remove the selected layer"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_layer(cls, context)
+
+    def execute(self, context):
+        layer_list.remove_layer(common.material_of(context))
+        return {"FINISHED"}
+
+
+class LAMINA_OT_layer_duplicate(bpy.types.Operator):
+    bl_idname = "lamina.layer_duplicate"
+    bl_label = "Duplicate Layer"
+    bl_description = "Put a copy of the selected layer below it"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_layer(cls, context)
+
+    def execute(self, context):
+        layer_list.duplicate_layer(common.material_of(context))
+        return {"FINISHED"}
+
+
+class LAMINA_OT_layer_move(bpy.types.Operator):
+    bl_idname = "lamina.layer_move"
+    bl_label = "Move Layer"
+    bl_description = "Move the selected layer towards the light or towards the base"
+    bl_options = {"REGISTER", "UNDO"}
+
+    direction: bpy.props.EnumProperty(
+        description="Towards the light, or towards the base",
+        name="Direction",
+        items=(("UP", "Up", "Towards the light"), ("DOWN", "Down", "Towards the base")),
+        default="UP",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_layer(cls, context)
+
+    def execute(self, context):
+        moved = layer_list.move_layer(common.material_of(context), self.direction)
+        return {"FINISHED"} if moved else {"CANCELLED"}
+
+
+class LAMINA_OT_sheet_close(bpy.types.Operator):
+    bl_idname = "lamina.sheet_close"
+    bl_label = "Add Back Surface"
+    bl_description = "Add an interface of IOR 1 at the bottom, as rough as the one above it: the sheet's back"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_stack(cls, context)
+
+    def execute(self, context):
+        layer_list.close_sheet(common.material_of(context))
+        return {"FINISHED"}
+
+
+class LAMINA_OT_phase_replace(bpy.types.Operator):
+    bl_idname = "lamina.phase_replace"
+    bl_label = "Replace Phase Function"
+    bl_description = "Discard the imported phase function and choose another one here"
+    bl_options = {"REGISTER", "UNDO"}
+
+    base: bpy.props.BoolProperty(
+        name="Of the Base", description="Replace that of the base", options={"SKIP_SAVE"}
+    )
+    bottom: bpy.props.BoolProperty(
+        name="Of the Layer's Bottom", description="Replace that of the layer's bottom", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_stack(cls, context)
+
+    def execute(self, context):
+        material = common.material_of(context)
+        owner = material.lamina.base if self.base else layer_list.active_layer(material)
+        if owner is None:
+            return {"CANCELLED"}
+        phases.replace(owner.bottom if self.bottom and not self.base else owner)
+        return {"FINISHED"}
+
+
+class LAMINA_OT_profile_replace(bpy.types.Operator):
+    bl_idname = "lamina.profile_replace"
+    bl_label = "Replace Profile"
+    bl_description = "Discard the imported depth profile; its top and bottom stay as numbers"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_layer(cls, context)
+
+    def execute(self, context):
+        profiles.replace(layer_list.active_layer(common.material_of(context)))
+        return {"FINISHED"}
+
+
+class LAMINA_OT_metal(bpy.types.Operator):
+    bl_idname = "lamina.metal"
+    bl_label = "Choose Metal"
+    bl_description = "Give the base the colors of this metal; its roughness stays"
+    bl_options = {"REGISTER", "UNDO"}
+
+    metal: bpy.props.StringProperty(name="Metal", description="Name of the metal in the table")
+
+    @classmethod
+    def description(cls, _context, properties):
+        source = metals.source(properties.metal) if native.available() else ""
+        return f"{cls.bl_description}.\n{source.rstrip('.')}" if source else cls.bl_description
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_stack(cls, context) and common.has_native(cls)
+
+    def execute(self, context):
+        try:
+            metals.fill(common.material_of(context).lamina.base, self.metal)
+        except (ValueError, native.NativeMissingError) as error:
+            return common.refused(self, error)
+        return {"FINISHED"}

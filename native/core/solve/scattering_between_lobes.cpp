@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solve/scattering_between_lobes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "matter/single_scattering_shape.hpp"
+
+namespace lamina {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using std::numbers::pi;
+
+/// The spectrum of a GGX lobe at k times its inverse width, from above: k K_1(k) < sqrt(1 + pi k / 2) exp(-k).
+double blurred(double k) { return std::sqrt(1.0 + 0.5 * pi * k) * std::exp(-k); }
+
+/// The number of moments that represent a phase function, blurred by a lobe of this width in radians, within the
+/// relative error `tolerance` at all angles.
+int moments_needed(const PhaseFunction& phase, double width, double tolerance) {
+  constexpr Index kAngles = 361;
+  constexpr double kFaint = 0.02;  // of isotropic scattering; about 1e-3 / sr in the result
+  const ArrayXd cosines = ArrayXd::LinSpaced(kAngles, 0.0, pi).cos();
+  ArrayXd allowed = cosines;
+  phase.evaluate_all(allowed);
+  allowed = tolerance * allowed.max(kFaint);
+  // Legendre polynomials upwards, then the rest of the series downwards.
+  std::vector<ArrayXd> terms;
+  ArrayXd before = ArrayXd::Zero(kAngles);
+  ArrayXd now = ArrayXd::Ones(kAngles);
+  for (int l = 0; l <= kMostMoments; ++l) {
+    terms.emplace_back((2.0 * l + 1.0) * phase.moment(l) * blurred(l * width) * now);
+    const ArrayXd next = ((2.0 * l + 1.0) * cosines * now - static_cast<double>(l) * before) / (l + 1.0);
+    before = now;
+    now = next;
+  }
+  ArrayXd rest = ArrayXd::Zero(kAngles);
+  int needed = kMostMoments;
+  while (needed > 0) {
+    rest += terms[static_cast<std::size_t>(needed)];
+    if ((rest.abs() > allowed).any()) {
+      break;
+    }
+    --needed;
+  }
+  return needed;
+}
+
+/// The narrowest lobe of the stack's rough boundaries in a medium of this index, in radians.
+double narrowest_lobe(const Solution& solution, double ior) {
+  const Stack& stack = solution.stack();
+  const std::vector<double> indices = refractive_indices(stack);
+  double narrowest = 1e300;
+  for (const Solution::Boundary& boundary : solution.boundaries()) {
+    const bool at_base = boundary.layer == stack.layers.size();
+    const Facets& facets = at_base ? stack.base.facets : std::get<Interface>(stack.layers[boundary.layer]).facets;
+    const double reflected = 2.0 * indices[boundary.layer];
+    const double turn =
+        at_base ? reflected : std::min(reflected, std::abs(indices[boundary.layer + 1] - indices[boundary.layer]));
+    narrowest = std::min(narrowest, turn * facets.alpha / ior);
+  }
+  return narrowest;
+}
+
+constexpr Face kFaces[] = {Face::kTop, Face::kBottom};
+
+const VectorXd& at_face(const DeltaField::Arrival& arrival, Face face) {
+  return face == Face::kTop ? arrival.down : arrival.up;
+}
+
+}  // namespace
+
+/// The light on one set of nodes, with one number of moments.
+struct ScatteringBetweenLobes::Level {
+  /// Light at the top of a medium going down and at its bottom going up: [live node or target, target].
+  struct Light {
+    MatrixXd down;
+    MatrixXd up;
+  };
+
+  const Assembly& assembly;
+  std::vector<Directions> directions;  // by gap, as in the assembly
+  std::vector<TruncatedMedium> media;  // by scatterer
+  std::vector<LayerShapes> shapes;
+  std::vector<std::vector<std::shared_ptr<const LobeOperator::Columns>>> lobes;  // by boundary; empty: the assembly's
+  std::vector<std::size_t> section;                                              // by scatterer
+  std::vector<DeltaField> fields;                                                // by section
+  std::vector<std::size_t> first_layer;
+  int orders;
+
+  Level(const Assembly& all, const MirrorSections& sections, std::vector<Directions> at,
+        std::vector<TruncatedMedium> optics, int count)
+      : assembly(all), directions(std::move(at)), media(std::move(optics)), orders(count) {
+    const Solution& solution = all.solution();
+    const auto cosines = [&](std::size_t gap) -> ArrayXd {
+      ArrayXd mu = ArrayXd::Zero(directions[gap].nodes);
+      mu.head(directions[gap].live) = directions[gap].mu.head(directions[gap].live);
+      return mu;
+    };
+    for (std::size_t k = 0; k <= solution.boundaries().size(); ++k) {
+      fields.push_back(sections.field(k, cosines));
+      first_layer.push_back(sections.first_layer(k));
+    }
+    for (std::size_t k = 0; k < media.size(); ++k) {
+      const std::size_t layer = solution.scatterers()[k].layer;
+      shapes.emplace_back(directions[layer], media[k].tau);
+      section.push_back(section_of(solution, layer));
+    }
+  }
+
+  static std::size_t section_of(const Solution& solution, std::size_t layer) {
+    std::size_t section = 0;
+    while (section < solution.boundaries().size() && solution.boundaries()[section].layer < layer) {
+      ++section;
+    }
+    return section;
+  }
+
+  const MatrixXd& columns(std::size_t boundary, Face from, Face to, int order) const {
+    if (lobes.empty()) {
+      return assembly.surface(boundary).from_targets(from, to, order);
+    }
+    const LobeOperator::Columns& own = *lobes[boundary][from == Face::kTop ? 0 : 1];
+    return (from == to ? own.reflected : own.transmitted)[static_cast<std::size_t>(order)];
+  }
+
+  /// The light of unit beams along the targets on one side of the stack; `leaving`: by reciprocity, the light that
+  /// leaves the stack along the targets.
+  Light light(std::size_t scatterer, Side side, bool leaving, int order) const {
+    const Solution& solution = assembly.solution();
+    const std::size_t layer = solution.scatterers()[scatterer].layer;
+    const Directions& here = directions[layer];
+    const auto& beams = side == Side::kTop ? assembly.deltas().from_above : assembly.deltas().from_below;
+    const Index targets = here.targets;
+    Light all{MatrixXd::Zero(here.live + targets, targets), MatrixXd::Zero(here.live + targets, targets)};
+    all.down.bottomRows(targets).diagonal() = beams[layer].down.tail(targets);
+    all.up.bottomRows(targets).diagonal() = beams[layer].up.tail(targets);
+    const std::size_t own = section[scatterer];
+    for (const bool from_above : {true, false}) {
+      if ((from_above && own == 0) || (!from_above && own == solution.boundaries().size())) {
+        continue;
+      }
+      const std::size_t b = from_above ? own - 1 : own;
+      const Solution::Boundary& boundary = solution.boundaries()[b];
+      const bool at_base = boundary.layer == solution.stack().layers.size();
+      const Face into = from_above ? Face::kBottom : Face::kTop;
+      const Directions& gap = directions[from_above ? boundary.layer + 1 : boundary.layer];
+      const DeltaField& field = fields[own];
+      const auto& arrival = (from_above ? field.from_above : field.from_below)[layer - first_layer[own]];
+      for (const Face entering : kFaces) {
+        if (at_base && entering == Face::kBottom) {
+          continue;
+        }
+        VectorXd share = at_face(beams[boundary.layer], entering).tail(targets);
+        if (share.isZero(0.0)) {
+          continue;
+        }
+        const RoughSurface& surface = *boundary.surface;
+        const auto weight = [&](double mu) { return surface.view_weight(mu); };
+        if (leaving && at_base) {
+          share = share.cwiseProduct(gap.mu.tail(targets).unaryExpr(weight));
+        }
+        const MatrixXd& lobe = columns(b, entering, into, order);
+        const Index rows = std::min(lobe.rows(), here.live);
+        MatrixXd spread = lobe.topRows(rows) * share.asDiagonal();
+        if (!leaving && at_base) {
+          spread = gap.mu.head(rows).unaryExpr(weight).asDiagonal() * spread;
+        }
+        all.down.topRows(rows) += arrival.down.head(rows).asDiagonal() * spread;
+        all.up.topRows(rows) += arrival.up.head(rows).asDiagonal() * spread;
+      }
+    }
+    return all;
+  }
+
+  /// The light between targets in one order: pi f, [out, in].
+  MatrixXd between(Side side, Path path, int order) const {
+    const Side seen = (side == Side::kTop) == (path == Path::kReflect) ? Side::kTop : Side::kBottom;
+    const Index targets = directions.front().targets;
+    MatrixXd sum = MatrixXd::Zero(targets, targets);
+    for (std::size_t k = 0; k < media.size(); ++k) {
+      if (order >= static_cast<int>(media[k].moments.size())) {
+        continue;
+      }
+      const Directions& here = directions[assembly.solution().scatterers()[k].layer];
+      const Light in = light(k, side, false, order);
+      const Light out = light(k, seen, true, order);
+      LayerKernels once = single_on(here, media[k], shapes[k], order);
+      // Between two targets single scattering is in closed form, see StackSingleScattering.
+      once.reflect.bottomRightCorner(targets, targets).setZero();
+      once.transmit.bottomRightCorner(targets, targets).setZero();
+      sum += out.down.transpose() * (once.reflect * in.down + once.transmit * in.up);
+      sum += out.up.transpose() * (once.reflect * in.up + once.transmit * in.down);
+    }
+    return sum;
+  }
+};
+
+ScatteringBetweenLobes::ScatteringBetweenLobes(const Assembly& assembly, ThreadPool& pool)
+    : assembly_(assembly), sections_(assembly.solution()) {
+  const Solution& solution = assembly.solution();
+  if (solution.boundaries().empty() || !std::isfinite(solution.resolution().tolerance)) {
+    return;
+  }
+  std::vector<TruncatedMedium> coarse;
+  std::vector<TruncatedMedium> fine;
+  int moments = solution.resolution().moments();
+  for (const Solution::Scatterer& scatterer : solution.scatterers()) {
+    coarse.push_back(scatterer.medium);
+    fine.push_back(scatterer.medium);
+    if (scatterer.medium.albedo > 0.0) {
+      constexpr double kShare = 0.2;  // of the tolerance
+      moments = std::max(moments, moments_needed(scatterer.phase, narrowest_lobe(solution, scatterer.ior),
+                                                 kShare * solution.resolution().tolerance));
+    }
+  }
+  coarse_ = std::make_unique<Level>(assembly, sections_, assembly.directions(), std::move(coarse), solution.orders());
+  if (moments == solution.resolution().moments()) {
+    return;
+  }
+  for (std::size_t k = 0; k < fine.size(); ++k) {
+    // As in closed form: the phase function itself, and the attenuation of the truncated medium.
+    fine[k].albedo = fine[k].single_scattering_albedo();
+    fine[k].moments.resize(static_cast<std::size_t>(moments));
+    for (int l = 0; l < moments; ++l) {
+      fine[k].moments[static_cast<std::size_t>(l)] = solution.scatterers()[k].phase.moment(l);
+    }
+  }
+  // A polynomial of degree L through nodes of (0, 1) needs L / sqrt(2) of them, see the density of Gauss nodes in
+  // angle.
+  const double nodes = 0.75 * moments + 8.0;
+  const DirectionSet set = solution.direction_set().finer_by(std::max(1.0, nodes / solution.resolution().nodes));
+  const std::vector<double> indices = refractive_indices(solution.stack());
+  const Index targets = assembly.directions().front().targets;
+  const VectorXd mu = assembly.directions().front().mu.tail(targets);  // in air
+  std::vector<Directions> directions;
+  for (const double ior : indices) {
+    directions.push_back(set.in_medium(ior, mu));
+  }
+  fine_ = std::make_unique<Level>(assembly, sections_, std::move(directions), std::move(fine), moments);
+  for (const Solution::Boundary& boundary : solution.boundaries()) {
+    fine_->lobes.emplace_back();
+    for (const LobeOperator& lobes : boundary.surface->lobes_on(set, moments)) {
+      const std::size_t gap = boundary.layer + fine_->lobes.back().size();
+      fine_->lobes.back().push_back(lobes.from_targets(fine_->directions[gap], pool));
+    }
+  }
+}
+
+/// Rays at a medium, of a unit beam along a target: shares of the flux at the top going down and at the bottom going
+/// up, and azimuths from that of the target. The first ray is specular.
+struct ScatteringBetweenLobes::Bundle {
+  std::vector<double> mu;
+  std::vector<double> azimuth;
+  std::vector<double> down;
+  std::vector<double> up;
+};
+
+ScatteringBetweenLobes::~ScatteringBetweenLobes() = default;
+
+ScatteringBetweenLobes::Bundle ScatteringBetweenLobes::bundle(std::size_t scatterer, Index target, bool leaving) const {
+  constexpr int kDegree = 4;
+  constexpr double kFaintest = 1e-7;  // share of the beam; many faint rays make up a tail
+  const Solution& solution = assembly_.solution();
+  const std::size_t layer = solution.scatterers()[scatterer].layer;
+  const Directions& here = assembly_.directions()[layer];
+  const std::vector<DeltaField::Arrival>& beams = assembly_.deltas().from_above;
+  const Index at = here.nodes + target;
+  Bundle all{{here.mu[here.live + target]}, {0.0}, {beams[layer].down[at]}, {beams[layer].up[at]}};
+  const std::size_t own = Level::section_of(solution, layer);
+  for (const bool from_above : {true, false}) {
+    if ((from_above && own == 0) || (!from_above && own == solution.boundaries().size())) {
+      continue;
+    }
+    const Solution::Boundary& boundary = solution.boundaries()[from_above ? own - 1 : own];
+    const RoughSurface& surface = *boundary.surface;
+    const Directions& gap = assembly_.directions()[from_above ? boundary.layer + 1 : boundary.layer];
+    const std::vector<FacetRays> lobes = surface.rays_on(solution.direction_set(), kDegree);
+    for (std::size_t entering = 0; entering < lobes.size(); ++entering) {
+      const Directions& outside = assembly_.directions()[boundary.layer + entering];
+      const double mu = outside.mu[outside.live + target];
+      const double share = at_face(beams[boundary.layer], kFaces[entering])[at];
+      if (!(share > 0.0 && mu > 0.0)) {
+        continue;
+      }
+      Rays reflected;
+      Rays transmitted;
+      lobes[entering].scatter(mu, reflected, transmitted);
+      const Rays& rays = (entering == 0) == from_above ? transmitted : reflected;
+      const ArrayXd leaves = Eigen::Map<const ArrayXd>(rays.mu.data(), static_cast<Index>(rays.mu.size()));
+      const auto in_gap = [&](std::size_t k) -> ArrayXd {
+        return leaves.unaryExpr([&](double m) { return refracted_cosine(m, gap.ior, assembly_.directions()[k].ior); });
+      };
+      const DeltaField field = sections_.field(own, in_gap);
+      const auto& arrival = (from_above ? field.from_above : field.from_below)[layer - sections_.first_layer(own)];
+      const ArrayXd arriving = in_gap(layer);
+      for (Index k = 0; k < leaves.size(); ++k) {
+        const auto ray = static_cast<std::size_t>(k);
+        const double whole = share * rays.share[ray] * surface.view_weight(leaving ? mu : leaves[k]);
+        if (whole > kFaintest && arriving[k] > 0.0) {
+          all.mu.push_back(arriving[k]);
+          all.azimuth.push_back(std::acos(std::clamp(rays.azimuth[ray], -1.0, 1.0)));
+          all.down.push_back(whole * arrival.down[k]);
+          all.up.push_back(whole * arrival.up[k]);
+        }
+      }
+    }
+  }
+  return all;
+}
+
+ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) const {
+  const Solution& solution = assembly_.solution();
+  ArrayXd sum = ArrayXd::Zero(dphi.size());
+  for (std::size_t k = 0; k < solution.scatterers().size(); ++k) {
+    const Solution::Scatterer& scatterer = solution.scatterers()[k];
+    const double weight = 0.25 / pi * scatterer.medium.single_scattering_albedo() / (scatterer.ior * scatterer.ior);
+    if (weight == 0.0) {
+      continue;
+    }
+    const Bundle in = bundle(k, i, false);
+    const Bundle out = bundle(k, o, true);
+    ArrayXd relative(4 * dphi.size());
+    for (std::size_t r = 0; r < out.mu.size(); ++r) {
+      for (std::size_t s = r == 0 ? 1 : 0; s < in.mu.size(); ++s) {
+        const double mu_o = out.mu[r];
+        const double mu_i = in.mu[s];
+        const double sines = std::sqrt(std::max(0.0, (1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i)));
+        const auto add = [&](double share, double turn) {
+          if (share == 0.0) {
+            return;
+          }
+          // Each ray stands for its mirror image in the plane of incidence, too.
+          const double far = out.azimuth[r] + in.azimuth[s];
+          const double near = out.azimuth[r] - in.azimuth[s];
+          relative << (dphi + far).cos(), (dphi - far).cos(), (dphi + near).cos(), (dphi - near).cos();
+          relative = (turn * mu_o * mu_i + sines * relative).max(-1.0).min(1.0);
+          scatterer.phase.evaluate_all(relative);
+          const double shape = turn < 0.0 ? single_reflection(mu_o, mu_i, scatterer.medium.tau)
+                                          : single_transmission(mu_o, mu_i, scatterer.medium.tau);
+          sum += 0.25 * weight * share * shape * relative.reshaped(dphi.size(), 4).rowwise().sum();
+        };
+        add(out.down[r] * in.down[s] + out.up[r] * in.up[s], -1.0);
+        add(out.down[r] * in.up[s] + out.up[r] * in.down[s], 1.0);
+      }
+    }
+  }
+  return sum;
+}
+
+std::vector<MatrixXd> ScatteringBetweenLobes::held() const {
+  const Level& level = fine_ ? *fine_ : *coarse_;
+  std::vector<MatrixXd> orders;
+  for (int m = 0; m < level.orders; ++m) {
+    orders.push_back(level.between(Side::kTop, Path::kReflect, m));
+  }
+  return orders;
+}
+
+int ScatteringBetweenLobes::orders() const {
+  return fine_ ? std::max(fine_->orders, assembly_.solution().orders()) : assembly_.solution().orders();
+}
+
+ScatteringFunction ScatteringBetweenLobes::without_single(int order) const {
+  const Directions& here = assembly_.directions().front();
+  const Index targets = here.targets;
+  ScatteringFunction rest = order < assembly_.solution().orders()
+                                ? assembly_.without_single(order)
+                                : ScatteringFunction::nothing(here.size(), here.nodes, here.views);
+  if (!fine_) {
+    return rest;
+  }
+  const auto add = [&](DirectionOperator& part, Side side, Path path) {
+    auto between = part.kernel.bottomRightCorner(targets, targets);
+    if (order < fine_->orders) {
+      between += fine_->between(side, path, order);
+    }
+    if (order < coarse_->orders) {
+      between -= coarse_->between(side, path, order);
+    }
+  };
+  add(rest.reflect_above, Side::kTop, Path::kReflect);
+  if (assembly_.solution().stack().base.kind == Base::Kind::kNone) {
+    add(rest.reflect_below, Side::kBottom, Path::kReflect);
+    add(rest.transmit, Side::kTop, Path::kTransmit);
+  }
+  return rest;
+}
+
+}  // namespace lamina
