@@ -104,7 +104,7 @@ def apply(material, lut, curves=None, in_place=False, coarse=False):
         node_group.build(material, lut)
         if not had_input:
             thickness.reconnect(material)
-    _note_report(material.lamina.result, lut)
+    material.lamina.result.note(lut)
     if curves is not None:
         material.lamina.result.curves = curves
     if coarse:
@@ -180,47 +180,6 @@ def version_difference(material):
     Raises lamina.StackError, NativeMissingError."""
     told = native.part("baking.result_changes").told
     return told(material.lamina.result.version, stack_io.to_stack(material))
-
-
-def _note_report(result, lut):
-    header, report = lut.header, lut.report
-    transmission = report.get("fit_error_transmission")
-    result.stack_hash = header["stack_hash"]
-    result.version = header.get("version", "")
-    result.quality = header["quality"]
-    result.basis = header["basis"]
-    result.fit_error = report["fit_error"]
-    result.fit_error_transmission = -1.0 if transmission is None else transmission
-    for prefix, key in (("", "worst_slice"), ("through_", "worst_slice_transmission")):
-        worst = report.get(key) or {"error": -1.0}
-        tau = worst.get("tau")
-        setattr(result, f"{prefix}worst_error", worst["error"])
-        setattr(result, f"{prefix}worst_mu", worst.get("mu_o", 1.0))
-        setattr(result, f"{prefix}worst_channel", int(worst.get("channel", 0)))
-        setattr(result, f"{prefix}worst_side", str(worst.get("side", "top")))
-        varies = tau is not None and header["axes"]["tau"]["count"] > 1
-        setattr(result, f"{prefix}worst_tau", tau if varies else -1.0)
-    result.row_errors = json.dumps(_row_errors(report))
-    between = report.get("tau_error") or {}
-    result.between_rows = between.get("mean", -1.0)
-    result.between_rows_worst = between.get("worst", -1.0)
-    result.albedo_error = report["albedo_error"]
-    over = report.get("input_error")
-    result.input_mean = over["mean"] if over else -1.0
-    result.input_worst = over["worst"]["error"] if over else -1.0
-    result.input_albedo = over["albedo"]["error"] if over else -1.0
-    below = report.get("base_error") or {}
-    result.base_matte, result.base_metal = below.get("lambert", -1.0), below.get("metal", -1.0)
-    result.base_unknown, result.base_color = below.get("unknown", -1.0), below.get("color", -1.0)
-    result.energy_error = report["energy_error"]
-    result.closures = int(report["closures"])
-    result.seconds = report["seconds"]
-
-
-def _row_errors(report):
-    """[[thickness, mean fit error, worst], ...] of a varying layer's rows; [] without one."""
-    rows = report.get("row_errors") or {"tau": [], "mean": [], "worst": []}
-    return [list(row) for row in zip(rows["tau"], rows["mean"], rows["worst"], strict=True)]
 
 
 @persistent

@@ -44,7 +44,7 @@ class _Material:
         self.seconds, self.nodes = 0.0, 0  # of the last complete bake
         self.coarse = False  # the shown bake is coarse
         self.error = 0.0  # the fit error now, and when the closures were chosen
-        self.chosen_error = material.lamina.result.fit_error
+        self.chosen_error = material.lamina.result.report.get("fit_error", 0.0)
         self.undrawn = None  # (stack, LUT) of a whole bake that the result's picture does not show
 
     def coarse_options(self, material):

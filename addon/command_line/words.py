@@ -34,31 +34,37 @@ def state(material, quality=None, basis=None):
 
 def bake(result, seconds):
     """The accuracy of the last bake, as one line."""
-    errors = f"fit error {percent(result.fit_error, 2)}, worst slice {percent(result.worst_error)}"
-    if result.fit_error_transmission >= 0.0:
-        errors += f", transmission {percent(result.fit_error_transmission, 2)}"
-        errors += f", worst slice {percent(result.through_worst_error)}"
-    return f"{errors}, {result.closures} closures, {result.basis}, {result.quality}, {seconds:.2f} s"
+    report = result.report
+    errors = f"fit error {percent(report['fit_error'], 2)}"
+    errors += f", worst slice {percent(report['worst_slice']['error'])}"
+    if report["fit_error_transmission"] is not None:
+        errors += f", transmission {percent(report['fit_error_transmission'], 2)}"
+        errors += f", worst slice {percent(report['worst_slice_transmission']['error'])}"
+    return f"{errors}, {report['closures']} closures, {result.basis}, {result.quality}, {seconds:.2f} s"
 
 
 def facts(result):
-    """The last bake as JSON; None before the first."""
+    """The last bake as JSON; None before the first. Errors that the bake did not measure are None."""
     if not result.stack_hash:
         return None
-    errors = {
-        "fit_error": result.fit_error,
-        "worst_slice": result.worst_error,
-        "fit_error_transmission": result.fit_error_transmission,
-        "worst_slice_transmission": result.through_worst_error,
-        "between_rows": result.between_rows,
-        "albedo_error": result.albedo_error,
-        "energy_error": result.energy_error,
-    }
+    report = result.report
     return {
         "stack_hash": result.stack_hash,
         "lamina": result.version or None,
         "quality": result.quality,
         "basis": result.basis or "standard",
-        "closures": result.closures,
-        "errors": {name: value if value >= 0.0 else None for name, value in errors.items()},
+        "closures": report.get("closures"),
+        "errors": {
+            "fit_error": report.get("fit_error"),
+            "worst_slice": _within(report, "worst_slice", "error"),
+            "fit_error_transmission": report.get("fit_error_transmission"),
+            "worst_slice_transmission": _within(report, "worst_slice_transmission", "error"),
+            "between_rows": _within(report, "tau_error", "mean"),
+            "albedo_error": report.get("albedo_error"),
+            "energy_error": report.get("energy_error"),
+        },
     }
+
+
+def _within(report, entry, name):
+    return (report.get(entry) or {}).get(name)

@@ -39,9 +39,9 @@ class LAMINA_OT_bake(Following, bpy.types.Operator):
         return bake_job.start(material), f"Lamina bakes {material.name}"
 
     def told(self, material):
-        result = material.lamina.result
-        fit = messages.percent(result.fit_error)
-        return f"Baked {material.name} in {result.seconds:.1f} s, fit error {fit}"
+        report = material.lamina.result.report
+        fit = messages.percent(report["fit_error"])
+        return f"Baked {material.name} in {report['seconds']:.1f} s, fit error {fit}"
 
     def failed(self, error, context, job=None):
         material = common.material_of(context) if job is None else job.material()

@@ -4,12 +4,13 @@
 The running bake and the last failure are not stored in the .blend: see bake_job.
 """
 
+import json
+
 import bpy
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
     EnumProperty,
-    FloatProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -21,7 +22,8 @@ from . import interior_properties
 from .interior_properties import LaminaInterior
 from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
 
-SCHEMA = 2  # 1: media of three phase functions on four bases
+# 1: media of three phase functions on four bases; 2: numbers of the bake's report as single properties
+SCHEMA = 3
 
 
 LATERAL_OUTPUTS = (
@@ -40,51 +42,28 @@ LATERAL_OUTPUTS = (
 
 
 class LaminaResult(bpy.types.PropertyGroup):
-    """The last finished bake, copied from the LUT's report."""
+    """The last finished bake."""
 
     stack_hash: StringProperty(description="Hash of the stack that was baked; empty before the first bake")
     version: StringProperty(description="Of the Lamina that made the bake; empty in files of 0.1.0")
     quality: StringProperty()
     basis: StringProperty(description="Empty in older files, whose basis is standard")
-    fit_error: FloatProperty(description="Mean over slices of the relative L2 error, reflection")
-    fit_error_transmission: FloatProperty(description="For transmission; negative when there is none")
-    worst_error: FloatProperty(description="Relative L2 error of the worst slice")
-    worst_mu: FloatProperty(description="View cosine of the worst slice")
-    worst_channel: IntProperty()
-    worst_side: StringProperty()
-    worst_tau: FloatProperty(description="Optical thickness of its row; negative when no layer varies")
-    through_worst_error: FloatProperty(
-        default=-1.0, description="The same for the worst slice of transmission; negative when there is none"
-    )
-    through_worst_mu: FloatProperty()
-    through_worst_channel: IntProperty()
-    through_worst_side: StringProperty()
-    through_worst_tau: FloatProperty()
-    row_errors: StringProperty(
-        description="JSON: [thickness, mean fit error, worst] of each row of the varying layer"
-    )
-    between_rows: FloatProperty(
-        default=-1.0, description="Mean error between rows of thickness; negative when not measured"
-    )
-    between_rows_worst: FloatProperty(default=-1.0)
-    albedo_error: FloatProperty(description="Worst relative error of the directional albedo")
-    input_mean: FloatProperty(
-        default=-1.0, description="Mean error of slices over values of the inputs; negative without inputs"
-    )
-    input_worst: FloatProperty(default=-1.0, description="The largest of these errors")
-    input_albedo: FloatProperty(default=-1.0, description="Worst albedo error over values of the inputs")
-    base_matte: FloatProperty(
-        default=-1.0, description="Energy error of a matte shader below; negative for other bases"
-    )
-    base_metal: FloatProperty(default=-1.0, description="The same for rough metal")
-    base_unknown: FloatProperty(default=-1.0, description="The same where the reflectance is not known")
-    base_color: FloatProperty(default=-1.0, description="The worst of matte and metal in one channel")
-    energy_error: FloatProperty()
-    closures: IntProperty()
-    seconds: FloatProperty()
+    report_json: StringProperty(description="The report of lamina.bake, without single slices")
     curves: StringProperty(
         description="JSON: curves of the result's picture, see result_curves; empty without a picture"
     )
+
+    @property
+    def report(self):
+        """The report of lamina.bake, see Lut.report; empty before the first bake."""
+        return json.loads(self.report_json or "{}")
+
+    def note(self, lut):
+        """Keep the report of a finished lamina.Lut."""
+        self.stack_hash, self.version = lut.header["stack_hash"], lut.header.get("version", "")
+        self.quality, self.basis = lut.header["quality"], lut.header["basis"]
+        kept = {name: value for name, value in lut.report.items() if not name.startswith("slice_errors")}
+        self.report_json = json.dumps(kept)
 
 
 class LaminaMaterial(bpy.types.PropertyGroup):

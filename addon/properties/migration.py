@@ -9,8 +9,9 @@ from bpy.app.handlers import persistent
 
 from ..base import handlers, timers
 from . import material_properties
+from .report_of_schema_2 import gather
 
-STEPS = {}
+STEPS = {2: gather}
 
 
 def start(material):

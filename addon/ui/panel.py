@@ -187,7 +187,8 @@ class LAMINA_PT_result(MaterialPanel, bpy.types.Panel):
             return
         draw_lines(layout, below_lines(result))
         header, body = layout.panel("lamina_numbers", default_closed=True)
-        header.label(text=f"Numbers (fit error {percent(result.fit_error)})")
+        fit_error = result.report.get("fit_error")
+        header.label(text="Numbers" if fit_error is None else f"Numbers (fit error {percent(fit_error)})")
         if body is not None:
             draw_lines(body, result_lines(result))
 
@@ -205,49 +206,51 @@ def draw_lines(layout, lines):
 
 def below_lines(result):
     """(name, value) of the lines on a base that another shader renders, whose light is approximate."""
-    if result.base_matte < 0.0:
+    errors = result.report.get("base_error")
+    if not errors:
         return []
     return [
         ("Shader Below", "Approximate. Error of the energy:"),
-        ("If Matte", percent(result.base_matte)),
-        ("If Rough Metal", percent(result.base_metal)),
-        ("In One Channel", percent(result.base_color)),
-        ("Without Reflectance", percent(result.base_unknown)),
+        ("If Matte", percent(errors["lambert"])),
+        ("If Rough Metal", percent(errors["metal"])),
+        ("In One Channel", percent(errors["color"])),
+        ("Without Reflectance", percent(errors["unknown"])),
     ]
 
 
 def result_lines(result):
     """(name, value) for each of the result's numbers."""
-    lines = [("Fit Error", f"{percent(result.fit_error)} mean, {percent(result.worst_error)} worst")]
-    lines.append(("Worst At", _place(result, "worst")))
-    if result.fit_error_transmission >= 0.0:
-        through = f"{percent(result.fit_error_transmission)} mean"
-        if result.through_worst_error >= 0.0:  # not in bakes of earlier versions
-            through += f", {percent(result.through_worst_error)} worst"
-        lines.append(("Transmission", through))
-    if result.through_worst_error >= 0.0:
-        lines.append(("Worst At", _place(result, "through_worst")))
-    lines.append(("Albedo Error", percent(result.albedo_error, 2)))
-    if result.input_mean >= 0.0:
-        errors = percent(result.input_mean), percent(result.input_worst)
+    report = result.report
+    if not report:  # of an earlier version, in a linked file
+        return [("Numbers", "Bake again: an earlier Lamina made this bake")]
+    lines = []
+    for name, ending in (("Fit Error", ""), ("Transmission", "_transmission")):
+        mean, worst = report[f"fit_error{ending}"], report.get(f"worst_slice{ending}")
+        if mean is not None:
+            text = f"{percent(mean)} mean"
+            lines.append((name, f"{text}, {percent(worst['error'])} worst" if worst else text))
+        if worst:
+            lines.append(("Worst At", _place(worst, report["tau_rows"] > 1)))
+    lines.append(("Albedo Error", percent(report["albedo_error"], 2)))
+    inputs = report.get("input_error")
+    if inputs:
+        errors = percent(inputs["mean"]), percent(inputs["worst"]["error"])
         lines.append(("Over All Inputs", f"{errors[0]} mean, {errors[1]} worst"))
-        lines.append(("Their Albedo Error", percent(result.input_albedo, 2)))
-    lines.append(("Energy Error", percent(result.energy_error, 2)))
-    lines.append(("Closures", f"{result.closures}, {result.basis or 'standard'} fit"))
-    lines.append(("Baked", f"{result.quality.capitalize()}, {result.seconds:.2f} s"))
+        lines.append(("Their Albedo Error", percent(inputs["albedo"]["error"], 2)))
+    lines.append(("Energy Error", percent(report["energy_error"], 2)))
+    lines.append(("Closures", f"{report['closures']}, {result.basis or 'standard'} fit"))
+    lines.append(("Baked", f"{result.quality.capitalize()}, {report['seconds']:.2f} s"))
     return lines
 
 
-def _place(result, prefix):
-    """The place of a worst slice, from the properties that begin with `prefix`."""
-    names = ("mu", "channel", "side", "tau")
-    cosine, channel, side, tau = (getattr(result, f"{prefix}_{name}") for name in names)
-    angle = math.degrees(math.acos(min(max(cosine, 0.0), 1.0)))
-    place = [f"{angle:.0f}° view", CHANNELS[min(max(channel, 0), 2)]]
-    if side == "bottom":
+def _place(worst, varies):
+    """The place of a worst slice; its thickness if a layer varies."""
+    angle = math.degrees(math.acos(worst["mu_o"]))
+    place = [f"{angle:.0f}° view", CHANNELS[worst["channel"]]]
+    if worst["side"] == "bottom":
         place.append("back side")
-    if tau >= 0.0:
-        place.append(f"thickness {tau:.2g}")
+    if varies:
+        place.append(f"thickness {worst['tau']:.2g}")
     return ", ".join(place)
 
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The panel of the varying layer's thickness: its source, and the fit error there."""
 
-import json
-
 import bpy
 
 from ..base.messages import percent
@@ -85,12 +83,10 @@ def _has_attribute(context, name):
 
 def error_lines(result, now):
     """(name, value) of the fit error by thickness: at the value, or at some rows; and between rows."""
-    try:
-        rows = json.loads(result.row_errors or "[]")
-    except ValueError:
+    report = result.report
+    if not report.get("row_errors"):
         return []
-    if not rows:
-        return []
+    rows = list(zip(*(report["row_errors"][name] for name in ("tau", "mean", "worst")), strict=True))
     if now.source == "value":
         tau = now.socket.default_value
         rows = [min(rows, key=lambda row: abs(row[0] - tau))]
@@ -100,8 +96,9 @@ def error_lines(result, now):
     lines = []
     for tau, mean, worst in rows:
         lines.append((f"Error at {tau:.2g}", f"{percent(mean)} mean, {percent(worst)} worst"))
-    if result.between_rows >= 0.0:
-        text = f"{percent(result.between_rows, 2)} mean, {percent(result.between_rows_worst)} worst"
+    between = report.get("tau_error")
+    if between:
+        text = f"{percent(between['mean'], 2)} mean, {percent(between['worst'])} worst"
         lines.append(("Between Rows", text))
     return lines
 

@@ -96,8 +96,7 @@ def test_the_energy_is_right_on_average(materials):
         alone = exact([Medium(albedo=0.5, tau=0.0)], BASES[below][2])
         assert found == pytest.approx(alone, rel=5e-3), "Cycles' own shaders are the solver's bases"
     for ((name, below), material), found in zip(materials.items(), rendered, strict=False):
-        result = material.lamina.result
-        stated = result.base_metal if below == "metal" else result.base_matte
+        stated = material.lamina.result.report["base_error"]["metal" if below == "metal" else "lambert"]
         error = found / exact(LAYERS[name], BASES[below][2]) - 1.0
         assert abs(error) <= MOST, (name, below, error)
         assert abs(error) <= stated + FIT, (name, below, error, stated)

@@ -34,10 +34,11 @@ def held(path):
     for material in bpy.data.materials:
         group = material.lamina.node_group
         result = material.lamina.result
-        names = [prop.identifier for prop in result.bl_rna.properties if prop.identifier not in ("rna_type", "seconds")]
+        names = [prop.identifier for prop in result.bl_rna.properties
+                 if prop.identifier not in ("rna_type", "report_json")]
         found[material.name] = (
             serialised_tree.of_material(material),
-            {name: getattr(result, name) for name in names},
+            {name: getattr(result, name) for name in names} | {"report": result.report | {"seconds": 0.0}},
             None if group is None else pixels(image_of(group)).tobytes(),
         )
     return found, serialised_tree.of_file()

@@ -122,7 +122,7 @@ def test_the_manifest_and_the_log(run, lamina, files, tmp_path):
     material = bpy.data.materials["dusty_a"]
     assert first["stack_hash"] == second["stack_hash"] == material.lamina.result.stack_hash
     assert (first["status"], second["status"], first["reason"]) == ("baked", "from the cache", "not baked")
-    assert first["baked"]["errors"]["fit_error"] == material.lamina.result.fit_error > 0.0
+    assert first["baked"]["errors"]["fit_error"] == material.lamina.result.report["fit_error"] > 0.0
     assert first["baked"]["errors"]["fit_error_transmission"] is None and first["seconds"] > 0.0
     assert (first["quality"], first["basis"]) == ("preview", "standard")
     assert first["baked"]["lamina"] == lamina.__version__ == material.lamina.result.version

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The source of the varying layer's thickness: set by function and by operator, with the artist's own links kept."""
 
-import json
 
 import addon_utils
 import bpy
@@ -178,8 +177,8 @@ def test_wiring_can_be_undone_and_done_again(addon, dusty, call):
 
 def test_the_panel_tells_the_error_of_the_thickness_shown(addon, dusty):
     result = dusty.lamina.result
-    rows = json.loads(result.row_errors)
-    assert len(rows) == 33 and rows[-1][0] == pytest.approx(LARGEST)
+    rows = result.report["row_errors"]["tau"]
+    assert len(rows) == 33 and rows[-1] == pytest.approx(LARGEST)
     lines = addon.ui.thickness_panel.error_lines(result, addon.nodes.thickness.wiring(dusty))
     assert lines[0][0] == "Error at 2" and "mean" in lines[0][1]
     addon.nodes.thickness.wire_thickness(dusty, "attribute")
