@@ -55,5 +55,4 @@ class DustJob(Worker):
 
 def start(context, objects):
     """Start in the background, one job at a time. Raises as object_dust.gather does, before it starts."""
-    tasks = [object_dust.gather(context, obj) for obj in objects]
-    return _place.take(DustJob(tasks, preferences.threads()))
+    return _place.take(DustJob(object_dust.gather_all(context, objects), preferences.threads()))

@@ -43,40 +43,56 @@ class OwnMesh:
         return self.loops is None and self.origins is None and self.face_origins is None
 
 
-def read(context, obj, uv_map=None, others=True, live=False):
-    """(Arrays, OwnMesh, occluders) of an object as it is rendered: modifiers and transformation applied.
+@dataclass(frozen=True)
+class Request:
+    """An object whose dust is wanted. `uv_map`: that map is read too, "" is the active one; None: no map.
+    `others`: other objects keep dust off."""
 
-    `uv_map`: also that map, "" is the active one. The occluders of its dust, a list of Arrays, are all other
-    objects that are rendered and cast shadows, also instances; none without `others`. `live`: as the viewport
-    shows all, without a render's dependency graph, which takes longer and needs an idle Blender. An object
-    that is hidden in renders is as the viewport shows it, too. Raises RefusedError."""
-    changed = any(_is_used(one, obj, live) and not dust_playback.is_playback(one) for one in obj.modifiers)
-    tags = _tag(obj.data) if changed else None
+    obj: object
+    uv_map: str | None = None
+    others: bool = True
+
+
+def read(context, requests, live=False):
+    """[(Arrays, OwnMesh, occluders)] of each Request object as it is rendered: modifiers and transformation
+    applied. The scene is evaluated once for all.
+
+    The occluders of an object's dust, a list of Arrays, are all other objects that are rendered and cast
+    shadows, also instances; none without `others`. `live`: as the viewport shows all, without a render's
+    dependency graph, which takes longer and needs an idle Blender. An object that is hidden in renders is as
+    the viewport shows it, too. Raises RefusedError."""
+    tags = {one.obj: _tag(one.obj.data) for one in requests if _is_changed(one.obj, live)}
     scale = context.scene.unit_settings.scale_length
+    with_others = any(one.others for one in requests)
 
     def read_from(depsgraph):
-        evaluated, matrix = _find(depsgraph, obj)
-        arguments = obj, evaluated, matrix, scale, uv_map, tags
-        body = None if evaluated is None else _body(*arguments, _has_instances(depsgraph, obj))
-        return body, _others(depsgraph, obj, scale) if others else []
+        others = _all_occluders(depsgraph, scale) if with_others else []
+        return [None if live else _body_in(depsgraph, one, scale, tags) for one in requests], others
 
     try:
         shown = context.evaluated_depsgraph_get()
         shown.update()
-        if live:
-            body, occluders = None, _others(shown, obj, scale) if others else []
-        else:
-            body, occluders = rendered.visit(context.scene, context.view_layer, read_from)
-        if body is None:
-            shown = context.evaluated_depsgraph_get()
-            evaluated = obj.evaluated_get(shown)
-            arguments = obj, evaluated, evaluated.matrix_world, scale, uv_map, tags
-            body = _body(*arguments, _has_instances(shown, obj))
+        bodies, others = read_from(shown) if live else rendered.visit(
+            context.scene, context.view_layer, read_from)
+        for number, one in enumerate(requests):
+            if bodies[number] is None:
+                shown = context.evaluated_depsgraph_get()
+                evaluated = one.obj.evaluated_get(shown)
+                bodies[number] = _body(shown, one, evaluated, evaluated.matrix_world, scale, tags)
     finally:
-        if tags is not None:
+        for obj in tags:
             for name in (_TAG, _FACE_TAG):
-                obj.data.attributes.remove(obj.data.attributes[name])
-    return *body, occluders
+                if name in obj.data.attributes:  # two objects may share a mesh
+                    obj.data.attributes.remove(obj.data.attributes[name])
+    return [
+        (*body, [arrays for other, arrays in others if other != one.obj] if one.others else [])
+        for one, body in zip(requests, bodies, strict=True)
+    ]
+
+
+def _is_changed(obj, live):
+    """True if modifiers change the mesh of an object."""
+    return any(_is_used(one, obj, live) and not dust_playback.is_playback(one) for one in obj.modifiers)
 
 
 def has_own_levels(obj):
@@ -97,12 +113,12 @@ def _is_used(modifier, obj, live):
     return modifier.show_viewport if live or obj.hide_render else modifier.show_render
 
 
-def _find(depsgraph, obj):
-    """The evaluated object and its matrix, or None and None if it is not seen there."""
+def _body_in(depsgraph, request, scale, tags):
+    """What `_body` returns, or None if the object is not seen in this dependency graph."""
     for instance in depsgraph.object_instances:
-        if _is_itself(instance, obj) and instance.show_self:
-            return instance.object, instance.matrix_world.copy()
-    return None, None
+        if _is_itself(instance, request.obj) and instance.show_self:
+            return _body(depsgraph, request, instance.object, instance.matrix_world.copy(), scale, tags)
+    return None
 
 
 def _has_instances(depsgraph, obj):
@@ -114,8 +130,10 @@ def _has_instances(depsgraph, obj):
     )
 
 
-def _body(obj, evaluated, matrix, scale, uv_map, tags, has_instances):
+def _body(depsgraph, request, evaluated, matrix, scale, tags):
     """(Arrays, OwnMesh). `matrix`: of the object, in world space."""
+    obj, uv_map, tags = request.obj, request.uv_map, tags.get(request.obj)
+    has_instances = _has_instances(depsgraph, obj)
     mesh, result = obj.data, evaluated.to_mesh()
     try:
         vertices = mesh_arrays.vertices(result, matrix, scale)
@@ -144,14 +162,13 @@ def _body(obj, evaluated, matrix, scale, uv_map, tags, has_instances):
     return Arrays(vertices, triangles, normals, uvs, obj.name), own
 
 
-def _others(depsgraph, obj, scale):
-    """The occluders of dust on `obj`: all objects that are rendered and cast shadows, also instances. Raises
-    RefusedError.
-    """
+def _all_occluders(depsgraph, scale):
+    """[(object, or None for an instance; its Arrays)] of all objects that are rendered and cast shadows, also
+    instances. Raises RefusedError."""
     found, count = [], 0
     for instance in depsgraph.object_instances:
         other = instance.object
-        if other.type not in KINDS or not _stops(instance) or _is_itself(instance, obj):
+        if other.type not in KINDS or not _stops(instance):
             continue
         mesh = other.to_mesh()
         if mesh is None:
@@ -166,7 +183,8 @@ def _others(depsgraph, obj, scale):
             text = f"The other objects have more than {MOST_TRIANGLES:,} triangles: hide some in renders"
             raise RefusedError(text)
         if len(triangles):
-            found.append(Arrays(vertices, triangles, name=other.name))
+            own = None if instance.is_instance else other.original
+            found.append((own, Arrays(vertices, triangles, name=other.name)))
     return found
 
 

@@ -138,8 +138,8 @@ def gather(context, obj, live=False, preview=False, moment=None):
     if moment is None:
         budget = dust_frames.Budget(settings, follows)
         for _frame in dust_frames.visited(context.scene, frames):
-            uv_map = settings.uv_map if size else None
-            surface, own, occluders = geometry.read(context, obj, uv_map, settings.others, live)
+            request = geometry.Request(obj, _uv_map(obj), settings.others)
+            surface, own, occluders = geometry.read(context, [request], live)[0]
             before = moments[-1].occluders if moments else []
             occluders = dust_frames.shared(occluders, before)
             budget.add(surface, own, [one for one in occluders if not any(one is known for known in before)])
@@ -152,6 +152,23 @@ def gather(context, obj, live=False, preview=False, moment=None):
     is_part = preview or (live and (settings.over_frames or geometry.has_own_levels(obj)))
     settled = PARTLY if is_part else dust_settings.text(settings)
     return Task(obj.session_uid, obj.name, moments, settling, settings.seed, size, follows, settled)
+
+
+def gather_all(context, objects):
+    """The input of the settling on several objects: their tasks. The scene is read once for all whose dust is
+    wanted at the present frame. Raises as `gather` does."""
+    sentence = next(filter(None, map(problem, objects)), "")
+    if sentence:
+        raise RefusedError(sentence)
+    still = [obj for obj in objects if not obj.lamina_dust.over_frames]
+    requests = [geometry.Request(obj, _uv_map(obj), obj.lamina_dust.others) for obj in still]
+    moments = {obj: Moment(*one) for obj, one in zip(still, geometry.read(context, requests), strict=True)}
+    return [gather(context, obj, moment=moments.get(obj)) for obj in objects]
+
+
+def _uv_map(obj):
+    """The UV map that is read for dust in an image; None for an attribute."""
+    return obj.lamina_dust.uv_map if obj.lamina_dust.target == "image" else None
 
 
 def settle_gathered(task, progress=None, cancel=None, threads=0):

@@ -82,6 +82,11 @@ class Traced:
                       sum(part.rays for part in parts), sum(part.seconds for part in parts))
 
 
+def reach_of(settings: Settling, scale: float) -> float:
+    """Distance in metres up to which neighbors shelter dust that slides; `scale`: of the surface's frame."""
+    return 0.1 * scale if settings.reach is None else settings.reach
+
+
 class Rays:
     """Rays through one place. Raises DustUnavailable."""
 
@@ -119,7 +124,7 @@ class Rays:
         sides = starts.slides * arrives
         if settings.concavity == 0.0 or not sides.any():
             return Traced(shares, np.ones(len(starts), np.float32), rays, 0.0)
-        reach = 0.1 if settings.reach is None else settings.reach / self._place.frame.scale
+        reach = reach_of(settings, self._place.frame.scale) / self._place.frame.scale
         # A point without a normal costs no rays, and has the exposure 1.
         normals = starts.normals * sides[:, None].astype(np.float32)
         exposures, more = self._scene.exposures(starts.positions, normals, first, self._sheltered, reach)

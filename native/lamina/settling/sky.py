@@ -13,7 +13,8 @@ from . import balance
 from .balance import FallFrame
 from .mesh import Mesh, Points, common_frame, unit_normals, used_vertices
 from .patches import patches
-from .rays import Place, Starts, Traced
+from .rays import Place, Starts, Traced, reach_of
+from .shelter import sheltering
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,13 +34,14 @@ class Laid:
 
 
 class Sky:
-    """Checked meshes under falling dust. `place`: what rays are traced in; `names`: of the occluders with faces."""
+    """Checked meshes under falling dust. `place`: what rays are traced in; `names`: of its occluders."""
 
     def __init__(self, surface: Mesh, occluders: list[Mesh], settings: Settling, seed: int):
-        occluders = [mesh for mesh in occluders if len(mesh.triangles)]
-        self.names = [mesh.name for mesh in occluders]
         self.frame = common_frame(surface)
         self._fall = FallFrame.of(settings.gravity, settings.wind, settings.spread)
+        occluders = [mesh for mesh in occluders if len(mesh.triangles)]
+        occluders = sheltering(surface, occluders, self._fall, reach_of(settings, self.frame.scale))
+        self.names = [mesh.name for mesh in occluders]
         self._settings, self._seed = settings, seed
         self.place = Place(surface, occluders, self.frame, self._fall, settings, seed)
 
