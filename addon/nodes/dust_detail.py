@@ -4,18 +4,19 @@
 A node group between the source of the thickness and the baked group multiplies the thickness by
 (1 + Clouds c) (1 + Grain g) (1 - Wiped), where c and g are noises with values in [-1, 1] and mean 0: the mean
 thickness over a surface is kept. All settings are inputs of the group, so that the viewport follows them
-without a bake, and the file renders without the add-on. The noises lie over rest_coordinates.
+without a bake, and the file renders without the add-on. The noises lie over rest_coordinates. The strength of
+all dust (dust_strength) is a factor as well.
 """
 
 import bpy
 
-from . import rest_coordinates
+from . import dust_strength, rest_coordinates
 from .graph import Graph
 from .side_graph import BACK, FRONT
 
 NAME = "Lamina Dust Detail"
 MARK = "lamina_dust_detail"  # of the group, with its version, so that a newer add-on draws the group anew
-VERSION = 2
+VERSION = 3
 CLOUDS, GRAIN = 0.6, 0.5
 SIZES = {"Cloud Size": 0.05, "Grain Size": 0.0015}  # in metres
 
@@ -62,6 +63,7 @@ def remove_unused():
     """Remove the group if nothing uses it."""
     for group in [one for one in bpy.data.node_groups if MARK in one and one.is_editable and not one.users]:
         bpy.data.node_groups.remove(group)
+    dust_strength.remove_unused()
 
 
 def _add_sockets(tree):
@@ -88,7 +90,10 @@ def _draw(tree):
     grain = _varied(graph, inputs, place, "Grain", "Grain Size", 5)
     left = graph.math("SUBTRACT", 4, 8, "not wiped", 1.0, inputs.outputs["Wiped"], clamp=True)
     both = graph.math("MULTIPLY", 5, 3, "clouds and grain", clouds, grain)
-    factor = graph.math("MULTIPLY", 6, 3, "factor", both, left)
+    kept = graph.math("MULTIPLY", 6, 3, "kept", both, left)
+    strength = graph.node("ShaderNodeGroup", 6, 9, "Strength")
+    strength.node_tree = dust_strength.group()
+    factor = graph.math("MULTIPLY", 6, 4, "factor", kept, strength.outputs[0])
     graph.link(graph.math("MULTIPLY", 7, 0, FRONT, inputs.outputs[FRONT], factor), outputs.inputs[FRONT])
     # A negative thickness of the back stands for that of the front, and must stay negative.
     own = graph.math("MAXIMUM", 6, 1, "own", inputs.outputs[BACK], 0.0)

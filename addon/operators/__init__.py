@@ -32,6 +32,8 @@ CLASSES = (
     dust.LAMINA_OT_dust_settle,
     dust.LAMINA_OT_dust_image,
     dust.LAMINA_OT_dust_clear,
+    dust.LAMINA_OT_dust_objects,
+    dust.LAMINA_OT_dust_objects_remove,
     thickness.LAMINA_OT_thickness_wire,
     thickness.LAMINA_OT_dust_detail,
     thickness.LAMINA_OT_dust_wipe,

@@ -100,6 +100,14 @@ def can_be_dusty(cls, context):
     return not sentence
 
 
+def can_dust_objects(cls):
+    """True if nothing settles or bakes now, and a working Embree layer is here; otherwise sets the reason."""
+    sentence = object_dust.unavailable() or ("Dust is settling" if dust_job.running() is not None else "")
+    if sentence:
+        cls.poll_message_set(sentence)
+    return not sentence and is_idle(cls)
+
+
 def has_dust(cls, context):
     obj = context.object
     if obj is None or obj.type != "MESH" or not obj.is_editable or not obj.lamina_dust.told:

@@ -5,6 +5,7 @@ import bpy
 
 from ..base import messages, preferences
 from ..base.messages import RefusedError
+from ..scene import dusting
 from ..settling import dust_job, live_dust, object_dust
 from . import common
 from .following import Following
@@ -96,4 +97,83 @@ class LAMINA_OT_dust_clear(bpy.types.Operator):
     def execute(self, context):
         live_dust.leave(context.object)
         object_dust.clear(context.object)
+        return {"FINISHED"}
+
+
+OBJECTS = (
+    ("SELECTED", "Selected", "The selected objects"),
+    ("COLLECTION", "Collection", "The objects of the active collection and of those within"),
+    ("SCENE", "Scene", "All objects that renders show"),
+)
+
+
+def objects_of(context, which):
+    """The objects of the scene that an item of OBJECTS means; without selected ones, all of the scene."""
+    rendered = [obj for obj in context.view_layer.objects if not obj.hide_render]
+    if which == "COLLECTION":
+        return [obj for obj in context.collection.all_objects if not obj.hide_render]
+    return (context.selected_objects if which == "SELECTED" else []) or rendered
+
+
+class LAMINA_OT_dust_objects(Following, bpy.types.Operator):
+    bl_idname = "lamina.dust_objects"
+    bl_label = "Dust These Objects"
+    bl_description = (
+        "Put a layer of dust over the materials of these objects, and let dust settle on all of them. ESC "
+        "cancels"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    jobs = dust_job
+    changes_engine = True
+    kept = "Cancelled; nothing was changed"
+
+    which: bpy.props.EnumProperty(
+        name="Objects", description="Which objects", items=OBJECTS, options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return common.can_dust_objects(cls)
+
+    def execute(self, context):
+        """Dust and wait for it: scripts, and everything under `blender -b`."""
+        try:
+            done = dusting.dust(context, objects_of(context, self.which))
+        except Exception as error:
+            return self.failed(error, context)
+        self.report({"INFO"}, str(done))
+        return {"FINISHED"}
+
+    def start(self, context):
+        return dusting.start(context, objects_of(context, self.which)), "Lamina dusts these objects"
+
+    told = staticmethod(str)
+
+    def failed(self, error, _context, _job=None):
+        if not messages.expected(error):
+            dust_job.log.error("dust failed", exc_info=error)
+        return common.refused(self, error)
+
+
+class LAMINA_OT_dust_objects_remove(bpy.types.Operator):
+    bl_idname = "lamina.dust_objects_remove"
+    bl_label = "Remove Dust from These Objects"
+    bl_description = (
+        "Remove the settled dust, and the layers that Dust These Objects has put over materials, which then "
+        "are as before. A material that other dusty objects share keeps its layer"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    which: bpy.props.EnumProperty(
+        name="Objects", description="Which objects", items=OBJECTS, options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return common.can_dust_objects(cls)
+
+    def execute(self, context):
+        count = dusting.remove(objects_of(context, self.which))
+        self.report({"INFO"}, f"Dust removed from {count} object{'s' * (count != 1)}")
         return {"FINISHED"}

@@ -12,7 +12,7 @@ from . import object_dust
 log = logging.getLogger(__name__)
 
 _place = Place()
-running, forget, stop = _place.running, _place.forget, _place.stop
+running, forget, stop, take = _place.running, _place.forget, _place.stop, _place.take
 register, unregister = _place.register, _place.unregister
 
 
@@ -24,14 +24,10 @@ class DustJob(Worker):
         native.require()
 
         def work(progress, cancel):
-            answers = []
-            for number, task in enumerate(tasks):
-                def told(fraction, text="", number=number, task=task):
-                    where = f"{task.name}: {text}" if len(tasks) > 1 else text
-                    progress((number + fraction) / len(tasks), where)
-
-                answers.append(object_dust.settle_gathered(task, told, cancel, threads))
-            return answers
+            return [
+                object_dust.settle_gathered(task, portion(progress, number, tasks), cancel, threads)
+                for number, task in enumerate(tasks)
+            ]
 
         super().__init__(work, "lamina dust")
 
@@ -53,6 +49,16 @@ class DustJob(Worker):
         return done
 
 
+def portion(progress, number, tasks):
+    """The progress of one of several tasks, which tells the object's name."""
+
+    def told(fraction, text=""):
+        where = f"{tasks[number].name}: {text}" if len(tasks) > 1 else text
+        progress((number + fraction) / len(tasks), where)
+
+    return told
+
+
 def start(context, objects):
     """Start in the background, one job at a time. Raises as object_dust.gather does, before it starts."""
-    return _place.take(DustJob(object_dust.gather_all(context, objects), preferences.threads()))
+    return take(DustJob(object_dust.gather_all(context, objects), preferences.threads()))

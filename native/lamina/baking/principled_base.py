@@ -90,8 +90,9 @@ class _Work:
         """(the stack, the bare base) with other values."""
         base = replace(self.base, metallic=metallic, color=color, inputs=())
         layered = self.stack.with_facets(self.stack.layers, base)
-        return (solve_rows(layered, self.quality, self.threads, step, self.stride, self.nodes, self.rows),
-                solve_rows(Stack([], base), self.quality, self.threads, step, 1, self.nodes))
+        steps = portion(step, 0.0, 0.9), portion(step, 0.9, 1.0)
+        return (solve_rows(layered, self.quality, self.threads, steps[0], self.stride, self.nodes, self.rows),
+                solve_rows(Stack([], base), self.quality, self.threads, steps[1], 1, self.nodes))
 
     def rest(self, solved: SolvedRows, bare: SolvedRows, weight: np.ndarray, step: Progress) -> tuple[Slices, Slices]:
         """(the rest V - w V0, V)."""

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dust on many objects at once: a layer of dust on each of their materials, baked once for each stack, and
+dust that settles on all of them together.
+
+Nothing in the file changes before all bakes and all dust are known: `gather` reads, a thread works, `finish`
+writes. What was added to a material is noted in the material, so that `remove` takes exactly that away."""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import bpy
+
+from ..baking import bake_job
+from ..base import messages, native, preferences
+from ..base.messages import RefusedError
+from ..base.worker import Worker, with_uid
+from ..editing import layer_list, over_material, stack_io
+from ..nodes import node_tree, rest_coordinates
+from ..properties import migration
+from ..settling import dust_job, live_dust, object_dust
+
+# House dust, by eye: warm grey grains and fibers, which scatter more evenly than the compact grains of Mie
+# theory (substances). The optical thickness is the most that settled dust may have.
+LAYER = {"name": "Dust", "albedo": (0.88, 0.84, 0.78), "phase": "hg", "g": 0.3, "varying": True, "tau": 4.0}
+
+MARK = "lamina_dusted"  # of a material: what was added to it, see _STACK, _LAYER, _NEW
+_STACK, _LAYER, _NEW = "stack", "layer", "new"
+BAKES = 0.4  # share of the progress bar
+
+
+class Bake(NamedTuple):
+    """A bake of a lamina.Stack. Equal ones are made once."""
+
+    stack: object
+    quality: str
+    basis: str
+
+    @property
+    def key(self):
+        return self.stack.hash, self.quality, self.basis
+
+
+@dataclass
+class Gathered:
+    """What is to be done. tasks: of the settling. bakes: {uid of a material: its Bake with dust}, where a
+    layer or a bake is missing; the uid None stands for a new material for faces without one. notes: sentences
+    on what gets no dust."""
+
+    tasks: list
+    bakes: dict
+    notes: list = field(default_factory=list)
+
+
+@dataclass
+class Done:
+    """The objects that are dusty now, the number of bakes, and sentences on what got no dust."""
+
+    objects: list
+    bakes: int
+    notes: list
+
+    def __str__(self):
+        count = len(self.objects)
+        text = f"Dust lies on {count} object{'s' * (count != 1)}; {self.bakes} bake{'s' * (self.bakes != 1)}"
+        return "; ".join([text, *self.notes])
+
+
+def dust(context, objects, progress=None, cancel=None, threads=None):
+    """Put dust on all mesh objects among `objects`. Returns Done. Blocks.
+
+    An object or material that cannot get dust is told in the notes, and the others go on. Raises RefusedError
+    if none can, lamina's Cancelled with nothing changed, NativeMissingError."""
+    gathered = gather(context, objects)
+    threads = preferences.threads() if threads is None else threads
+    found = _work(gathered, threads, progress or (lambda *_: None), cancel or (lambda: False))
+    return _finish(gathered, found)
+
+
+def start(context, objects):
+    """Start in the background, as dust_job.start does. Raises as `gather` does, before it starts."""
+    return dust_job.take(DustingJob(gather(context, objects), preferences.threads()))
+
+
+def gather(context, objects):
+    """What is to be done for `objects`: Gathered. Raises RefusedError if none can get dust."""
+    sentence = object_dust.unavailable()
+    if sentence:
+        raise RefusedError(sentence)
+    notes, dusty = [], []
+    for obj in objects:
+        if obj.type != "MESH" or not len(obj.data.polygons):
+            continue
+        sentence = object_dust.problem(obj)
+        if sentence:
+            notes.append(sentence)
+        else:
+            dusty.append(obj)
+    if not dusty:
+        raise RefusedError(notes[0] if notes else "There is no mesh object for dust to settle on")
+    bakes = {}
+    for obj in dusty:
+        live_dust.leave(obj)
+        _choose_storage(context, obj)
+        for material in _materials(obj):
+            uid = None if material is None else material.session_uid
+            if uid in bakes:
+                continue
+            try:
+                bakes[uid] = _bake_with_dust(material)
+            except Exception as error:
+                bakes[uid] = None
+                notes.append(_note(error, material))
+    bakes = {uid: bake for uid, bake in bakes.items() if bake is not None}
+    return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)))
+
+
+class DustingJob(Worker):
+    """The bakes and the settling in a thread."""
+
+    def __init__(self, gathered, threads):
+        native.require()
+        self.gathered = gathered
+        super().__init__(lambda progress, cancel: _work(gathered, threads, progress, cancel), "lamina dust")
+
+    def finish(self):
+        """Write layers, bakes and dust; main thread only. Returns Done; None after a cancel, with nothing
+        changed. Raises errors of the work."""
+        if self.cancelling:
+            return None
+        if self.error is not None:
+            raise self.error
+        return _finish(self.gathered, self.result)
+
+
+def remove(objects):
+    """Take the dust of `objects` away, and what `dust` has added to their materials, unless other objects
+    have dust on them. Returns the number of objects that had dust."""
+    count, materials = 0, {}
+    for obj in objects:
+        if obj.type != "MESH" or not obj.is_editable or not obj.data.is_editable:
+            continue
+        materials |= {one.session_uid: one for one in _materials(obj) if one is not None and MARK in one}
+        if obj.lamina_dust.told:
+            live_dust.leave(obj)
+            object_dust.clear(obj)
+            rest_coordinates.remove(obj.data)
+            count += 1
+    still = {slot.material for obj in bpy.data.objects if obj.type == "MESH" and obj.lamina_dust.told
+             for slot in obj.material_slots}
+    for material in materials.values():
+        if material not in still and material.is_editable:
+            _take_away(material)
+    return count
+
+
+def _materials(obj):
+    """The materials of an object's slots; None for faces without one."""
+    return [slot.material for slot in obj.material_slots] or [None]
+
+
+def _choose_storage(context, obj):
+    """Keep the dust in an image where an attribute is too coarse, and no other object shares a material."""
+    alone = all(one is None or _users(one) == {obj} for one in _materials(obj))
+    if alone and object_dust.advice(obj, obj.evaluated_get(context.evaluated_depsgraph_get())):
+        object_dust.keep_in_image(obj)
+
+
+def _users(material):
+    return {obj for obj in bpy.data.objects for slot in obj.material_slots if slot.material == material}
+
+
+def _note(error, material):
+    """A sentence on why a material gets no dust. Raises the error if it is not for the user."""
+    if not messages.expected(error):
+        raise error
+    return f"{material.name}: {messages.sentence(error, material)}"
+
+
+def _bake_with_dust(material):
+    """The Bake of a material with a layer of dust; None if the material has a varying layer and is baked.
+    Raises RefusedError, StackError. The file is as before."""
+    if material is not None:
+        if not material.is_editable:
+            raise RefusedError("linked from another file: edit it there, or make it local")
+        if migration.is_from_the_future(material):
+            raise RefusedError("its layers were made by a newer version of Lamina")
+        if _has_dust(material) and bake_job.state(material) in ("fresh", "live", "other"):
+            return None
+    trial = _plain() if material is None else material.copy()
+    try:
+        trial.lamina.live = False
+        _cover(trial)
+        return Bake(stack_io.to_stack(trial), trial.lamina.quality, trial.lamina.basis)
+    finally:
+        bpy.data.materials.remove(trial)
+
+
+def _plain():
+    material = bpy.data.materials.new("Material")
+    node_tree.of(material)
+    return material
+
+
+def _has_dust(material):
+    return material.lamina.enabled and any(layer.varying for layer in material.lamina.layers)
+
+
+def _cover(material):
+    """Give a material a layer of dust, if no layer varies yet. Returns what was added: a value of MARK, or
+    None. Raises RefusedError."""
+    if _has_dust(material):
+        return None
+    added = _LAYER if material.lamina.enabled else _STACK
+    if added == _STACK:
+        over_material.add(material)
+        layer = material.lamina.layers[0]
+    else:
+        material.lamina.active_index = 0
+        layer = layer_list.add_layer(material)
+    for name, value in LAYER.items():
+        setattr(layer, name, value)
+    return added
+
+
+def _work(gathered, threads, progress, cancel):
+    """({key of a Bake: (LUT, curves) or an error}, [an Answer or an error, for each task])."""
+    lamina = native.require()
+    bakes = {bake.key: bake for bake in gathered.bakes.values()}
+    share = BAKES if bakes else 0.0
+    luts, answers = {}, []
+    for number, (key, bake) in enumerate(bakes.items()):
+        def told(fraction, text="", number=number):
+            progress(share * (number + fraction) / len(bakes), f"Bake {number + 1} of {len(bakes)}: {text}")
+
+        how = {"basis": bake.basis, "progress": told, "cancel": cancel, "threads": threads}
+        try:
+            lut = lamina.bake(bake.stack, bake.quality, **how)
+            luts[key] = lut, bake_job.curves_of(bake.stack, lut, threads)
+        except Exception as error:
+            luts[key] = _expected(error)
+    for number, task in enumerate(gathered.tasks):
+        def rest(fraction, text=""):
+            progress(share + (1.0 - share) * fraction, text)
+
+        try:
+            told = dust_job.portion(rest, number, gathered.tasks)
+            answers.append(object_dust.settle_gathered(task, told, cancel, threads))
+        except Exception as error:
+            answers.append(_expected(error))
+    return luts, answers
+
+
+def _expected(error):
+    """An error whose text is for the user. Raises any other one."""
+    if not messages.expected(error):
+        raise error
+    return error
+
+
+def _finish(gathered, found):
+    luts, answers = found
+    notes, new = list(gathered.notes), None
+    for uid, bake in gathered.bakes.items():
+        material = with_uid(bpy.data.materials, uid) if uid is not None else _plain()
+        new = material if uid is None else new
+        if material is None:
+            continue
+        lut = luts[bake.key]
+        if isinstance(lut, Exception):
+            notes.append(_note(lut, material))
+            continue
+        added = _cover(material)
+        if added is not None:
+            material[MARK] = _NEW if uid is None else added
+        bake_job.apply(material, *lut)
+    by_uid, done = {obj.session_uid: obj for obj in bpy.data.objects}, []
+    for task, answer in zip(gathered.tasks, answers, strict=True):
+        obj = by_uid.get(task.uid)
+        try:
+            if isinstance(answer, Exception):
+                raise answer
+            if obj is not None:
+                _fill_slots(obj, new)
+                object_dust.apply(obj, task, answer)
+                done.append(obj)
+        except Exception as error:
+            notes.append(f"{task.name}: {messages.sentence(_expected(error))}")
+    return Done(done, len(luts), list(dict.fromkeys(notes)))
+
+
+def _fill_slots(obj, new):
+    """Give faces without a material the new one."""
+    if new is None:
+        return
+    if not obj.material_slots:
+        obj.data.materials.append(new)
+    for slot in obj.material_slots:
+        if slot.material is None:
+            slot.material = new
+
+
+def _take_away(material):
+    """Take away what `dust` has added to a material."""
+    added = material.pop(MARK)
+    if added == _LAYER:
+        layers = material.lamina.layers
+        ours = (k for k, one in enumerate(layers) if one.varying and one.name.startswith(LAYER["name"]))
+        index = next(ours, None)
+        if index is not None:
+            material.lamina.active_index = index
+            layer_list.remove_layer(material)
+            bake_job.bake_material(material)
+        return
+    layer_list.remove_stack(material)
+    if added == _NEW:
+        for obj in _users(material):
+            for slot in obj.material_slots:
+                if slot.material == material:
+                    slot.material = None
+        bpy.data.materials.remove(material)

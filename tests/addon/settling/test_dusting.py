@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dust on many objects at once: layers, bakes, settling, and their removal."""
+
+import importlib
+import itertools
+
+import bpy
+import numpy as np
+import pytest
+import serialised_tree
+
+
+@pytest.fixture
+def dusting(addon, dust):
+    return importlib.import_module(f"{addon.__package__}.scene.dusting")
+
+
+def new_object(name, place, material=None, mesh=None):
+    if mesh is None:
+        bpy.ops.mesh.primitive_cube_add(size=1.0, location=place)
+        obj = bpy.context.object
+    else:
+        obj = bpy.data.objects.new(name, mesh)
+        bpy.context.collection.objects.link(obj)
+        obj.location = place
+    obj.name = name
+    if material is not None:
+        obj.data.materials.append(material)
+    return obj
+
+
+def new_material(addon, name, color):
+    material = bpy.data.materials.new(name)
+    addon.nodes.node_tree.of(material).nodes["Principled BSDF"].inputs["Base Color"].default_value = (*color, 1.0)
+    return material
+
+
+@pytest.fixture
+def scene(addon, dusting):
+    """Two red cubes with one material, a blue one, and one without a material, under a roof: the last."""
+    red, blue = new_material(addon, "Red", (0.8, 0.1, 0.1)), new_material(addon, "Blue", (0.1, 0.1, 0.8))
+    objects = [new_object("A", (0, 0, 0), red), new_object("B", (3, 0, 0), red), new_object("C", (6, 0, 0), blue),
+               new_object("Plain", (9, 0, 0))]
+    bpy.context.view_layer.update()
+    return objects
+
+
+def top(obj):
+    """The mean dust on the faces that look up."""
+    attribute = obj.data.attributes["lamina_dust"]
+    values = np.empty(len(attribute.data), np.float32)
+    attribute.data.foreach_get("value", values)
+    if attribute.domain == "POINT":
+        return values.max()
+    loops = [k for face in obj.data.polygons if face.normal.z > 0.9 for k in face.loop_indices]
+    return values[loops].mean()
+
+
+def test_dust_on_all_objects_and_back(addon, dusting, scene):
+    before = {one.name: serialised_tree.of_material(one) for one in bpy.data.materials}
+    said = []
+    done = dusting.dust(bpy.context, scene, progress=lambda share, text="": said.append(share))
+    assert [obj.name for obj in done.objects] == ["A", "B", "C", "Plain"] and done.bakes == 3 and not done.notes
+    assert str(done) == "Dust lies on 4 objects; 3 bakes"
+    assert all(later >= earlier - 1e-12 for earlier, later in itertools.pairwise(said)) and said[-1] == 1.0
+    for obj in scene:
+        material = obj.material_slots[0].material
+        assert addon.baking.bake_job.state(material) == "fresh"
+        assert addon.nodes.thickness.wiring(material).source == "attribute"
+        assert top(obj) == pytest.approx(1.0, rel=0.05), "the usual amount lies on the top"
+    assert scene[0].material_slots[0].material == scene[1].material_slots[0].material
+    assert dusting.remove(scene) == 4
+    assert {one.name: serialised_tree.of_material(one) for one in bpy.data.materials} == before
+    assert not any("lamina_dust" in obj.data.attributes for obj in scene)
+    assert scene[3].material_slots[0].material is None and not bpy.data.node_groups
+
+
+def test_all_dust_has_one_strength(addon, dusting, scene):
+    dusting.dust(bpy.context, scene)
+    strength = addon.nodes.dust_strength.socket()
+    assert strength.default_value == 1.0
+    groups = [one for one in bpy.data.node_groups if "lamina_dust_strength" in one]
+    details = [one for one in bpy.data.node_groups if "lamina_dust_detail" in one]
+    assert len(groups) == len(details) == 1 and groups[0].users == 1
+    assert all(addon.nodes.detail_wiring.detail(obj.material_slots[0].material).node_tree == details[0]
+               for obj in scene)
+
+
+def test_a_second_time_bakes_nothing(dusting, scene):
+    dusting.dust(bpy.context, scene)
+    scene[0].lamina_dust.amount = 0.5
+    done = dusting.dust(bpy.context, scene[:2])
+    assert done.bakes == 0 and top(scene[0]) == pytest.approx(0.5, rel=0.05)
+
+
+def test_a_cancel_changes_nothing(lamina, dusting, scene):
+    before = {**serialised_tree.of_file(), "images": []}  # reading the scene makes a Render Result
+    with pytest.raises(lamina.Cancelled):
+        dusting.dust(bpy.context, scene, cancel=iter([False] * 3 + [True] * 1000).__next__)
+    job = dusting.start(bpy.context, scene)
+    job.cancel()
+    job.wait()
+    assert job.finish() is None
+    dusting.dust_job.forget()
+    assert {**serialised_tree.of_file(), "images": []} == before
+    assert not any(one.lamina.enabled for one in bpy.data.materials) and len(bpy.data.materials) == 2
+
+
+def test_layers_that_are_there_already(addon, dusting, scene):
+    varnished = scene[2].material_slots[0].material
+    addon.editing.over_material.add(varnished)
+    varnished.lamina.layers[0].name = "Varnish"
+    addon.baking.bake_job.bake_material(varnished)
+    dusting.dust(bpy.context, [scene[2]])
+    assert [layer.name for layer in varnished.lamina.layers] == ["Dust", "Varnish"]
+    assert varnished.lamina.layers[0].varying and top(scene[2]) == pytest.approx(1.0, rel=0.05)
+    dusting.remove([scene[2]])
+    assert [layer.name for layer in varnished.lamina.layers] == ["Varnish"]
+    assert addon.baking.bake_job.state(varnished) == "fresh"
+
+
+def test_a_material_that_other_dusty_objects_share_keeps_its_layer(dusting, scene):
+    dusting.dust(bpy.context, scene)
+    assert dusting.remove([scene[0]]) == 1
+    red = scene[1].material_slots[0].material
+    assert red.lamina.enabled and "lamina_dust" in scene[1].data.attributes
+    dusting.remove([scene[1]])
+    assert not red.lamina.enabled
+
+
+def test_what_gets_no_dust_is_told_and_the_others_go_on(addon, dusting, scene):
+    red = scene[0].material_slots[0].material
+    red.node_tree.nodes.clear()
+    empty = new_object("Empty", (0, 5, 0), mesh=bpy.data.meshes.new("Empty"))
+    done = dusting.dust(bpy.context, [*scene, empty, bpy.data.objects.new("Light", bpy.data.lights.new("L", "SUN"))])
+    assert done.notes == ["Red: No shader is linked to the Surface of the material output"]
+    assert len(done.objects) == 4 and not red.lamina.enabled
+    with pytest.raises(addon.base.messages.RefusedError, match="There is no mesh object for dust to settle on"):
+        dusting.dust(bpy.context, [empty])
+
+
+def test_a_coarse_cage_of_a_subdivided_object_gets_an_image(dusting, scene):
+    scene[2].modifiers.new("Subdivision", "SUBSURF").render_levels = 3
+    scene[0].modifiers.new("Subdivision", "SUBSURF").render_levels = 3
+    for obj in scene:
+        obj.lamina_dust.size = 64
+    done = dusting.dust(bpy.context, scene)
+    assert scene[2].lamina_dust.target == "image" and scene[2].lamina_dust.image is not None
+    assert scene[0].lamina_dust.target == "attribute", "its material is shared"
+    assert len(done.objects) == 4
+
+
+def test_the_operators(addon, dusting, scene, call):
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj in scene[:2])
+    assert bpy.ops.lamina.dust_objects() == {"FINISHED"}
+    assert [obj.name for obj in scene if obj.lamina_dust.told] == ["A", "B"]
+    assert bpy.ops.lamina.dust_objects(which="SCENE") == {"FINISHED"}
+    assert all(obj.lamina_dust.told for obj in scene)
+    assert bpy.ops.lamina.dust_objects_remove(which="SCENE") == {"FINISHED"}
+    assert not any(obj.lamina_dust.told for obj in scene)
+    scene[0].hide_render = True
+    inner = bpy.data.collections.new("Inner")
+    bpy.context.scene.collection.children.link(inner)
+    inner.objects.link(scene[1])
+    bpy.context.view_layer.active_layer_collection = bpy.context.view_layer.layer_collection.children["Inner"]
+    bpy.ops.lamina.dust_objects(which="COLLECTION")
+    assert [obj.name for obj in scene if obj.lamina_dust.told] == ["B"]
