@@ -8,7 +8,7 @@ import bpy
 
 from ..base import native, preferences
 from ..kinds.limits import MOST_THREADS
-from . import interior_command
+from . import dust_command, interior_command
 from .argument_types import whole
 from .exit_codes import UsageError
 
@@ -24,9 +24,9 @@ def parse(argv):
     """The arguments after `--command lamina`. Raises UsageError; SystemExit after --help and --version."""
     parser = _Parser(prog="lamina", description="Bake the Lamina layers of materials.", allow_abbrev=False)
     parser.add_argument("--version", action="version", version=_versions())
-    commands = parser.add_subparsers(dest="command", metavar="bake|interior|list", required=True)
+    commands = parser.add_subparsers(dest="command", metavar="bake|dust|interior|list", required=True)
     _add_list(commands)
-    for command in (_add_bake(commands), interior_command.add(commands)):
+    for command in (_add_bake(commands), dust_command.add(commands), interior_command.add(commands)):
         where = command.add_mutually_exclusive_group()
         where.add_argument("--save", action="store_true", help="save each .blend over itself")
         where.add_argument(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`blender -b FILE.blend --command lamina bake|interior|list ...`: the batch for scripts and farms.
+"""`blender -b FILE.blend --command lamina bake|dust|interior|list ...`: the batch for scripts and farms.
 
 Prints one line per material or object on standard output. Exit code: 0 if all went well, 1 if one of them
 or the save failed, 2 for invalid arguments, 130 if interrupted. `main` can also be called from tests and bpy
@@ -11,9 +11,12 @@ import sys
 import bpy
 
 from ..base import native
+from ..base.messages import RefusedError
 from ..properties import migration
-from . import arguments, bake_command, blend_saving, interior_command, list_command
+from . import arguments, bake_command, dust_command, interior_command, list_command
 from .exit_codes import FAILED, INTERRUPTED, OK, USAGE, UsageError
+
+COMMANDS = {"bake": bake_command, "dust": dust_command, "interior": interior_command}
 
 _handle = None
 
@@ -30,10 +33,10 @@ def main(argv):
     try:
         if given.command == "list":
             return list_command.run(given, lambda sentence: _complain(sentence, FAILED))
-        return (bake_command if given.command == "bake" else interior_command).run(given)
+        return COMMANDS[given.command].run(given)
     except UsageError as error:
         return _complain(error, USAGE)
-    except (native.NativeMissingError, blend_saving.SaveError) as error:
+    except (native.NativeMissingError, RefusedError) as error:
         return _complain(error, FAILED)
     except KeyboardInterrupt:
         return _complain("interrupted: nothing was saved", INTERRUPTED)

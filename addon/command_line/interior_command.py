@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`--command lamina interior OBJECT ...`: the light inside objects, as the panel Interior computes it."""
 
-import fnmatch
-import sys
 import time
-from contextlib import nullcontext
 from dataclasses import replace
 
 import bpy
@@ -13,10 +10,10 @@ from ..base import messages, native
 from ..interior import interior_job
 from ..kinds import interiors
 from ..kinds.limits import MOST_THREADS
-from . import blend_saving, selection, waiting
+from . import selection, waiting
 from .argument_types import number, whole
-from .exit_codes import FAILED, OK, UsageError
-from .file_lock import FileLock
+from .exit_codes import FAILED, OK
+from .saved import saved
 
 KINDS = {"relightable": "RELIGHTABLE", "lit": "LIT"}
 
@@ -49,14 +46,8 @@ def run(arguments):
     """Compute the objects' light, print one line for each, and save. Returns the exit code. Raises
     UsageError, SaveError, NativeMissingError, KeyboardInterrupt."""
     lamina, failed = native.require(), False
-    target = selection.targets([None], arguments).get(None)
-    objects = _selected(arguments.objects)
-    if target is not None:
-        blend_saving.check_writable(target)
-    with waiting.Interruptible(), FileLock(target) if target is not None else nullcontext():
-        saving = blend_saving.Saving(target) if target is not None else None
-        if saving is not None:
-            saving.check_space(0)
+    objects = selection.objects(arguments.objects)
+    with saved(arguments):
         for obj in objects:
             try:
                 print(f"{obj.name}: {_compute(obj, arguments)}", flush=True)
@@ -65,24 +56,7 @@ def run(arguments):
             except Exception as error:  # the other objects go on
                 failed = True
                 print(f"{obj.name}: failed: {messages.sentence(error, obj.active_material)}", flush=True)
-        if saving is not None:
-            saving.save()
-        else:
-            print("lamina: nothing was saved (give --save or --output FILE.blend)", file=sys.stderr)
     return FAILED if failed else OK
-
-
-def _selected(names):
-    """The mesh objects that the names or patterns select, without duplicates. Raises UsageError."""
-    chosen = []
-    for name in names:
-        meshes = [one for one in bpy.context.scene.objects if one.type == "MESH"]
-        exact = [one for one in meshes if one.name == name]
-        found = exact or [one for one in meshes if fnmatch.fnmatchcase(one.name, name)]
-        if not found:
-            raise UsageError(f"no mesh object of the scene matches {name!r}")
-        chosen += [one for one in found if one not in chosen]
-    return chosen
 
 
 def _compute(obj, arguments):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which files and which materials the arguments of a batch select."""
+"""Which files, materials and objects the arguments of a command select."""
 
 import fnmatch
 import glob
@@ -98,3 +98,19 @@ def materials(names, with_stack):
                 missed[name] = f"no material that matches {name!r} has Lamina layers"
         chosen += [one for one in found if one not in chosen]
     return chosen, missed
+
+
+def objects(names):
+    """The mesh objects of the scene that the names or patterns select, without duplicates; without names, all
+    that renders show. Raises UsageError."""
+    meshes = [one for one in bpy.context.scene.objects if one.type == "MESH"]
+    if not names:
+        return [one for one in meshes if not one.hide_render]
+    chosen = []
+    for name in names:
+        exact = [one for one in meshes if one.name == name]
+        found = exact or [one for one in meshes if fnmatch.fnmatchcase(one.name, name)]
+        if not found:
+            raise UsageError(f"no mesh object of the scene matches {name!r}")
+        chosen += [one for one in found if one not in chosen]
+    return chosen

@@ -5,7 +5,7 @@ import bpy
 
 from ..base.messages import RefusedError
 from ..kinds.dust import GROUPS, OPTIONS
-from ..nodes import thickness
+from ..nodes import dust_strength, thickness
 from ..settling import dust_frames, dust_job, dust_settings, live_dust, object_dust
 from .fields import split
 from .panel import MaterialPanel, draw_progress, draw_sentence
@@ -29,7 +29,9 @@ class LAMINA_PT_dust(MaterialPanel, bpy.types.Panel):
         if sentence:
             draw_sentence(context, layout, sentence, "ERROR" if object_dust.unavailable() else "INFO")
             return
-        settings = obj.lamina_dust
+        settings, strength = obj.lamina_dust, dust_strength.socket()
+        if strength is not None:
+            split(layout.column()).prop(strength, "default_value", text="Strength of All Dust")
         for name, heading, folded in GROUPS:
             header, body = layout.panel(f"lamina_dust_{name}", default_closed=folded)
             header.label(text=heading)

@@ -96,6 +96,13 @@ def _title(column, text):
     column.separator()
 
 
+def _draw_object_menu(self, _context):
+    """Entries of the 3D view's menu Object."""
+    self.layout.separator()
+    self.layout.operator_menu_enum("lamina.dust_objects", "which", icon="FORCE_FORCE")
+    self.layout.operator_menu_enum("lamina.dust_objects_remove", "which")
+
+
 CLASSES = (
     LAMINA_MT_stack,
     LAMINA_MT_presets,
@@ -104,4 +111,14 @@ CLASSES = (
     LAMINA_MT_metals,
 )
 
-register, unregister = bpy.utils.register_classes_factory(CLASSES)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
+def register():
+    _register_classes()
+    bpy.types.VIEW3D_MT_object.append(_draw_object_menu)
+
+
+def unregister():
+    bpy.types.VIEW3D_MT_object.remove(_draw_object_menu)
+    _unregister_classes()

@@ -12,6 +12,7 @@ from ..editing import layer_list, over_material, stack_io
 from ..nodes import node_group
 from ..properties import migration
 from ..properties.layer_properties import LAYER_KINDS
+from ..settling import dust_job
 from ..stack_json import solved_colours, stack_check
 from . import fields, preset_picker, result_picture
 
@@ -255,7 +256,14 @@ def _place(worst, varies):
 
 
 def _draw_start(context, layout, material):
-    """The choice between layers over the material as it is, and a new material."""
+    """The choice between dust, layers over the material as it is, and a new material."""
+    job = dust_job.running()
+    if job is not None:
+        draw_progress(layout, job, "DUST")
+    else:
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("lamina.dust_objects", icon="FORCE_FORCE")
     if not over_material.problem(material):
         row = layout.row()
         row.scale_y = 1.4

@@ -146,7 +146,7 @@ def test_saving(run, materials, tmp_path):
 
 
 BAD = {
-    "no command": ([], "bake|interior|list"),
+    "no command": ([], "bake|dust|interior|list"),
     "unknown command": (["cook"], "invalid choice"),
     "unknown option": (["bake", "--fast"], "--fast"),
     "unknown quality": (["bake", "--quality", "best"], "'best'"),

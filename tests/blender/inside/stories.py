@@ -74,6 +74,33 @@ def live(panel):
     assert material.lamina.result.stack_hash != blue
 
 
+def dust_these_objects(panel):
+    """The selected cube is dusty after one click, and one undo takes layers and dust away."""
+    with window.on(panel):
+        bpy.ops.ed.undo_push(message="before")
+        bpy.ops.lamina.dust_objects("INVOKE_DEFAULT")
+    assert not bpy.context.object.active_material.lamina.enabled, "nothing changes before the end"
+    yield from until(lambda: bpy.context.object.lamina_dust.told)
+    yield from window.still()
+    window.save(OUT / "dusted.png", window.picture(panel))
+    material = bpy.context.object.active_material
+    assert part("baking.bake_job").state(material) == "fresh"
+    assert part("nodes.thickness").wiring(material).source == "attribute"
+    with window.on(panel):
+        bpy.ops.ed.undo()
+    obj = bpy.context.object
+    assert not obj.lamina_dust.told and not obj.active_material.lamina.enabled
+    with window.on(panel):
+        bpy.ops.ed.redo()
+    yield from window.still()
+    assert bpy.context.object.lamina_dust.told
+    with window.on(panel):
+        bpy.ops.lamina.dust_objects_remove()
+    yield from window.still()
+    assert not bpy.context.object.active_material.lamina.enabled
+    check_images()
+
+
 def undo_after_live(panel):
     """Undo after Live has applied two changes of one bake: the image of that bake is in no undo step."""
     with window.on(panel):
