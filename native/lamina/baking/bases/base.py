@@ -29,7 +29,7 @@ class BakedBase(ABC):
     roughnesses: Sequence[float] = ()
 
     def __init__(self, job: Job):
-        self.job, self.stack, self.step = job, job.stack, job.step
+        self.job, self.stack = job, job.stack
         self.limits, self.search = CLOSURE_BASES[job.basis], SEARCH[job.quality]
         self.grid, self.pool = grid_of(job.stack, job.quality), thread_pool(job.threads)
 
