@@ -25,7 +25,7 @@ sys.path.insert(0, str(ROOT / "demo_scenes"))
 import extension  # noqa: E402
 import output  # noqa: E402
 
-from lamina.kinds import table as kinds_table  # noqa: E402
+from lamina.kinds.table import is_covered, strips_of  # noqa: E402
 
 SAMPLES = 32  # number of samples for the noise
 MANY, FEW = 64, 4  # samples of the two timed renders
@@ -189,9 +189,9 @@ def _facts(lut):
         return {}
     # All strips of one closure are added before the closure is evaluated; those of a metal stay apart, except below an
     # interface.
-    apart = not kinds_table.is_covered(lut.closures)
-    drawn = {(apart and name.startswith(kinds_table.METAL), lobe)
-             for name in lut.closures if (lobe := kinds_table.lobe_of(name))}
+    strips = strips_of(lut.header)
+    apart = not is_covered(strips)
+    drawn = {(apart and strip.metal, strip.closure) for strip in strips if strip.closure}
     return {"closures": len(drawn), "fit_error": lut.report["fit_error"], "ids": lut.closures}
 
 

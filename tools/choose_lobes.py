@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from lamina import Interface, Stack, _core
-from lamina.baking.slices import slices, solve_rows
+from lamina.baking.fit.slices import slices, solve_rows
 from lamina.closures import lobes
 from lamina.closures.closure_table import grid_for, light_grid, view_cosines
 from lamina.closures.microfacet_lobes import fresnel_ggx, ggx

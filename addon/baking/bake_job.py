@@ -86,7 +86,7 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
 def curves_of(stack, lut, threads=0):
     """The curves of the result's picture as JSON, or "" if they cannot be computed."""
     try:
-        return json.dumps(native.part("baking.result_curves").result_curves(stack, lut, threads))
+        return json.dumps(native.part("baking.report.result_curves").result_curves(stack, lut, threads))
     except native.require().SolveError as error:  # the bake itself is complete
         log.warning("no picture of the result: %s", error)
         return ""
@@ -178,7 +178,7 @@ def difference(material, quality=None, basis=None):
 def version_difference(material):
     """Which version made the last bake, and which later ones changed the results for such layers, or ''.
     Raises lamina.StackError, NativeMissingError."""
-    told = native.part("baking.result_changes").told
+    told = native.part("baking.report.result_changes").told
     return told(material.lamina.result.version, stack_io.to_stack(material))
 
 

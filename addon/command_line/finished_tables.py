@@ -57,7 +57,7 @@ class FinishedTables:
 
     def _open(self, folder, reads_only):
         is_chosen = bool(folder)
-        lut_cache = native.part("baking.lut_cache").LutCache
+        lut_cache = native.part("baking.table.cache").LutCache
         cache = lut_cache(Path(folder).resolve() if is_chosen else package.user_folder("bakes"))
         if reads_only:
             return cache

@@ -70,7 +70,7 @@ class Plan:
         """The bytes by which a save of the file can grow at most because of this material."""
         if self.wanted is None or self.is_fresh:
             return 0
-        height, width = native.part("baking.table_size").largest_size(self.wanted.stack, self.basis)
+        height, width = native.part("baking.bases.choice").largest_size(self.wanted.stack, self.basis)
         return (1 << (height - 1).bit_length()) * width * TEXEL + NODES
 
     def apply(self, lut):

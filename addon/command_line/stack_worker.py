@@ -37,7 +37,7 @@ def _read(requests, ended):
 def _answer(request, ended):
     try:
         import lamina
-        from lamina.baking.lut_cache import LutCache
+        from lamina.baking.table.cache import LutCache
 
         stack = lamina.Stack.from_json(request["stack"])
         lut = lamina.bake(

@@ -8,13 +8,14 @@ strips of a sheet's bottom side follow those of its top side, and back faces rea
 turned the normal towards the viewer there.
 """
 
+import functools
 import math
 
 import numpy as np
 
 from ..base import native
 from ..base.messages import RefusedError
-from ..kinds.table import BASE_WEIGHT, METAL, PREFIX, PRINCIPLED, TAU_BEND, THROWN_BACK, is_covered, lobe_of
+from ..kinds.table import BASE, BASE_WEIGHT, PRINCIPLED, TAU_BEND, THROWN_BACK, Strip, is_covered, strips_of
 from . import (
     covered_graph,
     eevee_graph,
@@ -25,7 +26,6 @@ from . import (
     roughness_graph,
     shader_base_graph,
     side_graph,
-    strip_sum,
     thin_sheet,
 )
 from .graph import Graph
@@ -52,8 +52,7 @@ def used_closures(lut):
     """Indices of the closures with a weight above 0 anywhere; at least one, so that the group has a
     shader."""
     used = np.flatnonzero(np.any(np.asarray(lut.weights) != 0.0, axis=(0, 2, 3, 4)))
-    names = lut.header["closures"]
-    lobes = [index for index, name in enumerate(names) if lobe_of(name)]
+    lobes = [index for index, strip in enumerate(strips_of(lut.header)) if strip.closure]
     return [int(index) for index in used if int(index) in lobes] or lobes[:1]
 
 
@@ -86,13 +85,12 @@ def draw(tree, lut, eevee, image, recipe_of):
 def _draw(graph, lut, eevee, image, recipe_of):
     rows = lut.header["axes"]["tau"]["count"]
     strip_rows = rows * roughness_rows(lut)
-    closures = lut.header["closures"]
+    strips = strips_of(lut.header)
     columns = lut.header["axes"]["view"]["count"]
     height = lut_image.height_of(lut, eevee)
-    used = [closures[index] for index in used_closures(lut)]
-    covered = is_covered(closures)
-    strips = strip_sum.by_closure(used, metals_apart=not covered)
-    recipes = [recipe_of(lobe_of(name)) for name in strips]
+    covered = is_covered(strips)
+    sums = _by_closure([strips[index] for index in used_closures(lut)], metals_apart=not covered)
+    recipes = [recipe_of(same[0].closure) for same in sums]
 
     inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
     geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
@@ -136,97 +134,111 @@ def _draw(graph, lut, eevee, image, recipe_of):
     around = roughness_graph.around(graph, inputs, corner.outputs[0], v, roughness_rows(lut), rows / height,
                                     rows == 1)
 
-    def strip(name, column, line, label):
-        index = closures.index(name)
-        if around is None or around.share is None:
-            place = corner.outputs[0] if around is None else around.corners[0]
-            return look_up(place, index, column, line, label)
+    def read(strip, column, line, label):
+        index = strips.index(strip)
+        if around.share is None:
+            return look_up(around.corners[0], index, column, line, label)
         lower, upper = (look_up(one, index, column, line, label) for one in around.corners)
         return graph.mix("VECTOR", column + 1.6, line, "between", around.share, lower, upper)
 
-    def alpha(name, column, line, label):
-        """The alpha of a strip, which another closure may have read already."""
-        index = closures.index(name)
-        if index not in textures:
-            strip(name, column, line, label)
-        read = [texture.outputs["Alpha"] for texture in textures[index]]
-        if len(read) == 1:
-            return read[0]
-        return graph.mix("FLOAT", column + 1.6, line, "between", around.share, *read)
-
     graph.begin_frame("Texels for Eevee", ANGLE_COLOUR)
     chooser = eevee_graph.is_eevee(graph)
-    places, share = ([v], None) if around is None else (around.places, around.share)
-    varies = rows > 1 or (around is not None and share is None)
-    texels = eevee_lookup.Texels(graph, image, angle, columns, places, height, strip_rows, varies, share)
+    texels = eevee_lookup.Texels(graph, image, angle, columns, height, strip_rows, around)
 
-    def of_both(name, line, label, number=None):
+    def of_both(strip, line, label, number=None):
         """A strip that Cycles and Eevee share. `number`: where Cycles finds it, if not in the strip."""
-        value = strip(name, 7, line, label) if number is None else number
-        (exact,) = texels.read(closures.index(name), 7, line, f"{eevee_graph.LABEL} {label}", alpha=False)
+        value = read(strip, 7, line, label) if number is None else number
+        (exact,) = texels.read(strips.index(strip), 7, line, f"{eevee_graph.LABEL} {label}", alpha=False)
         kind = "RGBA" if number is None else "FLOAT"
         return eevee_graph.chosen_value(graph, line, chooser, value, exact, kind)
 
-    gains = {}
-    for prefix in ("", METAL):
-        if prefix + THROWN_BACK in closures and BASE_WEIGHT not in closures and not covered:
+    shader_weight = Strip(role=BASE_WEIGHT)
+    factors = {}
+    for thrown_back in (strip for strip in strips if strip.role == THROWN_BACK):
+        if shader_weight not in strips and not covered:
             graph.begin_frame("Base color c, thrown back again and again: c / (1 - c r)", BASE_COLOUR)
-            line, colour = -6 if prefix else -3, inputs.outputs["Base Color"]
-            thrown_back = of_both(prefix + THROWN_BACK, line, "r")
-            gains[prefix] = _again_and_again(graph, line, "c / (1 - c r)", colour, colour, thrown_back)
+            line, colour = -6 if thrown_back.metal else -3, inputs.outputs["Base Color"]
+            back = of_both(thrown_back, line, "r")
+            gain = _again_and_again(graph, line, "c / (1 - c r)", colour, colour, back)
+            factors[BASE, thrown_back.metal] = gain
     if covered:
         graph.begin_frame("Factors of the base below: metallic, and color, again and again", BASE_COLOUR)
-        factors = covered_graph.Factors(graph, lut, inputs, strip)
-
-    def factor_of(name):
-        if covered:
-            return factors.of(name)
-        prefix = METAL if name.startswith(METAL) else ""
-        return gains[prefix] if name.startswith(prefix + PREFIX) else None
+        factors = covered_graph.Factors(graph, lut, inputs, read).by_role
 
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
     widths = covered_graph.Widths(graph, inputs)
     totals = {}
-    for line, ((name, names), recipe) in enumerate(zip(strips.items(), recipes, strict=True)):
-        name = lobe_of(name) if covered else name
-        prefix = METAL if name.startswith(METAL) else ""
-        weight = strip_sum.weighted(graph, line, names, strip, factor_of)
+    for line, (same, recipe) in enumerate(zip(sums, recipes, strict=True)):
+        closure = same[0].closure
+        weight = _weighted(graph, line, same, read, factors)
         if recipe.weight_input == "Coat Tint":
             weight = eevee_graph.dark(graph, line, chooser, weight)
         elif covered:
-            albedo = native.part("baking.real_time").shown_as_diffuse(lobe_of(name))
+            albedo = native.part("baking.table.real_time").shown_as_diffuse(closure)
             weight = eevee_graph.scaled(graph, line, chooser, weight, albedo)
+        name, metal = (closure, False) if covered else (same[0].name, same[0].metal)
         shader = _closure(graph, line, name, recipe, weight, directions, widths)
-        before = totals.get(prefix)
-        totals[prefix] = shader if before is None else mix_shader.added(graph, 12, line, "", before, shader)
+        if metal in totals:
+            shader = mix_shader.added(graph, 12, line, "", totals[metal], shader)
+        totals[metal] = shader
     if eevee.strips:
         graph.begin_frame("Closures for Eevee, which has few kinds", CLOSURE_COLOUR)
-        shown = eevee_graph.totals(graph, lut, eevee, texels, gains, normal, incoming)
-        totals = {prefix: eevee_graph.chosen(graph, -4 if prefix else -5, chooser, total, shown[prefix])
-                  for prefix, total in totals.items()}
+        shown = eevee_graph.totals(graph, lut, eevee, texels, factors, normal, incoming)
+        totals = {metal: eevee_graph.chosen(graph, -4 if metal else -5, chooser, total, shown[metal])
+                  for metal, total in totals.items()}
         graph.end_frame()
-    total = totals[""]
-    if PRINCIPLED in closures:
+    total, principled = totals[False], Strip(role=PRINCIPLED)
+    if principled in strips:
         graph.begin_frame("Principled BSDF below, as the layers leave it", BASE_COLOUR)
-        if METAL in totals:
+        if True in totals:
             metallic = inputs.outputs["Metallic"]
-            total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", metallic, total, totals[METAL])
-        held = alpha(lut_image.holder_of_principled(lut), 7, -2, "w")
-        weight = of_both(PRINCIPLED, -2, "w", held)
+            total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", metallic, total, totals[True])
+        holder = lut_image.holder_of_principled(lut)
+        if strips.index(holder) not in textures:
+            read(holder, 7, -2, "w")
+        held = [texture.outputs["Alpha"] for texture in textures[strips.index(holder)]]
+        held = held[0] if len(held) == 1 else graph.mix("FLOAT", 8.6, -2, "between", around.share, *held)
+        weight = of_both(principled, -2, "w", held)
         total = principled_graph.beside(graph, lut, inputs, normal, weight, total)
-    if BASE_WEIGHT in closures:
+    if shader_weight in strips:
         graph.begin_frame("Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
-        thrown_back = of_both(THROWN_BACK, -3, "r")
-        weight = of_both(BASE_WEIGHT, -2, "w")
+        thrown_back = of_both(Strip(role=THROWN_BACK), -3, "r")
+        weight = of_both(shader_weight, -2, "w")
         colour = inputs.outputs[shader_base_graph.REFLECTANCE]
         weight = _again_and_again(graph, -3, "w / (1 - c r)", weight, colour, thrown_back)
         total = shader_base_graph.over(graph, inputs, weight, total)
     graph.end_frame()
 
-    output = graph.node("NodeGroupOutput", 14.6, len(strips) - 1, folded=False)
+    output = graph.node("NodeGroupOutput", 14.6, len(sums) - 1, folded=False)
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
     thin_sheet.draw(graph, lut, output)
+
+
+def _by_closure(strips, metals_apart):
+    """The strips, in lists of one closure each. `metals_apart`: closures of a metal stay apart, since Cycles
+    leaves those out where Metallic is 0."""
+    found = {}
+    for strip in strips:
+        found.setdefault((metals_apart and strip.metal, strip.closure), []).append(strip)
+    return list(found.values())
+
+
+def _weighted(graph, line, strips, read, factors):
+    """The sum of the strips, each times its factor in `factors`, by role and metal: a socket, or None for 1.
+
+    `read(strip, column, line, label)` reads a strip and returns a socket."""
+    total = None
+    for number, strip in enumerate(strips):
+        place = line + 0.2 * number
+        weight, factor = read(strip, 7, place, f"weight {strip.name}"), factors.get((strip.role, strip.metal))
+        if factor is None:
+            total = weight if total is None else graph.vector("ADD", 9.2, place, "sum", weight, total)
+        elif total is None:
+            total = graph.vector("MULTIPLY", 9.2, place, "part", weight, factor)
+        else:
+            total = graph.vector("MULTIPLY_ADD", 9.2, place, "sum", weight, factor, total)
+    return total
 
 
 def _again_and_again(graph, line, label, weight, colour, thrown_back):
@@ -290,8 +302,6 @@ class _Directions:
         self.multiples, self.powers, self.numbers = {}, {}, {}
         self.known = {"N": normal, "I": incoming}
         self.line = 10.2
-        self.tangent = None
-        self.aside = None
 
     def of(self, wanted):
         wanted = tuple(wanted) if isinstance(wanted, list) else wanted
@@ -335,34 +345,32 @@ class _Directions:
             # N across I; where N = I, any direction perpendicular to I.
             along = graph.scale(-0.6, self.line, "(N.I) I", incoming, self.cosine)
             across = graph.vector("SUBTRACT", 0.4, self.line, "N across I", normal, along)
-            total = graph.vector("ADD", 2.4, self.line, "square to I", across, self._aside())
+            total = graph.vector("ADD", 2.4, self.line, "square to I", across, self._aside)
         elif wanted == "I aside":
-            total = graph.vector("ADD", 2.4, self.line, "I aside", incoming, self._aside())
+            total = graph.vector("ADD", 2.4, self.line, "I aside", incoming, self._aside)
         elif isinstance(wanted, tuple) and wanted[0] == "tilt":
             angle = math.radians(wanted[1])
-            across = graph.scale(0.4, self.line, "sin", self._tangent(), math.sin(angle))
+            across = graph.scale(0.4, self.line, "sin", self._tangent, math.sin(angle))
             along = graph.scale(1.4, self.line, "cos", normal, math.cos(angle))
             total = graph.vector("ADD", 2.4, self.line, f"N tilted {wanted[1]:g}", along, across)
         else:
             raise UnknownClosureError(f"normal = {wanted!r}: this add-on does not know that direction")
         return graph.vector("NORMALIZE", 3.4, self.line, "unit", total)
 
+    @functools.cached_property
     def _tangent(self):
         """Unit vector across N towards the viewer: normalised I - (N.I) N; any across N where I = N."""
-        if self.tangent is None:
-            graph = self.graph
-            along = graph.scale(-2.6, self.line, "(N.I) N", self.known["N"], self.cosine)
-            across = graph.vector("SUBTRACT", -1.6, self.line, "I across N", self.known["I"], along)
-            across = graph.vector("ADD", -0.6, self.line, "never zero", across, self._aside())
-            self.tangent = graph.vector("NORMALIZE", 0.4, self.line, "to the viewer", across)
-            self.line += 1
-        return self.tangent
+        graph = self.graph
+        along = graph.scale(-2.6, self.line, "(N.I) N", self.known["N"], self.cosine)
+        across = graph.vector("SUBTRACT", -1.6, self.line, "I across N", self.known["I"], along)
+        across = graph.vector("ADD", -0.6, self.line, "never zero", across, self._aside)
+        self.line += 1
+        return graph.vector("NORMALIZE", 0.4, self.line - 1, "to the viewer", across)
 
+    @functools.cached_property
     def _aside(self):
         """A vector of length 2e-5 at most, perpendicular to I, and so to N where N = I."""
-        if self.aside is None:
-            self.aside = self.graph.vector("CROSS_PRODUCT", 1.4, 9.6, "aside", self.known["I"], ASIDE)
-        return self.aside
+        return self.graph.vector("CROSS_PRODUCT", 1.4, 9.6, "aside", self.known["I"], ASIDE)
 
 
 def _closure(graph, line, name, recipe, weight, directions, widths):

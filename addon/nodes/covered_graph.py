@@ -1,40 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Principled base below an interface: the factors of the strips of its closures, from the inputs of the
-base. See lamina.baking.covered_principled for the formulas."""
+base. See lamina.baking.bases.covered for the formulas."""
 
-from ..kinds.table import AGAIN, DARK, FIRST, METAL, THROWN_BACK, TRAPPED, lobe_of
+from ..kinds.table import AGAIN, DARK, FIRST, THROWN_BACK, TRAPPED, Strip, strips_of
 from . import principled
 from .graph import rgba
 
 
 class Factors:
-    """The factors of the strips, by the prefix of their names: sockets, or None for 1.
+    """`by_role`: the factors of the strips, sockets, or None for 1, by role and metal.
 
-    `strip(name, column, line, label)` reads a strip and returns a socket."""
+    `read(strip, column, line, label)` reads a strip and returns a socket."""
 
-    def __init__(self, graph, lut, inputs, strip):
-        self._graph, self._strip = graph, strip
-        self._names = lut.header["closures"]
+    def __init__(self, graph, lut, inputs, read):
+        self._graph, self._read = graph, read
+        thrown_back = [strip for strip in strips_of(lut.header) if strip.role == THROWN_BACK]
         self._base = lut.header["stack"]["base"]
         self._inputs = inputs
-        shares = {"": None}
-        if METAL + THROWN_BACK in self._names:
+        shares = {False: None}
+        if len(thrown_back) > 1:
             metallic = graph.math("ADD", 7, -14, "metallic", self._input("metallic"), 0.0, clamp=True)
-            shares = {"": graph.math("SUBTRACT", 8, -14, "1 - m", 1.0, metallic), METAL: metallic}
-        self._of = {}
-        for number, (prefix, share) in enumerate(shares.items()):
-            self._of[prefix + DARK] = share
-            if prefix + THROWN_BACK in self._names:
-                line = -12 + 4 * number
-                color = self._input("color")
-                once = self._once(line, color, share)
-                thrown_back = self._thrown_back(prefix, line, shares)
-                self._of[prefix + FIRST] = once
-                self._of[prefix + AGAIN] = self._repeated(line, color, once, thrown_back)
-
-    def of(self, name):
-        """The factor of a strip."""
-        return self._of.get(name.removesuffix(lobe_of(name)))
+            shares = {False: graph.math("SUBTRACT", 8, -14, "1 - m", 1.0, metallic), True: metallic}
+        self.by_role = {(DARK, metal): share for metal, share in shares.items()}
+        for strip in thrown_back:
+            line, color = -8 if strip.metal else -12, self._input("color")
+            share = shares[strip.metal]
+            once = color if share is None else graph.vector("MULTIPLY", 8, line, "once", color, share)
+            back = self._thrown_back(strip, line, shares)
+            self.by_role[FIRST, strip.metal] = once
+            self.by_role[AGAIN, strip.metal] = self._repeated(line, color, once, back)
 
     def _input(self, name):
         """The socket of an input, or the number that the stack has."""
@@ -43,19 +37,14 @@ class Factors:
         value = self._base[name]
         return rgba(value)[:3] if name == "color" else float(value[0])
 
-    def _once(self, line, color, share):
-        """c times the share of the dielectric or the metal."""
-        if share is None:
-            return color
-        return self._graph.vector("MULTIPLY", 8, line, "once", color, share)
-
-    def _thrown_back(self, prefix, line, shares):
+    def _thrown_back(self, strip, line, shares):
         """r, or for a dielectric that is mixed with metal r' = (1 - m) r + m t."""
-        graph, own = self._graph, self._strip(prefix + THROWN_BACK, 7, line + 1, "r")
-        if prefix or len(shares) == 1:
+        graph, own = self._graph, self._read(strip, 7, line + 1, "r")
+        if strip.metal or len(shares) == 1:
             return own
-        kept = graph.scale(9, line + 2, "m t", self._strip(TRAPPED, 7, line + 2, "t"), shares[METAL])
-        own = graph.scale(9, line + 1, "(1 - m) r", own, shares[""])
+        trapped = self._read(Strip(role=TRAPPED), 7, line + 2, "t")
+        kept = graph.scale(9, line + 2, "m t", trapped, shares[True])
+        own = graph.scale(9, line + 1, "(1 - m) r", own, shares[False])
         return graph.vector("ADD", 9.6, line + 1, "r'", own, kept)
 
     def _repeated(self, line, color, once, thrown_back):

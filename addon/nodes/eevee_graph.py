@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The closures that Eevee renders in place of those for Cycles: few, of kinds that Eevee has, with the same
-directional albedo (see lamina.baking.real_time).
+directional albedo (see lamina.baking.table.real_time).
 
 A Mix Shader chooses by its factor. A node that only Eevee knows, Shader to RGB, feeds the factor: Eevee finds
 1. Cycles ignores links from nodes that it does not know, and finds the factor's own value, 0. It then leaves
 out Eevee's closures before rendering.
 """
 
-from ..kinds.table import METAL, PREFIX
+from ..kinds.table import BASE
 from . import lut_image, mix_shader
 
 LABEL = "Eevee"
@@ -39,22 +39,21 @@ def is_eevee(graph):
     return found.outputs[0]
 
 
-def totals(graph, lut, eevee, texels, gains, normal, incoming):
-    """{prefix: shader} of the closures of `eevee`, a RealTimeTable.
+def totals(graph, lut, eevee, texels, factors, normal, incoming):
+    """{whether of a metal: shader} of the closures of `eevee`, a RealTimeTable.
 
-    `texels`: eevee_lookup.Texels. `gains`: factors of the strips of a colored base, by prefix."""
+    `texels`: eevee_lookup.Texels. `factors`: of the strips, by role and metal."""
     found = {}
-    for number, name in enumerate(eevee.strips):
-        prefix = METAL if name.startswith(METAL) else ""
-        kind = name.removeprefix(prefix).removeprefix(PREFIX)
+    for number, strip in enumerate(eevee.strips):
         line = -8 - 2 * number
-        weight, *roughness = texels.read(lut_image.eevee_strip(lut, number), 7, line, f"{LABEL} {name}",
-                                         alpha=kind in _WITH_ROUGHNESS)
-        if name.removeprefix(prefix).startswith(PREFIX):
-            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, gains[prefix])
-        shader = _closure(graph, line, kind, weight, roughness, normal, incoming)
-        before = found.get(prefix)
-        found[prefix] = shader if before is None else mix_shader.added(graph, 12, line, "", before, shader)
+        weight, *roughness = texels.read(lut_image.eevee_strip(lut, number), 7, line, f"{LABEL} {strip.name}",
+                                         alpha=strip.closure in _WITH_ROUGHNESS)
+        if strip.role == BASE:
+            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, factors[BASE, strip.metal])
+        shader = _closure(graph, line, strip.closure, weight, roughness, normal, incoming)
+        if strip.metal in found:
+            shader = mix_shader.added(graph, 12, line, "", found[strip.metal], shader)
+        found[strip.metal] = shader
     return found
 
 

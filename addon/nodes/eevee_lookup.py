@@ -11,13 +11,11 @@ import math
 class Texels:
     """Reads strips of an image.
 
-    `angle`: the view angle, 0 to pi/2 over `columns` columns. `places`: v of strip 0, without the half texel,
-    in an image of `height` texels: one, or those of the roughnesses below and above, where `share` is that of
-    the one above. `varies`: v may lie between two rows. `rows`: of a strip."""
+    `angle`: the view angle, 0 to pi/2 over `columns` columns. `around`: the places of strip 0, without the
+    half texel, in an image of `height` texels, see roughness_graph. `rows`: of a strip."""
 
-    def __init__(self, graph, image, angle, columns, places, height, rows, varies, share=None):
-        self.graph, self.image, self.height, self.rows, self.share = graph, image, height, rows, share
-        self.varies = varies
+    def __init__(self, graph, image, angle, columns, height, rows, around):
+        self.graph, self.image, self.height, self.rows, self.share = graph, image, height, rows, around.share
         last = columns - 1
         place = graph.math("MULTIPLY", 1.4, 16, "column", angle, last / (math.pi / 2))
         most = graph.math("MINIMUM", 2.4, 16, "at most the last", place, float(last))
@@ -26,7 +24,7 @@ class Texels:
         self.across = graph.math("SUBTRACT", 5.4, 16, "share of the right", most, left)
         u = graph.math("MULTIPLY_ADD", 5.4, 17, "u", left, 1.0 / columns, 0.5 / columns)
         self.step = 1.0 / columns
-        self.corners = [self._corner(u, v, line) for line, v in enumerate(places, 18)]
+        self.corners = [self._corner(u, v, line) for line, v in enumerate(around.places, 18)]
 
     def read(self, index, column, line, label, alpha=True):
         """[color, alpha] of strip `index`, or [color]."""
@@ -37,7 +35,7 @@ class Texels:
     def _corner(self, u, v, line):
         """(place of the texel below and to the left, share of the row above)."""
         graph, up = self.graph, None
-        if self.varies:
+        if self.rows > 1:  # v may lie between two of them
             row = graph.math("MULTIPLY", 2.4, line, "row", v, float(self.height))
             whole = graph.math("FLOOR", 3.4, line, "whole", row)
             up = graph.math("SUBTRACT", 4.4, line, "share of the row above", row, whole)

@@ -9,7 +9,7 @@ that is still the default follows the new default.
 import bpy
 
 from ..kinds.bases import PrincipledBase
-from ..kinds.table import BASE_WEIGHT, THROWN_BACK
+from ..kinds.table import BASE_WEIGHT, THROWN_BACK, Strip, strips_of
 from . import principled, principled_graph, shader_base_graph, side_graph
 from .graph import rgba
 
@@ -34,13 +34,13 @@ INPUTS = (
 
 def of_base(lut):
     """{name: default} of the inputs that describe the base of `lut`; the default is None for a shader."""
-    closures, base = lut.header["closures"], lut.header["stack"]["base"]
-    if BASE_WEIGHT in closures:
+    strips, base = strips_of(lut.header), lut.header["stack"]["base"]
+    if Strip(role=BASE_WEIGHT) in strips:
         return {shader_base_graph.SHADER: None, shader_base_graph.REFLECTANCE: rgba(base["reflectance"])}
     if base is not None and base["kind"] == PrincipledBase.kind:
         return {principled.SOCKETS[name]: principled_graph.value(name, base[name])
                 for name in base.get("inputs", ())}
-    return {"Base Color": rgba(base["reflectance"])} if THROWN_BACK in closures else {}
+    return {"Base Color": rgba(base["reflectance"])} if Strip(role=THROWN_BACK) in strips else {}
 
 
 def add_missing(group, tau, base):

@@ -13,7 +13,7 @@ which Cycles reads anyway: each texture less saves some per cent of the render t
 import numpy as np
 
 from ..base import data_image
-from ..kinds.table import PRINCIPLED, THROWN_BACK, lobe_of
+from ..kinds.table import PRINCIPLED, THROWN_BACK, Strip, strips_of
 
 
 def eevee_strip(lut, number):
@@ -26,8 +26,8 @@ def eevee_strip(lut, number):
 def holder_of_principled(lut):
     """The strip whose alpha holds the weight of the Principled BSDF: one that is read at all values of the
     inputs."""
-    names = lut.header["closures"]
-    return THROWN_BACK if THROWN_BACK in names else next(filter(lobe_of, names))
+    strips, thrown_back = strips_of(lut.header), Strip(role=THROWN_BACK)
+    return thrown_back if thrown_back in strips else next(strip for strip in strips if strip.closure)
 
 
 def height_of(lut, eevee):
@@ -42,10 +42,10 @@ def create(name, lut, eevee):
     padded = np.zeros((height_of(lut, eevee), width, 4), dtype=np.float32)
     padded[:, :, 3] = 1.0
     padded[:len(texels)] = texels
-    names = lut.header["closures"]
-    if PRINCIPLED in names:
-        first = names.index(holder_of_principled(lut)) * rows
-        padded[first:first + rows, :, 3] = lut.weights[0, names.index(PRINCIPLED), ..., 0]
+    own, principled = strips_of(lut.header), Strip(role=PRINCIPLED)
+    if principled in own:
+        first = own.index(holder_of_principled(lut)) * rows
+        padded[first:first + rows, :, 3] = lut.weights[0, own.index(principled), ..., 0]
     for side, strips in enumerate(eevee.texels):
         for number, strip in enumerate(strips):
             first = (eevee_strip(lut, number) + side * count) * rows

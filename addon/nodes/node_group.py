@@ -164,7 +164,7 @@ def recipe_source():
 def few_closures(lut):
     """The closures of `lut` for Eevee. Raises closure_graph.UnknownClosureError, NativeMissingError."""
     try:
-        return native.part("baking.real_time").few_closures(lut)
+        return native.part("baking.table.real_time").few_closures(lut)
     except (KeyError, ValueError) as error:
         raise closure_graph.UnknownClosureError(error.args[0]) from None
 
@@ -260,7 +260,7 @@ def _layout(lut, eevee):
     axes = lut.header["axes"]
     layout = {
         "closures": lut.header["closures"],
-        "eevee": eevee.strips,
+        "eevee": [strip.name for strip in eevee.strips],
         "drawn": closure_graph.used_closures(lut),
         "sides": lut.header["sides"],
         "turns over": side_graph.turns_over(lut),

@@ -19,11 +19,10 @@ class Around:
 
 def around(graph, inputs, corner, v, count, step, is_alone):
     """The places around the group's input Roughness, from the place `corner` with the second number `v`,
-    at the first of `count` roughnesses, which are uniform from 0 to 1 and `step` apart in v. None for one
-    roughness. With `is_alone`, no layer varies, and the image itself interpolates between roughnesses: there
-    is only one place."""
+    at the first of `count` roughnesses, which are uniform from 0 to 1 and `step` apart in v. With `is_alone`,
+    no layer varies, and the image itself interpolates between roughnesses: there is only one place."""
     if count < 2:
-        return None
+        return Around((corner,), (v,), None)
     share = graph.math("ADD", 0.4, 12.6, "from 0 to 1", inputs.outputs["Roughness"], 0.0, clamp=True)
     place = graph.math("MULTIPLY", 1.4, 12.6, "roughness row", share, float(count - 1))
     if is_alone:

@@ -75,7 +75,7 @@ def _new(text, ink, size):
     """Draw the pictures of curves: (view angles, names). Nothing for a text that holds no curves."""
     if not text or not native.available():
         return [], []
-    pixels = native.part("baking.result_picture")
+    pixels = native.part("baking.report.result_picture")
     try:
         curves = json.loads(text)
         made = [pixels.lobe_picture(curves, view, size, ink) for view in range(len(curves["views"]))]

@@ -3,7 +3,7 @@
 
 from . import _core, colours, distributed, dust, export, lobes, metals, plot, ply, presets, rgl
 from .baking.bake import bake
-from .baking.lut import Lut
+from .baking.table.lut import Lut
 from .common.errors import (
     ArgumentError,
     Cancelled,

@@ -16,7 +16,7 @@ import pytest
 
 import lamina
 from lamina import lobes
-from lamina.kinds.table import PREFIX, THROWN_BACK
+from lamina.kinds.table import BASE, THROWN_BACK
 
 OTHER = {"top": "bottom", "bottom": "top"}
 BLACK = 1e-6  # share of a slice's largest value; darker values are not compared
@@ -158,9 +158,9 @@ class Sample:
         for name, weight in strips.items():
             if name == "transparent" or name.startswith("mirror:"):
                 continue
-            if name.startswith(PREFIX):
+            if name.startswith(BASE):
                 weight = weight * self.colour / (1.0 - np.array(self.colour) * thrown_back)
-            lobe = lobes.by_id(name.removeprefix(PREFIX))
+            lobe = lobes.by_id(name.removeprefix(BASE))
             if lobe.side == kind:
                 shape = lobe.evaluate(self.views.mu[:, None], lights.mu, lights.dphi)
                 total = total + weight[:, None, :] * shape[..., None]

@@ -6,9 +6,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..baking.bake import CLOSURE_BASES, bake
-from ..baking.lut import Lut
-from ..baking.report import describe
+from ..baking.bake import bake
+from ..baking.bases.job import CLOSURE_BASES
+from ..baking.report.words import describe
+from ..baking.table.lut import Lut
 from ..material.any_stack import as_stack
 from ..solver.solve import TOLERANCE
 from .arguments import add_stack, add_threads

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..baking.bake import bake
-from ..baking.lut import Lut
+from ..baking.table.lut import Lut
 from ..common.errors import ArgumentError, quoted
 from ..common.progress import Progress
 from ..material.any_stack import AnyStack, as_stack

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # of linear Rec. 709, as Blender's node for grey values has them
+
 
 def srgb(linear) -> np.ndarray:
     """Linear Rec. 709 values as sRGB (IEC 61966-2-1), clipped to [0, 1]."""

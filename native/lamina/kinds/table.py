@@ -1,42 +1,62 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Constants of the lookup table that its writer and the node group share."""
+"""The strips of a lookup table, which its writer and the node group share, and the size of its axes."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 COLUMNS = 64  # view angles
 TAU_ROWS = 33  # thicknesses of a varying layer
 # Rows are uniform in t = tau / (tau + TAU_BEND), which gives the most rows to thin layers, where values change fastest.
 TAU_BEND = 0.5
-# Strips of a textured base: closures after this prefix, whose weights depend on the reflectance, and the share of
-# diffuse light from the base that the layers reflect back to it.
-PREFIX = "base/"
-THROWN_BACK = "base/thrown back"
-# Strip of a base that another shader renders: the weight of that shader, see baking.shader_base.
-BASE_WEIGHT = "base/weight"
-# Strips of a Principled base: the weight of the BSDF itself, which has the sockets' values; and after this prefix the
-# strips for metallic 1, if metallic is an input. The strips without the prefix are then for metallic 0.
-PRINCIPLED = "principled"
 ROUGHNESS_ROWS = 6  # roughnesses of a table, if roughness is an input
-METAL = "metal/"
-# Strips of a Principled base below an interface, see baking.covered_principled: closures after these prefixes, for
-# light that does not depend on the base's color, for light that the base reflects once, and for light that it reflects
-# repeatedly; and the share of trapped light that a metal keeps in.
+
+# Roles of strips that hold the weights of a closure: for light that no color changes; for light that a colored base
+# adds, whose weights depend on the reflectance; of a Principled base below an interface, see baking.bases.covered,
+# for light that does not depend on the base's color, for light that the base reflects once, and repeatedly.
+OWN, BASE = "", "base/"
 DARK, FIRST, AGAIN = "dark/", "first/", "again/"
-TRAPPED = "metal/trapped"
+# Roles of strips without a closure: the share of diffuse light from the base that the layers reflect back to it; the
+# weight of a base that another shader renders, see baking.bases.shader; the weight of the Principled BSDF itself, which
+# has the sockets' values; and the share of trapped light that a metal keeps in.
+THROWN_BACK, BASE_WEIGHT, PRINCIPLED, TRAPPED = "base/thrown back", "base/weight", "principled", "metal/trapped"
+
+_WITHOUT_CLOSURE = (THROWN_BACK, BASE_WEIGHT, PRINCIPLED)
+_METAL = "metal/"
 
 
-def is_covered(names: Collection[str]) -> bool:
+@dataclass(frozen=True)
+class Strip:
+    """What one strip of a table holds. `closure`: the id of the closure whose weights it holds, or "" for a role
+    without a closure. `metal`: it belongs to a base of metallic 1, if metallic is an input; the other strips are then
+    for metallic 0."""
+
+    closure: str = ""
+    role: str = OWN
+    metal: bool = False
+
+    @classmethod
+    def of(cls, name: str) -> Strip:
+        """The strip with this name in the header of a table."""
+        if name == TRAPPED:
+            return cls(role=TRAPPED)
+        rest = name.removeprefix(_METAL)
+        roles = _WITHOUT_CLOSURE if rest in _WITHOUT_CLOSURE else (BASE, DARK, FIRST, AGAIN)
+        role = next((role for role in roles if rest.startswith(role)), OWN)
+        return cls(rest.removeprefix(role), role, name != rest)
+
+    @property
+    def name(self) -> str:
+        """The name in the header of a table."""
+        return _METAL * self.metal + self.role + self.closure
+
+
+def strips_of(header: dict) -> list[Strip]:
+    """The strips of the table with this header, in order."""
+    return [Strip.of(name) for name in header["closures"]]
+
+
+def is_covered(strips: Iterable[Strip]) -> bool:
     """True if a table with these strips is that of a Principled base with inputs below an interface."""
-    return any(name.startswith(DARK) for name in names)
-
-
-def lobe_of(name: str) -> str:
-    """The id of the closure behind a strip, or "" for a strip that holds no weight of a closure of the dictionary."""
-    if name == TRAPPED:
-        return ""
-    name = name.removeprefix(METAL)
-    if name in (THROWN_BACK, BASE_WEIGHT, PRINCIPLED):
-        return ""
-    return next((name.removeprefix(one) for one in (PREFIX, DARK, FIRST, AGAIN) if name.startswith(one)), name)
+    return any(strip.role == DARK for strip in strips)

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..baking.comparison import Comparison
-from ..baking.lut import Lut
+from ..baking.report.comparison import Comparison
+from ..baking.table.lut import Lut
 from ..common.errors import ArgumentError, quoted
 from .subjects import AnySubject, albedo, colours, is_sheet, label_of, new_axes, style_of, subject_of
 

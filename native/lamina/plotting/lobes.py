@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..baking.lobe_picture import lobe
+from ..baking.report.lobe_picture import lobe
 from ..common.arguments import cosines, finite_list
 from ..common.errors import ArgumentError
 from .subjects import AnySubject, Subject, colours, is_sheet, label_of, new_axes, style_of, subject_of, values

@@ -7,8 +7,8 @@ import os
 
 import numpy as np
 
-from ..baking.lobe_picture import COLOURS, GREY
-from ..baking.lut import Lut
+from ..baking.report.lobe_picture import COLOURS, GREY
+from ..baking.table.lut import Lut
 from ..common.arguments import check_choice
 from ..common.errors import ArgumentError, quoted
 from ..common.extras import require

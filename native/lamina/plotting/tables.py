@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..baking.lut import Lut
+from ..baking.table.lut import Lut
 from ..common.arguments import check_choice, check_kind
 from ..material.any_stack import AnyStack, as_stack
 from ..solver.solve import solve

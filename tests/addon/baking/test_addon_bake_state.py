@@ -67,7 +67,7 @@ def test_a_bake_without_a_word_of_its_basis_was_of_the_standard_one(addon, lamin
 def test_a_bake_by_a_version_whose_results_have_changed_is_out_of_date(
     addon, lamina, material, told, listed, monkeypatch
 ):
-    changes = addon.base.native.part("baking.result_changes")
+    changes = addon.base.native.part("baking.report.result_changes")
     addon.baking.bake_job.bake_material(material)
     assert material.lamina.result.version == lamina.__version__
     monkeypatch.setattr(changes._core, "__version__", "0.3.0")

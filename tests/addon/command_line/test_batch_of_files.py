@@ -76,7 +76,7 @@ def test_the_second_run_does_nothing(run, files, bakes, tmp_path, finished_bakes
 @pytest.mark.parametrize("change", ["layers", "quality", "basis", "version", "pixels", "nodes"])
 def test_only_what_is_out_of_date_is_baked(run, addon, files, change, tmp_path, monkeypatch):
     """In the open file: a changed stack, quality, basis or version, a lost image, a deleted node."""
-    changes = addon.base.native.part("baking.result_changes")
+    changes = addon.base.native.part("baking.report.result_changes")
     manifest = tmp_path / "out.json"
     assert run("bake", files[0], "--save", "--force")[0] == 0
     material, more = bpy.data.materials["dusty_b"], []
@@ -308,7 +308,7 @@ def test_a_full_disk_of_finished_bakes_loses_nothing(run, addon, files, monkeypa
     def save(self, lut):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(addon.base.native.part("baking.lut_cache").LutCache, "save", save)
+    monkeypatch.setattr(addon.base.native.part("baking.table.cache").LutCache, "save", save)
     code, _, error = run("bake", files[0], "--save")
     assert code == 0 and baked(files[0]) == {"dusty_a", "dusty_b"}
     assert "a finished bake could not be kept in" in error and "No space left on device" in error

@@ -52,8 +52,8 @@ def test_strips_in_the_image(addon, lamina, material, base, varying):
     image = pixels(image_of(group))
     rows, strips = lut.weights.shape[2], lut.weights.shape[1]
     assert np.array_equal(image[:len(lut.image())], lut.image())
-    for number, name in enumerate(table.strips):
-        textures = [node for node in group.nodes if node.label == f"Eevee {name}" and node.type == "TEX_IMAGE"]
+    for number, drawn in enumerate(table.strips):
+        textures = [node for node in group.nodes if node.label == f"Eevee {drawn.name}" and node.type == "TEX_IMAGE"]
         assert {node.interpolation for node in textures} == {"Closest"}  # Eevee filters others by mipmaps
         assert len(textures) == (4 if varying else 2)
         first = min(node.inputs[0].links[0].from_node.inputs[1].default_value[1] for node in textures)
@@ -61,7 +61,7 @@ def test_strips_in_the_image(addon, lamina, material, base, varying):
         assert first == round(first)
         for side, strip in enumerate(table.texels[:, number]):
             start = round(first) + side * strips * rows
-            assert np.array_equal(image[start:start + rows], strip), (name, side)
+            assert np.array_equal(image[start:start + rows], strip), (drawn, side)
 
 
 def bases(lamina):

@@ -21,7 +21,7 @@ def baked(addon, lamina, material, request):
 def test_the_weight_of_the_bsdf_is_the_alpha_of_a_strip(baked):
     addon, group, lut = baked
     names, rows = lut.header["closures"], lut.weights.shape[2]
-    first = names.index(addon.nodes.lut_image.holder_of_principled(lut)) * rows
+    first = names.index(addon.nodes.lut_image.holder_of_principled(lut).name) * rows
     texels = pixels(image_of(group))
     assert np.array_equal(texels[first:first + rows, :, 3], lut.weights[0, names.index("principled"), ..., 0])
     labels = {node.label for node in group.nodes if node.type == "TEX_IMAGE"}

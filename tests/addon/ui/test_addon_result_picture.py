@@ -48,7 +48,7 @@ def test_the_pixels_are_those_of_lamina_in_the_color_of_the_text(addon, lamina, 
     for ink in ((0.9, 0.9, 0.9), (0.1, 0.1, 0.1)):
         lines(addon, material, ink=ink)
         found = pixels_of(addon, 0)
-        expected = addon.base.native.part("baking.result_picture").lobe_picture(curves, 0, len(found), ink)
+        expected = addon.base.native.part("baking.report.result_picture").lobe_picture(curves, 0, len(found), ink)
         expected[..., :3] *= expected[..., 3:]
         assert found == pytest.approx(expected, abs=1.0 / 255.0)
         assert found[..., 3].max() == 1.0 and found[0, 0, 3] == 0.0

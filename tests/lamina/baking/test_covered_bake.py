@@ -10,21 +10,22 @@ import pytest
 import lamina
 from lamina import Interface, Lut, Medium, PrincipledBase, Stack
 from lamina.closures import closure_table, following_lobes
-from lamina.kinds.table import AGAIN, DARK, FIRST, METAL, THROWN_BACK, TRAPPED, lobe_of
+from lamina.kinds.table import AGAIN, DARK, FIRST, THROWN_BACK, TRAPPED, Strip
 
 VARNISH, ROUGH = Interface(ior=1.5), Interface(ior=1.5, alpha=0.15)
+METAL = "metal/"
 COLUMNS = [0, 25, 45, 55]
 ALBEDO = 0.02
 
 
 def albedo(lut, color, metallic=None):
     """The directional albedo that the node group shows at the first roughness, [column], by the formulas in
-    baking.covered_principled; `metallic` if that is an input."""
+    baking.bases.covered; `metallic` if that is an input."""
     strips = {name: lut.weights[0, k, 0, COLUMNS, 0].astype(float) for k, name in enumerate(lut.closures)}
     shares = {"": 1.0} if metallic is None else {"": 1.0 - metallic, METAL: metallic}
     total = np.zeros(len(COLUMNS))
     for name, weight in strips.items():
-        closure, prefix = lobe_of(name), METAL if name.startswith(METAL) else ""
+        closure, prefix = Strip.of(name).closure, METAL if name.startswith(METAL) else ""
         if not closure:
             continue
         factor, back = shares[prefix], strips.get(prefix + THROWN_BACK, 0.0)
@@ -73,7 +74,7 @@ def test_the_axes_and_strips_of_inputs(tmp_path):
     assert lut.header["axes"]["roughness"]["values"] == pytest.approx(np.linspace(0.0, 1.0, 11))
     assert lut.weights.shape[2] == 11
     assert {THROWN_BACK, METAL + THROWN_BACK, TRAPPED} <= set(lut.closures)
-    assert any(lobe_of(name).startswith(following_lobes.PREFIX) for name in lut.closures)
+    assert any(Strip.of(name).closure.startswith(following_lobes.PREFIX) for name in lut.closures)
     lut.save(tmp_path / "table.npz")
     again = Lut.load(tmp_path / "table.npz")
     assert np.array_equal(again.weights, lut.weights) and again.header == lut.header

@@ -10,7 +10,7 @@ import pytest
 
 import lamina
 from lamina import HenyeyGreenstein, Interface, Lambert, Lut, Medium, PrincipledBase, Stack
-from lamina.baking import report
+from lamina.baking.report import words
 
 DUST = Medium(albedo=0.9, tau=0.3, phase=HenyeyGreenstein(0.6))
 STACKS = {
@@ -64,7 +64,7 @@ def test_the_base_itself_has_the_errors_of_the_report(name, tmp_path):
     compared = lut.compare()
     assert compared.mean == pytest.approx(lut.report["fit_error"], abs=1e-6) and 0.0 < compared.mean < 0.1
     assert np.array(compared.report["slice_errors"]) == pytest.approx(np.array(lut.report["slice_errors"]), abs=3e-6)
-    assert report.describe(lut).count("with inputs") == 1
+    assert words.describe(lut).count("with inputs") == 1
 
 
 @pytest.mark.parametrize(("name", "values"), [("varnish", HALF), ("dust", DARK)])

@@ -6,7 +6,7 @@ import pytest
 
 import lamina
 from lamina import _core
-from lamina.baking.slices import slices, solve_rows
+from lamina.baking.fit.slices import slices, solve_rows
 from lamina.closures.closure_table import light_grid, view_cosines
 from lamina.solver.solve import tolerance_of
 

@@ -18,9 +18,10 @@ from lamina import (
     ShaderBase,
     Stack,
 )
-from lamina.baking import lut_cache, result_changes
-from lamina.baking.lut_cache import LutCache
-from lamina.baking.table_size import largest_size
+from lamina.baking.bases.choice import largest_size
+from lamina.baking.report import result_changes
+from lamina.baking.table import cache as cache_file
+from lamina.baking.table.cache import LutCache
 
 DUST = Medium(albedo=[0.9, 0.8, 0.6], tau=0.4)
 VARYING = Medium(albedo=0.9, tau=0.4, varying=True)
@@ -54,7 +55,7 @@ def test_a_table_of_another_version_or_stack_is_not_taken(lut, cache, monkeypatc
     kept.rename(cache.path(other.hash, "preview", "standard"))
     assert cache.load(other, "preview", "standard") is None, "a file of the right name with another stack inside"
     cache.save(lut)
-    monkeypatch.setattr(lut_cache._core, "__version__", "9.0.0")
+    monkeypatch.setattr(cache_file._core, "__version__", "9.0.0")
     assert cache.load(ON_GREY, "preview", "standard") is None
 
 

@@ -9,12 +9,12 @@ import pytest
 
 import lamina
 from lamina import HenyeyGreenstein, Interface, Lut, Medium, PrincipledBase, Stack
-from lamina.baking.between_rows import spread
-from lamina.baking.mixture import Mixture
-from lamina.baking.principled_base import ROUGH_ROWS
-from lamina.baking.slices import SolvedRows
+from lamina.baking.bases.principled import ROUGH_ROWS
+from lamina.baking.fit.between_rows import spread
+from lamina.baking.fit.mixture import Part
+from lamina.baking.fit.slices import SolvedRows
 from lamina.closures.closure_table import view_cosines
-from lamina.kinds.table import METAL, PRINCIPLED, ROUGHNESS_ROWS, TAU_ROWS, THROWN_BACK
+from lamina.kinds.table import PRINCIPLED, ROUGHNESS_ROWS, TAU_ROWS, THROWN_BACK
 
 DUST = Medium(albedo=[0.9, 0.8, 0.7], tau=1.0, phase=HenyeyGreenstein(0.5), varying=True)
 
@@ -42,7 +42,7 @@ def test_the_axes_and_strips_of_inputs(tmp_path):
     lut = lamina.bake(Stack([DUST], base), "preview", row_stride=16)
     assert lut.weights.shape[2] == TAU_ROWS * ROUGHNESS_ROWS
     assert lut.header["axes"]["roughness"] == {"count": 6, "values": [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]}
-    assert {PRINCIPLED, THROWN_BACK, METAL + THROWN_BACK} <= set(lut.closures)
+    assert {PRINCIPLED, THROWN_BACK, "metal/" + THROWN_BACK} <= set(lut.closures)
     thrown_back = lut.weights[0, lut.closures.index(THROWN_BACK)]
     assert thrown_back.min() >= 0.0 and thrown_back.max() < 1.0
     lut.save(tmp_path / "table.npz")
@@ -80,7 +80,7 @@ def test_splines_keep_the_albedo_and_the_sign():
     enters = np.maximum(rows - 0.4, 0.0) ** 2
     exact = np.stack([1.0 + rows - rows**3 - enters, enters])
     known = np.broadcast_to(exact[None, :, solved.rows, None, None], (1, 2, len(solved.rows), 1, columns))
-    found = spread(Mixture(["diffuse", "diffuse"], known), solved)[0, :, :, 0]
+    found = spread(Part.of(["diffuse", "diffuse"], known), solved)[0, :, :, 0]
     assert found.min() == 0.0
     assert found[:, solved.rows] == pytest.approx(np.repeat(exact[:, solved.rows, None], columns, axis=2), abs=1e-12)
     assert found.sum(axis=0) == pytest.approx(np.repeat(exact.sum(axis=0)[:, None], columns, axis=1), abs=1e-12)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina.baking import result_picture
-from lamina.baking.result_curves import result_curves
+from lamina.baking.report import result_picture
+from lamina.baking.report.result_curves import result_curves
 
 GREY = (0.5, 0.5, 0.5)
 DUST = lamina.Medium(albedo=[0.9, 0.8, 0.6], tau=0.5)

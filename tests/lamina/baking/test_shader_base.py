@@ -6,7 +6,8 @@ import pytest
 
 import lamina
 from lamina import Interface, Lambert, Lut, Medium, ShaderBase, Stack
-from lamina.baking.shader_base import LUMINANCE, METAL
+from lamina.baking.bases.shader import METAL
+from lamina.common.srgb import LUMINANCE
 from lamina.kinds.table import BASE_WEIGHT, THROWN_BACK
 
 LAYERS = [Interface(1.5), Medium(albedo=0.9, tau=0.3)]

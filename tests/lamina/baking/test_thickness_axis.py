@@ -6,7 +6,7 @@ import pytest
 
 import lamina
 from lamina import Black, Conductor, HenyeyGreenstein, Lambert, Medium, Stack
-from lamina.baking.report import describe
+from lamina.baking.report.words import describe
 from lamina.closures.axes import tau_at, tau_rows
 from lamina.closures.closure_table import grid_for, view_cosines
 

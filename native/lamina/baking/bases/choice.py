@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The class that bakes a stack, and how large the table can become, for the estimate of a file's growth."""
+
+from __future__ import annotations
+
+from ...kinds.bases import Lambert, ShaderBase
+from ...kinds.table import COLUMNS, TAU_ROWS
+from ...material.stack import Stack
+from ..fit.slices import covers_inputs, shows_bsdf
+from .base import BakedBase
+from .colored import Colored
+from .covered import Covered
+from .fixed import Fixed
+from .job import CLOSURE_BASES
+from .principled import Principled
+from .shader import Shader
+
+
+def kind_of(stack: Stack) -> type[BakedBase]:
+    """The class for the stack's kind of base."""
+    if shows_bsdf(stack):
+        return Principled
+    if covers_inputs(stack):
+        return Covered
+    if isinstance(stack.base, ShaderBase):
+        return Shader
+    return Colored if isinstance(stack.base, Lambert) and stack.base.textured else Fixed
+
+
+def largest_size(stack: Stack, basis: str) -> tuple[int, int]:
+    """(height, width) of the largest image that the table of this stack and basis can have, in texels: see
+    Lut.image."""
+    rows = TAU_ROWS if stack.varying is not None else 1
+    return rows * kind_of(stack).most_strips(stack, CLOSURE_BASES[basis]), COLUMNS

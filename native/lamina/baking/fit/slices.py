@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The slices that a lookup table fits: the cosine-weighted scattering function over the light's directions, for each
+side, row of thickness, channel and view cosine."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ... import _core
+from ...closures import narrow_lobes
+from ...closures.axes import tau_at, tau_rows
+from ...closures.closure_table import LightGrid, grid_for, view_cosines
+from ...common.errors import StackError
+from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
+from ...kinds.boundaries import Interface
+from ...material.stack import Stack
+from ...solver.sharp_facets import take_lost
+from ...solver.solve import ScatteringFunction, solve_with_mirrors
+
+SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
+PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
+# Rows between two calls of `step`; enough to keep all threads busy.
+ROWS_AT_ONCE = 4
+
+
+@dataclass(frozen=True)
+class Slices:
+    """`values`: f * cos(theta_i) in 1/sr, [side, row, channel, column, light]; `albedo`: their exact integrals, [side,
+    row, channel, column]; `lobes`: the part of the values that facets of rough boundaries scatter once, or None if all
+    boundaries are smooth; `direct`: specular reflection or unscattered transmission, shaped like albedo."""
+
+    values: np.ndarray
+    albedo: np.ndarray
+    lobes: np.ndarray | None
+    direct: np.ndarray
+
+    @property
+    def whole(self) -> np.ndarray:
+        """The albedo with specular reflection, shaped like albedo."""
+        return self.albedo + self.direct
+
+    def each(self, change: Callable[[np.ndarray], np.ndarray]) -> Slices:
+        """Slices whose arrays are `change` of these."""
+        lobes = None if self.lobes is None else change(self.lobes)
+        return Slices(change(self.values), change(self.albedo), lobes, change(self.direct))
+
+
+@dataclass(frozen=True)
+class SolvedRows:
+    """A stack solved for thicknesses of its varying layer; one row when none varies.
+
+    `axis`: all thicknesses of the table; `rows`: indices of the solved ones; `tau`: their thicknesses."""
+
+    axis: list[float]
+    rows: list[int]
+    tau: list[float | None]
+    functions: list[ScatteringFunction]
+    sides: list[str]
+    is_sheet: bool
+
+    @property
+    def shares(self) -> list[float]:
+        """The varying layer's thickness at each solved row, as a share of the largest; 1 if none varies."""
+        if not self.axis:
+            return [1.0] * len(self.rows)
+        return [_share(self.axis[row], self.axis[-1]) for row in self.rows]
+
+
+def require_table(stack: Stack) -> None:
+    """Raises StackError for a stack that no lookup table can hold."""
+    if stack.channels not in (1, 3):
+        raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
+    stack.require_air_below()
+
+
+def shows_bsdf(stack: Stack) -> bool:
+    """True for a Principled base below media of the index of air, where the group holds the BSDF itself."""
+    return isinstance(stack.base, PrincipledBase) and not any(isinstance(layer, Interface) for layer in stack.layers)
+
+
+def inputs_of(stack: Stack) -> tuple[str, ...]:
+    """The inputs of a Principled base, none of another base."""
+    return stack.base.inputs if isinstance(stack.base, PrincipledBase) else ()
+
+
+def covers_inputs(stack: Stack) -> bool:
+    """True for a Principled base with inputs below an interface."""
+    return bool(inputs_of(stack)) and not shows_bsdf(stack)
+
+
+def grid_of(stack: Stack, quality: str) -> LightGrid:
+    """The light grid of a bake of this stack."""
+    if shows_bsdf(stack):
+        narrowest = None
+    elif "roughness" in inputs_of(stack):
+        narrowest = LEAST_ALPHA
+    else:
+        narrowest = narrow_lobes.narrowest(stack)
+    return grid_for(quality, narrowest, narrow_lobes.has_halo(stack))
+
+
+def on_lambert(stack: Stack) -> Stack:
+    """The stack with a Lambert base in place of a ShaderBase; any other stack as it is."""
+    if not isinstance(stack.base, ShaderBase):
+        return stack
+    return stack.with_facets(stack.layers, Lambert(stack.base.reflectance))
+
+
+def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, str], None],
+               stride: int = 1, nodes: int | None = None, only: Collection[int] | None = None) -> SolvedRows:
+    """Solves every `stride`-th row and the last, or `only` these rows; `step(fraction, text)` is called before each and
+    may raise to cancel. A ShaderBase counts as a Lambert surface."""
+    step(0.0, "Solving the stack")
+    stack = on_lambert(stack)
+    full = solve_with_mirrors(stack, quality, threads, nodes)
+    # Seen from below, the sheet is the reversed stack; if both are equal, one side is used for both.
+    symmetric = stack.turned().canonical() == stack.canonical()
+    is_sheet = stack.base is None
+    sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
+    if stack.varying is None:
+        return SolvedRows([], [0], [None], [full], sides, is_sheet)
+    taus = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
+    largest = max(taus)
+    axis = [float(tau) for tau in tau_rows(largest)]
+    rows = sorted({*range(0, len(axis), stride), len(axis) - 1}) if only is None else sorted(only)
+    functions: list[ScatteringFunction] = []
+    for count, row in enumerate(rows):
+        step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
+        share = _share(axis[row], largest)
+        # The lobes of boundaries are sharpest in the clean stack, so its resolution is sufficient for all other rows.
+        known = functions[0] if functions else full
+        functions.append(known.with_thickness(stack.varying, [share * t for t in taus]))
+    return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)
+
+
+def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> dict[str, Slices]:
+    """The slices of each kind, "reflection" and for sheets "transmission", all rows for a viewer on each side; `step`
+    is called before each batch of rows."""
+    every = evaluated(solved.functions, solved, view_cosines(), grid, pool, step)
+    sides = len(solved.sides)
+    return {kind: every.each(operator.itemgetter(slice(number * sides, (number + 1) * sides)))
+            for number, kind in enumerate(_sights(solved)[0])}
+
+
+def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.ndarray, grid: LightGrid,
+              pool, step: Callable[[float, str], None]) -> Slices:
+    """Slices of the stack `solved` with the thicknesses of `functions`, at view cosines `mu_o`. For a sheet, those of
+    reflection and then those of transmission along the first axis. `step` is called before each batch of rows."""
+    sights = _sights(solved)[1]
+    made = []
+    for rows in batches(len(functions)):
+        step(rows.start / len(functions), f"Evaluating thickness {rows.start + 1} of {len(functions)}")
+        made.append(_evaluate(functions[rows], sights, mu_o, grid, pool))
+    values, lobes, albedo, direct = zip(*made, strict=True)
+    return Slices(np.concatenate(values, axis=1), np.maximum(np.concatenate(albedo, axis=1), 0.0),
+                  None if lobes[0] is None else np.concatenate(lobes, axis=1), np.concatenate(direct, axis=1))
+
+
+def along_rows(found: Sequence[Slices]) -> Slices:
+    """Slices one after the other along the axis of rows, without their lobes."""
+    values, albedo, direct = (np.concatenate([getattr(one, name) for one in found], axis=1)
+                              for name in ("values", "albedo", "direct"))
+    return Slices(values, albedo, None, direct)
+
+
+def _share(tau: float, largest: float) -> float:
+    return tau / largest if largest > 0.0 else 0.0
+
+
+def batches(rows: int) -> list[slice]:
+    """Parts of so many rows of thickness, ROWS_AT_ONCE each; the last may be smaller."""
+    return [slice(first, min(first + ROWS_AT_ONCE, rows)) for first in range(0, rows, ROWS_AT_ONCE)]
+
+
+def shares_of_thickness(largest: float, rows: np.ndarray) -> np.ndarray:
+    """Thickness at `rows`, integers or fractions between rows, as shares of the largest."""
+    return tau_at(largest, rows) / largest if largest > 0.0 else np.zeros(len(rows))
+
+
+def _sights(solved: SolvedRows):
+    """(kinds, [(side, path) of each kind and side])."""
+    kinds = ["reflection", "transmission"] if solved.is_sheet else ["reflection"]
+    return kinds, [(SIDES[side], PATHS[kind]) for kind in kinds for side in solved.sides]
+
+
+def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, grid: LightGrid, pool):
+    """values [sight, row, channel, view, light], their lobes or None, albedo and direct [sight, row, channel,
+    view]."""
+    solutions = [solution for function in functions for solution in function.solutions]
+    distinct = list({id(solution): solution for solution in solutions}.values())
+    parts = _core.slices(distinct, sights, mu_o, grid.mu, grid.dphi, pool)
+    place = {id(solution): k for k, solution in enumerate(distinct)}
+    every = [place[id(solution)] for solution in solutions]  # channels may share one solution
+    shape = (len(sights), len(functions), len(functions[0].solutions))
+
+    def by_channel(part):
+        part = part if len(distinct) == len(solutions) else part[:, every]
+        return part.reshape(*shape, *part.shape[2:])
+
+    values, albedo, direct = (by_channel(parts[k]) for k in (0, 2, 3))
+    lobes = None if parts[1] is None else by_channel(parts[1])
+    lost = [found for function in functions if (found := function.lost_by_facets(mu_o)) is not None]
+    if lost:  # reflected to the top: the only sight of a stack on a base
+        solved = albedo
+        albedo, direct = take_lost(solved, direct, np.stack(lost).swapaxes(1, 2)[None])
+        share = np.divide(albedo, solved, out=np.ones_like(solved), where=solved > 0.0)[..., None]
+        values, lobes = values * share, None if lobes is None else lobes * share
+    return values, lobes, albedo, direct

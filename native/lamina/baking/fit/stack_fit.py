@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mixtures of closures fitted to slices of one stack, with closures made for the stack's boundaries.
+
+Row 0 of a varying layer's table is the stack without that layer, as accurate as in a bake of its own. Closures chosen
+for the whole material fit the clean stack no better than other rows. Closures for the clean stack are therefore chosen
+first. They are part of the choice for all rows, and row 0 has these alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+
+import numpy as np
+
+from ...closures import narrow_lobes
+from ...closures.closure_table import LightGrid
+from ...common.progress import Progress, portion
+from ...material.stack import Stack
+from .mixture import Effort, Mixture, mix
+from .slices import Slices, SolvedRows
+
+
+class StackFit:
+    """Fits of one stack. `search`: the effort of the search for closures, see mixture.Effort."""
+
+    def __init__(self, stack: Stack, solved: SolvedRows, grid: LightGrid, pool, search: dict):
+        self._solved, self._grid, self._pool, self._search = solved, grid, pool, search
+        self._varies = stack.varying is not None
+        self._made = narrow_lobes.closures(stack)
+        clean = [layer for number, layer in enumerate(stack.layers) if number != stack.varying]
+        # What narrow_lobes reads of a stack; unlike a Stack it may be empty
+        self._made_clean = narrow_lobes.closures(SimpleNamespace(layers=clean, base=stack.base))
+
+    def __call__(self, kind: str, wanted: Slices, counts: tuple[int, int, int], given: list[str], step: Progress,
+                 at_boundaries: bool) -> Mixture:
+        """`counts`: largest numbers of closures, see bases.job.Basis; `at_boundaries`: with closures made for the
+        stack's boundaries. With `given` closures, row 0 has its own choice only if that choice is among them."""
+        effort = Effort(*counts, **self._search)
+        made, made_clean = (self._made, self._made_clean) if at_boundaries else ([], [])
+
+        def fitted(wanted: Slices, step: Progress, **options) -> Mixture:
+            return mix(kind, wanted, self._grid, effort, self._pool, step, mixed=self._solved.is_sheet, **options)
+
+        if not self._varies or not np.any(wanted.albedo[:, 0]):
+            return fitted(wanted, step, made=made, given=given)
+        clean = fitted(wanted.each(lambda part: part[:, :1]), portion(step, 0.0, 0.3), made=made_clean)
+        whole = fitted(wanted, portion(step, 0.3, 1.0), made=made, given=given, fixed=clean.closures)
+        return _with_first_row(whole, clean, given)
+
+
+def _with_first_row(whole: Mixture, clean: Mixture, given: Sequence[str]) -> Mixture:
+    """The mixture of all rows with row 0 of the clean stack."""
+    if given and not set(clean.closures) <= {*whole.closures, *given}:
+        return whole
+    names = [*whole.closures, *(name for name in clean.closures if name not in whole.closures)]
+    names = list(given) if set(names) == set(given) else names
+    sides, _, *rest = whole.weights.shape
+    weights = np.zeros((sides, len(names), *rest))
+    weights[:, [names.index(name) for name in whole.closures]] = whole.weights
+    weights[:, :, 0] = 0.0
+    weights[:, [names.index(name) for name in clean.closures], 0] = clean.weights[:, :, 0]
+    errors, albedo_errors = (np.concatenate([first, every[:, 1:]], axis=1) for first, every in (
+        (clean.errors, whole.errors), (clean.albedo_errors, whole.albedo_errors)))
+    return Mixture(names, weights, errors, albedo_errors)

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report of a bake on its own accuracy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...closures.closure_table import view_cosines
+from ..fit.between_rows import linear
+from ..fit.mixture import Mixture
+from ..fit.slices import SolvedRows
+
+# Errors are reported for view cosines from here on; closer to grazing, closures are extrapolated.
+STATED_COSINE = 0.05
+
+
+def stated() -> np.ndarray:
+    """True for the columns whose errors are reported, shape (64,)."""
+    return view_cosines() >= STATED_COSINE
+
+
+def fitted_errors(fitted: dict[str, Mixture]) -> tuple[dict[str, np.ndarray], float]:
+    """(errors of slices by kind, the largest error of the albedo) that were measured during the fit."""
+    return ({kind: part.errors for kind, part in fitted.items()},
+            max(float(part.albedo_errors[..., stated()].max()) for part in fitted.values()))
+
+
+def fit_report(strips: int, solved: SolvedRows, errors: dict[str, np.ndarray], albedo_error: float) -> dict:
+    """The report of a table of so many strips, see lamina.bake; `errors`: see error_report."""
+    functions = solved.functions
+    return {
+        **error_report(errors, solved),
+        "albedo_error": albedo_error,
+        "strayed_light": None,
+        "energy_error": max(f.checks["energy"] for f in functions),
+        "closures": strips,
+        "solver": {
+            "nodes": max(f.nodes for f in functions),
+            "orders": max(f.orders for f in functions),
+            "resolution_error": max(f.checks["resolution"] for f in functions),
+        },
+        "tau_rows": max(1, len(solved.axis)),
+        "tau_rows_solved": len(solved.rows),
+    }
+
+
+def error_report(errors: dict[str, np.ndarray], solved: SolvedRows) -> dict:
+    """The report's entries on the errors of slices, `errors` by kind: [side, row, channel, column], nan where a slice
+    is black."""
+    report: dict = {}
+    for kind, ending in (("reflection", ""), ("transmission", "_transmission")):
+        found = errors.get(kind)
+        known = None if found is None else linear(np.nan_to_num(found), solved, 1).round(6).tolist()
+        report[f"fit_error{ending}"] = None if found is None else mean(found[..., stated()])
+        report[f"worst_slice{ending}"] = None if found is None else _worst(found, solved)
+        report[f"slice_errors{ending}"] = known
+    return report | _by_row(errors["reflection"][..., stated()], solved)
+
+
+def mean(errors: np.ndarray) -> float:
+    """Mean over the slices that are not black; 0 when all are."""
+    seen = errors[np.isfinite(errors)]
+    return float(seen.mean()) if seen.size else 0.0
+
+
+def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
+    """Fit error by thickness, for all rows; empty if no layer varies."""
+    if not solved.axis:
+        return {}
+    errors = np.moveaxis(linear(np.nan_to_num(errors), solved, 1), 1, 0).reshape(len(solved.axis), -1)
+    return {"row_errors": {"tau": solved.axis, "mean": errors.mean(axis=1).round(6).tolist(),
+                           "worst": errors.max(axis=1).round(6).tolist()}}
+
+
+def _worst(errors: np.ndarray, solved: SolvedRows) -> dict:
+    candidates = np.where(stated(), np.nan_to_num(errors), 0.0)
+    side, row, channel, column = np.unravel_index(int(candidates.argmax()), candidates.shape)
+    return {
+        "error": float(candidates[side, row, channel, column]),
+        "mu_o": float(view_cosines()[column]),
+        "channel": int(channel),
+        "side": solved.sides[side],
+        "tau": solved.tau[row],
+    }

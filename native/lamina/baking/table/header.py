@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The header of a lookup table, and its validation, so that readers can rely on it."""
+
+from __future__ import annotations
+
+import json
+import numbers
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ... import _core
+from ...closures import lobes
+from ...common.errors import quoted
+from ...kinds.bases import PrincipledBase
+from ...kinds.table import COLUMNS, PRINCIPLED, TAU_BEND, THROWN_BACK, Strip, is_covered, strips_of
+from ...material.stack import Stack
+from ..fit.slices import SolvedRows
+
+SCHEMA = 1
+
+_MISSING = object()
+_TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
+_NUMBERS = "a list of numbers from 0"
+# Required and optional entries, by their path in the header.
+_ALWAYS = {
+    "stack.layers": "a list", "stack_hash": _TEXT, "quality": _TEXT, "seed": _COUNT, "sides": "a list",
+    "closures": "a list", "axes.view.count": _COUNT, "axes.tau.count": _COUNT, "axes.tau.values": _NUMBERS,
+    "report.fit_error": _NUMBER, "report.albedo_error": _NUMBER, "report.energy_error": _NUMBER,
+    "report.closures": _COUNT, "report.tau_rows": _COUNT, "report.solver.nodes": _COUNT,
+    "report.solver.orders": _COUNT, "report.worst_slice.error": _NUMBER, "report.worst_slice.mu_o": "a cosine",
+    "report.worst_slice.channel": _COUNT, "report.worst_slice.side": _TEXT,
+}  # fmt: skip
+_OR_NONE = {"report.fit_error_transmission": _NUMBER, "report.worst_slice.tau": _NUMBER}
+_IF_ANY = {
+    "basis": {"basis": _TEXT},
+    "version": {"version": _TEXT},
+    "axes.roughness": {"axes.roughness.count": _COUNT, "axes.roughness.values": _NUMBERS},
+    "report.row_errors": {f"report.row_errors.{name}": _NUMBERS for name in ("tau", "mean", "worst")},
+    "report.tau_error": {
+        **{f"report.tau_error.{name}": _NUMBER for name in ("mean", "worst", "mirror", "worst_at.tau")},
+        "report.tau_error.worst_at.mu_o": "a cosine",
+    },
+    "report.input_error": {f"report.input_error.{name}": _NUMBER for name in ("mean", "worst.error", "albedo.error")},
+    "report.base_error": {f"report.base_error.{name}": _NUMBER for name in ("lambert", "metal", "unknown", "color")},
+}
+
+
+def new_header(stack: Stack, quality: str, basis: str, solved: SolvedRows, roughnesses: Sequence[float],
+               strips: Iterable[Strip]) -> dict:
+    """The header of a bake, without the report; `roughnesses`: those of an axis of roughness, or empty."""
+    axes: dict = {
+        "view": {"count": COLUMNS, "parameter": "theta_o/(pi/2)"},
+        "tau": {
+            "count": max(1, len(solved.axis)),
+            "values": solved.axis,
+            "layer": stack.varying,
+            "parameter": f"t = tau/(tau+{TAU_BEND}), scaled so that the last row is the largest tau"
+                         if solved.axis else "",
+        },
+    }
+    if roughnesses:
+        axes["roughness"] = {"count": len(roughnesses), "values": roughnesses}
+    return {
+        "schema": SCHEMA,
+        "version": _core.__version__,
+        "stack": json.loads(stack.canonical()),
+        "stack_hash": stack.hash,
+        "quality": quality,
+        "basis": basis,
+        "seed": 0,  # not used by a bake, but required by readers of schema 1
+        "sides": solved.sides,
+        "axes": axes,
+        "closures": [strip.name for strip in strips],
+    }
+
+
+def problem(header, weights: np.ndarray) -> str:
+    """The first problem of a table, in words, or ''."""
+    schema = header.get("schema") if isinstance(header, dict) else None
+    if not isinstance(schema, int) or isinstance(schema, bool):
+        return "not a Lamina lookup table"
+    if schema > SCHEMA:
+        return f"schema {quoted(schema)} needs a newer Lamina, which reads up to {SCHEMA}"
+    if schema < 1:
+        return f"schema = {quoted(schema)}: must be {SCHEMA}"
+    return _problem_of_fields(header) or _problem_of_closures(header) or _problem_of_weights(header, weights)
+
+
+def _problem_of_fields(header: dict) -> str:
+    wanted = dict(_ALWAYS)
+    for place, more in _IF_ANY.items():
+        if _at(header, place) is not _MISSING:
+            wanted |= more
+    for place, kind in _OR_NONE.items():
+        if _at(header, place) is not None:
+            wanted[place] = kind
+    for place, kind in wanted.items():
+        value = _at(header, place)
+        if value is _MISSING:
+            return f"the header of the lookup table is incomplete: {place} is missing"
+        if not _FITS[kind](value):
+            return f"{place} = {quoted(value)}: must be {kind}"
+    return ""
+
+
+def _problem_of_closures(header: dict) -> str:
+    for name in header["closures"]:
+        try:
+            if closure := Strip.of(name).closure:
+                lobes.recipe(closure)
+        except (AttributeError, KeyError):
+            return f"closure {quoted(name)}: this version of Lamina does not know it"
+    strips = strips_of(header)
+    if Strip(role=PRINCIPLED) in strips or is_covered(strips):
+        for field in PrincipledBase.fields:
+            if not _is_numbers(_at(header, f"stack.base.{field.name}")):
+                return f"stack.base.{field.name}: must be a list of numbers from 0"
+    if Strip(role=THROWN_BACK) in strips:
+        is_principled = _at(header, "stack.base.kind") == PrincipledBase.kind
+        place = "stack.base.color" if is_principled else "stack.base.reflectance"
+        colour = _at(header, place)
+        if not _is_numbers(colour) or len(colour) not in (1, 3):
+            return f"{place}: must be 1 or 3 numbers, for the base has an input"
+    return ""
+
+
+def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
+    sides, tau = header["sides"], header["axes"]["tau"]
+    if sides not in (["top"], ["top", "bottom"]):
+        return f"sides = {quoted(sides)}: must be ['top'] or ['top', 'bottom']"
+    if header["axes"]["view"]["count"] != COLUMNS:
+        return f"axes.view.count = {header['axes']['view']['count']}: must be {COLUMNS}"
+    if tau["count"] > 1 and len(tau["values"]) != tau["count"]:
+        return f"axes.tau.values has {len(tau['values'])} entries: axes.tau.count says {quoted(tau['count'])}"
+    if any(below < above for above, below in zip(tau["values"], tau["values"][1:], strict=False)):
+        return f"axes.tau.values = {quoted(tau['values'])}: must rise"
+    for place in _IF_ANY["report.row_errors"]:
+        errors = _at(header, place)
+        if errors is not _MISSING and len(errors) != len(tau["values"]):
+            return f"{place} has {len(errors)} entries: must have one for each of axes.tau.values"
+    rows = max(1, tau["count"]) * header["axes"].get("roughness", {}).get("count", 1)
+    shape = (len(sides), len(header["closures"]), rows, COLUMNS, 3)
+    if weights.dtype != np.float32 or weights.shape != shape or not weights.size:
+        return f"weights are {weights.dtype} {weights.shape}: the header says float32 {shape}"
+    if not np.all(np.isfinite(weights)) or weights.min(initial=0.0) < 0.0:
+        return "weights are negative or not finite"
+    return ""
+
+
+def _at(header: dict, place: str):
+    """The header's value at a path such as "axes.tau.count", or _MISSING."""
+    value = header
+    for key in place.split("."):
+        value = value.get(key, _MISSING) if isinstance(value, dict) else _MISSING
+    return value
+
+
+def _is_whole(value) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _is_number(value) -> bool:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        return False
+    return bool(0.0 <= value <= 1e300)  # type: ignore[operator]  # numbers.Real lacks the operators
+
+
+def _is_numbers(value) -> bool:
+    return isinstance(value, list) and all(map(_is_number, value))
+
+
+_FITS = {
+    _TEXT: lambda value: isinstance(value, str),
+    "a list": lambda value: isinstance(value, list),
+    _NUMBER: _is_number,
+    _NUMBERS: _is_numbers,
+    _COUNT: lambda value: _is_whole(value) and 0 <= value < 1 << 64,
+    "a cosine": lambda value: _is_number(value) and value <= 1.0,
+}

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A lookup table as an xarray.Dataset: arrays with named axes and units."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...closures.axes import column_angles
+from ...common.extras import require
+from ...solver.labelled import CHANNELS, channel_names
+
+
+def dataset(header: dict, weights: np.ndarray):
+    """See Lut.to_xarray."""
+    xarray = require("xarray", "to_xarray")
+    axes, report = header["axes"], header["report"]
+    roughness = axes.get("roughness", {}).get("values", [0.0])
+    tau = axes["tau"]["values"] or [0.0]
+    angles = column_angles()
+    sides, closures, _, columns, _ = weights.shape
+    shape = (sides, closures, len(roughness), len(tau), columns, 3)
+    names = ("side", "closure", "roughness", "tau", "view_angle", "color")
+    about = {"units": "1", "long_name": "weight of a closure"}
+    found: dict[str, tuple] = {"weights": (names, weights.reshape(shape), about)}
+    for kind in ("", "_transmission"):
+        errors = report.get(f"slice_errors{kind}")
+        if errors is not None:
+            # Of a table with an axis of roughness, the errors are those at the base's own roughness
+            own = ("roughness",) if len(roughness) == 1 else ()
+            array = np.array(errors).reshape(sides, *(1 for _ in own), len(tau), -1, columns)
+            found[f"slice_errors{kind}"] = (("side", *own, "tau", "channel", "view_angle"), array, {
+                "units": "1", "long_name": "relative L2 error of a slice over solid angle"})
+    coordinates = {
+        "side": ("side", header["sides"], {"long_name": "side of the viewer"}),
+        "closure": ("closure", header["closures"]),
+        "roughness": ("roughness", roughness, {"units": "1", "long_name": "roughness of a Principled base"}),
+        "tau": ("tau", tau, {"units": "1", "long_name": "optical thickness of the varying layer"}),
+        "view_angle": ("view_angle", angles, {"units": "rad", "long_name": "angle of the view with the normal"}),
+        "mu_o": ("view_angle", np.cos(angles), {"units": "1", "long_name": "cosine of the view with the normal"}),
+        "color": ("color", list(CHANNELS)),
+    }
+    if "slice_errors" in found:
+        coordinates["channel"] = ("channel", channel_names(found["slice_errors"][1].shape[-2]))
+    attributes = {"stack_hash": header["stack_hash"], "quality": header["quality"],
+                  "basis": header.get("basis", "standard"), "fit_error": report["fit_error"]}
+    return xarray.Dataset(found, coordinates, attributes)
