@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from .. import _core
 from ..common.arguments import check_seed, check_whole
 from ..common.errors import ArgumentError, ShardError, quoted
+from ..common.parts import checked_shard, share_of
 from ..solver.solve import thread_pool
 from .estimate import BLOCK, CHUNK, MOST_SAMPLES, blocks_of, chunks_in
 
 SCHEMA = 1
-MOST_PARTS = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -56,23 +56,10 @@ def prepared(samples: int, seed: int, shard: tuple[int, int], threads: int) -> W
     return Work(shard, blocks, thread_pool(threads))
 
 
-def checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
-    """(i, n) with 1 <= i <= n. Raises ArgumentError."""
-    if not isinstance(shard, tuple | list) or len(shard) != 2:
-        raise ArgumentError(f"shard = {quoted(shard)}: must be a pair (i, n)")
-    try:
-        count = check_whole(shard[1], "n", 1, MOST_PARTS)
-        return check_whole(shard[0], "i", 1, count), count
-    except ArgumentError:
-        where = "/".join(map(quoted, shard))
-        raise ArgumentError(f"shard = {where}: must be i/n with 1 <= i <= n <= 2^20") from None
-
-
 def chunks_of(shard: tuple[int, int], blocks: int) -> tuple[int, int]:
     """The first chunk and one past the last chunk of part (i, n) of a run of `blocks` blocks."""
-    number, count = shard
-    chunks = chunks_in(blocks)
-    return (number - 1) * chunks // count, number * chunks // count
+    chunks = share_of(shard, chunks_in(blocks))
+    return chunks.start, chunks.stop
 
 
 def check_part(part, name: str, kinds: tuple[PartKind, ...]) -> PartKind:
@@ -101,22 +88,6 @@ def check_part(part, name: str, kinds: tuple[PartKind, ...]) -> PartKind:
     for index, channel in enumerate(part["channels"]):
         kind.check_channel(channel, part, samples, f"{name}: channels[{index}]")
     return kind
-
-
-def check_together(part: dict, name: str, first: dict, first_name: str) -> None:
-    """Raises ShardError unless both are parts of the same job."""
-    if set(part["job"]) != set(first["job"]):
-        raise ShardError(f"{name}: not of the kind of {first_name}: parts of different jobs cannot be merged")
-    for key, value in first["job"].items():
-        if part["job"][key] != value:
-            raise ShardError(f"{name}: {key} = {quoted(part['job'][key])} but {first_name} has {quoted(value)}: parts "
-                             "of different jobs cannot be merged")
-    number, of = part["shard"]
-    if of != first["shard"][1]:
-        raise ShardError(f"{name}: part {number} of {of}, but {first_name} is one of {first['shard'][1]}")
-    if len(part["channels"]) != len(first["channels"]):
-        raise ShardError(f"{name} has {len(part['channels'])} channels: must have {len(first['channels'])} like "
-                         f"{first_name}")
 
 
 def check_list(tallies, count: int, path: str) -> None:

@@ -13,7 +13,8 @@ from pathlib import Path
 from ..common import json_file
 from ..common.arguments import check_kind
 from ..common.atomic import write_atomically
-from ..common.errors import ShardError, clipped, quoted
+from ..common.errors import ShardError, quoted
+from ..common.parts import in_sequence
 from ..common.progress import Progress, stepper
 from ..material.any_stack import AnyStack, as_stack
 from .estimate import Estimate, Query, run_channels, run_chunks, summary
@@ -25,7 +26,6 @@ from .shard_parts import (
     check_counts,
     check_list,
     check_part,
-    check_together,
     is_finite,
     prepared,
 )
@@ -68,20 +68,13 @@ def merge(parts: Sequence[dict], names: Sequence[str] | None = None) -> Estimate
     names = [f"parts[{k}]" for k in range(len(parts))] if names is None else names
     if not isinstance(names, Sequence) or len(names) != len(parts):
         raise ShardError(f"names = {quoted(names)}: must be a list of {len(parts)} names, one per part")
+    kinds = [check_part(part, name, KINDS) for part, name in zip(parts, names, strict=True)]
+    order = in_sequence([part["job"] for part in parts], [part["shard"] for part in parts], names)
+    channels = len(parts[0]["channels"])
     for part, name in zip(parts, names, strict=True):
-        kind = check_part(part, name, KINDS)
-        check_together(part, name, parts[0], names[0])
-    by_number: dict = {}
-    count = parts[0]["shard"][1]
-    for part, name in zip(parts, names, strict=True):
-        number = part["shard"][0]
-        if number in by_number:
-            raise ShardError(f"{name}: part {number} of {count} is given twice")
-        by_number[number] = part
-    missing = [str(number) for number in range(1, count + 1) if number not in by_number]
-    if missing:
-        raise ShardError(f"part {clipped(', '.join(missing))} of {count} is missing")
-    return kind.summary([by_number[number] for number in range(1, count + 1)])
+        if len(part["channels"]) != channels:
+            raise ShardError(f"{name} has {len(part['channels'])} channels: must have {channels} like {names[0]}")
+    return kinds[0].summary([parts[place] for place in order])
 
 
 def _check_table_error(part: dict, name: str) -> None:
