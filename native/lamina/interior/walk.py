@@ -66,7 +66,7 @@ class Walker:
 
     def described(self, samples: Samples) -> dict:
         """The description of a run, the same for all its parts."""
-        return {**self.problem.described, "solid": self._solid_hash, "first": samples.first, "samples": samples.count,
+        return {"solid": self._solid_hash, **self.problem.described, "first": samples.first, "samples": samples.count,
                 "seed": samples.seed}
 
     def exits(self, samples: Samples, step: Progress, part: range | None = None,

@@ -18,7 +18,7 @@ from ..interior.parts import WalkPart, elsewhere, merge_passes, part_of
 from ..interior.problem import Problem, Run, Samples, WalkPoints
 from ..interior.solid import Solid
 from ..interior.walk import Walker
-from .coarse import everywhere
+from .nearest import everywhere
 from .noise import TRIAL_SAMPLES, trial
 from .part_folder import PartFolder, Pilot
 from .places import Places, places_of
