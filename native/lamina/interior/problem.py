@@ -65,7 +65,7 @@ class Lights:
             raise ArgumentError(f"lamps = {quoted(self.lamps)}: must be a list of {names}")
         object.__setattr__(self, "lamps", tuple(self.lamps))
         if self.surroundings is not None:
-            _check(self.surroundings, Surroundings, "surroundings")
+            check_kind(self.surroundings, "surroundings", Surroundings, "a lamina.Surroundings")
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +129,8 @@ class Problem:
     points: WalkPoints = WalkPoints()
 
     def __post_init__(self):
-        _check(self.interior, Interior, "interior")
-        _check(self.boundary, Surface, "surface")
+        check_kind(self.interior, "interior", Interior, "a lamina.Interior")
+        check_kind(self.boundary, "surface", Surface, "a lamina.Surface")
         for number, lamp in enumerate(() if self.lights is None else self.lights.lamps):
             if self.boundary.is_smooth and lamp.too_small:
                 raise ArgumentError(f"lamps[{number}].{lamp.too_small} behind a smooth boundary, or alpha above 0")
@@ -187,11 +187,6 @@ class Run:
 
     def stepper(self, work: str) -> Progress:
         return stepper(work, self.progress, self.cancel)
-
-
-def _check(value, kind: type, name: str) -> None:
-    if not isinstance(value, kind):
-        raise ArgumentError(f"{name} = {quoted(value)}: must be a lamina.{kind.__name__}")
 
 
 def _rows(values, name: str) -> np.ndarray:

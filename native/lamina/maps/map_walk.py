@@ -90,7 +90,7 @@ def map_of(problem: Problem, target: Target, run: Run, image: Callable, preview:
     walked = _walked(problem, target, run, shown, share)
     found = image(walked, target.margin)
     walked.step(1.0, "Done")
-    return replace(found, seconds=time.perf_counter() - walked.began)
+    return found
 
 
 def _walked(problem: Problem, target: Target, run: Run, shown: Callable[[MapWalk], None] | None,

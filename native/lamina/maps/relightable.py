@@ -87,8 +87,8 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
 
     `preview(images)` is called from time to time with the images so far: first with coarse ones from the trial, later
     each time the number of samples has doubled. Previews lack the correction for thin parts and the second closure. A
-    run with previews has other parts in its folder than one without. `spread`: computes the parts on other machines,
-    see lamina.distributed.spread; the bytes are the same.
+    run with previews has other parts in its folder than one without. `spread`: an executor of concurrent.futures that
+    computes the parts, such as that of lamina.distributed.spread; the bytes are the same.
 
     The images have less noise than the estimates: a regression on the coefficients below the texels, see
     lamina.maps.smoothing. A boundary is shown by a Glossy closure above the node, see SubsurfaceInputs. Light enters
