@@ -36,7 +36,7 @@ class Workers(Executor):
     """The executor of a Dask client. The callable of `submit` may hold much data: it is sent once for all successive
     calls, and recomputed from the client's copy if its worker dies."""
 
-    def __init__(self, client):
+    def __init__(self, client: Any):
         distributed = require("distributed", "lamina.distributed")
         if not isinstance(client, distributed.Client) or client.asynchronous:
             raise ArgumentError(f"client = {quoted(client)}: must be a synchronous distributed.Client, or an executor "
