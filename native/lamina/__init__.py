@@ -25,8 +25,8 @@ from .interior.lamps import AreaLamp, Lamp, PointLamp, SpotLamp, Surroundings
 from .interior.marble import Marble, marble
 from .interior.of_stack import interior_of_stack
 from .interior.parts import WalkPart, light_in_mesh, merge_walks, walk_in_mesh, walk_part
+from .interior.problem import Surface
 from .interior.solid import Solid
-from .interior.walk import Surface
 from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base

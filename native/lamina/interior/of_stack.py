@@ -14,7 +14,7 @@ from ..material.millimetres import require_millimetres
 from ..material.stack import Stack
 from .end_material import CHANNELS, EndMaterial
 from .grid import Interior
-from .walk import Surface
+from .problem import Surface
 
 
 def interior_of_stack(stack: AnyStack) -> tuple[Interior, Surface]:

@@ -4,23 +4,29 @@ resumed, or distributed over several machines."""
 
 from __future__ import annotations
 
-import hashlib
+import functools
 import math
 import os
+import time
+import uuid
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 
 from ..common.archive import Damaged, load_archive, save_archive
-from ..common.errors import ShardError, clipped, quoted
-from ..common.progress import Progress
-from ..walks.shard_parts import checked_shard
+from ..common.errors import ShardError, quoted
+from ..common.kept import kept
+from ..common.parts import checked_shard, in_sequence, share_of
+from ..common.progress import Progress, portion, silent
 from .estimates import COUNTS, ExitEstimate, LightEstimate, exit_estimate, light_estimate
-from .lamps import AnyLamp, Surroundings, from_json, to_json
-from .walk import Lit, Surface, Walker, checked_lit, start
+from .lamps import AnyLamp, Surroundings, from_json
+from .problem import Lights, Problem, Run, Samples, Surface, WalkPoints
+from .walk import Walker
 
 FORMAT, SCHEMA = "lamina-walks", 2
+WORK = "the walk in the mesh"
 _ARRAYS = {"exits": ("moments", "products", "counts"), "light": ("sums", "squares", "counts")}
 _JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "surroundings", "first", "samples", "seed")
 
@@ -54,8 +60,7 @@ class WalkPart:
                 raise Damaged
             _, arrays = load_archive(path, *_ARRAYS[job["kind"]])
             shard = checked_shard(header["shard"])
-            points = points_of(shard, job["count"])
-            shapes = _shapes(job, len(points))
+            shapes = _shapes(job, len(share_of(shard, job["count"])))
         except (Damaged, TypeError, ValueError, KeyError) as error:
             if isinstance(error, ShardError):
                 raise
@@ -83,8 +88,9 @@ def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, su
     Method: delta tracking with a majorant for each brick of voxels (Woodcock et al. 1965); walks serve all channels
     only where the channels have equal extinctions; unlimited path length. Faces are flat: interpolated normals are
     used only at the start of a walk."""
-    return _whole("exits", solid, interior, points, normals, directions, surface, (), None, samples, seed, threads,
-                  progress, cancel)
+    problem = Problem(solid, interior, surface, None, WalkPoints.of(points, normals, directions))
+    run = Run(samples, seed=seed, threads=threads, progress=progress, cancel=cancel)
+    return cast(ExitEstimate, estimated(problem, run))
 
 
 def light_in_mesh(solid, interior, lamps: Sequence[AnyLamp] = (), points=None, normals=None, directions=None,
@@ -100,8 +106,10 @@ def light_in_mesh(solid, interior, lamps: Sequence[AnyLamp] = (), points=None, n
     `surroundings`: a lamina.Surroundings; by default a sky of radiance 1 from all directions. Without `directions` the
     radiance is the cosine-weighted mean over directions. Other arguments and errors are those of
     walk_in_mesh."""
-    return _whole("light", solid, interior, points, normals, directions, surface, lamps, surroundings, samples, seed,
-                  threads, progress, cancel)
+    lights = Lights(lamps, surroundings)
+    problem = Problem(solid, interior, surface, lights, WalkPoints.of(points, normals, directions))
+    run = Run(samples, seed=seed, threads=threads, progress=progress, cancel=cancel)
+    return cast(LightEstimate, estimated(problem, run))
 
 
 def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[AnyLamp] | None = None, points=None,
@@ -111,17 +119,23 @@ def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[AnyLamp] 
     """Part i of n of a run; `shard` = (i, n), i from 1. Without `lamps` this is a part of walk_in_mesh, with `lamps` (a
     list, which may be empty) of light_in_mesh. Merged parts give the same bytes as one run. Raises the same errors."""
     shard = checked_shard(shard)
-    kind = "exits" if lamps is None else "light"
-    walker, used, step, _ = _started(kind, solid, interior, points, normals, directions, surface, lamps or (),
-                                     surroundings, samples, seed, threads, progress, cancel)
-    return part_of(job_of(kind, walker, used), shard, walker, used, step)
+    lights = None if lamps is None else Lights(lamps, surroundings)
+    problem = Problem(solid, interior, surface, lights, WalkPoints.of(points, normals, directions))
+    return _part(problem, Run(samples, seed=seed, threads=threads, progress=progress, cancel=cancel), shard)
+
+
+def estimated(problem: Problem, run: Run) -> ExitEstimate | LightEstimate:
+    """The estimate of a problem. Raises the errors of walk_in_mesh."""
+    began = time.perf_counter()
+    part = _part(problem, run, (1, 1))
+    run.stepper(WORK)(1.0, "Done")
+    return _summary(part.job, list(part.arrays), time.perf_counter() - began)
 
 
 def merge_walks(parts: Sequence[WalkPart]) -> ExitEstimate | LightEstimate:
     """The estimate from all parts of a run, in any order. Raises ShardError if parts are missing, duplicate, or of
     different runs."""
-    job, arrays = _joined(parts)
-    return _summary(job, arrays, math.nan)
+    return merge_passes([parts])
 
 
 def merge_passes(passes: Sequence[Sequence[WalkPart]]) -> ExitEstimate | LightEstimate:
@@ -132,77 +146,37 @@ def merge_passes(passes: Sequence[Sequence[WalkPart]]) -> ExitEstimate | LightEs
                     math.nan)
 
 
+def part_of(walker: Walker, samples: Samples, shard: tuple[int, int], step: Progress = silent) -> WalkPart:
+    """Part `shard` of the run of a walker with these samples."""
+    job = walker.described(samples)
+    points = share_of(shard, job["count"])
+    walk = walker.exits if walker.problem.lights is None else walker.lights
+    return WalkPart(job, shard, tuple(walk(samples, step, points)[:3]))  # no light is late
+
+
+def elsewhere(problem: Problem) -> Callable[[Any], WalkPart]:
+    """A function of (samples, shard) for other machines: the part of a run of this problem, by one thread."""
+    return functools.partial(_elsewhere, uuid.uuid4().hex, problem)
+
+
+def _elsewhere(run: str, problem: Problem, part: tuple[Samples, tuple[int, int]]) -> WalkPart:
+    return part_of(kept(run, lambda: Walker(problem, 1, silent)), *part)
+
+
+def _part(problem: Problem, run: Run, shard: tuple[int, int]) -> WalkPart:
+    step = run.stepper(WORK)
+    walker = Walker(problem, run.threads, portion(step, 0.0, 0.1))
+    return part_of(walker, Samples(cast(int, run.samples), run.seed), shard, portion(step, 0.1, 1.0))
+
+
 def _joined(parts: Sequence[WalkPart]) -> tuple[dict, list[np.ndarray]]:
     """(the run that all parts belong to, its arrays). Raises ShardError."""
     if not isinstance(parts, Sequence) or not parts or not all(isinstance(part, WalkPart) for part in parts):
         raise ShardError(f"parts = {quoted(parts)}: must be a list of at least one lamina.WalkPart")
-    job, count = parts[0].job, parts[0].shard[1]
-    by_number: dict[int, WalkPart] = {}
-    for place, part in enumerate(parts):
-        for key in _JOB:
-            if part.job[key] != job[key]:
-                raise ShardError(f"parts[{place}]: {key} = {quoted(part.job[key])} but {quoted(job[key])} in parts[0]")
-        if part.shard[1] != count:
-            raise ShardError(f"parts[{place}]: is one of {part.shard[1]} parts, but parts[0] one of {count}")
-        if part.shard[0] in by_number:
-            raise ShardError(f"parts[{place}]: part {part.shard[0]} of {count} is given twice")
-        by_number[part.shard[0]] = part
-    missing = [str(number) for number in range(1, count + 1) if number not in by_number]
-    if missing:
-        raise ShardError(f"part {clipped(', '.join(missing))} of {count} is missing")
-    ordered = [by_number[number].arrays for number in range(1, count + 1)]
-    return job, [np.concatenate(arrays) for arrays in zip(*ordered, strict=True)]
-
-
-def points_of(shard: tuple[int, int], count: int) -> range:
-    """The points of part (i, n)."""
-    number, parts = shard
-    return range((number - 1) * count // parts, number * count // parts)
-
-
-def job_of(kind: str, walker: Walker, lit: Lit) -> dict:
-    """The description of a run of this `kind`, "exits" or "light"."""
-    return {"kind": kind, "solid": walker.solid_hash, "interior": walker.interior.hash, "points": _points_hash(walker),
-            "surface": [walker.surface.ior, walker.surface.alpha, walker.surface.distribution],
-            "lamps": [to_json(lamp) for lamp in lit.lamps],
-            "surroundings": None if lit.surroundings is None else lit.surroundings.hash,
-            "first": walker.first, "samples": walker.samples, "seed": walker.seed, "count": len(walker.positions)}
-
-
-def part_of(job: dict, shard: tuple[int, int], walker: Walker, lit: Lit, step: Progress) -> WalkPart:
-    """Part `shard` of the run of a walker, whose description is `job`."""
-    points = points_of(shard, len(walker.positions))
-    if job["kind"] == "light":
-        arrays = walker.lights(lit, points.start, points.stop, step)
-    else:
-        arrays = walker.exits(points.start, points.stop, step)[:3]  # no light is late
-    return WalkPart(job, shard, tuple(arrays))
-
-
-def _whole(kind, *given):
-    walker, lit, step, seconds = _started(kind, *given)
-    part = part_of(job_of(kind, walker, lit), (1, 1), walker, lit, step)
-    step(1.0, "Done")
-    return _summary(part.job, list(part.arrays), seconds())
-
-
-def _started(kind, solid, interior, points, normals, directions, surface, lamps, surroundings, samples, seed, threads,
-             progress, cancel):
-    """(walker, Lit, step, a function that returns the elapsed seconds)."""
-    surface = Surface() if surface is None else surface
-
-    def checked():
-        return checked_lit(lamps, surroundings, surface) if kind == "light" else Lit()
-
-    return start(solid, interior, surface, points, normals, directions, samples, seed, threads, progress, cancel,
-                 checked)
-
-
-def _points_hash(walker: Walker) -> str:
-    digest = hashlib.sha256()
-    for array in (walker.positions, walker.normals, walker.views):
-        digest.update(b"-" if array is None else np.ascontiguousarray(array).data)
-    return digest.hexdigest()
+    order = in_sequence([part.job for part in parts], [part.shard for part in parts],
+                        [f"parts[{place}]" for place in range(len(parts))])
+    ordered = [parts[place].arrays for place in order]
+    return parts[0].job, [np.concatenate(arrays) for arrays in zip(*ordered, strict=True)]
 
 
 def _summary(job: dict, arrays: list[np.ndarray], seconds: float) -> ExitEstimate | LightEstimate:

@@ -22,6 +22,7 @@ from ..common.progress import Progress, portion
 from ..interior.end_material import CHANNELS, EndMaterial
 from ..interior.estimates import exit_estimate
 from ..interior.grid import Interior
+from ..interior.problem import Samples
 from ..interior.walk import Walker
 from ..kinds.interiors import MOST_COEFFICIENT
 from ..subsurface.entry_cosines import mean_entry_cosines
@@ -30,6 +31,7 @@ from ..subsurface.later_flights import LATER_FLIGHTS
 from ..subsurface.node_inputs import NEGLIGIBLE_LOSS, Closure
 from ..subsurface.node_parameters import LEAST_ALBEDO, LEAST_IOR
 from ..subsurface.response_table import CURVE, Curves, distance_per_path, response_curves
+from .map_walk import MapWalk
 from .nearest import BLOCK, nearest
 
 ROUNDS = 6  # the media are chosen again from the last corrected targets
@@ -93,13 +95,14 @@ class Along(NamedTuple):
         return first + self.share * (second - first)
 
 
-def closures_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g: float, ior: float, roughness: float,
-                     step: Progress) -> tuple[Closure, Closure | None]:
-    """Closures with which the node in the walker's mesh has this exit albedo and mean exit distance in mm, both
-    (points, channels), means over directions. The second replaces the light that the limit of flights loses in the
-    mesh; None if the first can make up for it. Deterministic."""
-    share_of_walks = EFFORT * len(albedo) * walker.samples / (4 * min(len(albedo), POINTS))
-    samples = int(np.clip(share_of_walks, LEAST_SAMPLES, MOST_SAMPLES))
+def closures_in_body(albedo: np.ndarray, distance: np.ndarray, walked: MapWalk, g: float, ior: float,
+                     roughness: float) -> tuple[Closure, Closure | None]:
+    """Closures with which the node in the mesh has this exit albedo and mean exit distance in mm, both (points,
+    channels), means over directions. The second replaces the light that the limit of flights loses in the mesh; None
+    if the first can make up for it. Deterministic."""
+    walker, seed, step = walked.walker, walked.samples.seed, walked.step
+    share_of_walks = EFFORT * len(albedo) * walked.samples.count / (4 * min(len(albedo), POINTS))
+    samples = Samples(int(np.clip(share_of_walks, LEAST_SAMPLES, MOST_SAMPLES)), seed)
     node = response_curves(g, *mean_entry_cosines(ior, roughness))
     body = _Body(albedo, distance, walker, g, node, samples, portion(step, 0.0, FIRST))
     first, lost = body.closure(albedo, distance)
@@ -112,31 +115,32 @@ def closures_in_body(albedo: np.ndarray, distance: np.ndarray, walker: Walker, g
     weight = float(light.max()) / BRIGHTEST
     way = np.where(lost.share > LEAST_LIGHT, lost.moment / np.maximum(lost.share, LEAST_LIGHT), distance)
     way = np.minimum(way, walker.solid_size)
-    body = _Body(light / weight, way, walker, g, node, LEAST_SAMPLES, portion(step, FIRST, 1.0))
+    body = _Body(light / weight, way, walker, g, node, Samples(LEAST_SAMPLES, seed), portion(step, FIRST, 1.0))
     return first, body.closure(light / weight, way)[0]._replace(weight=weight)
 
 
 class _Body:
     """Walks in four media that suit the given exit albedo and mean exit distance."""
 
-    def __init__(self, albedo: np.ndarray, distance: np.ndarray, walker: Walker, g: float, node: Curves, samples: int,
-                 step: Progress):
+    def __init__(self, albedo: np.ndarray, distance: np.ndarray, walker: Walker, g: float, node: Curves,
+                 samples: Samples, step: Progress):
         self._walker, self._g, self._node = walker, g, node
         self._bare = response_curves(g, *mean_entry_cosines(LEAST_IOR, 0.0))
         self._darkest = float(np.interp(-LEAST_ALBEDO, -node.single, CURVE))  # the largest u
         apparent, without = self._apparent(albedo, distance)
         u = np.minimum(apparent, self._darkest)
         path = distance / distance_per_path(node.full_distance, node, g, u)
-        few = _some(len(albedo), ROUGH_POINTS)
+        few, rough = _some(len(albedo), ROUGH_POINTS), Samples(ROUGH_SAMPLES, samples.seed)
         for number in range(ROUNDS):
             self._media = _media(u, path, walker.solid_size, self._darkest)
-            seen = self._all_seen(few, ROUGH_SAMPLES, portion(step, 0.2 * number / ROUNDS, 0.2 * (number + 1) / ROUNDS))
+            seen = self._all_seen(few, rough, portion(step, 0.2 * number / ROUNDS, 0.2 * (number + 1) / ROUNDS))
             seen = [Seen(*(np.broadcast_to(values.mean(axis=0), albedo.shape) for values in one)) for one in seen]
             u, path, _ = self._corrected(apparent, without, seen)
         chosen = _some(len(albedo), POINTS)
         self._media = _media(u, path, walker.solid_size, self._darkest)
         self._seen = self._all_seen(chosen, samples, portion(step, 0.2, 1.0))
-        self._places, self._averaged = walker.positions[chosen], max(NEIGHBOURS, -(-AVERAGED // samples))
+        self._positions = walker.problem.points.positions
+        self._places, self._averaged = self._positions[chosen], max(NEIGHBOURS, -(-AVERAGED // samples.count))
 
     def closure(self, albedo: np.ndarray, distance: np.ndarray) -> tuple[Closure, Lost]:
         """(closure with this exit albedo and mean exit distance in mm without the limit of flights, what the limit
@@ -146,7 +150,7 @@ class _Body:
         u, path, shown, share, moment = (np.empty_like(albedo) for _ in range(5))
         for first in range(0, len(albedo), BLOCK):
             part = slice(first, first + BLOCK)
-            near, weights = nearest(self._places, self._walker.positions[part], self._averaged)
+            near, weights = nearest(self._places, self._positions[part], self._averaged)
             seen = [Seen(*(np.einsum("pk,pkc->pc", weights, values[near]) for values in one)) for one in self._seen]
             u[part], path[part], along = self._corrected(apparent[part], without[part], seen)
             shown[part] = along.shown
@@ -195,10 +199,10 @@ class _Body:
         path = np.exp(found.between([np.log(one.path) for one in self._media]) + longer * LONGER)
         return np.clip(found.between(places), CURVE[0], self._darkest), path, found
 
-    def _all_seen(self, chosen: np.ndarray, samples: int, step: Progress) -> list[Seen]:
+    def _all_seen(self, chosen: np.ndarray, samples: Samples, step: Progress) -> list[Seen]:
         """Walks in each medium, from the chosen points."""
-        walker, ends = self._walker.with_points(chosen, samples, self._walker.seed), np.linspace(0.0, 1.0, 5)
-        return [_seen(medium, walker, self._bare, self._g, portion(step, low, high))
+        walker, ends = self._walker.only(chosen), np.linspace(0.0, 1.0, 5)
+        return [_seen(medium, walker, samples, self._bare, self._g, portion(step, low, high))
                 for medium, low, high in zip(self._media, ends[:-1], ends[1:], strict=True)]
 
 
@@ -227,18 +231,18 @@ def _media(u: np.ndarray, paths: np.ndarray, size: float, darkest: float) -> lis
     return [*found, Medium(found[1].u, found[1].path * np.exp(LONGER))]
 
 
-def _seen(medium: Medium, walker: Walker, curves: Curves, g: float, step: Progress) -> Seen:
+def _seen(medium: Medium, walker: Walker, samples: Samples, curves: Curves, g: float, step: Progress) -> Seen:
     """Walks in the medium, from the points of a walker."""
     single = np.interp(medium.u, CURVE, curves.single)
     material = EndMaterial(tuple(single / medium.path), tuple((1.0 - single) / medium.path), g)
     # Cycles continues with transport coefficients, so that its later flights have the length of several.
     late_after = FORWARD_COLLISIONS + LATER_FLIGHTS / (1.0 - g * single)
-    moments, products, counts, late = walker.with_matched(Interior.uniform(material)).exits(
-        0, len(walker.positions), lambda fraction, _: step(fraction, "Shape of the body"), tuple(late_after))
-    found = exit_estimate(moments, products, counts, walker.samples, 0.0)
+    moments, products, counts, late = walker.matched(Interior.uniform(material)).exits(
+        samples, lambda fraction, _: step(fraction, "Shape of the body"), late_after=tuple(late_after))
+    found = exit_estimate(moments, products, counts, samples.count, 0.0)
     expected = medium.path * distance_per_path(curves.full_distance, curves, g, medium.u)  # if no light leaves
     distance = found.mean_distance.value
-    late = late / walker.samples
+    late = late / samples.count
     return Seen(found.albedo.value, np.where(np.isfinite(distance), distance, expected), late[..., 0], late[..., 1])
 
 

@@ -6,24 +6,21 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import check_callable, check_whole
 from ..common.progress import Progress
 from ..interior.estimates import LightEstimate
 from ..interior.grid import Interior
 from ..interior.lamps import AnyLamp, Surroundings
+from ..interior.problem import Lights, Problem, Run, Surface
 from ..interior.solid import Solid
-from ..interior.walk import Surface
 from ..walks.searchlight_moments import Measured
-from .map_walk import MapJob, MapWalk, walk_map
+from .map_walk import MapWalk, Target, map_of
 from .noise import noise_of, preview_report
 from .smoothing import smoothed
-from .spread import Spread
-
-MOST_MARGIN = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +58,7 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
                seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None, threads: int = 0,
                progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
                surroundings: Surroundings | None = None,
-               preview: Callable[[LitImages], None] | None = None, spread: Spread | None = None) -> LitImages:
+               preview: Callable[[LitImages], None] | None = None, spread: Executor | None = None) -> LitImages:
     """The light that leaves an interior at each texel of a UV map, or at each vertex, under each of the `lamps` and
     under the `surroundings`, by default a sky of radiance 1 from all directions.
 
@@ -70,14 +67,10 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
     directions. The images have less noise than the estimates, see lamina.maps.smoothing. Other arguments and errors are
     those of relightable_images; `noise` is that of the estimates and concerns the worst lamp or the sky. Lamps are
     those of light_in_mesh."""
-    check_whole(margin, "margin", 0, MOST_MARGIN)
-    check_callable(preview, "preview")
-    check_callable(spread, "spread")
-    job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel,
-                 spread, None if preview is None else lambda walked: preview(_images(walked, margin)))
-    walked = walk_map(job, "light", lamps, surroundings, view, eye)
-    walked.step(1.0, "Done")
-    return _images(walked, margin)
+    problem = Problem(solid, interior, surface, Lights(lamps, surroundings))
+    target = Target(uvs, size, normals, margin, folder, view, eye)
+    run = Run(samples, noise, seed, threads, progress, cancel, spread)
+    return map_of(problem, target, run, _images, preview)
 
 
 def _images(walked: MapWalk, margin: int) -> LitImages:
@@ -85,7 +78,8 @@ def _images(walked: MapWalk, margin: int) -> LitImages:
     # One pass for all sources, because the regression's matrices are the same
     every = Measured(np.concatenate([found.lamps.value, found.sky.value[:, None]], axis=1),
                      np.concatenate([found.lamps.stderr, found.sky.stderr[:, None]], axis=1))
-    light = np.maximum(smoothed(walked.places, walked.walker.interior, every) if walked.done else every.value, 0.0)
+    interior = walked.walker.problem.interior
+    light = np.maximum(smoothed(walked.places, interior, every) if walked.done else every.value, 0.0)
     *images, sky = (walked.places.filled(light[:, k], margin) for k in range(light.shape[1]))
     stacked = np.stack(images) if images else np.zeros((0, *sky.shape), np.float32)
     return LitImages(stacked, sky, walked.places.mask, found, noise_of(found), time.perf_counter() - walked.began,

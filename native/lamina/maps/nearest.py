@@ -1,11 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Interpolation between scattered places."""
+"""Interpolation between scattered places, and with it a coarse preview of a map."""
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
+from ..interior.estimates import ExitEstimate, LightEstimate
+from ..settling.mesh import Points
+from ..walks.searchlight_moments import Measured
+from .noise import Trial
+
 BLOCK = 1 << 10  # positions at a time, to limit memory
+NEIGHBOURS = 3
+TURN = 0.25  # normals one radian apart count like this share of the mesh's size: thin walls have two sides
+
+
+def everywhere(trial: Trial, points: Points) -> ExitEstimate | LightEstimate:
+    """The estimates of a trial at all points, each interpolated between the trial's nearest points."""
+    size = float(np.linalg.norm(np.ptp(points.positions, axis=0)))
+    lengths = np.linalg.norm(points.normals, axis=1, keepdims=True)
+    found = np.concatenate([points.positions, TURN * size * points.normals / lengths], axis=1)
+    blocks = [nearest(found[trial.chosen], found[first:first + BLOCK], NEIGHBOURS)
+              for first in range(0, len(found), BLOCK)]
+    near, weights = (np.concatenate(one) for one in zip(*blocks, strict=True))
+
+    def interpolated(values):
+        if isinstance(values, Measured):
+            return Measured(interpolated(values.value), interpolated(values.stderr))
+        return np.einsum("pk,pk...->p...", weights, np.nan_to_num(values)[near])
+
+    fields = (one.name for one in dataclasses.fields(trial.estimate))
+    changed = {name: getattr(trial.estimate, name) for name in fields if name not in ("count", "lamps_used")}
+    return dataclasses.replace(trial.estimate, **{name: interpolated(value) for name, value in changed.items()})
 
 
 def nearest(places: np.ndarray, positions: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -11,8 +11,9 @@ import numpy as np
 
 from ..common.progress import Progress
 from ..interior.estimates import ExitEstimate, LightEstimate
-from ..interior.parts import job_of, merge_walks, part_of
-from ..interior.walk import Lit, Walker
+from ..interior.parts import merge_walks, part_of
+from ..interior.problem import Samples
+from ..interior.walk import Walker
 from ..walks.searchlight_moments import Measured
 
 TRIAL_POINTS, TRIAL_SAMPLES = 512, 24
@@ -35,13 +36,12 @@ class Trial:
         return int(min(max(LEAST_SAMPLES, math.ceil(TRIAL_SAMPLES * (found / noise) ** 2)), MOST_SAMPLES))
 
 
-def trial(kind: str, walker: Walker, lit: Lit, step: Progress) -> Trial:
-    """A Trial at up to 512 points."""
-    count = len(walker.positions)
+def trial(walker: Walker, seed: int, step: Progress) -> Trial:
+    """A Trial at up to 512 points, for a run with this seed."""
+    count = len(walker.problem.points.positions)
     chosen = np.unique(np.linspace(0, count - 1, min(count, TRIAL_POINTS)).astype(int))
-    few = walker.with_points(chosen, TRIAL_SAMPLES, (walker.seed ^ OTHER_SEED) % 2**64)
-    began = time.perf_counter()
-    part = part_of(job_of(kind, few, lit), (1, 1), few, lit, lambda fraction, _: step(fraction, "Noise"))
+    samples, began = Samples(TRIAL_SAMPLES, (seed ^ OTHER_SEED) % 2**64), time.perf_counter()
+    part = part_of(walker.only(chosen), samples, (1, 1), lambda fraction, _: step(fraction, "Noise"))
     return Trial(chosen, merge_walks([part]), time.perf_counter() - began)
 
 

@@ -6,15 +6,18 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, ShardError
+from ..common.parts import each_part, shards_of
 from ..common.progress import Progress, portion, time_left
 from ..interior.parts import WalkPart
+from ..interior.problem import Samples
 
 FORMAT, SCHEMA = "lamina-run", 1
 MOST_PARTS = 4096
@@ -33,8 +36,7 @@ class Pilot:
     aim: str = ""
 
 
-# compute(description of the run, parts that are missing, function that keeps a part, progress)
-Compute = Callable[[dict, list[tuple[int, int]], Callable[[WalkPart], None], Progress], None]
+Parts = list[list[WalkPart]]  # of each pass
 
 
 class PartFolder:
@@ -72,44 +74,45 @@ class PartFolder:
             text, path = json.dumps(header, indent=1, sort_keys=True) + "\n", self._path / "run.json"
             self._kept(lambda: write_atomically(path, lambda file: file.write(text.encode())), 0)
 
-    def run(self, passes: Sequence[dict], compute: Compute, step: Progress,
-            passed: Callable[[list[list[WalkPart]]], None], pilot: Pilot | None = None) -> list[list[WalkPart]]:
-        """All parts of each pass, in sequence: read from the folder where they are whole, otherwise computed and
-        written. `passes`: the descriptions that the parts must have, which differ in their samples. Calls
+    def run(self, call: Callable, passes: dict[Samples, dict], step: Progress, passed: Callable[[Parts], None],
+            pilot: Pilot | None = None, executor: Executor | None = None) -> Parts:
+        """All parts of each pass, in sequence: read from the folder where they are whole, otherwise computed by `call`
+        of (samples, shard), see each_part, and written. `passes`: the descriptions that the parts must have. Calls
         `passed(parts so far)` after each pass except the last. `pilot`: with it the first report of progress already
         tells the time."""
-        plan = [(place, shard) for place, job in enumerate(passes) for shard in _shards(job)]
-        numbers = {one: number for number, one in enumerate(plan, start=1)}
-        found = {one: self._load(passes[one[0]], one[1], number, len(plan)) for one, number in numbers.items()}
-        whole = {one: part for one, part in found.items() if part is not None}
-        work = {(place, shard): passes[place]["samples"] / shard[1] for place, shard in plan}
-        total, pilot = sum(work.values()), pilot or Pilot()
-        before, began = sum(work[one] for one in whole), time.perf_counter()
+        numbered = {(samples, shard): number for number, (samples, shard) in enumerate(
+            ((samples, shard) for samples, job in passes.items() for shard in _shards(job)), start=1)}
+        count, pilot, shown = len(numbered), pilot or Pilot(), 0
+        read = {key: self._load(passes[key[0]], key[1], number, count) for key, number in numbered.items()}
+        whole = {key: part for key, part in read.items() if part is not None}
+        total, before, began = sum(map(_work, numbered)), sum(map(_work, whole)), time.perf_counter()
 
         def told(fraction: float, _text: str) -> None:
-            text = f"Part {min(len(whole) + 1, len(plan))} of {len(plan)}"
+            text = f"Part {min(len(whole) + 1, count)} of {count}"
             walked = fraction * total - before + pilot.work
             seconds = time.perf_counter() - began + pilot.seconds
             if walked > 0.0 and (pilot.work or seconds >= LEAST_SECONDS):
                 text += f", {time_left(seconds / walked * (1.0 - fraction) * total)}{pilot.aim}"
             step(fraction, text)
 
-        for place, job in enumerate(passes):
-            shards = [shard for where, shard in plan if where == place]
-            missing = [shard for shard in shards if (place, shard) not in whole]
+        def of_passes(last: int) -> Parts:
+            return [[whole[key] for key in numbered if key[0] == samples] for samples in list(passes)[:last]]
 
-            def keep(part: WalkPart, place: int = place) -> None:
-                one = place, part.shard
-                self._save(part, numbers[one], len(plan), len(whole))
-                whole[one] = part
+        def show() -> None:
+            nonlocal shown
+            while shown + 1 < len(passes) and all(key in whole for key in numbered if key[0] == list(passes)[shown]):
+                shown += 1
+                passed(of_passes(shown))
 
-            if missing:
-                done = sum(work[one] for one in whole)
-                compute(job, missing, keep, portion(told, done / total, (done + sum(
-                    work[place, shard] for shard in missing)) / total))
-            if place + 1 < len(passes):
-                passed([[whole[one] for one in plan if one[0] == earlier] for earlier in range(place + 1)])
-        return [[whole[one] for one in plan if one[0] == place] for place in range(len(passes))]
+        def keep(key: tuple[Samples, tuple[int, int]], part: WalkPart) -> None:
+            self._save(part, numbered[key], count, len(whole))
+            whole[key] = part
+            show()
+
+        show()
+        each_part(call, [key for key in numbered if key not in whole], portion(told, before / total, 1.0), executor,
+                  keep, _work)
+        return of_passes(len(passes))
 
     def _load(self, job: dict, shard: tuple[int, int], number: int, count: int) -> WalkPart | None:
         """The part in the folder, or None if its file is missing, damaged or of another run."""
@@ -137,8 +140,13 @@ class PartFolder:
 
 
 def _shards(job: dict) -> list[tuple[int, int]]:
-    count = max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // SAMPLES_PER_PART)))
-    return [(number, count) for number in range(1, count + 1)]
+    return shards_of(max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // SAMPLES_PER_PART))))
+
+
+def _work(part: tuple[Samples, tuple[int, int]]) -> float:
+    """Samples per point of the run."""
+    samples, (_, count) = part
+    return samples.count / count
 
 
 def _name(number: int, count: int) -> str:

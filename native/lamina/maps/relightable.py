@@ -4,19 +4,20 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import os
 import time
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import check_callable, check_whole
 from ..common.progress import Progress, silent
 from ..interior.estimates import ExitEstimate
 from ..interior.grid import Interior
+from ..interior.problem import Problem, Run, Samples, Surface
 from ..interior.solid import Solid
-from ..interior.walk import Surface
 from ..kinds.limits import MOST_NODE_IOR
 from ..subsurface.node_inputs import Closure, SubsurfaceInputs, checked_version, inputs_of_closures
 from ..subsurface.node_parameters import LEAST_IOR
@@ -24,11 +25,9 @@ from ..subsurface.node_response import LARGEST_G
 from ..subsurface.unscattered import MOST_UNSCATTERED
 from ..walks.searchlight_moments import Measured
 from .body_response import closures_in_body
-from .lit import MOST_MARGIN
-from .map_walk import MapJob, MapWalk, walk_map
+from .map_walk import MapWalk, Target, map_of
 from .noise import noise_of, preview_report
 from .smoothing import smoothed
-from .spread import Spread
 
 FEW_POINTS, FEW_SAMPLES = 256, 32  # for the share of light that crosses a body without scattering
 WALKING = 0.8  # share of the progress: the walks of the map
@@ -71,7 +70,7 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
                        threads: int = 0, progress: Progress | None = None,
                        cancel: Callable[[], bool] | None = None,
                        preview: Callable[[RelightableImages], None] | None = None,
-                       spread: Spread | None = None) -> RelightableImages:
+                       spread: Executor | None = None) -> RelightableImages:
     """Color and Radius, for each texel of a UV map or each vertex, with which Cycles' Subsurface Scattering node has
     the exit albedo and the mean exit distance of an interior.
 
@@ -88,8 +87,8 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
 
     `preview(images)` is called from time to time with the images so far: first with coarse ones from the trial, later
     each time the number of samples has doubled. Previews lack the correction for thin parts and the second closure. A
-    run with previews has other parts in its folder than one without. `spread`: computes the parts on other machines,
-    see lamina.distributed.spread; the bytes are the same.
+    run with previews has other parts in its folder than one without. `spread`: an executor of concurrent.futures that
+    computes the parts, such as that of lamina.distributed.spread; the bytes are the same.
 
     The images have less noise than the estimates: a regression on the coefficients below the texels, see
     lamina.maps.smoothing. A boundary is shown by a Glossy closure above the node, see SubsurfaceInputs. Light enters
@@ -98,21 +97,14 @@ def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, su
     with the number of finished parts when the folder cannot be written, and DustUnavailable without a working
     Embree."""
     checked_version(version)
-    check_whole(margin, "margin", 0, MOST_MARGIN)
-    check_callable(preview, "preview")
-    check_callable(spread, "spread")
-    surface = Surface() if surface is None else surface
-    job = MapJob(solid, interior, uvs, size, surface, normals, noise, samples, seed, folder, threads, progress, cancel,
-                 spread, None if preview is None else lambda walked: preview(_images(walked, surface, version, margin)))
-    walked = walk_map(job, "exits", share=WALKING)
-    images = _images(walked, surface, version, margin)
-    walked.step(1.0, "Done")
-    return images
+    problem, target = Problem(solid, interior, surface), Target(uvs, size, normals, margin, folder)
+    run = Run(samples, noise, seed, threads, progress, cancel, spread)
+    return map_of(problem, target, run, functools.partial(_images, version), preview, WALKING)
 
 
-def _images(walked: MapWalk, surface: Surface, version: tuple[int, int], margin: int) -> RelightableImages:
+def _images(version: tuple[int, int], walked: MapWalk, margin: int) -> RelightableImages:
     found: ExitEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
-    inputs = _inputs(found, walked, surface, version)
+    inputs = _inputs(found, walked, version)
     images = {name: walked.places.filled(getattr(inputs, name), margin) for name in _ARRAYS}
     in_images = dataclasses.replace(inputs, **images)  # type: ignore[arg-type]  # fields that are arrays
     notes = (*walked.places.notes, *_crossing(walked)) if walked.done == 1.0 else walked.places.notes
@@ -124,8 +116,8 @@ def _crossing(walked: MapWalk) -> tuple[str, ...]:
     """A note if much of the light that leaves has not scattered: Cycles' node shows this light as scattered."""
     count = len(walked.places.points.positions)
     few = np.unique(np.linspace(0, count - 1, min(count, FEW_POINTS)).astype(int))
-    walker = walked.walker.with_points(few, FEW_SAMPLES, walked.walker.seed)
-    moments, _, _, scattered = walker.exits(0, len(few), silent, (0.0,) * 3)
+    samples = Samples(FEW_SAMPLES, walked.samples.seed)
+    moments, _, _, scattered = walked.walker.only(few).exits(samples, silent, late_after=(0.0,) * 3)
     leaving = moments[..., 0].sum()
     share = 1.0 - scattered[..., 0].sum() / leaving if leaving > 0.0 else 0.0
     if share <= MOST_UNSCATTERED:
@@ -134,21 +126,22 @@ def _crossing(walked: MapWalk) -> tuple[str, ...]:
             "shows this light as scattered: use Lit",)
 
 
-def _inputs(found: ExitEstimate, walked: MapWalk, surface: Surface, version: tuple[int, int]) -> SubsurfaceInputs:
+def _inputs(found: ExitEstimate, walked: MapWalk, version: tuple[int, int]) -> SubsurfaceInputs:
     """The node's inputs at each point."""
+    interior, surface = walked.walker.problem.interior, walked.walker.problem.boundary
     entered = 1.0 - float(found.mirrored.mean())  # the same at each point, except for noise
     # One pass for both, because the regression's matrices are the same
     both = Measured(np.stack([found.albedo.value, found.mean_distance.value], axis=1),
                     np.stack([found.albedo.stderr, found.mean_distance.stderr], axis=1))
-    clean = smoothed(walked.places, walked.walker.interior, both) if walked.done else both.value
+    clean = smoothed(walked.places, interior, both) if walked.done else both.value
     albedo, distance = np.moveaxis(clean, 1, 0)
     albedo = np.clip(albedo / entered, 0.0, 1.0)
     distance = np.maximum(np.nan_to_num(distance), 0.0)
     ior = min(max(surface.ior, LEAST_IOR), MOST_NODE_IOR)
-    g, roughness = mean_anisotropy(walked.walker.interior), surface.alpha if surface.ior > 1.0 else 0.0
+    g, roughness = mean_anisotropy(interior), surface.alpha if surface.ior > 1.0 else 0.0
     first, second = Closure(1.0, albedo, distance), None
     if walked.done == 1.0:
-        first, second = closures_in_body(albedo, distance, walked.walker, g, ior, roughness, walked.step)
+        first, second = closures_in_body(albedo, distance, walked, g, ior, roughness)
     return inputs_of_closures(first, second, g, version, ior, roughness)
 
 

@@ -117,16 +117,16 @@ def estimate_searchlight(stack: AnyStack, mu_i: float = 1.0, samples: int | None
     check_seed(seed)
     pool = thread_pool(threads)
     step = stepper("the estimate", progress, cancel)
-    channels = run_beams(stack, query, seed, 0, chunks_in(blocks), blocks, pool, step)
+    channels = run_beams(stack, query, seed, range(chunks_in(blocks)), blocks, pool, step)
     step(1.0, "Done")
     return summary(query, channels, time.perf_counter() - started)
 
 
-def run_beams(stack: Stack, query: SearchlightQuery, seed: int, first: int, last: int, blocks: int, pool,
+def run_beams(stack: Stack, query: SearchlightQuery, seed: int, chunks: range, blocks: int, pool,
               step: Progress) -> list[dict]:
-    """For each channel the tallies (above, below, count, events) of chunks [first, last) of a run of `blocks` blocks;
-    above and below are (within, within_squares, moments, products). Also the flux of `mirrored` and of `unscattered`
-    light, and `endless`: true for a conservative half-space. Raises as estimate_searchlight does."""
+    """For each channel the tallies (above, below, count, events) of the `chunks` of a run of `blocks` blocks; above and
+    below are (within, within_squares, moments, products). Also the flux of `mirrored` and of `unscattered` light, and
+    `endless`: true for a conservative half-space. Raises as estimate_searchlight does."""
     require_millimetres(stack)
 
     def problem(index):
@@ -140,7 +140,7 @@ def run_beams(stack: Stack, query: SearchlightQuery, seed: int, first: int, last
         except ValueError as error:
             raise StackError(f"walk = {query.walk!r}: {error}") from None
         tallies = each_chunk(lambda start, end: _core.run_lateral_walk(
-            walk, query.radii, list(query.q), seed, start, end, pool), first, last, blocks, within)
+            walk, query.radii, list(query.q), seed, start, end, pool), chunks.start, chunks.stop, blocks, within)
         return {"mirrored": walk.mirrored, "unscattered": walk.unscattered, "endless": endless, "tallies": tallies}
 
     return each_problem(stack.channels, step, problem, run)

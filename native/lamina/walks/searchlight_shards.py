@@ -13,7 +13,7 @@ from ..common.progress import Progress, stepper
 from ..material.any_stack import AnyStack, as_stack
 from ..material.millimetres import lengths_hash
 from .estimate_searchlight import SearchlightEstimate, SearchlightQuery, run_beams, summary
-from .shard_parts import SCHEMA, PartKind, check_counts, check_list, is_finite, prepared
+from .shard_parts import SCHEMA, PartKind, is_finite, prepared
 
 
 def run_searchlight_shard(stack: AnyStack, query: SearchlightQuery, samples: int, seed: int, shard: tuple[int, int],
@@ -24,15 +24,15 @@ def run_searchlight_shard(stack: AnyStack, query: SearchlightQuery, samples: int
     estimate_searchlight does."""
     check_kind(query, "query", SearchlightQuery, "a lamina.SearchlightQuery")
     stack = as_stack(stack)
-    work = prepared(samples, seed, shard, threads)
+    blocks, chunks, pool = prepared(samples, seed, shard, threads)
     step = stepper("the estimate", progress, cancel)
-    channels = run_beams(stack, query, seed, *work.chunks, work.blocks, work.pool, step)
+    channels = run_beams(stack, query, seed, chunks, blocks, pool, step)
     for channel in channels:
         channel["tallies"] = [[list(above), list(below), count, events]
                               for above, below, count, events in channel["tallies"]]
-    job = {"stack": lengths_hash(stack), **asdict(query), "blocks": work.blocks, "seed": seed}
+    job = {"stack": lengths_hash(stack), **asdict(query), "blocks": blocks, "seed": seed}
     job["r"], job["q"] = list(query.r), list(query.q)
-    return {"schema": SCHEMA, "job": job, "shard": list(work.shard), "beam": "searchlight", "channels": channels}
+    return {"schema": SCHEMA, "job": job, "shard": list(map(int, shard)), "beam": "searchlight", "channels": channels}
 
 
 def _query(part: dict, name: str) -> SearchlightQuery:
@@ -49,7 +49,7 @@ def _check_rest(part: dict, name: str) -> None:
     _query(part, name)
 
 
-def _check_channel(channel, part: dict, samples: list[int], path: str) -> None:
+def _tallies(channel, path: str):
     if not isinstance(channel, dict) or set(channel) != {"mirrored", "unscattered", "endless", "tallies"}:
         raise ShardError(f"{path}: not a complete channel of a searchlight")
     for name in ("mirrored", "unscattered"):
@@ -57,19 +57,19 @@ def _check_channel(channel, part: dict, samples: list[int], path: str) -> None:
             raise ShardError(f"{path}.{name} = {quoted(channel[name])}: must lie in [0, 1]")
     if not isinstance(channel["endless"], bool):
         raise ShardError(f"{path}.endless = {quoted(channel['endless'])}: must be true or false")
+    return channel["tallies"]
+
+
+def _check_tally(tally, part: dict, path: str) -> None:
     query = _query(part, path)
     scores = 3 + len(query.q)
     sizes = [len(query.radii)] * 2 + [scores, scores * (scores + 1) // 2]
-    check_list(channel["tallies"], len(samples), path)
-    for place, (tally, wanted) in enumerate(zip(channel["tallies"], samples, strict=True)):
-        here = f"{path}.tallies[{place}]"
-        if not isinstance(tally, list) or len(tally) != 4:
-            raise ShardError(f"{here} = {quoted(tally)}: must be two sides and two counts")
-        for side in tally[:2]:
-            whole = isinstance(side, list) and [len(s) if isinstance(s, list) else -1 for s in side] == sizes
-            if not whole or not all(is_finite(number) for sums in side for number in sums):
-                raise ShardError(f"{here}: must be lists of {sizes} finite numbers on each side")
-        check_counts(tally[2], tally[3], wanted, here, (2, 3))
+    if not isinstance(tally, list) or len(tally) != 4:
+        raise ShardError(f"{path} = {quoted(tally)}: must be two sides and two counts")
+    for side in tally[:2]:
+        whole = isinstance(side, list) and [len(s) if isinstance(s, list) else -1 for s in side] == sizes
+        if not whole or not all(is_finite(number) for sums in side for number in sums):
+            raise ShardError(f"{path}: must be lists of {sizes} finite numbers on each side")
 
 
 def _summary(parts: list[dict]) -> SearchlightEstimate:
@@ -82,4 +82,4 @@ def _summary(parts: list[dict]) -> SearchlightEstimate:
 
 SEARCHLIGHT = PartKind(frozenset({"beam"}),
                        frozenset({"stack", "mu_i", "walk", "r", "q", "blocks", "seed"}),
-                       _check_rest, _check_channel, _summary)
+                       _check_rest, _tallies, _check_tally, _summary)

@@ -10,24 +10,26 @@ from dataclasses import dataclass
 from .. import _core
 from ..common.arguments import check_seed, check_whole
 from ..common.errors import ArgumentError, ShardError, quoted
+from ..common.parts import checked_shard, share_of
 from ..solver.solve import thread_pool
 from .estimate import BLOCK, CHUNK, MOST_SAMPLES, blocks_of, chunks_in
 
 SCHEMA = 1
-MOST_PARTS = 1 << 20
 
 
 @dataclass(frozen=True)
 class PartKind:
     """One kind of estimate that can be split. A part is an object with `keys` beside schema, job, shard and channels;
     its job has the entries `job`. `check_rest(part, name)` checks entries that only this kind has.
-    `check_channel(channel, part, samples, path)` checks one entry of `channels`, whose sums have the numbers `samples`
-    of each chunk. Both raise ShardError. `summary(parts)` is the estimate from all parts in order."""
+    `tallies(channel, path)` are those of one entry of `channels`, whose other entries it checks, and
+    `check_tally(tally, part, path)` checks one of them, which ends with the numbers of samples and events. These raise
+    ShardError. `summary(parts)` is the estimate from all parts in order."""
 
     keys: frozenset[str]
     job: frozenset[str]
     check_rest: Callable
-    check_channel: Callable
+    tallies: Callable
+    check_tally: Callable
     summary: Callable
 
     def fits(self, part) -> bool:
@@ -35,44 +37,12 @@ class PartKind:
         return isinstance(part, dict) and set(part) == {"schema", "job", "shard", "channels", *self.keys}
 
 
-@dataclass(frozen=True)
-class Work:
-    """The work of one part: `shard` (i, n), the blocks of the entire run, and the threads."""
-
-    shard: tuple[int, int]
-    blocks: int
-    pool: _core.ThreadPool
-
-    @property
-    def chunks(self) -> tuple[int, int]:
-        return chunks_of(self.shard, self.blocks)
-
-
-def prepared(samples: int, seed: int, shard: tuple[int, int], threads: int) -> Work:
-    """The checked work of a part. Raises ArgumentError."""
+def prepared(samples: int, seed: int, shard: tuple[int, int], threads: int) -> tuple[int, range, _core.ThreadPool]:
+    """(the blocks of the entire run, the chunks of the part, threads). Raises ArgumentError."""
     shard = checked_shard(shard)
     blocks = blocks_of(samples)
     check_seed(seed)
-    return Work(shard, blocks, thread_pool(threads))
-
-
-def checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
-    """(i, n) with 1 <= i <= n. Raises ArgumentError."""
-    if not isinstance(shard, tuple | list) or len(shard) != 2:
-        raise ArgumentError(f"shard = {quoted(shard)}: must be a pair (i, n)")
-    try:
-        count = check_whole(shard[1], "n", 1, MOST_PARTS)
-        return check_whole(shard[0], "i", 1, count), count
-    except ArgumentError:
-        where = "/".join(map(quoted, shard))
-        raise ArgumentError(f"shard = {where}: must be i/n with 1 <= i <= n <= 2^20") from None
-
-
-def chunks_of(shard: tuple[int, int], blocks: int) -> tuple[int, int]:
-    """The first chunk and one past the last chunk of part (i, n) of a run of `blocks` blocks."""
-    number, count = shard
-    chunks = chunks_in(blocks)
-    return (number - 1) * chunks // count, number * chunks // count
+    return blocks, share_of(shard, chunks_in(blocks)), thread_pool(threads)
 
 
 def check_part(part, name: str, kinds: tuple[PartKind, ...]) -> PartKind:
@@ -94,43 +64,28 @@ def check_part(part, name: str, kinds: tuple[PartKind, ...]) -> PartKind:
     except ArgumentError as error:
         raise ShardError(f"{name}: {error}") from None
     kind.check_rest(part, name)
-    first, last = chunks_of(shard, blocks)
-    samples = [BLOCK * (min((chunk + 1) * CHUNK, blocks) - chunk * CHUNK) for chunk in range(first, last)]
+    samples = [BLOCK * (min((chunk + 1) * CHUNK, blocks) - chunk * CHUNK)
+               for chunk in share_of(shard, chunks_in(blocks))]
     if not isinstance(part["channels"], list) or not part["channels"]:
         raise ShardError(f"{name}: channels = {quoted(part['channels'])}: must be a list of at least one channel")
     for index, channel in enumerate(part["channels"]):
-        kind.check_channel(channel, part, samples, f"{name}: channels[{index}]")
+        path = f"{name}: channels[{index}]"
+        tallies = kind.tallies(channel, path)
+        if not isinstance(tallies, list) or len(tallies) != len(samples):
+            raise ShardError(f"{path}: must be a list of {len(samples)} tallies")
+        for place, (tally, wanted) in enumerate(zip(tallies, samples, strict=True)):
+            kind.check_tally(tally, part, f"{path}[{place}]")
+            _check_counts(tally, wanted, f"{path}[{place}]")
     return kind
 
 
-def check_together(part: dict, name: str, first: dict, first_name: str) -> None:
-    """Raises ShardError unless both are parts of the same job."""
-    if set(part["job"]) != set(first["job"]):
-        raise ShardError(f"{name}: not of the kind of {first_name}: parts of different jobs cannot be merged")
-    for key, value in first["job"].items():
-        if part["job"][key] != value:
-            raise ShardError(f"{name}: {key} = {quoted(part['job'][key])} but {first_name} has {quoted(value)}: parts "
-                             "of different jobs cannot be merged")
-    number, of = part["shard"]
-    if of != first["shard"][1]:
-        raise ShardError(f"{name}: part {number} of {of}, but {first_name} is one of {first['shard'][1]}")
-    if len(part["channels"]) != len(first["channels"]):
-        raise ShardError(f"{name} has {len(part['channels'])} channels: must have {len(first['channels'])} like "
-                         f"{first_name}")
-
-
-def check_list(tallies, count: int, path: str) -> None:
-    """Raises ShardError unless `tallies` is a list of `count` tallies."""
-    if not isinstance(tallies, list) or len(tallies) != count:
-        raise ShardError(f"{path}: must be a list of {count} tallies")
-
-
-def check_counts(count, events, samples: int, path: str, places: tuple[int, int]) -> None:
-    """Raises ShardError unless a tally has `samples` samples, and a number of events; `places` of both in the tally."""
+def _check_counts(tally: list, samples: int, path: str) -> None:
+    """Raises ShardError unless a tally ends with the number of `samples`, and with a number of events."""
+    *_, count, events = tally
     if count != samples:
-        raise ShardError(f"{path}[{places[0]}] = {quoted(count)}: must be {samples}, the number of samples")
+        raise ShardError(f"{path}[{len(tally) - 2}] = {quoted(count)}: must be {samples}, the number of samples")
     if not isinstance(events, int) or isinstance(events, bool) or events < 0:
-        raise ShardError(f"{path}[{places[1]}] = {quoted(events)}: must be a whole number of events from 0")
+        raise ShardError(f"{path}[{len(tally) - 1}] = {quoted(events)}: must be a whole number of events from 0")
 
 
 def is_finite(value) -> bool:

@@ -13,22 +13,14 @@ from pathlib import Path
 from ..common import json_file
 from ..common.arguments import check_kind
 from ..common.atomic import write_atomically
-from ..common.errors import ShardError, clipped, quoted
+from ..common.errors import ShardError, quoted
+from ..common.parts import in_sequence
 from ..common.progress import Progress, stepper
 from ..material.any_stack import AnyStack, as_stack
 from .estimate import Estimate, Query, run_channels, run_chunks, summary
 from .estimate_searchlight import SearchlightEstimate
 from .searchlight_shards import SEARCHLIGHT
-from .shard_parts import (
-    SCHEMA,
-    PartKind,
-    check_counts,
-    check_list,
-    check_part,
-    check_together,
-    is_finite,
-    prepared,
-)
+from .shard_parts import SCHEMA, PartKind, check_part, is_finite, prepared
 
 
 def run_shard(stack: AnyStack, query: Query, method: str, samples: int, seed: int, shard: tuple[int, int],
@@ -37,12 +29,12 @@ def run_shard(stack: AnyStack, query: Query, method: str, samples: int, seed: in
     json.dump. It holds no times: the same part has the same bytes on any machine. Raises as estimate does."""
     check_kind(query, "query", Query, "a lamina.Query")
     stack = as_stack(stack)
-    work = prepared(samples, seed, shard, threads)
+    blocks, chunks, pool = prepared(samples, seed, shard, threads)
     step = stepper("the estimate", progress, cancel)
-    channels, error = run_channels(stack, query, method, work.pool, step, lambda walk, within: [
-        list(tally) for tally in run_chunks(walk, seed, *work.chunks, work.blocks, work.pool, within)])
-    job = {"stack": stack.hash, **asdict(query), "method": method, "blocks": work.blocks, "seed": seed}
-    return {"schema": SCHEMA, "job": job, "shard": list(work.shard), "table_error": error, "channels": channels}
+    channels, error = run_channels(stack, query, method, pool, step, lambda walk, within: [
+        list(tally) for tally in run_chunks(walk, seed, chunks.start, chunks.stop, blocks, pool, within)])
+    job = {"stack": stack.hash, **asdict(query), "method": method, "blocks": blocks, "seed": seed}
+    return {"schema": SCHEMA, "job": job, "shard": list(map(int, shard)), "table_error": error, "channels": channels}
 
 
 def save_part(part: dict, path: str | os.PathLike) -> None:
@@ -68,20 +60,13 @@ def merge(parts: Sequence[dict], names: Sequence[str] | None = None) -> Estimate
     names = [f"parts[{k}]" for k in range(len(parts))] if names is None else names
     if not isinstance(names, Sequence) or len(names) != len(parts):
         raise ShardError(f"names = {quoted(names)}: must be a list of {len(parts)} names, one per part")
+    kinds = [check_part(part, name, KINDS) for part, name in zip(parts, names, strict=True)]
+    order = in_sequence([part["job"] for part in parts], [part["shard"] for part in parts], names)
+    channels = len(parts[0]["channels"])
     for part, name in zip(parts, names, strict=True):
-        kind = check_part(part, name, KINDS)
-        check_together(part, name, parts[0], names[0])
-    by_number: dict = {}
-    count = parts[0]["shard"][1]
-    for part, name in zip(parts, names, strict=True):
-        number = part["shard"][0]
-        if number in by_number:
-            raise ShardError(f"{name}: part {number} of {count} is given twice")
-        by_number[number] = part
-    missing = [str(number) for number in range(1, count + 1) if number not in by_number]
-    if missing:
-        raise ShardError(f"part {clipped(', '.join(missing))} of {count} is missing")
-    return kind.summary([by_number[number] for number in range(1, count + 1)])
+        if len(part["channels"]) != channels:
+            raise ShardError(f"{name} has {len(part['channels'])} channels: must have {channels} like {names[0]}")
+    return kinds[0].summary([parts[place] for place in order])
 
 
 def _check_table_error(part: dict, name: str) -> None:
@@ -89,17 +74,12 @@ def _check_table_error(part: dict, name: str) -> None:
         raise ShardError(f"{name}: table_error = {quoted(part['table_error'])}: must be a number from 0")
 
 
-def _check_channel(tallies, part: dict, samples: list[int], path: str) -> None:
-    """Raises ShardError unless it is a list of (sum, squares, largest, count, events) with the numbers `samples`."""
-    check_list(tallies, len(samples), path)
-    for place, (tally, wanted) in enumerate(zip(tallies, samples, strict=True)):
-        here = f"{path}[{place}]"
-        if not isinstance(tally, list) or len(tally) != 5 or not all(map(is_finite, tally)):
-            raise ShardError(f"{here} = {quoted(tally)}: must be five finite numbers")
-        _, squares, _, count, events = tally
-        if squares < 0.0:
-            raise ShardError(f"{here}[1] = {squares:g}: a sum of squares must not be negative")
-        check_counts(count, events, wanted, here, (3, 4))
+def _check_tally(tally, _part: dict, path: str) -> None:
+    """Raises ShardError unless it is (sum, squares, largest, count, events)."""
+    if not isinstance(tally, list) or len(tally) != 5 or not all(map(is_finite, tally)):
+        raise ShardError(f"{path} = {quoted(tally)}: must be five finite numbers")
+    if tally[1] < 0.0:
+        raise ShardError(f"{path}[1] = {tally[1]:g}: a sum of squares must not be negative")
 
 
 def _summary(parts: list[dict]) -> Estimate:
@@ -110,5 +90,5 @@ def _summary(parts: list[dict]) -> Estimate:
 ESTIMATE = PartKind(
     frozenset({"table_error"}),
     frozenset({"stack", "mu_o", "mu_i", "dphi", "side", "path", "method", "blocks", "seed"}),
-    _check_table_error, _check_channel, _summary)
+    _check_table_error, lambda channel, _: channel, _check_tally, _summary)
 KINDS = (ESTIMATE, SEARCHLIGHT)

@@ -9,6 +9,7 @@ from z_limit import z_limit
 import lamina
 from lamina import EndMaterial, Interior, Lamp, Surface
 from lamina.common.progress import silent
+from lamina.interior.problem import Problem, Samples, WalkPoints
 from lamina.interior.walk import Walker
 from lamina.subsurface.entry_cosines import mean_entry_cosines
 from lamina.subsurface.node_parameters import LEAST_IOR
@@ -283,13 +284,14 @@ def test_late_light(g, apart):
     medium = Interior.uniform(EndMaterial(tuple(single), tuple(1.0 - single), g))
     solid, points, normals = box((-1e3, -1e3, -1e3), (1e3, 1e3, 0.0)), [[0.3, -0.2, 0.0]], [[0.0, 0.0, 1.0]]
     samples, runs = 4000, 12
-    walker = Walker(solid, medium, Surface(), np.repeat(points, runs, axis=0), np.repeat(normals, runs, axis=0), None,
-                    samples, 3, 0, silent)
-    moments, _, _, late = walker.exits(0, runs, silent, tuple(9.0 + 246.0 / (1.0 - g * single)))
+    where = WalkPoints.of(np.repeat(points, runs, axis=0), np.repeat(normals, runs, axis=0))
+    walker = Walker(Problem(solid, medium, points=where), 0, silent)
+    moments, _, _, late = walker.exits(Samples(samples, 3), silent,
+                                       late_after=tuple(9.0 + 246.0 / (1.0 - g * single)))
     curves = response_curves(g, *mean_entry_cosines(LEAST_IOR, 0.0))
     lost = np.interp(-single, -curves.single, curves.full_albedo - curves.albedo)
     found = late[..., 0] / samples
     error = found.std(axis=0, ddof=1) / np.sqrt(runs)
     assert np.all(np.abs(found.mean(axis=0) - lost) < apart * lost + 1e-5 + z_limit(6, degrees=runs - 1) * error)
     assert np.all(late[..., 0] <= moments[..., 0]) and error[0] < 0.05 * lost[0]
-    assert not np.any(walker.exits(0, 1, silent)[3])  # by default, no light is late
+    assert not np.any(walker.exits(Samples(samples, 3), silent, range(1))[3])  # by default, no light is late

@@ -32,7 +32,7 @@ EMPTY = lamina.Solid(np.zeros((0, 3)), np.zeros((0, 3), int))
     ({"solid": EMPTY, "uvs": None, "size": None}, InteriorError, "has no vertices with a normal"),
     ({"solid": 3}, InteriorError, "solid = int: must be a lamina.Solid"),
     ({"interior": EndMaterial(1.0)}, ArgumentError, "interior = .*: must be a lamina.Interior"),
-    ({"surface": 1.4}, ArgumentError, "surface = float: must be a lamina.Surface"),
+    ({"surface": 1.4}, ArgumentError, "surface = 1.4: must be a lamina.Surface"),
     ({"seed": -1}, ArgumentError, "seed = -1"),
     ({"folder": 3}, ArgumentError, "folder = 3: must be a path or None"),
     ({"progress": 3}, ArgumentError, "progress = 3: must be a function or None"),

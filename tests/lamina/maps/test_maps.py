@@ -11,6 +11,7 @@ from z_limit import z_limit
 import lamina
 from lamina import EndMaterial, Interior, Lamp, Surface
 from lamina.common.progress import silent
+from lamina.interior.problem import Problem, Samples
 from lamina.interior.walk import Walker
 from lamina.subsurface.node_parameters import LEAST_ALBEDO, albedo_of_colour
 
@@ -87,9 +88,10 @@ def exit_light(solid, inputs):
         single = albedo_of_colour(colour.astype(float), g, (5, 2)).mean(axis=0)
         path, clamped = radius.astype(float).mean(axis=0), np.maximum(single, LEAST_ALBEDO)
         medium = Interior.uniform(EndMaterial(tuple(clamped / path), tuple((1.0 - clamped) / path), g))
-        walker = Walker(solid, medium, Surface(), None, None, None, 400, 9, 0, silent)
-        count = min(100, len(walker.positions))
-        moments, _, _, late = walker.exits(0, count, silent, tuple(9.0 + 246.0 / (1.0 - g * clamped)))
+        walker = Walker(Problem(solid, medium), 0, silent)
+        count = min(100, len(walker.problem.points.positions))
+        moments, _, _, late = walker.exits(Samples(400, 9), silent, range(count),
+                                           tuple(9.0 + 246.0 / (1.0 - g * clamped)))
         kept = (moments[..., :2] - late).sum(axis=0) / (400 * count) * (weight * single / clamped)[:, None]
         light, moment = light + kept[:, 0], moment + kept[:, 1]
     return light, moment / light

@@ -16,6 +16,7 @@ import lamina
 from lamina import EndMaterial, Interior
 from lamina.common.progress import time_left
 from lamina.interior.parts import WalkPart
+from lamina.interior.problem import Samples
 from lamina.maps import part_folder
 from lamina.maps.part_folder import PartFolder, Pilot
 
@@ -138,16 +139,16 @@ def test_time_left(monkeypatch):
     count, clock, said = 4 * part_folder.SAMPLES_PER_PART // 1000, [0.0], []
     monkeypatch.setattr(part_folder.time, "perf_counter", lambda: clock[0])
 
-    def compute(job, shards, keep, within):
-        for place, shard in enumerate(shards):
-            within(place / len(shards), "")
-            clock[0] += 25.0
-            within((place + 0.5) / len(shards), "")
-            clock[0] += 25.0
-            keep(WalkPart(job, shard, ()))
+    job = {"count": count, "samples": 1000}
 
-    PartFolder(None, {}).run([{"count": count, "samples": 1000}], compute, lambda _, text: said.append(text),
-                             lambda _: None, Pilot(4.0, 10.0, " for a noise of 2 %"))
+    def compute(part, within):
+        for half in (0.0, 0.5):
+            within(half, "")
+            clock[0] += 25.0
+        return WalkPart(job, part[1], ())
+
+    PartFolder(None, {}).run(compute, {Samples(1000): job}, lambda _, text: said.append(text), lambda _: None,
+                             Pilot(4.0, 10.0, " for a noise of 2 %"))
     remaining = [1000 - 125 * half for half in range(8)]
     rates = [(4.0 + 25.0 * half) / (10.0 + 125.0 * half) for half in range(8)]
     assert said == [f"Part {half // 2 + 1} of 4, {time_left(rates[half] * remaining[half])} for a noise of 2 %"

@@ -7,7 +7,7 @@ import weakref
 
 import pytest
 
-from lamina.cluster.kept import kept
+from lamina.common.kept import kept
 
 
 class Thing:
