@@ -12,14 +12,15 @@
 
 namespace lamina {
 
-/// Approximate importance, for a viewer above, of a collision in a homogeneous slab: the light that reaches the viewer
-/// after at least one more collision. It is a function of the depth of the collision and of the direction of the light
-/// before it, and equals the source function of the adjoint problem: by reciprocity, the source function of the diffuse
-/// light of a beam from the viewer. It is computed from coarse solutions of the layers above and below. In these units
-/// the next event is k exp(-depth / mu_o).
+/// Approximate importance, for a viewer above, of a collision in a slab: the light that reaches the viewer after at
+/// least one more collision or reflection by the ground. It is a function of the depth of the collision and of the
+/// direction of the light before it, and equals the source function of the adjoint problem: by reciprocity, the source
+/// function of the diffuse light of a beam from the viewer. It is computed from coarse solutions of the layers above
+/// and below. In these units the next event is k exp(-depth / mu_o).
 ///
-/// The table is linear between its points, which are uniform in log(1 + depth / unit), in sqrt(1 - |mu|) on both sides
-/// of the horizon, and in sin(dphi / 2).
+/// The table is linear between its points, which are uniform in sqrt(1 - |mu|) on both sides of the horizon, and in
+/// sin(dphi / 2). Depths are uniform in log(1 + depth / unit) in a homogeneous medium; those of a graded one include
+/// its knots (GuideHeights).
 class AdjointSource {
  public:
   /// `out`: the direction to the viewer, upwards.
@@ -29,7 +30,9 @@ class AdjointSource {
   template <typename Values>
   Values operator()(const Values& depth, const Values& x, const Values& y, const Values& z) const {
     constexpr auto kScale = static_cast<float>(kCells);
-    const Values height = ((1.0F + depth * inverse_unit_).log() * cells_per_log_).min(kLastDepth).max(0.0F);
+    const Values cells = cells_per_log_ > 0.0F ? Values((1.0F + depth * kInverseUnit).log() * cells_per_log_)
+                                               : Values(depth.unaryExpr([this](float d) { return cell_of(d); }));
+    const Values height = cells.min(last_depth_).max(0.0F);
     const Values root = kScale * (1.0F - z.abs()).max(0.0F).sqrt();
     const Values place = (z < 0.0F).select(root, 2.0F * kScale - root).min(2.0F * kScale - 1e-3F);
     const Values sine = (1.0F - z * z).max(1e-12F).sqrt();
@@ -55,8 +58,21 @@ class AdjointSource {
     return value;
   }
 
+  /// The same for light that reaches the ground.
+  double of_ground() const { return ground_; }
+  /// The depths of the table, from 0.
+  const std::vector<double>& depths() const { return depths_; }
+
  private:
   struct Tabulation;
+
+  /// The number of the cell of depths, and the fraction of the cell above the depth.
+  float cell_of(float depth) const {
+    const auto below = std::upper_bound(depths_.begin() + 1, depths_.end() - 1, static_cast<double>(depth));
+    const double above = *(below - 1);
+    return static_cast<float>(static_cast<double>(below - depths_.begin() - 1) +
+                              (static_cast<double>(depth) - above) / (*below - above));
+  }
 
   double add_order(const Tabulation& tabulation, int m);
 
@@ -64,13 +80,17 @@ class AdjointSource {
   static constexpr std::size_t kCells = 12;  // in each hemisphere of mu, and in half a turn of azimuth
   static constexpr std::size_t kCosines = 2 * kCells + 1;
   static constexpr std::size_t kAzimuths = kCells + 1;
-  static constexpr std::size_t kDepths = 20;
-  static constexpr float kLastDepth = static_cast<float>(kDepths - 1) - 1e-4F;
+  static constexpr std::size_t kDepths = 20;  // of a homogeneous medium
+  /// Below this optical depth the depths of the table are about uniform, above they form a geometric sequence.
+  static constexpr double kUnit = 0.05;
+  static constexpr auto kInverseUnit = static_cast<float>(1.0 / kUnit);
 
   float across_x_;
   float across_y_;
-  float inverse_unit_;
-  float cells_per_log_;
+  float cells_per_log_ = 0.0F;  // 0 in a graded medium
+  float last_depth_;
+  double ground_ = 0.0;
+  std::vector<double> depths_;
   std::vector<float> table_;  // [depth, cosine, azimuth]
 };
 

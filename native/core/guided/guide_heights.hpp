@@ -46,14 +46,6 @@ class GuideHeights {
   std::size_t size() const { return t_.size(); }
   double operator[](std::size_t j) const { return t_[j]; }
 
-  /// The cell that contains t, searched downwards from the cell `above`.
-  std::size_t cell(double t, std::size_t above) const {
-    std::size_t j = above;
-    while (j > 0 && t_[j] > t) {
-      --j;
-    }
-    return j;
-  }
   std::size_t last_cell() const { return t_.size() - 2; }
   double fraction(double t, std::size_t j) const { return (t - t_[j]) / (t_[j + 1] - t_[j]); }
 

@@ -10,6 +10,7 @@
 #include "lateral_walks/term_guide.hpp"
 #include "matter/graded_medium.hpp"
 #include "matter/joined_media.hpp"
+#include "walks/branch_stack.hpp"
 #include "walks/slab_ray.hpp"
 #include "walks/survival.hpp"
 
@@ -28,9 +29,6 @@ struct Branch {
 
   double slowness() const { return 1.0 / a.mu + 1.0 / b.mu; }
 };
-
-/// The branches still to be walked.
-using Waiting = std::vector<Branch>;
 
 struct Displacement {
   double x = 0.0;
@@ -80,6 +78,13 @@ class PlaneScatteringWalk final : public LateralWalk {
       transmit(leaving, rng, events);
     }
     return leaving;
+  }
+
+  /// A sample of the BRDF for light that leaves in the direction `out`, without its position.
+  double brdf(const SlabRay& out, Rng& rng, std::uint64_t& events) const {
+    Displacement moved;
+    double weight = 1.0 / (4.0 * pi * out.mu * in_.mu);
+    return walk({0.0, scale_.top(), out, in_}, weight, moved, rng, events) ? weight : 0.0;
   }
 
  private:
@@ -135,7 +140,7 @@ class PlaneScatteringWalk final : public LateralWalk {
 
   /// Multiplies the weight by a sample of S of the branch, and adds its displacement. Returns false if the sample is 0.
   bool walk(Branch branch, double& weight, Displacement& moved, Rng& rng, std::uint64_t& events) const {
-    Waiting waiting;
+    BranchStack<Branch> waiting;
     // Divide by the slowness s of each branch when it is created, and by that of the first branch outside `value`.
     // Russian roulette then acts on the expected contribution of the branches.
     weight /= branch.slowness();
@@ -150,7 +155,7 @@ class PlaneScatteringWalk final : public LateralWalk {
         if (rng.uniform() < odds) {
           value *= from_ground / odds;
           move(branch, scale_.bottom(), left, moved);
-          if (!take(waiting, branch)) {
+          if (!waiting.pop(branch)) {
             break;
           }
           continue;
@@ -178,9 +183,10 @@ class PlaneScatteringWalk final : public LateralWalk {
           return false;
         }
         value *= 0.5 / (p.mu * q.mu);
-        waiting.push_back({depth, place, q, branch.b});
+        const Branch other{depth, place, q, branch.b};
+        waiting.push(other);
         branch = {depth, place, branch.a, p};
-        value /= waiting.back().slowness() * branch.slowness();
+        value /= other.slowness() * branch.slowness();
       } else if (on_a || on_b) {
         const SlabRay next = turned(on_a ? branch.a : branch.b, false, scattering, value, rng);
         if (!(next.mu > 0.0)) {
@@ -190,7 +196,7 @@ class PlaneScatteringWalk final : public LateralWalk {
         value /= next.mu * branch.slowness();
       } else {
         value *= once;
-        if (!take(waiting, branch)) {
+        if (!waiting.pop(branch)) {
           break;
         }
       }
@@ -207,15 +213,6 @@ class PlaneScatteringWalk final : public LateralWalk {
     for (const SlabRay& ray : {branch.a, branch.b}) {
       moved.add(ray, scale_.length(branch.place, to, fall / ray.mu, ray.mu));
     }
-  }
-
-  static bool take(Waiting& waiting, Branch& branch) {
-    if (waiting.empty()) {
-      return false;
-    }
-    branch = waiting.back();
-    waiting.pop_back();
-    return true;
   }
 
   /// Samples a direction of light that scatters into `from`, or out of it: on the same side of the layer, or with
@@ -245,7 +242,25 @@ class PlaneScatteringWalk final : public LateralWalk {
   double straight_ = 0.0;  ///< mm by which unscattered light is displaced
 };
 
+/// The same walk between two directions.
+class SlabScatteringWalk final : public Walk {
+ public:
+  SlabScatteringWalk(const GradedMedium& medium, double mu_o, double mu_i, double dphi)
+      : plane_(medium, DepthScale({{0.0, 0.0, 1.0}, {medium.tau(), medium.tau(), 1.0}}), true, mu_i),
+        out_(SlabRay::of(mu_o, dphi)) {}
+
+  double sample(Rng& rng, std::uint64_t& events) const override { return plane_.brdf(out_, rng, events); }
+
+ private:
+  PlaneScatteringWalk plane_;
+  SlabRay out_;
+};
+
 }  // namespace
+
+std::unique_ptr<Walk> make_slab_scattering_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi) {
+  return std::make_unique<SlabScatteringWalk>(medium, mu_o, mu_i, dphi);
+}
 
 std::unique_ptr<LateralWalk> make_plane_scattering_walk(const Stack& stack, const std::vector<DepthScale>& scales,
                                                         double mu_i) {

@@ -6,7 +6,9 @@
 
 #include "lateral_walks/depth_scale.hpp"
 #include "lateral_walks/lateral_walk.hpp"
+#include "matter/graded_medium.hpp"
 #include "matter/stack.hpp"
+#include "walks/walk.hpp"
 
 namespace lamina {
 
@@ -24,5 +26,9 @@ namespace lamina {
 /// `scales`: lengths in millimetres, one per layer. Throws std::invalid_argument for stacks outside this equation.
 std::unique_ptr<LateralWalk> make_plane_scattering_walk(const Stack& stack, const std::vector<DepthScale>& scales,
                                                         double mu_i);
+
+/// The same walk without positions: the BRDF of a slab, over nothing or on a Lambert surface, between two directions.
+/// Its only guide are closed forms (TermGuide).
+std::unique_ptr<Walk> make_slab_scattering_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi);
 
 }  // namespace lamina
