@@ -171,6 +171,23 @@ def test_the_method_chooses_the_walk_for_the_medium(medium, walk):
     assert _core.run_walk(chosen, 5, 0, 1, POOL) == _core.run_walk(named, 5, 0, 1, POOL)
 
 
+def test_grazing_views_of_media_that_vary_with_depth():
+    """By reciprocity; towards the viewer, the standard error would be .7 %."""
+    medium, (mu_o, mu_i, dphi) = _core.GradedMedium(GRADED["phase"]), (0.002, 0.7, 1.2)
+    mean, error, _, _ = estimate(medium, (mu_o, mu_i, dphi), "transfer, guided", 8)
+    truth = _core.scattering_ode(medium, [mu_o, mu_i], [dphi], POOL)["brdf"][0, 1, 0]
+    assert abs(mean - truth) < z_limit(1) * math.hypot(error, 2e-5 * truth)
+    assert error < 0.005 * truth
+
+
+@pytest.mark.parametrize("ground", [0.0, 0.6])
+def test_media_that_absorb_all_light(ground):
+    medium, directions = homogeneous(0.0, 0.5, "hg", 0.5).over(ground), (0.5, 0.8, 1.0)
+    mean, error, _, _ = estimate(medium, directions, "transfer, guided", 1)
+    assert error <= 1e-9 * mean
+    assert mean == pytest.approx(ground / math.pi * math.exp(-0.5 / 0.5 - 0.5 / 0.8), rel=1e-12)
+
+
 def test_the_isotropic_walk_refuses_other_media():
     with pytest.raises(ValueError, match="phase: must be isotropic"):
         _core.isotropic_walk(homogeneous(0.9, 1.0, "hg", 0.1), 1.0, 1.0)

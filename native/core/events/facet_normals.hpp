@@ -3,9 +3,9 @@
 #pragma once
 #include <vector>
 
+#include "events/sphere.hpp"
 #include "matter/microfacet.hpp"
 #include "numeric/rng.hpp"
-#include "walks/sphere.hpp"
 
 namespace lamina {
 

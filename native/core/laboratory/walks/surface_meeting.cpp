@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "events/survival.hpp"
 #include "matter/fresnel.hpp"
-#include "walks/survival.hpp"
 
 namespace lamina {
 namespace {

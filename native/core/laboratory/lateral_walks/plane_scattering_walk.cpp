@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include "events/survival.hpp"
 #include "lateral_walks/term_guide.hpp"
 #include "matter/graded_medium.hpp"
 #include "matter/joined_media.hpp"
 #include "walks/branch_stack.hpp"
 #include "walks/slab_ray.hpp"
-#include "walks/survival.hpp"
 
 namespace lamina {
 namespace {

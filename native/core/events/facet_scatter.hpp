@@ -5,8 +5,8 @@
 #include <complex>
 #include <optional>
 
+#include "events/sphere.hpp"
 #include "matter/microfacet.hpp"
-#include "walks/sphere.hpp"
 
 namespace lamina {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "events/survival.hpp"
 #include "lateral_walks/lateral_walk_stack.hpp"
 #include "lateral_walks/unscattered_path.hpp"
 #include "walks/surface_meeting.hpp"
-#include "walks/survival.hpp"
 
 namespace lamina {
 namespace {

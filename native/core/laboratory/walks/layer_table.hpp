@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "events/sphere.hpp"
 #include "matter/stack.hpp"
 #include "numeric/thread_pool.hpp"
-#include "walks/sphere.hpp"
 
 namespace lamina {
 

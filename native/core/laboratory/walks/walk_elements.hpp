@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
+#include "events/facet_scatter.hpp"
+#include "events/sphere.hpp"
 #include "matter/stack.hpp"
 #include "solve/evaluation.hpp"
-#include "walks/facet_scatter.hpp"
-#include "walks/sphere.hpp"
 
 namespace lamina {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "events/survival.hpp"
 #include "walks/flight.hpp"
 #include "walks/slab_walk.hpp"
 #include "walks/stack_walk.hpp"
-#include "walks/survival.hpp"
 
 namespace lamina {
 namespace {

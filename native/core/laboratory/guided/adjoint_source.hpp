@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "events/sphere.hpp"
 #include "matter/graded_medium.hpp"
-#include "walks/sphere.hpp"
 
 namespace lamina {
 

@@ -139,6 +139,9 @@ AdjointSource::AdjointSource(const GradedMedium& medium, const Ray& out) {
   }
   last_depth_ = static_cast<float>(depths_.size() - 1) - 1e-4F;
   table_.assign(depths_.size() * kCosines * kAzimuths, 0.0F);
+  if (medium.largest_albedo() == 0.0) {
+    return;
+  }
 
   // Sum azimuth orders until the contribution of one is negligible for a guide
   const Eigen::VectorXd viewer = Eigen::VectorXd::Constant(1, out.z);

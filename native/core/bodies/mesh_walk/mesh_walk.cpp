@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "events/survival.hpp"
 #include "mesh_walk/surface_search.hpp"
 #include "phase/henyey_greenstein.hpp"
-#include "walks/survival.hpp"
 
 namespace lamina {
 

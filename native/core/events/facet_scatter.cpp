@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "walks/facet_scatter.hpp"
+#include "events/facet_scatter.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "events/facet_normals.hpp"
 #include "matter/fresnel.hpp"
 #include "numeric/quadrature.hpp"
-#include "walks/facet_normals.hpp"
 
 namespace lamina {
 namespace {

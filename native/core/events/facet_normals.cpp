@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "walks/facet_normals.hpp"
+#include "events/facet_normals.hpp"
 
 #include <cmath>
 #include <numbers>

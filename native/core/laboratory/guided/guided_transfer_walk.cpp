@@ -5,14 +5,15 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
+#include "events/sphere.hpp"
 #include "guided/adjoint_source.hpp"
 #include "matter/graded_single_scattering.hpp"
 #include "matter/single_scattering_shape.hpp"
 #include "numeric/azimuth_lattice.hpp"
 #include "walks/next_event.hpp"
-#include "walks/sphere.hpp"
 
 namespace lamina {
 namespace {
@@ -345,6 +346,10 @@ class GuidedTransferWalk final : public Walk {
 }  // namespace
 
 std::unique_ptr<Walk> make_guided_transfer_walk(const GradedMedium& medium, double mu_o, double mu_i, double dphi) {
+  if (!medium.is_homogeneous() && mu_o < mu_i) {
+    // Next events are at the ends of flights, which a grazing view would rarely see. By reciprocity the light grazes.
+    std::swap(mu_o, mu_i);
+  }
   return std::make_unique<GuidedTransferWalk>(medium, mu_o, mu_i, dphi);
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "events/survival.hpp"
 #include "walks/flight.hpp"
-#include "walks/survival.hpp"
 
 namespace lamina {
 namespace {

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <utility>
 
+#include "events/survival.hpp"
 #include "matter/graded_single_scattering.hpp"
 #include "matter/single_scattering_shape.hpp"
 #include "solve/evaluation.hpp"
 #include "solve/sound_solution.hpp"
-#include "walks/survival.hpp"
 
 namespace lamina {
 namespace {

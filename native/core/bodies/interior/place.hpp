@@ -3,7 +3,7 @@
 #pragma once
 #include <cmath>
 
-#include "walks/sphere.hpp"
+#include "events/sphere.hpp"
 
 namespace lamina {
 

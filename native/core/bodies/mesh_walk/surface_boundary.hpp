@@ -3,9 +3,9 @@
 #pragma once
 #include <memory>
 
+#include "events/facet_scatter.hpp"
+#include "events/sphere.hpp"
 #include "matter/microfacet.hpp"
-#include "walks/facet_scatter.hpp"
-#include "walks/sphere.hpp"
 
 namespace lamina {
 
