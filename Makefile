@@ -37,7 +37,7 @@ DOCS_SOURCES := $(shell find docs -type f) CHANGELOG.md tools/docs_math.py tools
 SAMPLE := material solver/test_published_values.py solver/test_symmetries.py baking/test_lut.py cli walks/test_shards.py \
 	test_one_version.py test_stubs.py
 # Tests of the core that `make check` leaves out: long walks and narrow peaks.
-QUICK := not (sharp_peak or promise_with_a_peak or guided_transfer_walk or no_tail_hides or unbiased_where_it_is_hard)
+QUICK := not (sharp_peak or promise_with_a_peak or no_tail_hides or unbiased_where_it_is_hard)
 WHEEL = build/wheels/lamina-$(VERSION)-cp311-*.whl
 BUILD_FOLDER = $(firstword $(wildcard build/cp311-cp311-*))
 

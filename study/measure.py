@@ -11,7 +11,7 @@ import time
 
 import numpy as np
 from grid import DIRECTIONS, Cell
-from walks import BASELINE, FORCED, METHODS, OURS, Slab, fell_back, make
+from walks import BASELINE, METHODS, Slab, make
 
 from lamina import _core
 
@@ -76,26 +76,22 @@ def exact_value(cell: Cell) -> float:
 
 
 def measure(cell: Cell, seconds: float = SECONDS) -> list[dict]:
-    """The rows of a cell, one for each method of the core, with their ratios to the baseline. The guided walk is forced
-    only where the pilot, which runs before it, fell back to another walk."""
+    """The rows of a cell, one for each method that applies, with their ratios to the baseline."""
     exact = exact_value(cell)
     rows = []
     for number, method in enumerate(METHODS):
         seed = 1000 * cell.number + 10 * number
-        made = make(method, cell.slab, DIRECTIONS[cell.directions], seed)
-        if made is None or (method == FORCED and not any(row["fell_back"] for row in rows)):
-            continue
-        rows.append({**cell.columns(), "method": method, "walk": made.name,
-                     "fell_back": int(fell_back(made.name)) if method == OURS else None,
-                     "setup_ms": 1e3 * made.setup, "pilot_samples": made.pilot_samples,
-                     "pilot_events": made.pilot_events, **run(made.walk, exact, seed, seconds)})
+        made = make(method, cell.slab, DIRECTIONS[cell.directions])
+        if made is not None:
+            rows.append({**cell.columns(), "method": method, "setup_ms": 1e3 * made.setup,
+                         **run(made.walk, exact, seed, seconds)})
     compare(rows)
     return rows
 
 
 def compare(rows: list[dict]) -> None:
     """Adds the ratio of each row's efficiency, 1 / (variance x time), to that of the baseline, its relative error, and
-    the ratio of the times to .1 % standard error, set-up and pilot included."""
+    the ratio of the times to .1 % standard error, set-up included."""
     base = next(row for row in rows if row["method"] == BASELINE)
     for row in rows:
         if "variance" not in row or "variance" not in base:

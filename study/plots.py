@@ -6,7 +6,7 @@ from pathlib import Path
 import matplotlib
 import tables
 from grid import ALBEDOS, DIRECTIONS, GS, TAUS
-from walks import BASELINE, FORCED, OURS
+from walks import BASELINE, GUIDED, ISOTROPIC, UNTABLED
 
 matplotlib.use("Agg")
 
@@ -15,27 +15,26 @@ from matplotlib.lines import Line2D
 
 # Colours of Okabe and Ito, which colour-blind readers can tell apart, and a shape for each.
 STYLES = {
-    OURS: ("#0072B2", "o", "scattering walk (pilot's choice)"),
-    FORCED: ("#56B4E9", "v", "scattering walk, forced where the pilot fell back"),
-    "transfer, guided": ("#D55E00", "^", "transfer walk, guided by the same tables"),
+    ISOTROPIC: ("#0072B2", "o", "scattering walk of isotropic media, guided by tables"),
+    GUIDED: ("#D55E00", "^", "transfer walk, guided by tables"),
     "transfer": ("#009E73", "s", "transfer walk, best next events"),
-    "scattering, plain": ("#CC79A7", "D", "scattering walk, plain"),
+    UNTABLED: ("#CC79A7", "D", "scattering walk, guided by closed forms"),
     "adding": ("#E69F00", "P", "adding walk"),
     BASELINE: ("#000000", "x", "transfer walk, plain"),
 }
 UNSURE = "#E00000"
-GUIDED = (OURS, FORCED, "transfer, guided", "transfer")
+BETTER = (ISOTROPIC, GUIDED, "transfer")
 RATIO = "Efficiency, 1 / (variance × time), over the plain transfer walk's"
-TIME_RATIO = "Time of the plain transfer walk to .1 % standard error over this walk's, its set-up and pilot counted"
+TIME_RATIO = "Time of the plain transfer walk to .1 % standard error over this walk's, its set-up counted"
 COST_DIRECTIONS = "60° / 60°, 90°"
 
 
 def draw_all(docs: Path) -> None:
     """Draws all pictures with available data."""
     drawings = {
-        "study-grid": ("grid", lambda rows: draw_grid(rows, "ratio", GUIDED, RATIO)),
-        "study-time": ("grid", lambda rows: draw_grid(rows, "time_ratio", GUIDED, TIME_RATIO)),
-        "study-plain": ("grid", lambda rows: draw_grid(rows, "ratio", ("scattering, plain",), RATIO)),
+        "study-grid": ("grid", lambda rows: draw_grid(rows, "ratio", BETTER, RATIO)),
+        "study-time": ("grid", lambda rows: draw_grid(rows, "time_ratio", BETTER, TIME_RATIO)),
+        "study-plain": ("grid", lambda rows: draw_grid(rows, "ratio", (UNTABLED,), RATIO)),
         "study-cost": ("grid", draw_cost),
         "study-layers": ("layers", draw_layers),
     }
@@ -78,15 +77,13 @@ def _cells(panel, rows, column, method):
         if row.get(column) is None:
             continue
         x = row["tau"] * 1.13 ** (order.index(row["directions"]) - 2)
-        away = method == OURS and row["fell_back"]
-        panel.plot([x], [row[column]], shape, color=colour, markersize=5, markerfacecolor="white" if away else colour,
-                   gid="cell", zorder=3)
+        panel.plot([x], [row[column]], shape, color=colour, markersize=5, gid="cell", zorder=3)
         if row["status"] != "ok":
             panel.plot([x], [row[column]], "x", color=UNSURE, markersize=8, zorder=4)
     medians = []
     for tau in TAUS:
         values = sorted(row[column] for row in rows if row["tau"] == tau and row.get(column) is not None)
-        if values and method != FORCED:
+        if values:
             medians.append((tau, values[len(values) // 2]))
     panel.plot(*zip(*medians, strict=True) if medians else ([], []), color=colour, linewidth=1, alpha=0.6, zorder=2)
 
@@ -101,9 +98,6 @@ def _frame(panel):
 
 def _legend(methods):
     handles = [Line2D([], [], color=STYLES[m][0], marker=STYLES[m][1], label=STYLES[m][2]) for m in methods]
-    if OURS in methods:
-        handles.append(Line2D([], [], color=STYLES[OURS][0], marker="o", markerfacecolor="white", linestyle="",
-                              label="where the pilot fell back to a photon or transfer walk"))
     handles.append(Line2D([], [], color=UNSURE, marker="x", markersize=8, linestyle="",
                           label="not reliable: one sample has > 10 % of the squares"))
     return handles
@@ -113,8 +107,7 @@ def draw_cost(rows: list[dict]):
     """The factors of the ratios: variance, events and time of a sample, for one pair of directions."""
     columns = {"variance": "relative variance of a sample", "events": "events of a sample",
                "cpu_us": "CPU time of a sample, µs"}
-    methods = [method for method in (BASELINE, "transfer, guided", OURS)
-               if any(row["method"] == method for row in rows)]
+    methods = (BASELINE, GUIDED, ISOTROPIC)
     figure, axes = plt.subplots(len(columns), len(GS), figsize=(13, 11), sharex=True, sharey="row",
                                 layout="constrained")
     dashes = dict(zip(ALBEDOS, (":", "-.", "--", "-"), strict=True))
@@ -130,15 +123,10 @@ def draw_cost(rows: list[dict]):
                              and row.get(column) is not None]
                     panel.plot([row["tau"] for row in found], [row[column] for row in found], dashes[albedo],
                                color=STYLES[method][0], marker=STYLES[method][1], markersize=4)
-                    away = [row for row in found if method == OURS and row["fell_back"]]
-                    panel.plot([row["tau"] for row in away], [row[column] for row in away], "o", markersize=5,
-                               color=STYLES[OURS][0], markerfacecolor="white")
             _frame(panel)
     for panel in axes[-1]:
         panel.set_xlabel("optical thickness")
     handles = [Line2D([], [], color=STYLES[m][0], marker=STYLES[m][1], label=STYLES[m][2]) for m in methods]
-    handles.append(Line2D([], [], color=STYLES[OURS][0], marker="o", markerfacecolor="white", linestyle="",
-                          label="where the pilot fell back"))
     handles += [Line2D([], [], color="0.3", linestyle=dashes[a], label=f"albedo {a:g}") for a in ALBEDOS]
     figure.suptitle(f"What a sample costs and brings, {COST_DIRECTIONS}", fontsize=12)
     figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=10, frameon=False)

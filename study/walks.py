@@ -8,16 +8,21 @@ from lamina import _core
 
 # The reference of every efficiency: next-event estimation at collisions, as in textbooks.
 BASELINE = "transfer, plain"
-OURS = "scattering"
-FORCED = "scattering, guided"
+UNTABLED = "scattering, no tables"
+ISOTROPIC = "scattering, guided"
+GUIDED = "transfer, guided"
 METHODS = {
     BASELINE: "photon walk of the equation of transfer, next events at collisions",
     "transfer": "the same with the library's best next events (kFitting)",
-    "transfer, guided": "transfer walk guided by the internal field of the same coarse solution",
-    "scattering, plain": "scattering equation as it stands, unguided",
-    OURS: "scattering equation, by the walk that the pilot chooses, guided or not",
-    FORCED: "guided scattering walk where the pilot fell back to another",
+    GUIDED: "transfer walk guided by the internal field of a coarse solution",
+    UNTABLED: "scattering equation, guided by closed forms alone",
+    ISOTROPIC: "scattering equation of isotropic media, guided by a coarse solution",
 }
+
+
+def chosen(g: float) -> str:
+    """The walk of `lamina.estimate(method="scattering")`."""
+    return GUIDED if g else ISOTROPIC
 
 
 @dataclass(frozen=True)
@@ -42,44 +47,24 @@ class Slab:
 
 @dataclass(frozen=True)
 class Made:
-    """A walk ready to run: its name, the CPU seconds of its set-up, and the samples of its pilot."""
+    """A walk ready to run, and the CPU seconds of its set-up."""
 
     walk: object
-    name: str
     setup: float
-    pilot_samples: int = 0
-    pilot_events: int = 0
 
 
-def make(method: str, slab: Slab, directions: tuple[float, float, float], seed: int) -> Made | None:
-    """The walk of a method for directions (mu_o, mu_i, dphi); None if the core has none."""
+def make(method: str, slab: Slab, directions: tuple[float, float, float]) -> Made | None:
+    """The walk of a method for directions (mu_o, mu_i, dphi); None if it does not apply to the slab."""
+    if method == ISOTROPIC and slab.g:
+        return None
     started = time.process_time()
     if method in (BASELINE, "transfer"):
         way = _core.NextEvent.at_collision if method == BASELINE else _core.NextEvent.fitting
         walk = _core.transfer_walk(slab.stack(), _core.WalkTarget(*directions), way)
-        return Made(walk, method, time.process_time() - started)
-    if method == "transfer, guided":
-        if not hasattr(_core, "guided_transfer_walk"):
-            return None
+    elif method == GUIDED:
         walk = _core.guided_transfer_walk(slab.medium(), *directions)
-        return Made(walk, method, time.process_time() - started)
-    name = {OURS: "auto", "scattering, plain": "plain", FORCED: forced(slab)}[method]
-    started = time.process_time()
-    made = _core.ScatteringWalk(slab.medium(), *directions, name, seed)
-    return Made(made.walk, made.name, time.process_time() - started, made.pilot_samples, made.pilot_events)
-
-
-def forced(slab: Slab) -> str:
-    """The guided walk that is measured where the pilot falls back: the best one that the core has."""
-    if not slab.g:
-        return "isotropic"
-    try:
-        _core.ScatteringWalk(Slab(0.5, 0.1, 0.0).medium(), 1.0, 1.0, 0.0, "residual-16", 0)
-    except ValueError:
-        return "guided-16"
-    return "residual-16"
-
-
-def fell_back(name: str) -> bool:
-    """True if the pilot's choice is not a walk of the scattering equation."""
-    return name == "photon" or name.startswith("transfer")
+    elif method == ISOTROPIC:
+        walk = _core.isotropic_walk(slab.medium(), *directions[:2])
+    else:
+        walk = _core.slab_scattering_walk(slab.medium(), *directions)
+    return Made(walk, time.process_time() - started)

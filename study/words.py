@@ -9,7 +9,7 @@ from pathlib import Path
 import tables
 from grid import GS
 from hard import NODES, SAMPLES
-from walks import BASELINE, FORCED, OURS
+from walks import BASELINE, GUIDED, METHODS, chosen
 
 Z_LIMIT_LEVEL = 0.01  # family-wise
 
@@ -48,6 +48,12 @@ def by_cell(rows, method) -> dict:
             if row["method"] == method and row["ratio"] is not None}
 
 
+def chosen_by_cell(rows) -> dict:
+    """Measured rows of the walk that `method="scattering"` chooses, by cell."""
+    return {cell: row for method in {chosen(g) for g in GS} for cell, row in by_cell(rows, method).items()
+            if method == chosen(cell[2])}
+
+
 def _spread(ratios) -> list[str]:
     if not ratios:
         return ["0", "-", "-", "-", "-"]
@@ -62,7 +68,7 @@ def efficiency(rows) -> str:
     """Every method against the plain transfer walk, by g."""
     lines = []
     for g in GS:
-        for method in ("scattering, plain", OURS, FORCED, "transfer, guided", "transfer"):
+        for method in [method for method in reversed(METHODS) if method != BASELINE]:
             found = [row for row in by_cell(rows, method).values() if row["g"] == g]
             if found:
                 unsure = sum(row["status"] != "ok" for row in found)
@@ -72,7 +78,7 @@ def efficiency(rows) -> str:
 
 def albedos(rows) -> str:
     """Our walk by g and albedo, also with all set-up included."""
-    ours = by_cell(rows, OURS).values()
+    ours = chosen_by_cell(rows).values()
     lines = []
     for g in GS:
         for albedo in sorted({row["albedo"] for row in ours}):
@@ -80,17 +86,18 @@ def albedos(rows) -> str:
             if found:
                 lines.append([f"{g:g}", f"{albedo:g}", *_spread([row["ratio"] for row in found]),
                               number(min(row["time_ratio"] for row in found)),
-                              number(statistics.median(row["time_ratio"] for row in found)),
-                              str(sum(row["fell_back"] for row in found))])
-    return markdown(["g", "albedo", *HEAD, "to .1 %: least", "to .1 %: median", "fell back"], lines)
+                              number(statistics.median(row["time_ratio"] for row in found))])
+    return markdown(["g", "albedo", *HEAD, "to .1 %: least", "to .1 %: median"], lines)
 
 
 def rivals(rows) -> str:
     """Our walk against the other good walks, cell by cell."""
-    ours = by_cell(rows, OURS)
+    ours = chosen_by_cell(rows)
     lines = []
     for g in GS:
-        for method in ("transfer, guided", "transfer"):
+        for method in (GUIDED, "transfer"):
+            if method == chosen(g):
+                continue
             theirs = by_cell(rows, method)
             ratios = [ours[cell]["ratio"] / theirs[cell]["ratio"] for cell in theirs if cell in ours and cell[2] == g]
             if ratios:
@@ -99,9 +106,9 @@ def rivals(rows) -> str:
 
 
 def losses(rows) -> str:
-    """Cells where our walk is below .9 of the plain transfer walk, with the pilot's choice."""
-    found = sorted((row for row in by_cell(rows, OURS).values() if row["ratio"] < 0.9), key=lambda row: row["ratio"])
-    lines = [[f"{row['albedo']:g}", f"{row['tau']:g}", f"{row['g']:g}", row["directions"], row["walk"],
+    """Cells where our walk is below .9 of the plain transfer walk."""
+    found = sorted((row for row in chosen_by_cell(rows).values() if row["ratio"] < 0.9), key=lambda row: row["ratio"])
+    lines = [[f"{row['albedo']:g}", f"{row['tau']:g}", f"{row['g']:g}", row["directions"], row["method"],
               f"{number(row['ratio'])} ± {number(row['ratio'] * row['ratio_error'])}", row["status"]] for row in found]
     return markdown(["albedo", "tau", "g", "directions", "walk", "ratio", "variance"], lines) if lines else \
         "No cell is below .9."
@@ -109,7 +116,7 @@ def losses(rows) -> str:
 
 def promises(rows) -> str:
     """Required and measured efficiencies."""
-    ours = list(by_cell(rows, OURS).values())
+    ours = list(chosen_by_cell(rows).values())
     asked = [
         ("g 0: least", 1.5, [r["ratio"] for r in ours if r["g"] == 0], min),
         ("g 0: median", 30.0, [r["ratio"] for r in ours if r["g"] == 0], statistics.median),
@@ -118,7 +125,7 @@ def promises(rows) -> str:
          statistics.median),
         ("g .8, all albedos: median", 10.0, [r["ratio"] for r in ours if r["g"] == 0.8], statistics.median),
         ("all cells: least", 0.9, [r["ratio"] for r in ours], min),
-        ("all cells: least, to .1 % with set-up and pilot", 0.9, [r["time_ratio"] for r in ours], min),
+        ("all cells: least, to .1 % with set-up", 0.9, [r["time_ratio"] for r in ours], min),
     ]
     lines = []
     for what, limit, values, pick in asked:
@@ -128,26 +135,20 @@ def promises(rows) -> str:
     return markdown(["efficiency over the plain transfer walk", "asked", "measured", "reached"], lines)
 
 
-def choices(rows) -> str:
-    ours = list(by_cell(rows, OURS).values())
+def setups(rows) -> str:
     lines = []
     for g in GS:
-        names = [row["walk"] for row in ours if row["g"] == g]
-        if names:
-            counts = sorted({name: names.count(name) for name in names}.items(), key=lambda pair: -pair[1])
-            setup = [row["setup_ms"] for row in ours if row["g"] == g]
-            samples = [row["pilot_samples"] for row in ours if row["g"] == g]
-            lines.append([f"{g:g}", ", ".join(f"{name} {count}" for name, count in counts),
-                          f"{number(min(setup))} / {number(statistics.median(setup))} / {number(max(setup))} ms",
-                          f"{min(samples)} to {max(samples)}"])
-    return markdown(["g", "walks chosen, cells", "set-up and pilot: least / median / most", "samples of the pilot"],
-                    lines)
+        setup = [row["setup_ms"] for row in chosen_by_cell(rows).values() if row["g"] == g]
+        if setup:
+            lines.append([f"{g:g}", chosen(g),
+                          f"{number(min(setup))} / {number(statistics.median(setup))} / {number(max(setup))} ms"])
+    return markdown(["g", "walk", "set-up: least / median / most"], lines)
 
 
 def bias(rows) -> str:
     """Z-scores by method; those with an unreliable variance separately."""
     lines = []
-    for method in (BASELINE, "transfer", "transfer, guided", OURS, FORCED, "scattering, plain"):
+    for method in METHODS:
         for reliable in (True, False):
             scores = [row["z"] for row in rows if row["method"] == method and row["z"] is not None
                       and (row["status"] == "ok") == reliable]
@@ -181,13 +182,13 @@ def stacks(rows) -> str:
 
 
 def hard_cases(rows) -> str:
-    lines = [[row["case"], row["method"], row["walk"], f"{row['samples']:.3g}", f"{row['difference']:+.1e}",
+    lines = [[row["case"], row["method"], f"{row['samples']:.3g}", f"{row['difference']:+.1e}",
               f"{row['standard_error']:.1e}", f"{row['solver_error']:.0e}",
               f"{row['table_error']:.0e}" if row["table_error"] else "-", f"{row['z']:+.2f}",
               number(row["largest_weight"]), f"{row['cpu_seconds']:.0f} s"] for row in rows]
     nodes = f"solver's error, {NODES[1]} against {NODES[0]} nodes"
     asked = f"samples (asked: {SAMPLES:.0e})"
-    return markdown(["case", "method", "walk", asked, "walk over solver - 1", "standard error", nodes,
+    return markdown(["case", "walk", asked, "walk over solver - 1", "standard error", nodes,
                      "tables' error", "Z", "largest weight", "CPU time"], lines)
 
 
@@ -220,7 +221,7 @@ QUANTITIES = ("flux", "flux within 1 mm", "at 1/mm", "mean distance")
 PAGES = {
     "study.md": {
         "grid": {"promises": promises, "efficiency": efficiency, "albedos": albedos, "rivals": rivals,
-                 "losses": losses, "choices": choices, "bias": bias},
+                 "losses": losses, "setups": setups, "bias": bias},
         "layers": {"stacks": stacks},
         "hard": {"hard": hard_cases},
     },

@@ -29,5 +29,5 @@ fi
 checks=""
 [ "$what" != includes ] || checks='--checks=-*,misc-include-cleaner'
 printf '%s\n' $units | xargs -n 6 -P 2 sh -c 'tidy="$0"; "$tidy" --quiet '"$checks"' "$@" -- -std=c++20 -x c++ \
-    -Wno-pragma-once-outside-header -Inative/core -isystem /usr/include/eigen3 -isystem build/embree/include \
-    -DEIGEN_DONT_PARALLELIZE 2>/dev/null' "$tools/clang-tidy"
+    -Wno-pragma-once-outside-header -Inative/core -Inative/core/bodies -Inative/core/laboratory \
+    -isystem /usr/include/eigen3 -isystem build/embree/include -DEIGEN_DONT_PARALLELIZE 2>/dev/null' "$tools/clang-tidy"

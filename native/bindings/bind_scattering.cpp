@@ -9,7 +9,8 @@
 
 #include "bindings.hpp"
 #include "guided/guided_transfer_walk.hpp"
-#include "guided/scattering_walk.hpp"
+#include "guided/isotropic_walk.hpp"
+#include "lateral_walks/plane_scattering_walk.hpp"
 #include "matter/joined_media.hpp"
 #include "solve/evaluation.hpp"
 #include "solve/scattering_ode.hpp"
@@ -45,19 +46,25 @@ py::array_t<double> values(const OdeSolution& solution, bool reflect, Eigen::Ind
   return result;
 }
 
-/// A walk of the scattering equation for a stack. The stack may hold only media over nothing or a Lambert surface, and
+/// The walk of method "scattering" for a stack. The stack may hold only media over nothing or a Lambert surface, and
 /// the target must be the BRDF from above.
 std::unique_ptr<Walk> scattering_walk(const Stack& stack, const WalkTarget& target) {
   if (target.side != Side::kTop || target.path != Path::kReflect || target.flux) {
     throw std::invalid_argument(
         "method = 'scattering': estimates only the BRDF from above; use 'transfer' for other quantities");
   }
-  try {
-    return make_scattering_walk(joined_media(stack), target.mu_o, target.mu_i, target.dphi, "auto", 0).walk;
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(std::string("method = 'scattering': ") + error.what() +
-                                "; use 'transfer' for other stacks");
+  const GradedMedium medium = [&] {
+    try {
+      return joined_media(stack);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("method = 'scattering': ") + error.what() +
+                                  "; use 'transfer' for other stacks");
+    }
+  }();
+  if (medium.is_isotropic()) {
+    return std::make_unique<IsotropicWalk>(medium, target.mu_o, target.mu_i);
   }
+  return make_guided_transfer_walk(medium, target.mu_o, target.mu_i, target.dphi);
 }
 
 }  // namespace
@@ -78,24 +85,19 @@ void lamina::bind_scattering(py::module_& module) {
       "The media of a stack and its Lambert base as one graded medium.");
 
   const auto unlocked = py::call_guard<py::gil_scoped_release>();
-  py::class_<ScatteringWalk>(module, "ScatteringWalk")
-      .def(py::init(&make_scattering_walk), py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"),
-           py::arg("walk") = "auto", py::arg("seed") = 0, unlocked)
-      .def_readonly("name", &ScatteringWalk::name)
-      .def_property_readonly(
-          "walk", [](const ScatteringWalk& self) -> const Walk& { return *self.walk; },
-          py::return_value_policy::reference_internal, "For run_walk.")
-      .def_readonly("pilot_samples", &ScatteringWalk::pilot_samples)
-      .def_readonly("pilot_events", &ScatteringWalk::pilot_events);
-
+  module.def("guided_transfer_walk", &make_guided_transfer_walk, py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"),
+             py::arg("dphi"), unlocked, "A photon walk guided by the adjoint internal field of a coarse solution.");
   module.def(
-      "guided_transfer_walk",
-      [](const GradedMedium& medium, double mu_o, double mu_i, double dphi) {
-        return make_guided_transfer_walk(medium, mu_o, mu_i, dphi);
+      "isotropic_walk",
+      [](const GradedMedium& medium, double mu_o, double mu_i) -> std::unique_ptr<Walk> {
+        return std::make_unique<IsotropicWalk>(medium, mu_o, mu_i);
       },
-      py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), unlocked,
-      "A photon walk in a homogeneous slab, guided by the adjoint internal field of a coarse solution.");
-  module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("target"), unlocked);
+      py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"), unlocked,
+      "The scattering equation of isotropic media, guided by tables.");
+  module.def("slab_scattering_walk", &make_slab_scattering_walk, py::arg("medium"), py::arg("mu_o"), py::arg("mu_i"),
+             py::arg("dphi"), unlocked, "The scattering equation, guided by closed forms alone.");
+  module.def("scattering_walk", &scattering_walk, py::arg("stack"), py::arg("target"), unlocked,
+             "The most efficient of these for isotropic and for other media.");
   module.def(
       "scattering_ode",
       [](const GradedMedium& medium, const Eigen::VectorXd& mu, const std::vector<double>& dphi, ThreadPool& pool,

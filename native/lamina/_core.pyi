@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'ScatteringWalk', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'guided_transfer_walk', 'joined_media', 'lateral_flux', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -380,23 +380,6 @@ class GradedMedium:
     @property
     def tau(self) -> float:
         ...
-class ScatteringWalk:
-    def __init__(self, medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, walk: str = 'auto', seed: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
-        ...
-    @property
-    def name(self) -> str:
-        ...
-    @property
-    def pilot_events(self) -> int:
-        ...
-    @property
-    def pilot_samples(self) -> int:
-        ...
-    @property
-    def walk(self) -> Walk:
-        """
-        For run_walk.
-        """
 class MeasuredStack:
     def __init__(self, stack: Stack, extinction: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], thickness: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], whole_tau: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
         """
@@ -464,7 +447,11 @@ def count_sublayers(stack: Stack, tolerance: typing.SupportsFloat | typing.Suppo
     """
 def guided_transfer_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex) -> Walk:
     """
-    A photon walk in a homogeneous slab, guided by the adjoint internal field of a coarse solution.
+    A photon walk guided by the adjoint internal field of a coarse solution.
+    """
+def isotropic_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex) -> Walk:
+    """
+    The scattering equation of isotropic media, guided by tables.
     """
 def joined_media(stack: Stack) -> GradedMedium:
     """
@@ -491,7 +478,13 @@ def scattering_ode(medium: GradedMedium, mu: typing.Annotated[numpy.typing.Array
     The differential form: brdf and btdf [mu_o, mu_i, dphi], fluxes by mu_i.
     """
 def scattering_walk(stack: Stack, target: WalkTarget) -> Walk:
-    ...
+    """
+    The most efficient of these for isotropic and for other media.
+    """
+def slab_scattering_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex) -> Walk:
+    """
+    The scattering equation, guided by closed forms alone.
+    """
 def slices(solutions: collections.abc.Sequence[Solution], sights: collections.abc.Sequence[tuple[Side, Path]], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> tuple:
     ...
 def solve(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> Solution:

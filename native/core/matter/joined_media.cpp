@@ -55,18 +55,4 @@ GradedMedium joined_media(const Stack& stack, bool endless) {
       .over(stack.base.kind == Base::Kind::kLambert ? stack.base.reflectance : 0.0);
 }
 
-Stack stack_of(const GradedMedium& medium) {
-  Stack stack;
-  if (medium.is_homogeneous()) {
-    const GradedMedium::Knot& knot = medium.knots().front();
-    stack.layers.emplace_back(Medium{knot.albedo, medium.tau(), knot.phase});
-  } else {
-    stack.layers.emplace_back(medium.over(0.0));
-  }
-  if (medium.ground() > 0.0) {
-    stack.base = {.kind = Base::Kind::kLambert, .reflectance = medium.ground()};
-  }
-  return stack;
-}
-
 }  // namespace lamina

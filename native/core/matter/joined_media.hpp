@@ -12,7 +12,4 @@ namespace lamina {
 /// thick: of the result, only GradedMedium::at_depth is then meaningful.
 GradedMedium joined_media(const Stack& stack, bool endless = false);
 
-/// A medium, and the surface below it, as a stack.
-Stack stack_of(const GradedMedium& medium);
-
 }  // namespace lamina

@@ -104,14 +104,14 @@ def estimate(stack: AnyStack, mu_o: float | None, mu_i: float, dphi: float = 0.0
 
     `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the adding
     series as a walk between solved layers (biased by the error of their tables, which is reported; the BRDF or BTDF of
-    a single layer is read from its table without a walk: see Estimate.looked_up); "scattering", the integral scattering
-    equation guided by coarse tables, for the BRDF from above of media, homogeneous or with profiles, over nothing,
-    black or a Lambert surface. A pilot, whose samples are discarded, may choose a transfer walk instead, plain or
-    guided by such tables, if its error is smaller. `samples` are rounded up to blocks of 4096; default 2^20 without a
-    target. With `target_error`, a standard error relative to the value, the number of samples of a channel is doubled
-    until the error is reached, or until it is `samples`. Stopping at a favourable error biases the value by a small
-    part of that error. The same seed gives the same numbers for any number of `threads` (0: all). `progress(fraction,
-    text)` is called with the completed share. `cancel()` is called often; Cancelled is raised if it returns true.
+    a single layer is read from its table without a walk: see Estimate.looked_up); "scattering", for the BRDF from above
+    of media, homogeneous or with profiles, over nothing, black or a Lambert surface: a walk guided by coarse tables, of
+    the integral scattering equation for isotropic scattering, else of the equation of transfer, which is then more
+    efficient. `samples` are rounded up to blocks of 4096; default 2^20 without a target. With `target_error`, a
+    standard error relative to the value, the number of samples of a channel is doubled until the error is reached, or
+    until it is `samples`. Stopping at a favourable error biases the value by a small part of that error.
+    The same seed gives the same numbers for any number of `threads` (0: all). `progress(fraction, text)` is called with
+    the completed share. `cancel()` is called often; Cancelled is raised if it returns true.
     Raises ValueError, StackError, SolveError."""
     started = time.perf_counter()
     stack = as_stack(stack)

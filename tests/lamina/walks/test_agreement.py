@@ -18,7 +18,7 @@ from lamina.solver.solve import core_stack, tolerance_of
 from lamina.walks.estimate import Query
 
 COUNT = 40
-METHODS = {"transfer": 1 << 14, "scattering": 1 << 13, "adding": 1 << 13, "by the pilot": 1 << 13}
+METHODS = {"transfer": 1 << 14, "scattering": 1 << 13, "adding": 1 << 13}
 LIMIT = z_limit(COUNT * len(METHODS))
 ODE_ERROR = 2e-5
 POOL = _core.ThreadPool(1)
@@ -83,25 +83,9 @@ def test_solver_and_differential_form(number):
 def test_walks(number, method):
     stack, query = case(number)
     truth = by_ode(number)
-    if method == "scattering":
-        value, error, tables = by_scattering_equation(stack, query, METHODS[method])
-    else:
-        name = "scattering" if method == "by the pilot" else method
-        found = lamina.estimate(stack, query.mu_o, query.mu_i, query.dphi, name, METHODS[method], seed=1, threads=1)
-        value, error, tables = found.value[0], found.stderr[0], found.table_error
-    assert abs(value - truth) / math.hypot(error, (ODE_ERROR + tables) * truth) < LIMIT
-
-
-def by_scattering_equation(stack, query, samples):
-    """By a walk of the scattering equation itself, also where a pilot prefers one of the equation of transfer."""
-    joined = joined_media(stack)
-    directions = (query.mu_o, query.mu_i, query.dphi)
-    made = _core.ScatteringWalk(joined, *directions, "auto", 1)
-    if made.name.startswith("transfer"):
-        made = _core.ScatteringWalk(joined, *directions, "guided-16", 1)
-    total, squares, _, count, _ = _core.run_walk(made.walk, 1, 0, samples // _core.WALK_BLOCK, POOL)
-    mean = total / count
-    return mean, math.sqrt((squares / count - mean**2) / (count - 1)), 0.0
+    found = lamina.estimate(stack, query.mu_o, query.mu_i, query.dphi, method, METHODS[method], seed=1, threads=1)
+    off = (ODE_ERROR + found.table_error) * truth
+    assert abs(found.value[0] - truth) / math.hypot(found.stderr[0], off) < LIMIT
 
 
 def test_an_added_phase_function_takes_part(monkeypatch):

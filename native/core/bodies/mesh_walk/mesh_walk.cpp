@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh_walk/mesh_walk.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "events/survival.hpp"
+#include "mesh_walk/surface_search.hpp"
+#include "phase/henyey_greenstein.hpp"
+
+namespace lamina {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Largest distance between a start and the surface, relative to the solid's size.
+constexpr double kStartReach = 1e-4;
+// Walks start this far below the surface, relative to the solid's size: a few rounding errors of single precision.
+constexpr double kInset = 2e-7;
+// Shading normals may point slightly away from a face at the edge of a thin part.
+constexpr double kTurned = -0.5;
+
+/// The face at a start, seen along the normal from kStartReach outside.
+std::optional<Crossing> face_at(const Solid& solid, const Place& place, const Ray& normal) {
+  const double reach = kStartReach * solid.size();
+  return solid.first_crossing(place.moved(normal, reach), -normal, 0.0, 2.0 * reach);
+}
+
+}  // namespace
+
+Weights Scattering::phases(double cosine) const {
+  const double first = HenyeyGreenstein{sample.g_first}.evaluate(cosine);
+  Weights found;
+  if (sample.g_first == sample.g_second) {
+    found.fill(first / (4.0 * std::numbers::pi));
+    return found;
+  }
+  const double second = HenyeyGreenstein{sample.g_second}.evaluate(cosine);
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    found[c] = (first + static_cast<double>(sample.second[c]) * (second - first)) / (4.0 * std::numbers::pi);
+  }
+  return found;
+}
+
+void WalkCounts::add(const WalkCounts& other) {
+  mirrored += other.mirrored;
+  lost += other.lost;
+  scatterings += other.scatterings;
+  collisions += other.collisions;
+  rays += other.rays;
+}
+
+/// One path, led by one channel.
+class MeshWalk::Path {
+ public:
+  Path(const MeshWalk& walk, std::size_t leader, const Rng& rng, WalkListener& listener, WalkCounts& counts)
+      : solid_(walk.solid_),
+        grid_(walk.grid_),
+        boundary_(walk.boundary_),
+        leader_(leader),
+        rng_(rng),
+        aside_(rng_.bits(), 0),
+        listener_(listener),
+        counts_(counts) {}
+
+  void run(const Start& start) {
+    listener_.starts();
+    if (!enter(start)) {
+      return;
+    }
+    while (fly() && survives_roulette()) {
+    }
+  }
+
+ private:
+  /// The light (backwards, from the eye) meets the boundary. Returns false if it does not enter.
+  bool enter(const Start& start) {
+    const Ray& normal = start.normal;
+    normal_ = normal;
+    place_ = start.place;
+    ++counts_.rays;
+    if (const auto face = face_at(solid_, start.place, normal); face && face->normal.dot(normal) > 0.0) {
+      place_ = start.place.moved(normal, kStartReach * solid_.size() - face->distance);
+      normal_ = face->normal;
+      if (face->is_opaque) {
+        return false;
+      }
+    }
+    // Move inwards, so that at a vertex all adjacent faces lie outside of the start.
+    place_ = place_.moved(normal, -kInset * solid_.size());
+    const Ray in = start.view ? -*start.view : -about(normal);
+    if (in.dot(normal) >= 0.0) {  // seen from behind
+      return false;
+    }
+    double weight = 1.0;
+    if (boundary_.kind() == SurfaceBoundary::Kind::kRough) {
+      const auto outcome = boundary_.meet(in, normal, rng_);
+      if (outcome.direction.dot(normal) >= 0.0 || outcome.weight == 0.0) {
+        counts_.mirrored += outcome.weight / kChannels;
+        return false;
+      }
+      direction_ = outcome.direction;
+      weight = outcome.weight;
+    } else {
+      const auto outcome = boundary_.enter(in, normal);
+      counts_.mirrored += (1.0 - outcome.weight) / kChannels;
+      direction_ = outcome.direction;
+      weight = outcome.weight;
+    }
+    if (weight == 0.0) {
+      return false;
+    }
+    // A direction that enters with respect to the given normal may leave with respect to the face's normal.
+    if (const double along = direction_.dot(normal_); along > 0.0) {
+      direction_ = mirrored_at(normal_, direction_, along);
+    }
+    if (grid_.is_grey()) {
+      weights_.fill(weight);
+      densities_.fill(1.0);
+    } else {
+      weights_[leader_] = kChannels * weight;
+      densities_[leader_] = kChannels;
+    }
+    return true;
+  }
+
+  Ray about(const Ray& normal) {
+    const Ray up = lambert_ray(rng_);
+    const auto [first, second] = tangents_of(normal.x, normal.y, normal.z);
+    return normalised({up.x * first[0] + up.y * second[0] + up.z * normal.x,
+                       up.x * first[1] + up.y * second[1] + up.z * normal.y,
+                       up.x * first[2] + up.y * second[2] + up.z * normal.z});
+  }
+
+  /// Moves to the next scattering, or to the surface and refracts or reflects there. Returns false if the walk ends.
+  bool fly() {
+    BrickFlight flight(grid_, place_, direction_, grid_.is_grey() ? kChannels : leader_);
+    SurfaceSearch surface(solid_, place_, direction_, shells_, on_surface_);
+    // Numbers of this flight's own, so that paths of other leaders stay in step after a different number of collisions.
+    Rng chances(rng_.bits(), 0);
+    std::optional<Crossing> end;
+    double free = 0.0;  // distance up to which the flight meets no surface
+    if (on_surface_) {
+      // At an edge a direction that enters through one face may leave through another face, and rounding errors may let
+      // the ray miss that face.
+      ++counts_.rays;
+      end = surface.leaving(kInfinity);
+      if (!end) {
+        return leave(normal_);
+      }
+      free = end->distance;
+    } else {
+      free = solid_.clearance(place_);
+    }
+    for (;;) {
+      const double distance = flight.advance(-std::log(chances.uniform()), end ? end->distance : kInfinity);
+      if (distance > free) {
+        if (!end) {
+          ++counts_.rays;
+          end = surface.leaving(distance);
+        }
+        if (end) {
+          return cross(*end);
+        }
+        free = distance;
+      }
+      const Place here = place_.moved(direction_, distance);
+      if (distance == kInfinity || !solid_.box_holds(here)) {
+        if (const auto last = surface.leaving(kInfinity)) {
+          return cross(*last);
+        }
+        counts_.lost += mean_of(weights_) / kChannels;
+        return false;
+      }
+      ++counts_.collisions;
+      const CoefficientGrid::Sample sample = grid_.at(here, chances);
+      if (is_real(sample, flight.majorant(), chances)) {
+        place_ = here;
+        on_surface_ = false;
+        shells_ = surface.shells_at(distance);
+        scatter(sample);
+        return true;
+      }
+    }
+  }
+
+  /// Accepts or rejects a tentative collision, with the probability of the leading channel.
+  bool is_real(const CoefficientGrid::Sample& sample, double majorant, Rng& chances) {
+    const bool real = chances.uniform() * majorant < static_cast<double>(sample.extinction[leader_]);
+    Weights probabilities;
+    Weights kept;  // the part that is not absorbed
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      const auto extinction = static_cast<double>(sample.extinction[c]);
+      probabilities[c] = real ? extinction : majorant - extinction;
+      kept[c] = real ? static_cast<double>(sample.scattering[c]) : majorant - extinction;
+    }
+    weigh(probabilities, kept);
+    return real;
+  }
+
+  /// Updates the weights after a random outcome. `probabilities`: of the outcome in each channel, up to a common
+  /// factor; `kept`: the same without light that is absorbed.
+  void weigh(const Weights& probabilities, const Weights& kept) {
+    double mean = 0.0;
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      mean += densities_[c] * probabilities[c] * (1.0 / kChannels);
+    }
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      weights_[c] *= kept[c] / mean;
+      densities_[c] *= probabilities[c] / mean;
+    }
+  }
+
+  void scatter(const CoefficientGrid::Sample& sample) {
+    ++counts_.scatterings;
+    ++scatterings_;
+    listener_.scatters({place_, direction_, sample, weights_, leader_, normal_, shells_}, aside_);
+    const HenyeyGreenstein first{sample.g_first};
+    if (sample.g_first == sample.g_second) {
+      direction_ = scattered(direction_, first.sample(rng_.uniform()), rng_);
+      return;
+    }
+    // Draw from the mixture of phase functions in the leading channel.
+    const HenyeyGreenstein second{sample.g_second};
+    const bool chosen = rng_.uniform() < static_cast<double>(sample.second[leader_]);
+    const double cosine = (chosen ? second : first).sample(rng_.uniform());
+    const double p_first = first.evaluate(cosine);
+    const double p_second = second.evaluate(cosine);
+    Weights phases;
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      const auto share = static_cast<double>(sample.second[c]);
+      phases[c] = share * p_second + (1.0 - share) * p_first;
+    }
+    weigh(phases, phases);
+    direction_ = scattered(direction_, cosine, rng_);
+  }
+
+  /// Light from inside meets the surface. Returns false if the walk ends.
+  bool cross(const Crossing& crossing) {
+    if (crossing.is_opaque) {
+      return false;
+    }
+    place_ = place_.moved(direction_, crossing.distance);
+    normal_ = crossing.normal;
+    on_surface_ = true;
+    shells_ = 1;
+    meet_boundary();
+    return direction_.dot(normal_) <= 0.0 || leave(normal_);
+  }
+
+  void meet_boundary() {
+    if (boundary_.kind() != SurfaceBoundary::Kind::kMatched) {
+      listener_.meets_boundary(place_, direction_, normal_, weights_, aside_);
+    }
+    turn(boundary_.meet(direction_, normal_, rng_));
+  }
+
+  bool leave(const Ray& normal) {
+    return listener_.leaves({place_, normal, direction_, weights_, scatterings_}) && follow_outside();
+  }
+
+  /// Follows light outside. Returns true if the light enters the solid again.
+  bool follow_outside() {
+    for (;;) {
+      ++counts_.rays;
+      const auto crossing = SurfaceSearch(solid_, place_, direction_, shells_, true).entering(kInfinity);
+      if (!crossing) {
+        listener_.escapes(direction_, weights_);
+        return false;
+      }
+      if (crossing->is_opaque) {
+        return false;
+      }
+      place_ = place_.moved(direction_, crossing->distance);
+      normal_ = crossing->normal;
+      shells_ = 1;
+      meet_boundary();
+      if (direction_.dot(normal_) <= 0.0) {
+        return true;
+      }
+      if (!survives_roulette()) {
+        return false;
+      }
+    }
+  }
+
+  void turn(const SurfaceBoundary::Outcome& outcome) {
+    direction_ = outcome.direction;
+    for (double& weight : weights_) {
+      weight *= outcome.weight;
+    }
+  }
+
+  bool survives_roulette() {
+    const double before = mean_of(weights_);
+    double after = before;
+    if (!survives(after, aside_)) {
+      return false;
+    }
+    if (after != before) {
+      for (double& weight : weights_) {
+        weight *= after / before;
+      }
+    }
+    return true;
+  }
+
+  const Solid& solid_;
+  const CoefficientGrid& grid_;
+  const SurfaceBoundary& boundary_;
+  std::size_t leader_;
+  Rng rng_;
+  Rng aside_;  ///< for roulette and the listener, which need numbers at other times in other channels
+  WalkListener& listener_;
+  WalkCounts& counts_;
+
+  Place place_;
+  Ray direction_;
+  Ray normal_;  ///< normal of the face that was hit last
+  Weights weights_ = {};
+  Weights densities_ = {};  ///< of the path, if each of the channels that it serves led it, relative to the mean of all
+  std::uint64_t scatterings_ = 0;
+  int shells_ = 1;  ///< number of parts of the mesh that contain the position
+  bool on_surface_ = true;
+};
+
+void MeshWalk::run(const Start& start, Rng& rng, WalkListener& listener, WalkCounts& counts) const {
+  for (std::size_t leader = 0; leader < kChannels; ++leader) {
+    // In a grey grid equal numbers would give three equal paths, of which each serves all channels.
+    Path(*this, leader, grid_.is_grey() ? Rng(rng.bits(), leader) : rng, listener, counts).run(start);
+  }
+}
+
+/// Continues a flight from `from` to the distance `end`, and multiplies `shares` by the transmittance. False if no
+/// light is left.
+bool MeshWalk::pass(BrickFlight& flight, const Place& from, const Ray& direction, double end, Rng& rng,
+                    Weights& shares) const {
+  for (;;) {
+    const double at = flight.advance(-std::log(rng.uniform()), end);
+    if (at == kInfinity) {
+      return true;
+    }
+    const CoefficientGrid::Sample sample = grid_.at(from.moved(direction, at), rng);
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      shares[c] *= 1.0 - static_cast<double>(sample.extinction[c]) / flight.majorant();
+    }
+    const double before = mean_of(shares);
+    double after = before;
+    if (!survives(after, rng)) {
+      return false;
+    }
+    for (double& share : shares) {
+      share *= after / before;
+    }
+  }
+}
+
+Weights MeshWalk::transmittance(const Place& from, const Ray& direction, double farthest, int shells, Rng& rng,
+                                WalkCounts& counts) const {
+  Weights shares = {1.0, 1.0, 1.0};
+  BrickFlight flight(grid_, from, direction, kChannels);
+  SurfaceSearch surface(solid_, from, direction, shells, false);
+  for (;;) {
+    ++counts.rays;
+    const auto out = surface.leaving(farthest);
+    const double end = out ? out->distance : farthest;
+    if (end < kInfinity && !pass(flight, from, direction, end, rng, shares)) {
+      return {};
+    }
+    if (!out) {
+      return shares;
+    }
+    if (out->is_opaque) {
+      return {};
+    }
+    ++counts.rays;
+    const auto in = surface.entering(farthest);
+    if (!in) {
+      return shares;
+    }
+    if (in->is_opaque) {
+      return {};
+    }
+    flight.skip_to(in->distance);
+  }
+}
+
+std::optional<Emergence> MeshWalk::emergence(const Place& from, const Ray& direction, int shells, Rng& rng,
+                                             WalkCounts& counts) const {
+  ++counts.rays;
+  const auto out = SurfaceSearch(solid_, from, direction, shells, false).leaving(kInfinity);
+  if (!out || out->is_opaque) {
+    return std::nullopt;
+  }
+  Weights shares = {1.0, 1.0, 1.0};
+  BrickFlight flight(grid_, from, direction, kChannels);
+  if (!pass(flight, from, direction, out->distance, rng, shares)) {
+    return std::nullopt;
+  }
+  return Emergence{from.moved(direction, out->distance), out->normal, shares};
+}
+
+std::optional<Ray> MeshWalk::normal_towards(const Place& from, const Ray& direction, double farthest,
+                                            int shells) const {
+  const auto out = SurfaceSearch(solid_, from, direction, shells, false).leaving(farthest);
+  return out && !out->is_opaque ? std::optional(out->normal) : std::nullopt;
+}
+
+bool MeshWalk::is_visible(const Place& from, const Ray& direction, double farthest) const {
+  return !SurfaceSearch(solid_, from, direction, 1, true).entering(farthest);
+}
+
+Exposure exposure(const Solid& solid, const Place& place, const Ray& normal) {
+  const double reach = kStartReach * solid.size();
+  if (solid.largest_cosine(place, normal, reach) < kTurned) {
+    return Exposure::kInward;
+  }
+  const auto face = face_at(solid, place, normal);
+  const Place outside = place.moved(normal, reach);
+  // A ray that leaves a part without entering it starts inside that part.
+  if (SurfaceSearch(solid, outside, normal, 0, false).shells_on_the_way() < 0) {
+    return Exposure::kBuried;
+  }
+  return face && face->is_opaque ? Exposure::kOpaque : Exposure::kOpen;
+}
+
+}  // namespace lamina

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "events/facet_scatter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "events/facet_normals.hpp"
+#include "matter/fresnel.hpp"
+#include "numeric/quadrature.hpp"
+
+namespace lamina {
+namespace {
+
+using std::numbers::pi;
+
+}  // namespace
+
+FacetScatter::FacetScatter(const Facets& facets, double ior_above, double ior_below)
+    : facets_(facets), ior_above_(ior_above), ior_below_(ior_below), compensate_(facets.compensate) {
+  compensate_all();
+}
+
+FacetScatter::FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal)
+    : facets_(facets),
+      ior_above_(ior_above),
+      ior_below_(ior_above),
+      metal_(metal / ior_above),
+      compensate_(facets.compensate) {
+  compensate_all();
+}
+
+void FacetScatter::compensate_all() {
+  if (!compensate_) {
+    return;
+  }
+  mirrors_ = metal_.has_value();
+  losses_[0] = loss_on(false);
+  whole_loss_ = ior_above_ * ior_above_ * losses_[0].mean;
+  if (metal_) {
+    mirrors_ = false;
+    const double mean = mean_conductor_fresnel(*metal_);
+    compensation_ = mean * mean * (1.0 - losses_[0].mean) / (1.0 - mean * losses_[0].mean);
+  } else {
+    losses_[1] = loss_on(true);
+    whole_loss_ += ior_below_ * ior_below_ * losses_[1].mean;
+  }
+  compensate_ = whole_loss_ > 0.0;
+}
+
+double FacetScatter::Loss::operator()(double mu) const {
+  const double x = std::sqrt(mu) * kKnots;
+  const int first = std::clamp(static_cast<int>(x) - 1, 0, kKnots - 3);
+  double sum = 0.0;
+  for (int k = first; k <= first + 3; ++k) {
+    double weight = at[static_cast<std::size_t>(k)];
+    for (int other = first; other <= first + 3; ++other) {
+      weight *= other == k ? 1.0 : (x - other) / (k - other);
+    }
+    sum += weight;
+  }
+  return std::clamp(sum, 0.0, largest);
+}
+
+FacetScatter::Loss FacetScatter::loss_on(bool below) const {
+  constexpr double kGrazing = 1e-4;  // replaces a cosine of 0
+  const std::vector<VisibleFacet> facets = visible_facets(facets_.distribution);
+  Loss loss;
+  for (int knot = 0; knot <= Loss::kKnots; ++knot) {
+    const double root = static_cast<double>(knot) / Loss::kKnots;
+    const double mu = std::max(kGrazing, root * root);
+    const Ray view{sine_of(mu), 0.0, mu};
+    double kept = 0.0;
+    for (const VisibleFacet& facet : facets) {
+      const Ray normal = visible_normal(facets_, view, facet.u, facet.v);
+      // Follow reflection and refraction, each with its share, instead of choosing one.
+      const ByFacet reflected = by_facet(view, normal, below, 0.0);
+      const ByFacet passed = by_facet(view, normal, below, 1.0);
+      const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
+      kept += facet.weight * (share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept);
+    }
+    loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept);
+    loss.largest = std::max(loss.largest, loss.at[static_cast<std::size_t>(knot)]);
+  }
+  // int 2 mu e dmu = int 4 t^3 e dt with t = sqrt(mu), a polynomial between knots.
+  static const Quadrature rule(4);
+  for (int knot = 0; knot < Loss::kKnots; ++knot) {
+    for (Eigen::Index i = 0; i < rule.mu.size(); ++i) {
+      const double t = (knot + rule.mu[i]) / Loss::kKnots;
+      loss.mean += rule.weight[i] / Loss::kKnots * 4.0 * t * t * t * loss(t * t);
+    }
+  }
+  return loss;
+}
+
+double FacetScatter::fresnel_at(double cosine, double ratio) const {
+  if (metal_) {
+    return mirrors_ ? 1.0 : conductor_fresnel(cosine, *metal_);
+  }
+  return fresnel(cosine, ratio);
+}
+
+double FacetScatter::masked(double mu) const { return 1.0 / (1.0 + facets_.lambda(mu)); }
+
+double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_below) const {
+  const double here = ior_of(from_below);
+  const double there = ior_of(!from_below);
+  if (out.z > 0.0) {
+    const Ray half = normalised({view.x + out.x, view.y + out.y, view.z + out.z});
+    const double fresnel = fresnel_at(std::min(1.0, view.dot(half)), there / here);
+    return facets_.density(std::min(1.0, half.z)) * fresnel * facets_.masking(view.z, out.z) /
+           (4.0 * view.z * out.z * here * here);
+  }
+  if (metal_) {
+    return 0.0;
+  }
+  Ray half{-here * view.x - there * out.x, -here * view.y - there * out.y, -here * view.z - there * out.z};
+  const double length = std::sqrt(half.dot(half));
+  const double turn = (half.z > 0.0 ? 1.0 : -1.0) / length;
+  half = {half.x * turn, half.y * turn, half.z * turn};
+  const double seen = view.dot(half);
+  const double left = out.dot(half);
+  if (!(seen > 0.0 && left < 0.0)) {
+    return 0.0;
+  }
+  return facets_.density(std::min(1.0, half.z)) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
+         facets_.passing(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
+}
+
+FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const {
+  const double seen = view.dot(normal);
+  if (seen <= 0.0) {
+    return {view, 0.0, 0.0};
+  }
+  const double ratio = ior_of(!from_below) / ior_of(from_below);
+  const double reflected = fresnel_at(std::min(1.0, seen), ratio);
+  // Metals always reflect; the reflectance goes into the weight.
+  if (metal_ || choice < reflected) {
+    const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
+    return {out, metal_ ? reflected : 1.0, out.z > 0.0 ? facets_.masking(view.z, out.z) / masked(view.z) : 0.0};
+  }
+  const double refracted2 = 1.0 - (1.0 - seen * seen) / (ratio * ratio);
+  if (refracted2 <= 0.0) {
+    return {view, 0.0, 0.0};
+  }
+  const double along = seen / ratio - std::sqrt(refracted2);
+  const Ray out{along * normal.x - view.x / ratio, along * normal.y - view.y / ratio,
+                along * normal.z - view.z / ratio};
+  return {out, 1.0, out.z < 0.0 ? facets_.passing(view.z, -out.z) / masked(view.z) : 0.0};
+}
+
+double FacetScatter::value(const Ray& in, const Ray& out) const {
+  const bool from_below = in.z > 0.0;
+  const bool to_below = out.z < 0.0;
+  const Ray view = from_below ? -in.mirrored() : -in;
+  double value = value_once(in, out);
+  if (compensate_ && !(metal_ && to_below)) {
+    value += compensation_ * losses_[from_below ? 1 : 0](view.z) * losses_[to_below ? 1 : 0](std::abs(out.z)) /
+             (pi * whole_loss_);
+  }
+  return value;
+}
+
+double FacetScatter::value_once(const Ray& in, const Ray& out) const {
+  const bool from_below = in.z > 0.0;
+  return facet_value(from_below ? -in.mirrored() : -in, from_below ? out.mirrored() : out, from_below);
+}
+
+FacetScatter::Outcome FacetScatter::sample_once(const Ray& in, bool reflected, Rng& rng) const {
+  const bool from_below = in.z > 0.0;
+  const Ray view = from_below ? -in.mirrored() : -in;
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  const Ray normal = visible_normal(facets_, view, u, v);
+  const ByFacet facet = by_facet(view, normal, from_below, reflected ? 0.0 : 1.0);
+  const double fresnel = fresnel_at(std::clamp(view.dot(normal), 0.0, 1.0), ior_of(!from_below) / ior_of(from_below));
+  const double share = reflected ? fresnel : metal_ ? 0.0 : 1.0 - fresnel;
+  return {from_below ? facet.ray.mirrored() : facet.ray, share * facet.kept};
+}
+
+FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
+  const bool from_below = in.z > 0.0;
+  const Ray view = from_below ? -in.mirrored() : -in;
+  const double choice = rng.uniform();
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  const ByFacet facet = by_facet(view, visible_normal(facets_, view, u, v), from_below, choice);
+  if (!compensate_) {
+    return {from_below ? facet.ray.mirrored() : facet.ray, facet.fresnel * facet.kept};
+  }
+  // What this facet loses is compensated, not the tabulated mean: a dielectric then loses nothing, whatever the table's
+  // errors.
+  if (rng.uniform() < facet.kept) {
+    return {from_below ? facet.ray.mirrored() : facet.ray, facet.fresnel};
+  }
+  const double above = ior_above_ * ior_above_ * losses_[0].mean / whole_loss_;
+  const std::size_t side = rng.uniform() < above ? 0 : 1;
+  // Rejection: the density of directions is the cosine times the loss, so that all weights are equal.
+  Ray out = lambert_ray(rng);
+  while (rng.uniform() * losses_[side].largest >= losses_[side](out.z)) {
+    out = lambert_ray(rng);
+  }
+  return {side == 0 ? out : out.mirrored(), compensation_};
+}
+
+}  // namespace lamina

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scattering of single rays by a rough boundary.
+#pragma once
+#include <array>
+#include <complex>
+#include <optional>
+
+#include "events/sphere.hpp"
+#include "matter/microfacet.hpp"
+
+namespace lamina {
+
+/// A rough boundary for walks: the facets of RoughSurface, with the same compensation, for single rays. Rays are
+/// directions of travel, z up.
+class FacetScatter {
+ public:
+  FacetScatter(const Facets& facets, double ior_above, double ior_below);
+  /// A conductor of absolute index `metal`.
+  FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal);
+
+  double alpha() const { return facets_.alpha; }
+
+  /// The radiance along `out`, divided by the square of the index there, for unit irradiance along `in`.
+  double value(const Ray& in, const Ray& out) const;
+
+  /// An outgoing ray and its share of the incoming power; 0 if the light is lost.
+  struct Outcome {
+    Ray ray;
+    double weight;
+  };
+  Outcome sample(const Ray& in, Rng& rng) const;
+
+  /// As `value` and `sample` for the light that meets one facet, without compensation. Only reflected or only refracted
+  /// light is sampled.
+  double value_once(const Ray& in, const Ray& out) const;
+  Outcome sample_once(const Ray& in, bool reflected, Rng& rng) const;
+
+ private:
+  /// The energy that single scattering by facets loses for light from one side, tabulated by the square root of the
+  /// cosine, with cubic interpolation: the loss bends sharply at cosines similar to alpha.
+  struct Loss {
+    static constexpr int kKnots = 64;
+    std::array<double, kKnots + 1> at = {};
+    double mean = 0.0;     ///< for uniform diffuse light
+    double largest = 0.0;  ///< of all cosines
+
+    double operator()(double mu) const;
+  };
+
+  /// A ray that one facet reflects or refracts.
+  struct ByFacet {
+    Ray ray;
+    double fresnel;  ///< reflectance of a metal, 1 for a dielectric
+    double kept;     ///< share of the light that other facets do not mask, at most 1
+  };
+
+  /// With the incident side up.
+  double facet_value(const Ray& view, const Ray& out, bool from_below) const;
+  /// Reflection by this facet if `choice`, in [0, 1], is below its reflectance, else refraction.
+  ByFacet by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
+  double fresnel_at(double cosine, double ratio) const;
+  double masked(double mu) const;
+  Loss loss_on(bool below) const;
+  void compensate_all();
+  double ior_of(bool below) const { return below ? ior_below_ : ior_above_; }
+
+  Facets facets_;
+  double ior_above_;
+  double ior_below_;
+  std::optional<std::complex<double>> metal_;  ///< relative to the index above
+  bool mirrors_ = false;                       ///< reflect everything, while the losses of a conductor are measured
+  bool compensate_;
+  std::array<Loss, 2> losses_;  ///< above, below
+  double compensation_ = 1.0;   ///< share of the lost energy that is added back
+  double whole_loss_ = 0.0;     ///< sum over sides of n^2 times the mean loss
+};
+
+}  // namespace lamina
