@@ -150,13 +150,24 @@ LobeOperator::Columns LobeOperator::on_nodes(ThreadPool& pool) const {
   const Directions in = fine.in_medium(ior_, VectorXd());
   const Index live = set_.in_medium(ior_, VectorXd()).live;
   const MatrixXd carry = set_.carry_to(fine).topLeftCorner(in.live, live);
-  Columns columns = columns_from(in.mu, ior_ * in.scale, pool);
-  for (std::vector<MatrixXd>* matrices : {&columns.reflected, &columns.transmitted}) {
-    for (MatrixXd& matrix : *matrices) {
-      matrix = (matrix * carry).eval();
-    }
+  Columns sums;
+  constexpr Index kBlock = 64;  // the columns of all finer nodes at once would take 1.5 times the memory of the result
+  for (Index first = 0; first < in.live; first += kBlock) {
+    const Index count = std::min(kBlock, in.live - first);
+    const Columns block = columns_from(in.mu.segment(first, count), ior_ * in.scale.segment(first, count), pool);
+    const auto add = [&](std::vector<MatrixXd>& all, const std::vector<MatrixXd>& some) {
+      all.resize(some.size());
+      pool.run(some.size(), [&](std::size_t m) {
+        if (first == 0) {
+          all[m].setZero(some[m].rows(), live);
+        }
+        all[m].noalias() += some[m] * carry.middleRows(first, count);
+      });
+    };
+    add(sums.reflected, block.reflected);
+    add(sums.transmitted, block.transmitted);
   }
-  return columns;
+  return sums;
 }
 
 }  // namespace lamina

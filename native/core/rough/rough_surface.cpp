@@ -158,8 +158,8 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
                       set, ior_above, ior_below, orders);
   from_below_.emplace(FacetRays(facets_, ior_above / ior_below, pieces(set, ior_below, ior_above, orders, fineness)),
                       set, ior_below, ior_above, orders);
-  const LobeOperator::Columns above = from_above_->on_nodes(pool);
-  const LobeOperator::Columns below = from_below_->on_nodes(pool);
+  LobeOperator::Columns above = from_above_->on_nodes(pool);
+  LobeOperator::Columns below = from_below_->on_nodes(pool);
   const Directions over = set.in_medium(ior_above, VectorXd());
   const Directions under = set.in_medium(ior_below, VectorXd());
   const Modes modes_over(set, over);
@@ -168,6 +168,11 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
     nodes_.push_back({merged(above.reflected[m], modes_over),
                       merged(above.transmitted[m], below.transmitted[m], modes_under, modes_over),
                       merged(below.reflected[m], modes_under)});
+    if (m > 0) {
+      for (MatrixXd* done : {&above.reflected[m], &above.transmitted[m], &below.reflected[m], &below.transmitted[m]}) {
+        *done = MatrixXd();
+      }
+    }
   }
   const VectorXd c_over = over.ior * over.scale;
   const VectorXd c_under = under.ior * under.scale;

@@ -17,10 +17,11 @@ constexpr int kWidth = 8;              // lines of the grid that a ray touches
 constexpr Index kMargin = kWidth / 2;  // lines beyond each end of the grid that rays touch
 using KernelWeights = Eigen::Array<double, kWidth, 1>;
 constexpr double kSteepness = 2.3 * kWidth;
-constexpr double kFiner = 2.0;  // lines per wave
+constexpr Index kFiner = 2;  // lines per wave
 
+/// An even number of lines.
 Index lines_for(int waves) {
-  return std::max<Index>(kWidth, static_cast<Index>(std::ceil(kFiner * static_cast<double>(waves))));
+  return std::max<Index>(kWidth, kFiner * waves);
 }
 
 /// cos(j angle) at the lines of a grid, pi (a + 1/2) / lines, divided by the kernel's Fourier coefficient of wave j:
@@ -114,16 +115,18 @@ WaveTables::WaveTables(const Quadrature& nodes, int orders) : low(nodes.low()), 
   }
   // waves^-1 maps the values of a polynomial at the nodes to its waves.
   to_nodes = waves.transpose().partialPivLu().solve(waves_on(lines_for(count), count).transpose());
-  to_orders = waves_on(lines_for(orders), orders);
+  const Eigen::MatrixXd half = waves_on(lines_for(orders), orders).topRows(lines_for(orders) / 2);
+  to_even_orders = half(Eigen::all, Eigen::seqN(0, (orders + 1) / 2, 2));
+  to_odd_orders = half(Eigen::all, Eigen::seqN(1, orders / 2, 2));
 }
 
 WaveGrid::WaveGrid(const WaveTables& tables)
     : tables_(tables),
-      grid_(Eigen::MatrixXd::Zero(tables.to_nodes.cols() + 2 * kMargin, tables.to_orders.rows() + 2 * kMargin)) {}
+      grid_(Eigen::MatrixXd::Zero(tables.to_nodes.cols() + 2 * kMargin, 2 * (tables.to_even_orders.rows() + kMargin))) {}
 
 void WaveGrid::add(double share, double mu, double azimuth) {
   const Spread rows(2.0 * (mu - tables_.low) / tables_.length - 1.0, tables_.to_nodes.cols());
-  const Spread columns(azimuth, tables_.to_orders.rows());
+  const Spread columns(azimuth, 2 * tables_.to_even_orders.rows());
   double* place = grid_.data() + columns.first * grid_.rows() + rows.first;
   for (int b = 0; b < kWidth; ++b, place += grid_.rows()) {
     Eigen::Map<KernelWeights>{place} += share * columns.weight[b] * rows.weight;
@@ -135,8 +138,18 @@ Eigen::MatrixXd WaveGrid::sums() const {
   fold(grid.topRows(grid.rows()));
   fold(grid.transpose());
   const Index rows = tables_.to_nodes.cols();
-  const Index columns = tables_.to_orders.rows();
-  return tables_.to_nodes * (grid.block(kMargin, kMargin, rows, columns) * tables_.to_orders);
+  const Index half = tables_.to_even_orders.rows();
+  const auto first = grid.block(kMargin, kMargin, rows, half);
+  const auto last = grid.block(kMargin, kMargin + half, rows, half).rowwise().reverse();
+  const Index even = tables_.to_even_orders.cols();
+  const Index odd = tables_.to_odd_orders.cols();
+  Eigen::MatrixXd waves(rows, even + odd);
+  waves.leftCols(even).noalias() = (first + last).eval() * tables_.to_even_orders;
+  waves.rightCols(odd).noalias() = (first - last).eval() * tables_.to_odd_orders;
+  Eigen::MatrixXd result(tables_.to_nodes.rows(), even + odd);
+  result(Eigen::all, Eigen::seqN(0, even, 2)) = tables_.to_nodes * waves.leftCols(even);
+  result(Eigen::all, Eigen::seqN(1, odd, 2)) = tables_.to_nodes * waves.rightCols(odd);
+  return result;
 }
 
 }  // namespace lamina

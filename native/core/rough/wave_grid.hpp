@@ -12,7 +12,10 @@ struct WaveTables {
   double low;
   double length;              // of the range of cosines
   Eigen::MatrixXd to_nodes;   // [node, line of the grid in the cosine]
-  Eigen::MatrixXd to_orders;  // [line of the grid in the azimuth, order]
+  // [line in the first half of the grid in the azimuth, order]: waves of even order are even about the middle of the
+  // grid, those of odd order are odd.
+  Eigen::MatrixXd to_even_orders;
+  Eigen::MatrixXd to_odd_orders;
 
   WaveTables(const Quadrature& nodes, int orders);
 };

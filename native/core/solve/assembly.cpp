@@ -58,9 +58,9 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
       continue;
     }
     const TruncatedMedium& medium = solution_.scatterers()[scatterer].medium;
-    if (kernels) {
-      functions.push_back(
-          layer_on(here, solution_.multiple(order, scatterer), medium, shapes_[scatterer], (*once)[scatterer], order));
+    const MultipleScattering& multiple = solution_.multiple(order, scatterer);
+    if (kernels && !(multiple.reflect.size() == 0 && (*once)[scatterer].reflect.isZero(0.0))) {
+      functions.push_back(layer_on(here, multiple, medium, shapes_[scatterer], (*once)[scatterer], order));
     } else {
       ScatteringFunction direct = ScatteringFunction::bare(here.size(), here.nodes);
       direct.transmit.delta = here.spread(direct_transmissions(here.mu, medium.tau));

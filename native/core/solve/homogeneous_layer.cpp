@@ -160,7 +160,14 @@ PhaseKernel::PhaseKernel(const TruncatedMedium& medium, int order, const Eigen::
       rows.row(k) = legendre.row(2 * k + parity);
       factors[k] = weights[2 * k + parity];
     }
-    return (rows.transpose() * factors.asDiagonal() * rows).eval();
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(mu.size(), mu.size());
+    if (terms <= 0) {
+      return sum;
+    }
+    const Eigen::MatrixXd weighted = factors.asDiagonal() * rows;
+    sum.triangularView<Eigen::Lower>() = rows.transpose() * weighted;
+    sum.triangularView<Eigen::StrictlyUpper>() = sum.transpose();
+    return sum;
   };
   const Eigen::MatrixXd even = share(0);
   const Eigen::MatrixXd odd = share(1);
@@ -225,6 +232,10 @@ LayerShapes::LayerShapes(const Directions& directions, double tau)
 
 LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
                          const TruncatedMedium& medium, const LayerShapes& shapes, int order) {
+  if (multiple.reflect.size() == 0) {
+    const Eigen::Index size = directions.mu.size();
+    return {Eigen::MatrixXd::Zero(size, size), Eigen::MatrixXd::Zero(size, size)};
+  }
   const Eigen::VectorXd outer = parity_factor(order, directions.mu) * directions.scale.array();
   const Eigen::MatrixXd shape = outer.asDiagonal() * shapes.reflect * outer.asDiagonal();
   LayerKernels kernels{interpolated(multiple.reflect, directions).cwiseProduct(shape),
@@ -245,8 +256,26 @@ LayerKernels multiple_on(const Directions& directions, const MultipleScattering&
   return kernels;
 }
 
+namespace {
+
+/// True if the single scattering of a medium in an azimuth order exceeds rounding errors.
+bool scatters_once(const TruncatedMedium& medium, int order) {
+  constexpr double kRounding = 1e-13;
+  double largest = 0.0;
+  for (std::size_t l = static_cast<std::size_t>(order); l < medium.moments.size(); ++l) {
+    largest += (2.0 * static_cast<double>(l) + 1.0) * std::abs(medium.moments[l]);
+  }
+  return medium.albedo * largest > kRounding;
+}
+
+}  // namespace
+
 LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, const LayerShapes& shapes,
                        int order) {
+  if (!scatters_once(medium, order)) {
+    const Eigen::Index size = directions.mu.size();
+    return {Eigen::MatrixXd::Zero(size, size), Eigen::MatrixXd::Zero(size, size)};
+  }
   const PhaseKernel phase(medium, order, directions.mu);
   const auto kernel = [&](const Eigen::MatrixXd& phases, const Eigen::MatrixXd& shape) -> Eigen::MatrixXd {
     return 0.25 * medium.albedo *

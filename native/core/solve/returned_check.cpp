@@ -68,7 +68,7 @@ SolveChecks check_returned(const Solution& solution, ThreadPool& pool) {
     passages.push_back({Side::kBottom, Path::kReflect});
     passages.push_back({Side::kTop, Path::kTransmit});
   }
-  const ScatteringBetweenLobes between(assembly, pool);
+  const ScatteringBetweenLobes between(assembly, pool, true);
   const std::vector<std::vector<Eigen::MatrixXd>> smooth = smooth_orders(assembly, meetings, between, passages, pool);
   const std::vector<Eigen::MatrixXd> held = between.none() ? std::vector<Eigen::MatrixXd>() : between.held();
   SolveChecks checks;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "matter/single_scattering_shape.hpp"
+#include "solve/moments_behind_lobes.hpp"
 
 namespace lamina {
 namespace {
@@ -15,56 +16,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using std::numbers::pi;
-
-/// The spectrum of a GGX lobe at k times its inverse width, from above: k K_1(k) < sqrt(1 + pi k / 2) exp(-k).
-double blurred(double k) { return std::sqrt(1.0 + 0.5 * pi * k) * std::exp(-k); }
-
-/// The number of moments that represent a phase function, blurred by a lobe of this width in radians, within the
-/// relative error `tolerance` at all angles.
-int moments_needed(const PhaseFunction& phase, double width, double tolerance) {
-  constexpr Index kAngles = 361;
-  constexpr double kFaint = 0.02;  // of isotropic scattering; about 1e-3 / sr in the result
-  const ArrayXd cosines = ArrayXd::LinSpaced(kAngles, 0.0, pi).cos();
-  ArrayXd allowed = cosines;
-  phase.evaluate_all(allowed);
-  allowed = tolerance * allowed.max(kFaint);
-  // Legendre polynomials upwards, then the rest of the series downwards.
-  std::vector<ArrayXd> terms;
-  ArrayXd before = ArrayXd::Zero(kAngles);
-  ArrayXd now = ArrayXd::Ones(kAngles);
-  for (int l = 0; l <= kMostMoments; ++l) {
-    terms.emplace_back((2.0 * l + 1.0) * phase.moment(l) * blurred(l * width) * now);
-    const ArrayXd next = ((2.0 * l + 1.0) * cosines * now - static_cast<double>(l) * before) / (l + 1.0);
-    before = now;
-    now = next;
-  }
-  ArrayXd rest = ArrayXd::Zero(kAngles);
-  int needed = kMostMoments;
-  while (needed > 0) {
-    rest += terms[static_cast<std::size_t>(needed)];
-    if ((rest.abs() > allowed).any()) {
-      break;
-    }
-    --needed;
-  }
-  return needed;
-}
-
-/// The narrowest lobe of the stack's rough boundaries in a medium of this index, in radians.
-double narrowest_lobe(const Solution& solution, double ior) {
-  const Stack& stack = solution.stack();
-  const std::vector<double> indices = refractive_indices(stack);
-  double narrowest = 1e300;
-  for (const Solution::Boundary& boundary : solution.boundaries()) {
-    const bool at_base = boundary.layer == stack.layers.size();
-    const Facets& facets = at_base ? stack.base.facets : std::get<Interface>(stack.layers[boundary.layer]).facets;
-    const double reflected = 2.0 * indices[boundary.layer];
-    const double turn =
-        at_base ? reflected : std::min(reflected, std::abs(indices[boundary.layer + 1] - indices[boundary.layer]));
-    narrowest = std::min(narrowest, turn * facets.alpha / ior);
-  }
-  return narrowest;
-}
 
 constexpr Face kFaces[] = {Face::kTop, Face::kBottom};
 
@@ -110,14 +61,6 @@ struct ScatteringBetweenLobes::Level {
       shapes.emplace_back(directions[layer], media[k].tau);
       section.push_back(section_of(solution, layer));
     }
-  }
-
-  static std::size_t section_of(const Solution& solution, std::size_t layer) {
-    std::size_t section = 0;
-    while (section < solution.boundaries().size() && solution.boundaries()[section].layer < layer) {
-      ++section;
-    }
-    return section;
   }
 
   const MatrixXd& columns(std::size_t boundary, Face from, Face to, int order) const {
@@ -177,18 +120,30 @@ struct ScatteringBetweenLobes::Level {
     return all;
   }
 
-  /// The light between targets in one order: pi f, [out, in].
-  MatrixXd between(Side side, Path path, int order) const {
-    const Side seen = (side == Side::kTop) == (path == Path::kReflect) ? Side::kTop : Side::kBottom;
+  /// The light between targets in one order, pi f: [out, in]. Targets above the stack come first, and then, unless the
+  /// stack is opaque, those below it.
+  MatrixXd between(int order) const {
+    const bool opaque = assembly.solution().stack().base.kind != Base::Kind::kNone;
     const Index targets = directions.front().targets;
-    MatrixXd sum = MatrixXd::Zero(targets, targets);
+    const Index all = opaque ? targets : 2 * targets;
+    MatrixXd sum = MatrixXd::Zero(all, all);
     for (std::size_t k = 0; k < media.size(); ++k) {
       if (order >= static_cast<int>(media[k].moments.size())) {
         continue;
       }
       const Directions& here = directions[assembly.solution().scatterers()[k].layer];
-      const Light in = light(k, side, false, order);
-      const Light out = light(k, seen, true, order);
+      Light in = light(k, Side::kTop, false, order);
+      Light out;
+      if (opaque) {
+        out = light(k, Side::kTop, true, order);
+      } else {
+        const Light below = light(k, Side::kBottom, false, order);
+        for (const auto& [own, other] : {std::pair{&in.down, &below.down}, std::pair{&in.up, &below.up}}) {
+          own->conservativeResize(Eigen::NoChange, all);
+          own->rightCols(targets) = *other;
+        }
+        out = in;
+      }
       LayerKernels once = single_on(here, media[k], shapes[k], order);
       // Between two targets single scattering is in closed form, see StackSingleScattering.
       once.reflect.bottomRightCorner(targets, targets).setZero();
@@ -200,7 +155,7 @@ struct ScatteringBetweenLobes::Level {
   }
 };
 
-ScatteringBetweenLobes::ScatteringBetweenLobes(const Assembly& assembly, ThreadPool& pool)
+ScatteringBetweenLobes::ScatteringBetweenLobes(const Assembly& assembly, ThreadPool& pool, bool keeps_held)
     : assembly_(assembly), sections_(assembly.solution()) {
   const Solution& solution = assembly.solution();
   if (solution.boundaries().empty() || !std::isfinite(solution.resolution().tolerance)) {
@@ -212,23 +167,24 @@ ScatteringBetweenLobes::ScatteringBetweenLobes(const Assembly& assembly, ThreadP
   for (const Solution::Scatterer& scatterer : solution.scatterers()) {
     coarse.push_back(scatterer.medium);
     fine.push_back(scatterer.medium);
-    if (scatterer.medium.albedo > 0.0) {
-      constexpr double kShare = 0.2;  // of the tolerance
-      moments = std::max(moments, moments_needed(scatterer.phase, narrowest_lobe(solution, scatterer.ior),
-                                                 kShare * solution.resolution().tolerance));
+    if (!(scatterer.medium.albedo > 0.0)) {
+      continue;
+    }
+    constexpr double kShare = 0.2;  // of the tolerance
+    const int needed = moments_behind_lobes(solution, scatterer, kShare * solution.resolution().tolerance);
+    if (needed > solution.resolution().moments()) {
+      // As in closed form: the phase function itself, and the attenuation of the truncated medium.
+      fine.back().albedo = scatterer.medium.single_scattering_albedo();
+      fine.back().moments.clear();
+      for (int l = 0; l < needed; ++l) {
+        fine.back().moments.push_back(scatterer.phase.moment(l));
+      }
+      moments = std::max(moments, needed);
     }
   }
   coarse_ = std::make_unique<Level>(assembly, sections_, assembly.directions(), std::move(coarse), solution.orders());
   if (moments == solution.resolution().moments()) {
     return;
-  }
-  for (std::size_t k = 0; k < fine.size(); ++k) {
-    // As in closed form: the phase function itself, and the attenuation of the truncated medium.
-    fine[k].albedo = fine[k].single_scattering_albedo();
-    fine[k].moments.resize(static_cast<std::size_t>(moments));
-    for (int l = 0; l < moments; ++l) {
-      fine[k].moments[static_cast<std::size_t>(l)] = solution.scatterers()[k].phase.moment(l);
-    }
   }
   // A polynomial of degree L through nodes of (0, 1) needs L / sqrt(2) of them, see the density of Gauss nodes in
   // angle.
@@ -242,6 +198,7 @@ ScatteringBetweenLobes::ScatteringBetweenLobes(const Assembly& assembly, ThreadP
     directions.push_back(set.in_medium(ior, mu));
   }
   fine_ = std::make_unique<Level>(assembly, sections_, std::move(directions), std::move(fine), moments);
+  held_.resize(keeps_held ? static_cast<std::size_t>(moments) : 0);
   for (const Solution::Boundary& boundary : solution.boundaries()) {
     fine_->lobes.emplace_back();
     for (const LobeOperator& lobes : boundary.surface->lobes_on(set, moments)) {
@@ -252,7 +209,7 @@ ScatteringBetweenLobes::ScatteringBetweenLobes(const Assembly& assembly, ThreadP
 }
 
 /// Rays at a medium, of a unit beam along a target: shares of the flux at the top going down and at the bottom going
-/// up, and azimuths from that of the target. The first ray is specular.
+/// up, and cosines of the azimuth from that of the target. The first ray is specular.
 struct ScatteringBetweenLobes::Bundle {
   std::vector<double> mu;
   std::vector<double> azimuth;
@@ -270,8 +227,8 @@ ScatteringBetweenLobes::Bundle ScatteringBetweenLobes::bundle(std::size_t scatte
   const Directions& here = assembly_.directions()[layer];
   const std::vector<DeltaField::Arrival>& beams = assembly_.deltas().from_above;
   const Index at = here.nodes + target;
-  Bundle all{{here.mu[here.live + target]}, {0.0}, {beams[layer].down[at]}, {beams[layer].up[at]}};
-  const std::size_t own = Level::section_of(solution, layer);
+  Bundle all{{here.mu[here.live + target]}, {1.0}, {beams[layer].down[at]}, {beams[layer].up[at]}};
+  const std::size_t own = section_of(solution, layer);
   for (const bool from_above : {true, false}) {
     if ((from_above && own == 0) || (!from_above && own == solution.boundaries().size())) {
       continue;
@@ -303,7 +260,7 @@ ScatteringBetweenLobes::Bundle ScatteringBetweenLobes::bundle(std::size_t scatte
         const double whole = share * rays.share[ray] * surface.view_weight(leaving ? mu : leaves[k]);
         if (whole > kFaintest && arriving[k] > 0.0) {
           all.mu.push_back(arriving[k]);
-          all.azimuth.push_back(std::acos(std::clamp(rays.azimuth[ray], -1.0, 1.0)));
+          all.azimuth.push_back(std::clamp(rays.azimuth[ray], -1.0, 1.0));
           all.down.push_back(whole * arrival.down[k]);
           all.up.push_back(whole * arrival.up[k]);
         }
@@ -324,29 +281,46 @@ ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) c
     }
     const Bundle in = bundle(k, i, false);
     const Bundle out = bundle(k, o, true);
-    ArrayXd relative(4 * dphi.size());
+    const auto array = [](const std::vector<double>& list) {
+      return Eigen::Map<const ArrayXd>(list.data(), static_cast<Index>(list.size()));
+    };
+    const auto sine = [](const ArrayXd& cosine) -> ArrayXd { return (1.0 - cosine.square()).max(0.0).sqrt(); };
+    const ArrayXd across = sine(array(in.mu));
+    const ArrayXd along = array(in.azimuth);
+    const ArrayXd aside = sine(along);
+    ArrayXd angle;
     for (std::size_t r = 0; r < out.mu.size(); ++r) {
-      for (std::size_t s = r == 0 ? 1 : 0; s < in.mu.size(); ++s) {
-        const double mu_o = out.mu[r];
-        const double mu_i = in.mu[s];
-        const double sines = std::sqrt(std::max(0.0, (1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i)));
-        const auto add = [&](double share, double turn) {
-          if (share == 0.0) {
-            return;
+      const double mu_o = out.mu[r];
+      const double along_o = out.azimuth[r];
+      const double aside_o = std::sqrt(1.0 - along_o * along_o);
+      const ArrayXd sines = std::sqrt(std::max(0.0, 1.0 - mu_o * mu_o)) * across;
+      const auto add = [&](ArrayXd share, double turn) {
+        // Two specular rays are in closed form, see StackSingleScattering.
+        share[0] = r == 0 ? 0.0 : share[0];
+        if (share.isZero(0.0)) {
+          return;
+        }
+        for (Index s = 0; s < share.size(); ++s) {
+          const double mu_i = in.mu[static_cast<std::size_t>(s)];
+          share[s] *= turn < 0.0 ? single_reflection(mu_o, mu_i, scatterer.medium.tau)
+                                 : single_transmission(mu_o, mu_i, scatterer.medium.tau);
+        }
+        // Each ray stands for its mirror image in the plane of incidence, too.
+        for (const double side_o : {aside_o, -aside_o}) {
+          for (const double side : {1.0, -1.0}) {
+            const ArrayXd cosine = along_o * along - side_o * side * aside;
+            const ArrayXd other = side_o * along + along_o * side * aside;
+            for (Index p = 0; p < dphi.size(); ++p) {
+              angle = std::cos(dphi[p]) * cosine - std::sin(dphi[p]) * other;
+              angle = (turn * mu_o * array(in.mu) + sines * angle).max(-1.0).min(1.0);
+              scatterer.phase.evaluate_all(angle);
+              sum[p] += 0.25 * weight * (share * angle).sum();
+            }
           }
-          // Each ray stands for its mirror image in the plane of incidence, too.
-          const double far = out.azimuth[r] + in.azimuth[s];
-          const double near = out.azimuth[r] - in.azimuth[s];
-          relative << (dphi + far).cos(), (dphi - far).cos(), (dphi + near).cos(), (dphi - near).cos();
-          relative = (turn * mu_o * mu_i + sines * relative).max(-1.0).min(1.0);
-          scatterer.phase.evaluate_all(relative);
-          const double shape = turn < 0.0 ? single_reflection(mu_o, mu_i, scatterer.medium.tau)
-                                          : single_transmission(mu_o, mu_i, scatterer.medium.tau);
-          sum += 0.25 * weight * share * shape * relative.reshaped(dphi.size(), 4).rowwise().sum();
-        };
-        add(out.down[r] * in.down[s] + out.up[r] * in.up[s], -1.0);
-        add(out.down[r] * in.up[s] + out.up[r] * in.down[s], 1.0);
-      }
+        }
+      };
+      add(out.down[r] * array(in.down) + out.up[r] * array(in.up), -1.0);
+      add(out.down[r] * array(in.up) + out.up[r] * array(in.down), 1.0);
     }
   }
   return sum;
@@ -354,9 +328,12 @@ ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) c
 
 std::vector<MatrixXd> ScatteringBetweenLobes::held() const {
   const Level& level = fine_ ? *fine_ : *coarse_;
+  const Index targets = level.directions.front().targets;
   std::vector<MatrixXd> orders;
   for (int m = 0; m < level.orders; ++m) {
-    orders.push_back(level.between(Side::kTop, Path::kReflect, m));
+    const auto order = static_cast<std::size_t>(m);
+    const bool kept = order < held_.size() && held_[order].size() > 0;
+    orders.emplace_back(kept ? held_[order] : level.between(m).topLeftCorner(targets, targets));
   }
   return orders;
 }
@@ -374,19 +351,22 @@ ScatteringFunction ScatteringBetweenLobes::without_single(int order) const {
   if (!fine_) {
     return rest;
   }
-  const auto add = [&](DirectionOperator& part, Side side, Path path) {
-    auto between = part.kernel.bottomRightCorner(targets, targets);
-    if (order < fine_->orders) {
-      between += fine_->between(side, path, order);
+  MatrixXd between = MatrixXd::Zero(2 * targets, 2 * targets);
+  if (order < fine_->orders) {
+    const MatrixXd fine = fine_->between(order);
+    if (!held_.empty()) {
+      held_[static_cast<std::size_t>(order)] = fine.topLeftCorner(targets, targets);
     }
-    if (order < coarse_->orders) {
-      between -= coarse_->between(side, path, order);
-    }
-  };
-  add(rest.reflect_above, Side::kTop, Path::kReflect);
+    between.topLeftCorner(fine.rows(), fine.cols()) += fine;
+  }
+  if (order < coarse_->orders) {
+    const MatrixXd coarse = coarse_->between(order);
+    between.topLeftCorner(coarse.rows(), coarse.cols()) -= coarse;
+  }
+  rest.reflect_above.kernel.bottomRightCorner(targets, targets) += between.topLeftCorner(targets, targets);
   if (assembly_.solution().stack().base.kind == Base::Kind::kNone) {
-    add(rest.reflect_below, Side::kBottom, Path::kReflect);
-    add(rest.transmit, Side::kTop, Path::kTransmit);
+    rest.reflect_below.kernel.bottomRightCorner(targets, targets) += between.bottomRightCorner(targets, targets);
+    rest.transmit.kernel.bottomRightCorner(targets, targets) += between.bottomLeftCorner(targets, targets);
   }
   return rest;
 }

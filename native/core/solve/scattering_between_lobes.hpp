@@ -18,8 +18,8 @@ namespace lamina {
 /// difference is added to the azimuth orders.
 class ScatteringBetweenLobes {
  public:
-  /// Keeps references into the assembly.
-  ScatteringBetweenLobes(const Assembly& assembly, ThreadPool& pool);
+  /// Keeps references into the assembly. With `keeps_held`, without_single() keeps what held() returns.
+  ScatteringBetweenLobes(const Assembly& assembly, ThreadPool& pool, bool keeps_held = false);
   ~ScatteringBetweenLobes();
 
   /// The number of azimuth orders of all light: more than those of the solution if a phase function needs more.
@@ -44,7 +44,8 @@ class ScatteringBetweenLobes {
   const Assembly& assembly_;
   MirrorSections sections_;
   std::unique_ptr<Level> coarse_;
-  std::unique_ptr<Level> fine_;  // null if the nodes of the solution resolve all phase functions
+  std::unique_ptr<Level> fine_;                // null if the nodes of the solution resolve all phase functions
+  mutable std::vector<Eigen::MatrixXd> held_;  // by order; empty: not kept
 };
 
 }  // namespace lamina

@@ -15,10 +15,24 @@ namespace {
 /// Number of orders solved between two checks of convergence; fixed, so results do not depend on the number of threads.
 constexpr int kBlock = 4;
 
-/// True if the multiple scattering of the medium exceeds rounding errors.
-bool scatters_repeatedly(const TruncatedMedium& medium) {
+/// True if the multiple scattering of the medium in an azimuth order exceeds rounding errors.
+bool scatters_repeatedly(const TruncatedMedium& medium, int order) {
   constexpr double kFaintest = 1e-7;  // albedo below which the difference from single scattering is rounding
-  return medium.albedo > kFaintest && medium.tau > kThinnestRepeated;
+  if (!(medium.albedo > kFaintest && medium.tau > kThinnestRepeated)) {
+    return false;
+  }
+  // By Cauchy and Schwarz, light scattered twice is at most the sum of (2 l + 1) chi_l^2 from the order on. Each
+  // further scattering multiplies it by at most the largest chi_l, and in a thin layer all of it is in proportion to
+  // the thickness.
+  double twice = 0.0;
+  double largest = 0.0;
+  for (std::size_t l = static_cast<std::size_t>(order); l < medium.moments.size(); ++l) {
+    const double moment = medium.albedo * std::abs(medium.moments[l]);
+    twice += (2.0 * static_cast<double>(l) + 1.0) * moment * moment;
+    largest = std::max(largest, moment);
+  }
+  const double thin = medium.tau < 1.0 ? medium.tau * (1.0 - std::log(medium.tau)) : 1.0;
+  return order == 0 || thin * twice > kFaintest * (1.0 - largest);
 }
 
 /// The smallest value of the phase function over the azimuth, for reflection between two directions.
@@ -185,10 +199,8 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
   const TruncatedMedium& medium = scatterers_[scatterer].medium;
   const Directions& directions = native_directions_[scatterer];
   MultipleScattering& multiple = multiple_[static_cast<std::size_t>(order)][scatterer];
-  if (!scatters_repeatedly(medium) || order >= resolution_.moments()) {
-    const Eigen::Index n = directions.live;
-    multiple = {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd()};
-    return;
+  if (!scatters_repeatedly(medium, order)) {
+    return;  // empty matrices are zero
   }
   std::unique_ptr<HomogeneousModes>& modes = (*modes_[scatterer])[static_cast<std::size_t>(order)];
   if (!modes) {
@@ -219,7 +231,7 @@ double Solution::share_of_order(int order) const {
   double share = 0.0;
   for (std::size_t k = 0; k < scatterers_.size(); ++k) {
     const Scatterer& scatterer = scatterers_[k];
-    if (!scatters_repeatedly(scatterer.medium)) {
+    if (!scatters_repeatedly(scatterer.medium, order)) {
       continue;
     }
     const Eigen::VectorXd& mu = native_directions_[k].mu;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "solve/returned_check.hpp"
 #include "solve/sublayer_choice.hpp"
@@ -18,19 +20,20 @@ Solution checked(Solution solution, ThreadPool& pool) {
   return solution;
 }
 
-Solution refined_until_sound(Solution solution, ThreadPool& pool) {
-  while (!solution.checks().problem(solution.resolution().tolerance).empty()) {
-    solution = checked(solution.at(solution.finer(), pool), pool);
-  }
-  return solution;
-}
+bool is_sound(const Solution& solution) { return solution.checks().problem(solution.resolution().tolerance).empty(); }
 
 }  // namespace
 
 Solution solve(const Stack& stack, double tolerance, ThreadPool& pool) {
   const Resolution resolution = choose_resolution(stack, tolerance);
   const SublayerStack sublayers = resolved_sublayers(stack, tolerance, pool);
-  return refined_until_sound(checked(Solution(sublayers, resolution, pool), pool), pool);
+  std::optional<Solution> solution(checked(Solution(sublayers, resolution, pool), pool));
+  while (!is_sound(*solution)) {
+    const Resolution finer = solution->finer();
+    solution.reset();  // before the finer solution is computed: both at once would take twice the memory
+    solution.emplace(checked(Solution(sublayers, finer, pool), pool));
+  }
+  return *std::move(solution);
 }
 
 Solution solve_roughly(const Stack& stack, double tolerance, int nodes, ThreadPool& pool) {
@@ -53,7 +56,11 @@ Solution solve_at(const Stack& stack, const Resolution& resolution, ThreadPool& 
 }
 
 Solution with_thickness(const Solution& solution, std::size_t layer, double tau, ThreadPool& pool) {
-  return refined_until_sound(checked(solution.with_thickness(layer, tau, pool), pool), pool);
+  Solution other = checked(solution.with_thickness(layer, tau, pool), pool);
+  while (!is_sound(other)) {
+    other = checked(other.at(other.finer(), pool), pool);
+  }
+  return other;
 }
 
 }  // namespace lamina

@@ -100,6 +100,10 @@ struct MediumKernels {
                 const MultipleScattering& multiple, const TruncatedMedium& medium, const Eigen::MatrixXd& carry) {
     // Multiple scattering has the shape of single reflection on both sides.
     const auto repeated = [&](const Eigen::MatrixXd& smooth) -> KernelBlocks {
+      if (smooth.size() == 0) {
+        return {Eigen::MatrixXd::Zero(geometry.turned.nodes.rows(), geometry.turned.nodes.cols()),
+                Eigen::MatrixXd::Zero(geometry.turned.pairs.rows(), geometry.turned.pairs.cols())};
+      }
       const KernelBlocks rest = product_blocks(d, carry, (smooth * carry).eval());
       return {rest.nodes.cwiseProduct(geometry.turned.nodes), rest.pairs.cwiseProduct(geometry.turned.pairs)};
     };
