@@ -162,7 +162,8 @@ def _draw_medium_at(column, layer, end):
     form = next(form for form in media.FORMS if form.item.id == layer.mode)
     for field in form.local:
         _draw_number(column, end, field)
-    column.prop(end, "shown_colour", text="As Thick Layer")
+    if native.available():  # otherwise the color is unknown, and the swatch black
+        column.prop(end, "shown_colour", text="As Thick Layer")
 
 
 def _draw_albedo(column, end):

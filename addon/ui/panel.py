@@ -124,7 +124,8 @@ class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
 
     def draw_header_preset(self, context):
         base = context.material.lamina.base
-        self.layout.label(text=base.bl_rna.properties["kind"].enum_items[base.kind].name)
+        icon = "INFO" if over_material.has_changed(context.material) else "NONE"  # the sentence may be folded
+        self.layout.label(text=base.bl_rna.properties["kind"].enum_items[base.kind].name, icon=icon)
 
     def draw(self, context):
         layout, material = self.layout, context.material

@@ -16,6 +16,7 @@ ENVIRONMENT = {
     "LANG": "C.UTF-8",
     "BLENDER_USER_RESOURCES": f"{INSIDE}/profile",
     "LIBGL_ALWAYS_SOFTWARE": "1",
+    "MESA_SHADER_CACHE_DIR": "/var/cache/mesa",  # of the root: some shaders take 40 seconds to compile
     "LAMINA_SCREEN": f"{INSIDE}/screen/Xvfb_screen0",
 }
 MOUNT = """

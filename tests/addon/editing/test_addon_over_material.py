@@ -205,6 +205,14 @@ def told_by_base_panel(addon, material):
     return " ".join(layout.lines)
 
 
+def icon_of_base(addon, material):
+    """The icon in the header of the panel Base, which is there while the panel is folded."""
+    drawn = []
+    layout = SimpleNamespace(label=lambda text, icon="NONE": drawn.append(icon))
+    addon.ui.panel.LAMINA_PT_base.draw_header_preset(SimpleNamespace(layout=layout), SimpleNamespace(material=material))
+    return drawn
+
+
 def test_edits_of_the_replaced_shader_are_told_and_read_again(addon, lamina, call):
     material = bpy.data.materials.new("Painted")
     tree = addon.nodes.node_tree.of(material)
@@ -215,7 +223,7 @@ def test_edits_of_the_replaced_shader_are_told_and_read_again(addon, lamina, cal
     node = addon.nodes.node_group.group_nodes(material)[0]
     assert node.inputs["Base Color"].links and surface_source(material) == node
     assert not addon.editing.over_material.has_changed(material)
-    assert "Before Lamina" not in told_by_base_panel(addon, material)
+    assert "Before Lamina" not in told_by_base_panel(addon, material) and icon_of_base(addon, material) == ["NONE"]
     shader.inputs["Emission Color"].default_value = (0.2, 0.4, 0.6, 1.0)
     shader.inputs["Sheen Weight"].default_value = 0.3  # the layers do not read this
     assert not addon.editing.over_material.has_changed(material), "the emission has no strength"
@@ -231,7 +239,7 @@ def test_edits_of_the_replaced_shader_are_told_and_read_again(addon, lamina, cal
     for edit in edits:
         edit()
         assert addon.editing.over_material.has_changed(material)
-        assert "Before Lamina" in told_by_base_panel(addon, material)
+        assert "Before Lamina" in told_by_base_panel(addon, material) and icon_of_base(addon, material) == ["INFO"]
         assert call(bpy.ops.lamina.read_again, material) == {"FINISHED"}
         assert not addon.editing.over_material.has_changed(material)
         assert addon.baking.bake_job.state(material) == "fresh"

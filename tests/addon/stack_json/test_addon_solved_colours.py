@@ -136,6 +136,12 @@ def test_every_medium_can_be_drawn(addon, material, mode, infinite, phase):
     assert ("Albedo" in lines) == (mode != "coefficients") and ("As Thick Layer" in lines) == (mode != "colour")
 
 
+def test_no_swatch_of_an_unknown_color(addon, material, monkeypatch):
+    monkeypatch.setattr(addon.base.native, "_package", None)
+    lines = drawn(addon.ui.fields.draw_layer, material.lamina.layers[0])
+    assert "Albedo" in lines and "As Thick Layer" not in lines
+
+
 def test_an_imported_phase_function_is_shown_read_only(addon, material):
     layer = material.lamina.layers[0]
     layer.phase_text = '{"kind": "mixture", "parts": [{}, {}]}'

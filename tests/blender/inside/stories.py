@@ -237,7 +237,7 @@ def random_actions(panel, seed, count):
 
 
 def act(panel, chance):
-    """One random click, or a random value of a random property. An error that an operator reports is no failure."""
+    """One random click, or a random value of a random property."""
     material = bpy.context.object.active_material
     if chance.random() < 0.5 and material.lamina.layers:
         settings = material.lamina
@@ -245,12 +245,17 @@ def act(panel, chance):
         push("value")
         return
     name = chance.choice([name for name in dir(bpy.ops.lamina) if name not in NEVER])
+    ways = ["INVOKE_DEFAULT"] if name in LONG else ["INVOKE_DEFAULT", "EXEC_DEFAULT"]
+    click(panel, name, chance.choice(ways))
+
+
+def click(panel, name, way, **arguments):
+    """Call an operator where its button is active. An error that the operator reports is no failure."""
     operator = getattr(bpy.ops.lamina, name)
     with window.on(panel):
         try:
             if operator.poll():
-                ways = ["INVOKE_DEFAULT"] if name in LONG else ["INVOKE_DEFAULT", "EXEC_DEFAULT"]
-                operator(chance.choice(ways), True)
+                operator(way, True, **arguments)
         except RuntimeError as error:
             assert "Traceback" not in str(error), f"lamina.{name}: {error}"
         except TypeError as error:  # an argument that the panel's button gives is missing
@@ -267,9 +272,7 @@ def step_in_time(panel, chance):
 
 
 def take_preset(panel, chance):
-    with window.on(panel):
-        if bpy.ops.lamina.preset_apply.poll():
-            bpy.ops.lamina.preset_apply("EXEC_DEFAULT", True, preset=chance.choice(PRESETS))
+    click(panel, "preset_apply", "EXEC_DEFAULT", preset=chance.choice(PRESETS))
 
 
 def shade(_panel, chance):
@@ -294,7 +297,9 @@ def change(owner, chance):
         setattr(owner, chosen.identifier, value)
 
 
-HANGING = 240.0  # seconds without a step, after which Blender ends with what its threads do
+# Seconds without a step, after which Blender ends with what its threads do. A step may wait for a preview, whose shader
+# software OpenGL compiles in up to 40 seconds of processor time: minutes on a busy machine.
+HANGING = 900.0
 # Matte, a metal, with varying dust, a sheet, and one with translucent layers.
 PRESETS = ("paper", "gold", "dusty-bronze", "leaf", "skin-light")
 # Operators that open a file dialogue, which waits for a user, and those that the add-on calls.
