@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 
 from ..baking.bake import bake
-from ..baking.lut import Lut
+from ..baking.table.lut import Lut
 from ..common.arguments import check_seed
 from ..common.errors import ArgumentError, quoted
 from ..common.parts import each_part
