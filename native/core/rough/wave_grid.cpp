@@ -20,9 +20,7 @@ constexpr double kSteepness = 2.3 * kWidth;
 constexpr Index kFiner = 2;  // lines per wave
 
 /// An even number of lines.
-Index lines_for(int waves) {
-  return std::max<Index>(kWidth, kFiner * waves);
-}
+Index lines_for(int waves) { return std::max<Index>(kWidth, kFiner * waves); }
 
 /// cos(j angle) at the lines of a grid, pi (a + 1/2) / lines, divided by the kernel's Fourier coefficient of wave j:
 /// [line, j]. Both the waves and the lines are even about 0 and about pi.
@@ -122,7 +120,8 @@ WaveTables::WaveTables(const Quadrature& nodes, int orders) : low(nodes.low()), 
 
 WaveGrid::WaveGrid(const WaveTables& tables)
     : tables_(tables),
-      grid_(Eigen::MatrixXd::Zero(tables.to_nodes.cols() + 2 * kMargin, 2 * (tables.to_even_orders.rows() + kMargin))) {}
+      grid_(Eigen::MatrixXd::Zero(tables.to_nodes.cols() + 2 * kMargin, 2 * (tables.to_even_orders.rows() + kMargin))) {
+}
 
 void WaveGrid::add(double share, double mu, double azimuth) {
   const Spread rows(2.0 * (mu - tables_.low) / tables_.length - 1.0, tables_.to_nodes.cols());

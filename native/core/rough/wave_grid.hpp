@@ -10,8 +10,8 @@ namespace lamina {
 /// The tables of WaveGrid for one range of nodes and a number of azimuth orders.
 struct WaveTables {
   double low;
-  double length;              // of the range of cosines
-  Eigen::MatrixXd to_nodes;   // [node, line of the grid in the cosine]
+  double length;             // of the range of cosines
+  Eigen::MatrixXd to_nodes;  // [node, line of the grid in the cosine]
   // [line in the first half of the grid in the azimuth, order]: waves of even order are even about the middle of the
   // grid, those of odd order are odd.
   Eigen::MatrixXd to_even_orders;
