@@ -121,17 +121,18 @@ def drawn(addon, material):
 
 def test_the_panel_offers_one_choice_and_names_what_is_lost(addon, lamina, glossy):
     lines = drawn(addon, glossy)
-    assert lines[0] == "Add Layers Over This Material" and lines[1].startswith("Approximate")
+    assert lines[:2] == ["Dust These Objects", "Add Layers Over This Material"] and lines[2].startswith("Approximate")
     plain = bpy.data.materials.new("Plain")
     tree = addon.nodes.node_tree.of(plain)
-    assert drawn(addon, plain) == ["Add Layers Over This Material", "New Layers Instead", "Presets"]
+    dust = "Dust These Objects"
+    assert drawn(addon, plain) == [dust, "Add Layers Over This Material", "New Layers Instead", "Presets"]
     tree.nodes["Principled BSDF"].inputs["Sheen Weight"].default_value = 0.5
-    assert drawn(addon, plain)[1].startswith("Approximate, because the shader stays in use")
+    assert drawn(addon, plain)[2].startswith("Approximate, because the shader stays in use")
     tree.nodes["Principled BSDF"].inputs["Sheen Weight"].default_value = 0.0
     tree.nodes["Principled BSDF"].inputs["Anisotropic"].default_value = 0.5
-    assert drawn(addon, plain)[1:3] == ["Not carried over:", "anisotropic highlights"]
+    assert drawn(addon, plain)[2:4] == ["Not carried over:", "anisotropic highlights"]
     tree.nodes.clear()
-    assert drawn(addon, plain) == ["Add Lamina Layers", "Presets"]
+    assert drawn(addon, plain) == [dust, "Add Lamina Layers", "Presets"]
     addon.editing.over_material.add(glossy)
     assert drawn(addon, glossy) == ["Presets"]
 
