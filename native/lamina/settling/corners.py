@@ -14,7 +14,7 @@ SAME = math.radians(0.1)  # normals closer than this are equal
 # An edge with exactly the limiting angle (a cylinder of twelve sides, at 30 degrees) is smooth, even if rounding of the
 # normals makes the angle slightly larger.
 SLACK = 1e-5
-BLOCK = 1 << 20
+BLOCK = 1 << 18  # triangles at a time, to limit memory
 
 
 def corners_of(mesh: Mesh) -> Corners:
@@ -42,9 +42,23 @@ def moved_off_edges(mesh: Mesh, points: Points, corners: Corners, distance: floa
     along its normal may start behind the other. The point is moved into the face with its widest corner, along the
     bisector of this corner."""
     several = np.bincount(corners.vertex, minlength=len(mesh.vertices)) > 1
-    triangle, corner = np.nonzero(several[mesh.triangles])
-    if not len(triangle):
-        return points
+    positions = points.positions.copy()
+    widest = np.zeros(len(positions))  # sine of half the angle of the corner that a point has moved into
+    for first in range(0, len(mesh.triangles), BLOCK):
+        triangle, corner = np.nonzero(several[mesh.triangles[first:first + BLOCK]])
+        sine, move = _into_faces(mesh, triangle + first, corner, distance)
+        target = corners.point[triangle + first, corner]
+        order = np.lexsort((-np.arange(len(triangle)), sine, target))
+        chosen = order[target[order] != np.append(target[order][1:], len(positions))]  # the last of each target
+        chosen = chosen[sine[chosen] > widest[target[chosen]]]
+        widest[target[chosen]] = sine[chosen]
+        positions[target[chosen]] = points.positions[target[chosen]] + move[chosen]
+    return Points(positions, points.normals, points.areas)
+
+
+def _into_faces(mesh: Mesh, triangle: np.ndarray, corner: np.ndarray,
+                distance: float) -> tuple[np.ndarray, np.ndarray]:
+    """The sine of half the angle of each corner, 0 if the corner is too narrow to move into, and the steps, (n, 3)."""
     place = mesh.vertices[mesh.triangles[triangle, corner]]
     sides = [mesh.vertices[mesh.triangles[triangle, (corner + k) % 3]] - place for k in (1, 2)]
     lengths = [np.linalg.norm(side, axis=1) for side in sides]
@@ -60,13 +74,8 @@ def moved_off_edges(mesh: Mesh, points: Points, corners: Corners, distance: floa
         1.0, lengths[1], out=np.zeros_like(spread), where=usable)
     most = np.divide(0.25 * spread, across, out=np.zeros_like(spread), where=usable)
     step = np.minimum(np.divide(distance, sine, out=np.zeros_like(sine), where=usable), most)
-    target = corners.point[triangle, corner]
-    order = np.lexsort((-np.arange(len(triangle)), np.where(usable, sine, -1.0), target))
-    chosen = order[np.append(target[order][1:] != target[order][:-1], True)]
-    chosen = chosen[usable[chosen]]
-    positions = points.positions.copy()
-    positions[target[chosen]] += middle[chosen] * (step[chosen] / spread[chosen])[:, None]
-    return Points(positions, points.normals, points.areas)
+    share = np.divide(step, spread, out=np.zeros_like(spread), where=usable)
+    return np.where(usable, sine, 0.0), middle * share[:, None]
 
 
 def _face_normals(mesh: Mesh) -> np.ndarray:

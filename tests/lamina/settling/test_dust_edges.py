@@ -11,6 +11,7 @@ from z_limit import z_limit
 
 from lamina import dust
 from lamina.dust import Mesh, Settling, settle, texel_points
+from lamina.settling import corners
 from lamina.settling.corners import corners_of
 from lamina.settling.mesh import checked_mesh, vertex_points
 
@@ -118,6 +119,16 @@ def _arrives(slope, spread):
     across = sine / np.sqrt(1.0 - sine * sine) * np.cos(phi)
     weight = math.cos(slope) + math.sin(slope) * across
     return np.where(np.abs(across) < 1.0 / math.tan(slope), np.maximum(weight, 0.0), 0.0).mean()
+
+
+def test_points_move_off_edges_alike_in_blocks(monkeypatch):
+    mesh = checked_mesh(subdivided(subdivided(CUBE)), "mesh")
+    found = corners_of(mesh)
+    points = vertex_points(mesh, corners=found)
+    whole = corners.moved_off_edges(mesh, points, found, 1e-3)
+    assert (np.linalg.norm(whole.positions - points.positions, axis=1) > 0).sum() > 24
+    monkeypatch.setattr(corners, "BLOCK", 5)
+    assert corners.moved_off_edges(mesh, points, found, 1e-3).positions.tobytes() == whole.positions.tobytes()
 
 
 def test_the_angle_limit():
