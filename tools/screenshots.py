@@ -45,8 +45,6 @@ def story():
     show(panel)
     view.type = "VIEW_3D"
     panel.spaces.active.context = "MATERIAL"
-    bpy.context.window_manager.lamina_picker.category = "Dust and weathering"
-    bpy.context.window_manager.lamina_picker.preset = "dusty-lacquer"
     yield from still()
     save(OUT / "artists-start.png", trimmed(picture(window)))
 

@@ -11,13 +11,15 @@ from ..kinds import preset_files
 from ..kinds.errors import StackError
 from . import over_material, stack_io
 
+FIRST = "Dust and weathering"  # of the categories
+
 
 def by_category():
-    """{category: [entry]} of the library, in its own order. Raises NativeMissingError."""
-    categories = {}
+    """{category: [entry]} of the library, FIRST first. Raises NativeMissingError."""
+    categories = {FIRST: []}
     for entry in _read(lambda library: library.entries()):
         categories.setdefault(entry.category, []).append(entry)
-    return categories
+    return {name: entries for name, entries in categories.items() if entries}
 
 
 def entry(preset):

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Conditions for running an operator, and the report of a refusal."""
 
+import bpy
+
 from ..baking import bake_job
 from ..base import messages, native
-from ..nodes import thickness
+from ..nodes import node_group, thickness
 from ..properties import migration
 from ..settling import dust_job, object_dust
 
@@ -20,6 +22,18 @@ def refused(operator, error):
     """Report an error in a sentence; returns what `execute` then returns."""
     operator.report({"ERROR"}, messages.sentence(error))
     return {"CANCELLED"}
+
+
+def show_layers(context):
+    """Show what the material's layers have become: start a bake, and connect the earlier one, which the bake
+    replaces. Returns what the operator then returns. In a window, the bake runs beside the artist's work, and
+    its own operator reports a failure."""
+    material = material_of(context)
+    if material.lamina.node_group is not None and not node_group.is_connected(material):
+        node_group.connect(material)
+    with context.temp_override(material=material):
+        bpy.ops.lamina.bake("INVOKE_DEFAULT")
+    return {"FINISHED"}
 
 
 def can_edit(cls, context):

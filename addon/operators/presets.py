@@ -13,8 +13,8 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
     bl_idname = "lamina.preset_apply"
     bl_label = "Apply Preset"
     bl_description = (
-        "Replace the layers and base of this material by those of the preset. Layers that lie over the "
-        "material's own nodes keep their base"
+        "Replace the layers and base of this material by those of the preset, and show them. Layers that lie "
+        "over the material's own nodes keep their base"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -36,6 +36,12 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
         except native.NativeMissingError as error:
             return str(error)
         return cls.bl_description if entry is None else f"{cls.bl_description}.\n{entry.source.rstrip('.')}"
+
+    def invoke(self, context, _event):
+        """A click: apply the preset, bake and show it. Scripts, which execute, bake themselves."""
+        if self.execute(context) == {"CANCELLED"}:
+            return {"CANCELLED"}
+        return common.show_layers(context)
 
     def execute(self, context):
         use = presets.apply_user if self.user else presets.apply

@@ -64,7 +64,7 @@ class LAMINA_OT_add_over(bpy.types.Operator):
             over_material.add(material, self.keep_shader if is_chosen else None)
         except RefusedError as error:
             return common.refused(self, error)
-        return _baked(context, material)
+        return common.show_layers(context)
 
 
 class LAMINA_OT_add_stack(bpy.types.Operator):
@@ -101,7 +101,7 @@ class LAMINA_OT_read_again(bpy.types.Operator):
             over_material.read_again(material)
         except RefusedError as error:
             return common.refused(self, error)
-        return _baked(context, material)
+        return common.show_layers(context)
 
 
 class LAMINA_OT_remove_stack(bpy.types.Operator):
@@ -128,11 +128,3 @@ class LAMINA_OT_remove_stack(bpy.types.Operator):
         live_dust.clear_of(material)
         layer_list.remove_stack(material)
         return {"FINISHED"}
-
-
-def _baked(context, material):
-    """Start a bake of `material`; returns what `execute` then returns. In a window, the bake runs beside the
-    artist's work, and its own operator reports a failure."""
-    with context.temp_override(material=material):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
-    return {"FINISHED"}

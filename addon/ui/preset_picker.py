@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The library's presets by picture: a category, a picture that opens all of the category, and a button."""
+"""The library's presets by picture: a category or a search, and a picture that opens all of them. A click on
+one applies it."""
 
 from pathlib import Path
 
 import bpy
 import bpy.utils.previews
-from bpy.props import EnumProperty, PointerProperty
+from bpy.props import EnumProperty, PointerProperty, StringProperty
 
 from ..base import native
 from ..editing import presets
 
 FOLDER = Path(__file__).resolve().parents[1] / "pictures"
 SUFFIX = ".jpg"
-_NONE = [("NONE", "None", "The library is not available", 0, 0)]
+_NONE = [("NONE", "None", "There is no such preset", 0, 0)]
 
 _pictures = None  # Blender's collection of previews, while the add-on is registered
-# Blender needs the texts of an enumeration to stay alive: lists of items by category, and the categories.
-_items = {}
-_CATEGORIES = None  # their key: no category is None
+_items = {}  # Blender needs the texts of an enumeration to stay alive: lists of items by what filters them
+_chosen = 0  # the number of the picture that was clicked last
 
 
 def pictured():
@@ -32,20 +32,44 @@ def _by_category():
         return {}
 
 
-def _categories(_settings, _context):
-    if _CATEGORIES not in _items:
-        _items[_CATEGORIES] = [(name, name[:1].upper() + name[1:], f"{len(entries)} presets", number)
+def _categories(_picker, _context):
+    if "" not in _items:
+        _items[""] = [(name, name[:1].upper() + name[1:], f"{len(entries)} presets", number)
                       for number, (name, entries) in enumerate(_by_category().items())]
-    return _items[_CATEGORIES] or _NONE
+    return _items[""] or _NONE
 
 
-def _presets(settings, _context):
-    category = settings.category
-    if category not in _items:
-        found = _by_category().get(category, ())
-        _items[category] = [(one.id, one.name or one.id, one.source, _icon(one.id), number)
-                            for number, one in enumerate(found)]
-    return _items[category] or _NONE
+def _presets(picker, _context):
+    """The presets of the category; while something is searched for, those of all categories whose names
+    contain each of the words. A preset has the same number in all lists."""
+    words = picker.search.casefold().split()
+    key = (picker.category, *words)
+    if key not in _items:
+        library = [(category, one) for category, found in _by_category().items() for one in found]
+        _items[key] = [
+            (one.id, one.name or one.id, one.source, _icon(one.id), number)
+            for number, (category, one) in enumerate(library)
+            if (all(word in f"{one.name} {one.id}".casefold() for word in words) if words
+                else category == picker.category)
+        ]  # fmt: skip
+    return _items[key] or _NONE
+
+
+def _number(picker):
+    """The number of the picture that is shown: the one clicked last, if it is in the list."""
+    numbers = [item[-1] for item in _presets(picker, None)]
+    return _chosen if _chosen in numbers else numbers[0]
+
+
+def _choose(_picker, number):
+    global _chosen
+    _chosen = number
+
+
+def _apply(picker, _context):
+    """A click on a picture: apply the preset and show it, as an undo step."""
+    if bpy.ops.lamina.preset_apply.poll():
+        bpy.ops.lamina.preset_apply("INVOKE_DEFAULT", True, preset=picker.preset)
 
 
 def _icon(preset):
@@ -60,21 +84,30 @@ def _icon(preset):
 
 class LaminaPicker(bpy.types.PropertyGroup):
     category: EnumProperty(name="Category", description="A part of the library of presets", items=_categories)
-    preset: EnumProperty(
-        name="Preset", description="Click the picture to see all of this category", items=_presets
+    search: StringProperty(
+        name="Search",
+        description="Show the presets of all categories whose names contain this",
+        options={"TEXTEDIT_UPDATE"},
     )
+    preset: EnumProperty(
+        name="Preset",
+        description="Click the picture to see all of them; a click on one applies and shows it",
+        items=_presets, get=_number, set=_choose, update=_apply,
+    )  # fmt: skip
 
 
 def draw(layout, context):
-    """The picker. The button replaces the layers of the material, with undo."""
+    """The picker."""
     picker = context.window_manager.lamina_picker
     column = layout.column(align=True)
-    column.prop(picker, "category", text="")
-    column.template_icon_view(picker, "preset", show_labels=True, scale=6.0, scale_popup=5.0)
-    entry = next((one for one in _presets(picker, context) if one[0] == picker.preset), _NONE[0])
-    row = column.row()
-    row.scale_y = 1.3
-    row.operator("lamina.preset_apply", text=f"Use {entry[1]}", icon="CHECKMARK").preset = entry[0]
+    row = column.row(align=True)
+    if not picker.search:
+        row.prop(picker, "category", text="")
+    row.prop(picker, "search", text="", icon="VIEWZOOM")
+    if _presets(picker, context) is _NONE:
+        column.label(text="No preset has this name" if picker.search else "The library is not available")
+    else:
+        column.template_icon_view(picker, "preset", show_labels=True, scale=6.0, scale_popup=5.0)
 
 
 def register():

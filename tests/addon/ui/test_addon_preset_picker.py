@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets by picture: each preset has a picture in the extension, and the button applies the chosen one."""
+"""Presets by picture: each preset has a picture in the extension, and a click on one applies it."""
 
 from types import SimpleNamespace
 
@@ -33,14 +33,43 @@ def test_the_picker_lists_all_presets_by_category(addon, lamina):
     assert sorted(found) == lamina.presets.names()
 
 
-def test_the_button_names_and_applies_the_chosen_preset(addon, lamina, material, call):
+def test_a_search_finds_presets_of_all_categories(addon, lamina):
+    picker = bpy.context.window_manager.lamina_picker
+    picker.category, picker.search = "Metals", "DUSTY bron"
+    assert [item[0] for item in addon.ui.preset_picker._presets(picker, None)] == ["dusty-bronze"]
+    picker.search = "no such"
+    assert lines(addon, picker)[-1] == "No preset has this name"
+    picker.search = ""
+
+
+def test_a_click_on_a_picture_applies_the_preset(addon, lamina, material):
+    """That the click also bakes is a story in a window: without one, Blender executes operators in place of invoking
+    them."""
     picker = bpy.context.window_manager.lamina_picker
     entry = addon.editing.presets.entry("dusty-bronze")
     picker.category = entry.category
-    picker.preset = entry.id
-    assert lines(addon, picker)[-1] == f"Use {entry.name}"
-    assert call(bpy.ops.lamina.preset_apply, material, preset=picker.preset) == {"FINISHED"}
+    with bpy.context.temp_override(material=material):
+        picker.preset = entry.id
+    assert picker.preset == entry.id
     assert addon.editing.stack_io.to_stack(material).hash == entry.stack.hash
+
+
+def test_layers_are_shown_after_a_click(addon, lamina, material):
+    addon.editing.presets.apply(material, "gold")
+    material.lamina.quality = "preview"
+    with bpy.context.temp_override(material=material):
+        assert addon.operators.common.show_layers(bpy.context) == {"FINISHED"}
+    assert addon.baking.bake_job.state(material) == "fresh" and addon.nodes.node_group.is_connected(material)
+
+
+def test_a_script_that_applies_a_preset_bakes_nothing(addon, lamina, material, call):
+    assert call(bpy.ops.lamina.preset_apply, material, preset="dusty-bronze") == {"FINISHED"}
+    assert addon.baking.bake_job.state(material) == "none"
+
+
+def test_dust_comes_first(addon, lamina):
+    picker = bpy.context.window_manager.lamina_picker
+    assert addon.ui.preset_picker._categories(picker, None)[0][0] == addon.editing.presets.FIRST
 
 
 def test_without_the_library_the_picker_says_so(addon, monkeypatch):
@@ -50,5 +79,5 @@ def test_without_the_library_the_picker_says_so(addon, monkeypatch):
     picker = addon.ui.preset_picker
     monkeypatch.setattr(picker.presets, "by_category", gone)
     monkeypatch.setattr(picker, "_items", {})
-    settings = SimpleNamespace(category="NONE")
+    settings = SimpleNamespace(category="NONE", search="")
     assert picker._categories(settings, None) == picker._NONE == picker._presets(settings, None)

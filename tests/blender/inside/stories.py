@@ -74,6 +74,27 @@ def live(panel):
     assert material.lamina.result.stack_hash != blue
 
 
+def preset_by_picture(panel):
+    """A click on a preset's picture applies it and bakes; undo brings back the material without layers."""
+    before = window.picture(panel).copy()
+    with window.on(panel):
+        bpy.ops.ed.undo_push(message="before")
+        bpy.context.window_manager.lamina_picker.preset = "dusty-lacquer"
+    yield from until(lambda: part("baking.bake_job").state(bpy.context.object.active_material) == "fresh")
+    yield from window.still()
+    window.save(OUT / "preset.png", window.picture(panel))
+    assert (before != window.picture(panel)).any(axis=2).mean() > 0.05
+    with window.on(panel):
+        bpy.ops.ed.undo()
+    yield from window.still()
+    assert not bpy.context.object.active_material.lamina.enabled
+    with window.on(panel):
+        bpy.ops.ed.redo()
+    yield from window.still()
+    assert part("nodes.node_group").is_whole(bpy.context.object.active_material)
+    check_images()
+
+
 def dust_these_objects(panel):
     """The selected cube is dusty after one click, and one undo takes layers and dust away."""
     with window.on(panel):
