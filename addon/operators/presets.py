@@ -25,7 +25,7 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return common.can_edit(cls, context) and common.has_native(cls)
+        return common.can_edit(cls, context) and common.has_native(cls) and common.is_idle(cls)
 
     @classmethod
     def description(cls, _context, properties):

@@ -107,7 +107,9 @@ def draw(layout, context):
     if _presets(picker, context) is _NONE:
         column.label(text="No preset has this name" if picker.search else "The library is not available")
     else:
-        column.template_icon_view(picker, "preset", show_labels=True, scale=6.0, scale_popup=5.0)
+        picture = column.column()
+        picture.active = bpy.ops.lamina.preset_apply.poll()
+        picture.template_icon_view(picker, "preset", show_labels=True, scale=6.0, scale_popup=5.0)
 
 
 def register():

@@ -4,6 +4,7 @@
 from types import SimpleNamespace
 
 import bpy
+import pytest
 from addon_helpers import Layout
 
 
@@ -52,6 +53,19 @@ def test_a_click_on_a_picture_applies_the_preset(addon, lamina, material):
         picker.preset = entry.id
     assert picker.preset == entry.id
     assert addon.editing.stack_io.to_stack(material).hash == entry.stack.hash
+
+
+def test_a_click_while_a_bake_runs_changes_nothing(addon, lamina, material, monkeypatch):
+    """The running bake would be of other layers, and a second one cannot start."""
+    picker, before = bpy.context.window_manager.lamina_picker, addon.editing.stack_io.to_dict(material)
+    monkeypatch.setattr(addon.baking.bake_job, "running", lambda: object())
+    with bpy.context.temp_override(material=material):
+        assert not bpy.ops.lamina.preset_apply.poll()
+        picker.category = addon.editing.presets.FIRST
+        picker.preset = "dusty-bronze"
+        with pytest.raises(RuntimeError, match="A bake is running"):
+            bpy.ops.lamina.bake("INVOKE_DEFAULT")
+    assert addon.editing.stack_io.to_dict(material) == before
 
 
 def test_layers_are_shown_after_a_click(addon, lamina, material):
