@@ -53,6 +53,12 @@ def sentence(error, material=None):
     return text if material is None else in_panel_words(text, material)
 
 
+def reported(error):
+    """The sentence of a RuntimeError that an operator raises for its report when a script calls it; '' if the
+    report has no text."""
+    return " ".join(str(error).split()).removeprefix("Error: ")
+
+
 def in_panel_words(text, material):
     """'layers[2].phase.g = 1.2: ...' -> 'Layer 3 "Varnish", anisotropy = 1.2: ...'."""
     match = _LAYER.match(text)

@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import handlers
+from ..base import handlers, messages
 from .file_lock import SaveError
 
 PROBE = 1 << 16  # bytes that must fit into a folder
@@ -105,7 +105,7 @@ def _write(path, copy):
         result = _save_by_blender(path, copy)
         words = "" if "FINISHED" in result else "Blender cancelled"
     except RuntimeError as error:
-        words = " ".join(str(error).split()).removeprefix("Error: ") or "Blender names no reason"
+        words = messages.reported(error) or "Blender names no reason"
     if words:
         # Blender reads errno too late: on a full disk it says "Success".
         free = f"Blender names no reason, {_megabytes(shutil.disk_usage(path.parent).free)} are free"

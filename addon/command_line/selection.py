@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bpy
 
+from ..base import messages
 from ..base.messages import RefusedError
 from .exit_codes import UsageError
 
@@ -43,7 +44,7 @@ def open_file(path):
         result = bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
         words = "" if "FINISHED" in result else "Blender cancelled"
     except RuntimeError as error:
-        words = " ".join(str(error).split()).removeprefix("Error: ") or "Blender names no reason"
+        words = messages.reported(error) or "Blender names no reason"
     if words:
         raise RefusedError(f"{path} cannot be opened: {words}")
 

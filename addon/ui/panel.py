@@ -285,6 +285,8 @@ def _draw_presets(context, layout, folded):
     header.label(text="Presets by Picture")
     if body is not None:
         preset_picker.draw(body, context)
+        if refusal := preset_picker.refusal(context.material):
+            draw_sentence(context, body, refusal, "ERROR", alert=True)
 
 
 def draw_progress(layout, job, work):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The library's presets by picture: a category or a search, and a picture that opens all of them. A click on
-one applies it."""
+"""The library's presets by picture: those of a category, or those that a search finds. The picture opens a
+list of pictures, and a click on one of them applies its preset."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ import bpy
 import bpy.utils.previews
 from bpy.props import EnumProperty, PointerProperty, StringProperty
 
-from ..base import native
+from ..base import messages, native
 from ..editing import presets
 
 FOLDER = Path(__file__).resolve().parents[1] / "pictures"
@@ -16,8 +16,9 @@ SUFFIX = ".jpg"
 _NONE = [("NONE", "None", "There is no such preset", 0, 0)]
 
 _pictures = None  # Blender's collection of previews, while the add-on is registered
-_items = {}  # Blender needs the texts of an enumeration to stay alive: lists of items by what filters them
+_items = {}  # items by category and search. Kept, because Blender does not copy the texts of an enumeration
 _chosen = 0  # the number of the picture that was clicked last
+_refusal = (None, "")  # the material of the last click, and why the preset was refused
 
 
 def pictured():
@@ -67,9 +68,20 @@ def _choose(_picker, number):
 
 
 def _apply(picker, _context):
-    """A click on a picture: apply the preset and show it, as an undo step."""
+    """A click on a picture: apply the preset and show it, as an undo step. Blender shows no report of an
+    operator that Python calls: the panel shows it."""
+    global _refusal
+    _refusal = (None, "")
     if bpy.ops.lamina.preset_apply.poll():
-        bpy.ops.lamina.preset_apply("INVOKE_DEFAULT", True, preset=picker.preset)
+        try:
+            bpy.ops.lamina.preset_apply("INVOKE_DEFAULT", True, preset=picker.preset)
+        except RuntimeError as error:
+            _refusal = (bpy.context.material.session_uid, messages.reported(error))
+
+
+def refusal(material):
+    """Why the last click on a picture could not change `material`, in a sentence, or ''."""
+    return _refusal[1] if _refusal[0] == material.session_uid else ""
 
 
 def _icon(preset):
@@ -86,18 +98,18 @@ class LaminaPicker(bpy.types.PropertyGroup):
     category: EnumProperty(name="Category", description="A part of the library of presets", items=_categories)
     search: StringProperty(
         name="Search",
-        description="Show the presets of all categories whose names contain this",
+        description="Show the presets of all categories whose names contain these words",
         options={"TEXTEDIT_UPDATE"},
     )
     preset: EnumProperty(
         name="Preset",
-        description="Click the picture to see all of them; a click on one applies and shows it",
+        description="Click to see all pictures of the list. A click on one of them applies its preset",
         items=_presets, get=_number, set=_choose, update=_apply,
     )  # fmt: skip
 
 
 def draw(layout, context):
-    """The picker."""
+    """The category, the search and the picture."""
     picker = context.window_manager.lamina_picker
     column = layout.column(align=True)
     row = column.row(align=True)

@@ -68,6 +68,22 @@ def test_a_click_while_a_bake_runs_changes_nothing(addon, lamina, material, monk
     assert addon.editing.stack_io.to_dict(material) == before
 
 
+def test_a_click_that_is_refused_says_why(addon, lamina, material):
+    """Metals have no layers to lie over another material."""
+    picker, plain = bpy.context.window_manager.lamina_picker, bpy.data.materials.new("Plain")
+    addon.nodes.node_tree.of(plain)
+    addon.editing.over_material.add(plain)
+    picker.category = "Metals"
+    with bpy.context.temp_override(material=plain):
+        picker.preset = "gold"
+    assert "has no layers that could lie over this material" in addon.ui.preset_picker.refusal(plain)
+    assert addon.ui.preset_picker.refusal(material) == ""
+    picker.category = addon.editing.presets.FIRST
+    with bpy.context.temp_override(material=plain):
+        picker.preset = "dusty-bronze"
+    assert addon.ui.preset_picker.refusal(plain) == ""
+
+
 def test_layers_are_shown_after_a_click(addon, lamina, material):
     addon.editing.presets.apply(material, "gold")
     material.lamina.quality = "preview"
