@@ -25,9 +25,9 @@ def refused(operator, error):
 
 
 def show_layers(context):
-    """Show what the material's layers have become: start a bake, and connect the earlier one, which the bake
-    replaces. Returns what the operator then returns. In a window, the bake runs beside the artist's work, and
-    its own operator reports a failure."""
+    """Bake the changed layers of the material and show them: connects the material's node group, whose tables
+    the bake replaces. In a window, the bake runs beside the artist's work, and its own operator reports a
+    failure. Returns what the calling operator returns."""
     material = material_of(context)
     if material.lamina.node_group is not None and not node_group.is_connected(material):
         node_group.connect(material)

@@ -42,6 +42,8 @@ def moved_off_edges(mesh: Mesh, points: Points, corners: Corners, distance: floa
     along its normal may start behind the other. The point is moved into the face with its widest corner, along the
     bisector of this corner."""
     several = np.bincount(corners.vertex, minlength=len(mesh.vertices)) > 1
+    if not several.any():
+        return points
     positions = points.positions.copy()
     widest = np.zeros(len(positions))  # sine of half the angle of the corner that a point has moved into
     for first in range(0, len(mesh.triangles), BLOCK):
@@ -58,7 +60,8 @@ def moved_off_edges(mesh: Mesh, points: Points, corners: Corners, distance: floa
 
 def _into_faces(mesh: Mesh, triangle: np.ndarray, corner: np.ndarray,
                 distance: float) -> tuple[np.ndarray, np.ndarray]:
-    """The sine of half the angle of each corner, 0 if the corner is too narrow to move into, and the steps, (n, 3)."""
+    """For (n,) corners of triangles: the sine of half the angle, 0 where the corner is too narrow or too wide to move
+    into, and the step from the vertex into the face, (n, 3)."""
     place = mesh.vertices[mesh.triangles[triangle, corner]]
     sides = [mesh.vertices[mesh.triangles[triangle, (corner + k) % 3]] - place for k in (1, 2)]
     lengths = [np.linalg.norm(side, axis=1) for side in sides]
