@@ -371,7 +371,8 @@ def unfold_ball():
 
 
 def preview_rendered(panel, material, number):
-    """Change the material, until Cycles renders its ball."""
+    """Change the material, until Cycles renders its ball. Blender 4.3 may crash if nodes change during such a render."""
+    yield from until(lambda: not bpy.app.is_job_running("RENDER_PREVIEW"), step=0.01)
     material.diffuse_color[0] = 0.1 * number
     material.node_tree.nodes[0].location.x += 1.0
     material.node_tree.update_tag()
