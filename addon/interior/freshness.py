@@ -48,7 +48,7 @@ def stale(context, obj, material):
         return ""
     earlier = json.loads(settings.made_from)
     now = _settings(material, (settings.node, settings.socket))
-    if {**now, "layers": ""} != {**earlier["settings"], "layers": ""}:
+    if _differ({**now, "layers": ""}, {**earlier["settings"], "layers": ""}):
         return f"The settings have changed since: {AGAIN}"
     if now["layers"] != earlier["settings"]["layers"]:
         return f"The layers have changed since: {AGAIN}"
@@ -106,6 +106,16 @@ def _settings(material, node):
     if settings.source == "NODES":
         return fields | {"node": list(node)}
     return fields | _values(settings, interiors.MARBLE) | {"direction": list(settings.direction)}
+
+
+def _differ(now, earlier):
+    """True if settings differ. Those that only one of the two has, from another version of Lamina, do not
+    count."""
+    if isinstance(now, dict) and isinstance(earlier, dict):
+        return any(_differ(now[name], earlier[name]) for name in now.keys() & earlier.keys())
+    if isinstance(now, list) and isinstance(earlier, list) and len(now) == len(earlier):
+        return any(map(_differ, now, earlier))
+    return now != earlier
 
 
 def _values(owner, fields):

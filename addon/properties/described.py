@@ -39,6 +39,15 @@ def number(field, update=changes.edited):
     return FloatVectorProperty(size=3, default=default, **_settings(field, update))
 
 
+def numbers(fields, update=changes.edited):
+    """{name: property} of several Fields. Raises ValueError if two Fields that differ have one name."""
+    by_name = {}
+    for field in fields:
+        if by_name.setdefault(field.prop, field) != field:
+            raise ValueError(f"two properties are named {field.prop}: {by_name[field.prop]}, {field}")
+    return {name: number(field, update) for name, field in by_name.items()}
+
+
 def per_channel(field, description, update=changes.edited):
     """The property with red, green and blue beside the property of a Field with one number."""
     settings = {**_settings(field, update), "description": description}

@@ -13,7 +13,7 @@ from ..base import changes, decimals
 from ..kinds import bases, boundaries, media, phases
 from ..kinds import metals as metal_table
 from ..stack_json import solved_colours
-from .described import choice, entries, having, number, option, per_channel, switch
+from .described import choice, entries, having, number, numbers, option, per_channel, switch
 
 LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item))
 MODES = entries(form.item for form in media.FORMS)
@@ -21,7 +21,7 @@ PHASES = entries(cls.item for cls in phases.IN_PANEL)
 BASES = entries((bases.NONE, *(cls.item for cls in bases.IN_PANEL)))
 
 
-@having({field.prop: number(field) for cls in phases.IN_PANEL for field in cls.fields})
+@having(numbers(field for cls in phases.IN_PANEL for field in cls.fields))
 class PhaseProperties:
     """A phase function. `phase_text`, if not empty, is the JSON of a phase function that the panel cannot
     edit."""
@@ -86,7 +86,7 @@ def _graded_changed(layer, _context):
     changes.edited(layer)
 
 
-@having({field.prop: number(field) for form in media.FORMS for field in form.local})
+@having(numbers(field for form in media.FORMS for field in form.local))
 class MediumProperties(PhaseProperties):
     """The scattering properties of a medium at one depth."""
 
@@ -159,11 +159,9 @@ def _base_kind_changed(base, context):
     changes.edited(base, context)
 
 
-def _base_properties(cls):
-    """{name: property} of a kind of base, without those of facets."""
-    fields = [*cls.fields, *(field for form in cls.forms for field in form)]
-    found = {field.prop: number(field) for field in fields}
-    found |= {one.name: option(one) for one in cls.options if one not in boundaries.FACETS}
+def _base_choices(cls):
+    """{name: property} of a kind of base: its choices, without those of facets."""
+    found = {one.name: option(one) for one in cls.options if one not in boundaries.FACETS}
     if cls.form_prop:
         items = entries(form.item for form in cls.forms)
         tip = f"Which numbers describe the {cls.item.label.lower()}"
@@ -171,6 +169,7 @@ def _base_properties(cls):
     return found
 
 
-@having({name: made for cls in bases.IN_PANEL for name, made in _base_properties(cls).items()})
+@having(numbers(field for cls in bases.IN_PANEL for fields in (cls.fields, *cls.forms) for field in fields))
+@having({name: made for cls in bases.IN_PANEL for name, made in _base_choices(cls).items()})
 class LaminaBase(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
     kind: choice("Base", BASES, "What lies below the layers", bases.Lambert.kind, update=_base_kind_changed)

@@ -2,6 +2,8 @@
 """Whether the last result of an interior still fits: one sentence for each change, none for changes that do not
 matter. Nothing is computed: the note is written as a computation writes it."""
 
+import json
+
 import bpy
 import pytest
 from addon_helpers import icosphere, linked
@@ -108,6 +110,20 @@ def test_changes_that_do_not_matter(freshness, ball, change):
     note(freshness, ball)
     change(ball)
     assert stale(freshness, ball) == ""
+
+
+def test_note_of_another_version(freshness, ball):
+    """Settings that only one of the versions has do not count; the others do."""
+    note(freshness, ball)
+    settings = settings_of(ball)
+    earlier = json.loads(settings.made_from)
+    for values in (earlier["settings"], *earlier["settings"]["ends"]):
+        values.pop("resolution" if "resolution" in values else "sigma_s")
+        values["gone"] = 1.0
+    settings.made_from = json.dumps(earlier)
+    assert stale(freshness, ball) == ""
+    settings.spacing = 3.0
+    assert stale(freshness, ball).startswith(SETTINGS)
 
 
 def test_layers(freshness, ball, addon):

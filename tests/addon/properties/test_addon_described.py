@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Properties, rows and JSON that the add-on makes from the descriptions in lamina.kinds."""
 
+import dataclasses
 from types import SimpleNamespace
 
 import bpy
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from addon_helpers import drawn
 
-from lamina.kinds import bases, dust, interiors, media, phases
+from lamina.kinds import bases, boundaries, dust, interiors, media, phases
 
 
 def ends(field):
@@ -119,3 +120,11 @@ def test_a_metal_without_the_wheel_has_numbers_too(addon, material, monkeypatch)
     base = material.lamina.base
     base.kind = "conductor"
     assert base.facing[0] == 1.0 and base.k[0] > 60.0
+
+
+def test_two_numbers_of_one_name(addon):
+    """Two different quantities cannot share a property; one quantity of two kinds can."""
+    numbers = addon.properties.described.numbers
+    assert list(numbers([boundaries.IOR, boundaries.ALPHA, boundaries.IOR])) == ["ior", "alpha"]
+    with pytest.raises(ValueError, match="two properties are named ior"):
+        numbers([boundaries.IOR, dataclasses.replace(boundaries.IOR, high=9.0)])
