@@ -371,7 +371,8 @@ def unfold_ball():
 
 
 def preview_rendered(panel, material, number):
-    """Change the material, until Cycles renders its ball. Blender 4.3 may crash if nodes change during such a render."""
+    """Change the material, until Cycles renders its ball. Nodes must not change during an earlier render: Blender 4.3
+    may crash then."""
     yield from until(lambda: not bpy.app.is_job_running("RENDER_PREVIEW"), step=0.01)
     material.diffuse_color[0] = 0.1 * number
     material.node_tree.nodes[0].location.x += 1.0
