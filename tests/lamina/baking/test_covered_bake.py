@@ -88,3 +88,14 @@ def test_dust_that_varies_above_varnish():
     lut = lamina.bake(Stack([dust, VARNISH], base), "preview", row_stride=8)
     assert lut.weights.shape[2] == 33 and lut.report["fit_error"] < 0.06
     assert albedo(lut, 0.7) == pytest.approx(exact([VARNISH], base, color=0.7), rel=2e-3)
+
+
+def test_a_colored_base_below_layers_of_one_channel():
+    """Only the roughness is an input; each channel is that of a gray base."""
+
+    def baked(color):
+        base = PrincipledBase(color=color, metallic=0.3, roughness=0.5, inputs=("roughness",))
+        return lamina.bake(Stack([VARNISH], base), quality="preview").reflectance(0.5, roughness=0.5)
+
+    colors = (0.8, 0.4, 0.1)
+    np.testing.assert_allclose(baked(colors), [baked(color)[0] for color in colors], rtol=1e-4)
