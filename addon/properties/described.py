@@ -17,11 +17,15 @@ _MORE = {
 
 
 def having(properties):
-    """A class decorator that adds these properties, given as {name: property}.
+    """A class decorator that adds these properties, given as {name: property}. Raises ValueError if the class
+    has one of the names already.
 
     Not done by statements in the class body, where Python 3.14 no longer has `__annotations__`."""
 
     def decorate(cls):
+        if taken := properties.keys() & cls.__annotations__.keys():
+            names = ", ".join(sorted(taken))
+            raise ValueError(f"{cls.__name__} has a property of this name already: {names}")
         cls.__annotations__ = {**cls.__annotations__, **properties}
         return cls
 

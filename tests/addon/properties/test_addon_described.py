@@ -123,8 +123,12 @@ def test_a_metal_without_the_wheel_has_numbers_too(addon, material, monkeypatch)
 
 
 def test_two_numbers_of_one_name(addon):
-    """Two different quantities cannot share a property; one quantity of two kinds can."""
-    numbers = addon.properties.described.numbers
+    """Two different quantities cannot share a property; one quantity of two kinds can. No property replaces another."""
+    numbers, having = addon.properties.described.numbers, addon.properties.described.having
     assert list(numbers([boundaries.IOR, boundaries.ALPHA, boundaries.IOR])) == ["ior", "alpha"]
     with pytest.raises(ValueError, match="two properties are named ior"):
         numbers([boundaries.IOR, dataclasses.replace(boundaries.IOR, high=9.0)])
+    owner = type("Owner", (), {"__annotations__": {"ior": None}})
+    with pytest.raises(ValueError, match="Owner has a property of this name already: ior"):
+        having(numbers([boundaries.IOR]))(owner)
+    assert list(having(numbers([boundaries.ALPHA]))(owner).__annotations__) == ["ior", "alpha"]

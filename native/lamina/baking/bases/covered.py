@@ -65,7 +65,7 @@ class Covered(WithInputs):
         # Fit the light of the layers over black
         bare = self.stack.with_facets(self.stack.layers, Black())
         self.solved, black = self._over(bare.base, portion(step, 0.0, 0.1))
-        if self.inputs == ("roughness",):  # the base keeps its color, also below layers of one channel
+        if self.inputs == ("roughness",):  # the base adds light in each channel of its color; the layers may have one
             black = black.each(lambda part: np.repeat(part, self.stack.channels // part.shape[2], axis=2))
         own = StackFit(bare, self.solved, self.grid, self.pool, self.search)(
             "reflection", black, self.limits.reflected, job.closures(), portion(step, 0.1, 0.15), True)
