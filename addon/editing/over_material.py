@@ -138,12 +138,15 @@ def is_over(material):
     return material.lamina.enabled and material.lamina.base.kind in (PrincipledBase.kind, ShaderBase.kind)
 
 
-def assign_layers(material, stack):
-    """Replace the layers of `material`, which lie over what its nodes show, by those of a `lamina.Stack`.
+def layers_problem(stack):
+    """Why the layers of a `lamina.Stack` cannot be put over a material, in a sentence, or ''."""
+    name = stack.name or "The stack"
+    return "" if stack.layers else f"{name} has no layers that could lie over this material"
 
-    The base stays what the nodes show. Raises RefusedError."""
-    data = stack.to_json()
-    if not data["layers"]:
-        name = data.get("name") or "The stack"
-        raise RefusedError(f"{name} has no layers that could lie over this material")
-    stack_io.assign(material, {**data, "base": stack_write.base(material.lamina.base)})
+
+def assign_layers(material, stack):
+    """Replace the layers of `material` by those of a `lamina.Stack`; the base stays. Raises RefusedError."""
+    sentence = layers_problem(stack)
+    if sentence:
+        raise RefusedError(sentence)
+    stack_io.assign(material, {**stack.to_json(), "base": stack_write.base(material.lamina.base)})

@@ -11,12 +11,12 @@ from ..kinds import preset_files
 from ..kinds.errors import StackError
 from . import over_material, stack_io
 
-FIRST = "Dust and weathering"  # of the categories
+OVERLAYS = "Overlays"  # the category of layers without a base, which lie over any material
 
 
 def by_category():
-    """{category: [entry]} of the library, FIRST first. Raises NativeMissingError."""
-    categories = {FIRST: []}
+    """{category: [entry]} of the library, OVERLAYS first. Raises NativeMissingError."""
+    categories = {OVERLAYS: []}
     for entry in _read(lambda library: library.entries()):
         categories.setdefault(entry.category, []).append(entry)
     return {name: entries for name, entries in categories.items() if entries}
@@ -29,10 +29,27 @@ def entry(preset):
 
 def apply(material, preset):
     """Replace the layers and base by those of the library; the base of layers that lie over the material's
-    own nodes stays. Raises ValueError, NativeMissingError."""
-    if entry(preset) is None:
+    own nodes stays. An overlay lies over what the material shows: its nodes, or the base of its layers.
+    Raises ValueError, NativeMissingError."""
+    one = entry(preset)
+    if one is None:
         raise RefusedError(f"preset = {preset}: there is no such preset")
-    _assign(material, _read(lambda library: library.load(preset)))
+    stack = _read(lambda library: library.load(preset))
+    if one.category != OVERLAYS:
+        _assign(material, stack)
+        return
+    if not material.lamina.enabled:
+        over_material.add(material)
+    over_material.assign_layers(material, stack)
+
+
+def problem(material, entry):
+    """Why a preset of the library cannot be applied to `material`, or None, in a sentence, or ''."""
+    if material is None:
+        return ""
+    if not material.lamina.enabled and entry.category == OVERLAYS:
+        return over_material.problem(material)
+    return over_material.layers_problem(entry.stack) if over_material.is_over(material) else ""
 
 
 def user_folder(create=False):

@@ -13,8 +13,8 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
     bl_idname = "lamina.preset_apply"
     bl_label = "Apply Preset"
     bl_description = (
-        "Replace the layers and base of this material by those of the preset, and show them. Layers that lie "
-        "over the material's own nodes keep their base"
+        "Replace the layers and base of this material by those of the preset, and show them. Overlays, and "
+        "layers that lie over the material's own nodes, keep what is below"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -28,14 +28,17 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
         return common.can_edit(cls, context) and common.has_native(cls) and common.is_idle(cls)
 
     @classmethod
-    def description(cls, _context, properties):
+    def description(cls, context, properties):
         if properties.user or not native.available():
             return cls.bl_description
         try:
             entry = presets.entry(properties.preset)
         except native.NativeMissingError as error:
             return str(error)
-        return cls.bl_description if entry is None else f"{cls.bl_description}.\n{entry.source.rstrip('.')}"
+        if entry is None:
+            return cls.bl_description
+        first = presets.problem(common.material_of(context), entry) or cls.bl_description
+        return f"{first}.\n{entry.source.rstrip('.')}"
 
     def invoke(self, context, _event):
         """A click: apply the preset, bake and show it. Scripts, which execute, bake themselves."""

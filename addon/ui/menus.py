@@ -23,12 +23,13 @@ class LAMINA_MT_stack(bpy.types.Menu):
 
 
 class LAMINA_MT_presets(bpy.types.Menu):
-    """The user's own presets, then the library by category, in columns of similar height."""
+    """The user's own presets, then the library by category, in columns of similar height. Presets that the
+    material cannot take are grey; their tooltips say why."""
 
     bl_label = "Presets"
     bl_description = "Replace the layers by those of a ready-made material"
 
-    def draw(self, _context):
+    def draw(self, context):
         columns = self.layout.row()
         column, height = columns.column(), 4
         _title(column, "Mine")
@@ -48,8 +49,9 @@ class LAMINA_MT_presets(bpy.types.Menu):
             height += rows
             _title(column, category[:1].upper() + category[1:])
             for entry in entries:
-                name = entry.name or entry.id
-                column.operator("lamina.preset_apply", text=name).preset = entry.id
+                name, row = entry.name or entry.id, column.row()
+                row.enabled = not presets.problem(getattr(context, "material", None), entry)
+                row.operator("lamina.preset_apply", text=name).preset = entry.id
 
 
 class LAMINA_MT_user_presets(bpy.types.Menu):

@@ -4,7 +4,6 @@
 import time
 from pathlib import Path
 
-import bpy
 import cycles_render
 import extension
 import output
@@ -41,7 +40,7 @@ def run(out, quality, stack_path, say, thumbnails=None):
         if (number + 1) % 20 == 0 or number + 1 == len(entries):
             say(f"presets: {number + 1} of {len(entries)} baked")
     baked = time.perf_counter() - started
-    cells, seconds = _render(materials, [entry.stack.base is None for entry in entries], *QUALITIES[quality], say)
+    cells, seconds = _render(materials, [_is_sheet(entry) for entry in entries], *QUALITIES[quality], say)
     if thumbnails is not None:
         _thumbnails(Path(thumbnails), entries, cells)
     files = [out / "presets.png", out / "presets.json"]
@@ -56,13 +55,18 @@ def run(out, quality, stack_path, say, thumbnails=None):
     return files, verdict + (f"; black: {', '.join(black)}" if black else ""), not black
 
 
+def _is_sheet(entry):
+    return entry.stack.base is None and entry.category != extension.part("editing.presets").OVERLAYS
+
+
 def _bake(lamina, entry):
-    """(material, facts about it)."""
-    stack_io, bake_job = extension.part("editing.stack_io"), extension.part("baking.bake_job")
-    material = bpy.data.materials.new(entry.id)
-    stack_io.assign_stack(material, entry.stack)
+    """(material, facts about it). Overlays lie over red plastic."""
+    presets, stack_io, bake_job = (extension.part(name) for name in (
+        "editing.presets", "editing.stack_io", "baking.bake_job"))
+    material = scene.plastic(entry.id)
+    presets.apply(material, entry.id)
     varies = entry.stack.varying is not None
-    lut = lamina.bake(entry.stack, "preview", row_stride=ROW_STRIDE if varies else 1)
+    lut = lamina.bake(stack_io.to_stack(material), "preview", row_stride=ROW_STRIDE if varies else 1)
     bake_job.apply(material, lut)
     if varies:
         scene.wire_dust(material)

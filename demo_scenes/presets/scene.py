@@ -24,6 +24,7 @@ BOXES = (
     (Vector((0.05, 1.0, 0.35)), 0.94, (2.4, 2.3, 2.2)),
 )
 SKY, HORIZON, GROUND = (0.20, 0.21, 0.23), (0.26, 0.26, 0.26), (0.06, 0.06, 0.06)
+PLASTIC = (0.60, 0.02, 0.015, 1.0)
 SQUARES, SQUARE = (0.035, 0.055), 0.30  # reflectances and size of the squares of the ground
 
 
@@ -54,6 +55,14 @@ def show(scene, material, is_sheet):
                 body.material_slots[0].material = material
         if body.name.startswith("behind"):
             body.hide_render = not is_sheet
+
+
+def plastic(name):
+    """A new material of glossy red plastic, over which overlays lie; other presets replace it."""
+    material = bpy.data.materials.new(name)
+    inputs = node_tree.of(material).nodes["Principled BSDF"].inputs
+    inputs["Base Color"].default_value, inputs["Roughness"].default_value = PLASTIC, 0.15
+    return material
 
 
 def wire_dust(material):

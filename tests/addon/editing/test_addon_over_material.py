@@ -7,6 +7,8 @@ import bpy
 import pytest
 from addon_helpers import Layout, surface_source
 
+from lamina import presets
+
 
 @pytest.fixture
 def glossy(addon):
@@ -57,6 +59,83 @@ def test_a_preset_keeps_the_base(addon, lamina, glossy):
     with pytest.raises(addon.base.messages.RefusedError, match="has no layers that could lie over this material"):
         addon.editing.presets.apply(glossy, "gold")
     assert layer_names(glossy) == before
+
+
+OVERLAYS = [entry.id for entry in presets.entries() if entry.category == "Overlays"]
+
+
+@pytest.mark.parametrize("preset", OVERLAYS)
+def test_an_overlay_lies_over_a_principled_material(addon, lamina, preset):
+    """One step for a material without layers; colors from a texture stay."""
+    material = bpy.data.materials.new("Plastic")
+    tree = addon.nodes.node_tree.of(material)
+    shader = tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (0.6, 0.02, 0.015, 1.0)
+    addon.editing.presets.apply(material, preset)
+    stack = addon.editing.stack_io.to_dict(material)
+    assert [layer["name"] for layer in stack["layers"]] == [layer.name for layer in presets.load(preset).layers]
+    assert stack["base"]["kind"] == "principled" and stack["base"]["color"] == pytest.approx([0.6, 0.02, 0.015])
+    addon.baking.bake_job.bake_material(material, "preview")
+    assert surface_source(material).node_tree == material.lamina.node_group
+    assert ("Thickness" in surface_source(material).inputs) == (presets.load(preset).varying is not None)
+    addon.editing.layer_list.remove_stack(material)
+    assert surface_source(material) == shader
+
+
+def test_an_overlay_keeps_any_base_and_needs_something_below(addon, lamina, glossy, call):
+    own = bpy.data.materials.new("Own")
+    addon.editing.presets.apply(own, "lacquered-copper")
+    base = addon.editing.stack_io.to_dict(own)["base"]
+    assert call(bpy.ops.lamina.preset_apply, own, preset="varnish") == {"FINISHED"}
+    assert layer_names(own) == ["varnish surface", "varnish"]
+    assert addon.editing.stack_io.to_dict(own)["base"] == base
+    addon.editing.presets.apply(glossy, "soot")
+    assert glossy.lamina.base.kind == "shader"
+    empty = bpy.data.materials.new("Empty")
+    addon.nodes.node_tree.of(empty).nodes.clear()
+    with pytest.raises(RuntimeError, match="No shader is linked to the Surface"):
+        call(bpy.ops.lamina.preset_apply, empty, preset="soot")
+    assert not empty.lamina.enabled
+
+
+def test_presets_that_cannot_lie_over_a_material_are_grey(addon, lamina, glossy, material):
+    """Their tooltips say why. Overlays come first."""
+    operator = addon.operators.presets.LAMINA_OT_preset_apply
+
+    def grey(of):
+        return {entry.id for entry in presets.entries() if addon.editing.presets.problem(of, entry)}
+
+    assert not grey(glossy) and not grey(material) and not grey(None)
+    assert next(iter(addon.editing.presets.by_category())) == "Overlays"
+    addon.editing.over_material.add(glossy)
+    assert grey(glossy) == {entry.id for entry in presets.entries() if not entry.stack.layers}
+    for preset, refused in (("gold", True), ("dusty-bronze", False)):
+        told = operator.description(SimpleNamespace(material=glossy), SimpleNamespace(preset=preset, user=False))
+        assert ("has no layers that could lie over this material" in told) == refused
+    drawn = GreyLayout()
+    addon.ui.menus.LAMINA_MT_presets.draw(SimpleNamespace(layout=drawn), SimpleNamespace(material=glossy))
+    assert "Gold, satin" in drawn.grey and "Dusty bronze" not in drawn.grey and "House dust" in drawn.lines
+    assert len(drawn.grey) == len(grey(glossy))
+
+
+class GreyLayout(Layout):
+    """Also records the texts of operators that are drawn grey."""
+
+    def __init__(self):
+        super().__init__()
+        self.__dict__.update(grey=[], enabled=True)
+
+    def _inside(self, *_args, **_options):
+        inside = GreyLayout()
+        inside.__dict__.update(lines=self.lines, grey=self.grey)
+        return inside
+
+    row = column = _inside
+
+    def operator(self, name, text=None, icon="NONE", **options):
+        if not self.enabled:
+            self.grey.append(text)
+        return super().operator(name, text, icon, **options)
 
 
 def test_new_reflectance_and_another_base(addon, lamina, glossy):

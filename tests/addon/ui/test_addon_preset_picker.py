@@ -61,7 +61,7 @@ def test_a_click_while_a_bake_runs_changes_nothing(addon, lamina, material, monk
     monkeypatch.setattr(addon.baking.bake_job, "running", lambda: object())
     with bpy.context.temp_override(material=material):
         assert not bpy.ops.lamina.preset_apply.poll()
-        picker.category = addon.editing.presets.FIRST
+        picker.category = "Dust and weathering"
         picker.preset = "dusty-bronze"
         with pytest.raises(RuntimeError, match="A bake is running"):
             bpy.ops.lamina.bake("INVOKE_DEFAULT")
@@ -78,7 +78,7 @@ def test_a_click_that_is_refused_says_why(addon, lamina, material):
         picker.preset = "gold"
     assert "has no layers that could lie over this material" in addon.ui.preset_picker.refusal(plain)
     assert addon.ui.preset_picker.refusal(material) == ""
-    picker.category = addon.editing.presets.FIRST
+    picker.category = "Dust and weathering"
     with bpy.context.temp_override(material=plain):
         picker.preset = "dusty-bronze"
     assert addon.ui.preset_picker.refusal(plain) == ""
@@ -97,9 +97,9 @@ def test_a_script_that_applies_a_preset_bakes_nothing(addon, lamina, material, c
     assert addon.baking.bake_job.state(material) == "none"
 
 
-def test_dust_comes_first(addon, lamina):
+def test_overlays_come_first(addon, lamina):
     picker = bpy.context.window_manager.lamina_picker
-    assert addon.ui.preset_picker._categories(picker, None)[0][0] == addon.editing.presets.FIRST
+    assert addon.ui.preset_picker._categories(picker, None)[0][0] == addon.editing.presets.OVERLAYS
 
 
 def test_without_the_library_the_picker_says_so(addon, monkeypatch):

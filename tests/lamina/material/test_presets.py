@@ -13,7 +13,7 @@ import lamina
 from lamina import Interface, Stack, StackError, presets
 from lamina.cli import main
 
-CATEGORIES = {"Metals", "Liquids", "Skin and organics", "Stone and ceramics", "Coated and painted",
+CATEGORIES = {"Overlays", "Metals", "Liquids", "Skin and organics", "Stone and ceramics", "Coated and painted",
               "Dust and weathering", "Paper and leaves", "Snow and soil"}
 IDS = presets.names()
 
@@ -54,6 +54,20 @@ def test_a_preset(id):
 def test_the_file_is_what_the_stack_says(id):
     text = (Path(presets.__file__).parent / "material/presets" / f"{id}.json").read_text(encoding="utf-8")
     assert Stack.from_json(presets.load(id).to_json()) == presets.load(id) == Stack.from_json(json.loads(text))
+
+
+def test_overlays_are_layers_for_any_base():
+    overlays = [entry.stack for entry in presets.entries() if entry.category == "Overlays"]
+    assert len(overlays) == 17 and all(stack.base is None and stack.layers for stack in overlays)
+    for stack in overlays:
+        films = [layer for layer in stack.layers if isinstance(layer, Interface)]
+        # What can settle varies. The layers change the light, and the material below is still seen.
+        assert (stack.varying is None) == bool(films) and films in ([], [stack.layers[0]])
+        grounds = [lamina.Lambert(reflectance) for reflectance in (0.1, 0.6)]
+        solved = [lamina.solve(Stack(stack.layers, ground), "preview") for ground in grounds]
+        dark, light = (one.reflectance("diffuse") for one in solved)
+        assert np.max(light - dark) > 0.05, stack.name
+        assert max(np.max(np.abs(dark - 0.1)), np.max(np.abs(light - 0.6))) > 0.02, stack.name
 
 
 def test_measured_presets_are_the_measurements():
