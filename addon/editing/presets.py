@@ -9,6 +9,7 @@ from ..base import native, package
 from ..base.messages import RefusedError
 from ..kinds import preset_files
 from ..kinds.errors import StackError
+from ..nodes import detail_wiring
 from . import over_material, stack_io
 
 OVERLAYS = "Overlays"  # the category of layers without a base, which lie over any material
@@ -41,6 +42,7 @@ def apply(material, preset):
     if not material.lamina.enabled:
         over_material.add(material)
     over_material.assign_layers(material, stack)
+    material[detail_wiring.WANTED] = True  # an even layer would look like clay
 
 
 def problem(material, entry):

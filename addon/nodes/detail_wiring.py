@@ -8,6 +8,8 @@ from ..base import renders
 from . import dust_detail, rest_coordinates, thickness
 from .side_graph import BACK, FRONT
 
+WANTED = "lamina_detail"  # of a material: its next bake adds a node of detail
+
 
 def detail(material):
     """The node of detail before the thickness input, or None."""
@@ -44,6 +46,12 @@ def add_detail(material):
                 node.inputs[name].default_value = socket.default_value
             tree.links.new(node.outputs[name], socket)
     return node
+
+
+def add_if_wanted(material):
+    """After a bake: put the node of detail there if the material's preset wants it."""
+    if material.pop(WANTED, False) and thickness.has_input(material):
+        add_detail(material)
 
 
 def remove_detail(material):

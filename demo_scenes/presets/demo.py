@@ -60,10 +60,10 @@ def _is_sheet(entry):
 
 
 def _bake(lamina, entry):
-    """(material, facts about it). Overlays lie over red plastic."""
+    """(material, facts about it). Overlays lie over plastic, chrome and wood."""
     presets, stack_io, bake_job = (extension.part(name) for name in (
         "editing.presets", "editing.stack_io", "baking.bake_job"))
-    material = scene.plastic(entry.id)
+    material = scene.below(entry.id)
     presets.apply(material, entry.id)
     varies = entry.stack.varying is not None
     lut = lamina.bake(stack_io.to_stack(material), "preview", row_stride=ROW_STRIDE if varies else 1)

@@ -9,6 +9,7 @@ import math
 import bpy
 import extension
 import node_tree
+import numpy as np
 from mathutils import Vector
 
 from . import ball
@@ -24,7 +25,11 @@ BOXES = (
     (Vector((0.05, 1.0, 0.35)), 0.94, (2.4, 2.3, 2.2)),
 )
 SKY, HORIZON, GROUND = (0.20, 0.21, 0.23), (0.26, 0.26, 0.26), (0.06, 0.06, 0.06)
-PLASTIC = (0.60, 0.02, 0.015, 1.0)
+BELOW = {  # overlays: plastic, chrome, wood
+    "Base Color": ((0.60, 0.02, 0.015), (0.55, 0.56, 0.57), (0.42, 0.22, 0.09)),
+    "Metallic": (0.0, 1.0, 0.0),
+    "Roughness": (0.15, 0.1, 0.6),
+}
 SQUARES, SQUARE = (0.035, 0.055), 0.30  # reflectances and size of the squares of the ground
 
 
@@ -57,11 +62,21 @@ def show(scene, material, is_sheet):
             body.hide_render = not is_sheet
 
 
-def plastic(name):
-    """A new material of glossy red plastic, over which overlays lie; other presets replace it."""
+def below(name):
+    """A new material for overlays to lie over: red plastic on the left, chrome, and dull brown wood on the right."""
     material = bpy.data.materials.new(name)
-    inputs = node_tree.of(material).nodes["Principled BSDF"].inputs
-    inputs["Base Color"].default_value, inputs["Roughness"].default_value = PLASTIC, 0.15
+    tree = node_tree.of(material)
+    split = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Object"], split.inputs[0])
+    across = _range(tree, split.outputs["X"], -0.5, 0.5)
+    for name, values in BELOW.items():
+        ramp = tree.nodes.new("ShaderNodeValToRGB")
+        ramp.color_ramp.interpolation = "CONSTANT"
+        ramp.color_ramp.elements.new(0.5)
+        for element, place, value in zip(ramp.color_ramp.elements, (0.0, 0.39, 0.61), values, strict=True):
+            element.position, element.color = place, (*np.broadcast_to(value, 3), 1.0)
+        tree.links.new(across, ramp.inputs[0])
+        tree.links.new(ramp.outputs[0], tree.nodes["Principled BSDF"].inputs[name])
     return material
 
 

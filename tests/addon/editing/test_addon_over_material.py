@@ -66,7 +66,7 @@ OVERLAYS = [entry.id for entry in presets.entries() if entry.category == "Overla
 
 @pytest.mark.parametrize("preset", OVERLAYS)
 def test_an_overlay_lies_over_a_principled_material(addon, lamina, preset):
-    """One step for a material without layers; colors from a texture stay."""
+    """One step for a material without layers, with breakup; removing it leaves nothing behind."""
     material = bpy.data.materials.new("Plastic")
     tree = addon.nodes.node_tree.of(material)
     shader = tree.nodes["Principled BSDF"]
@@ -77,9 +77,16 @@ def test_an_overlay_lies_over_a_principled_material(addon, lamina, preset):
     assert stack["base"]["kind"] == "principled" and stack["base"]["color"] == pytest.approx([0.6, 0.02, 0.015])
     addon.baking.bake_job.bake_material(material, "preview")
     assert surface_source(material).node_tree == material.lamina.node_group
-    assert ("Thickness" in surface_source(material).inputs) == (presets.load(preset).varying is not None)
+    varies = presets.load(preset).varying is not None
+    assert ("Thickness" in surface_source(material).inputs) == varies
+    detail = addon.nodes.detail_wiring.detail
+    assert (detail(material) is not None) == varies, "an even layer would look like clay"
+    if varies:
+        addon.nodes.detail_wiring.remove_detail(material)
+        addon.baking.bake_job.bake_material(material, "preview")
+        assert detail(material) is None, "the artist has removed it"
     addon.editing.layer_list.remove_stack(material)
-    assert surface_source(material) == shader
+    assert surface_source(material) == shader and len(tree.nodes) == 2
 
 
 def test_an_overlay_keeps_any_base_and_needs_something_below(addon, lamina, glossy, call):
