@@ -5,7 +5,7 @@ import hashlib
 import json
 
 from ..base import changes, preferences, renders
-from ..nodes import dust_detail, node_group, thickness
+from ..nodes import detail_wiring, dust_detail, node_group, thickness
 from ..properties import migration
 from ..stack_json import stack_write
 from ..stack_json.stack_read import FIRST_NAMES
@@ -35,6 +35,7 @@ def remove_stack(material):
     if material.node_tree is not None:
         thickness.remove_nodes(material.node_tree)
     dust_detail.remove_unused()
+    material.pop(detail_wiring.WANTED, None)
     changes.removed(material)
     material.property_unset("lamina")
 

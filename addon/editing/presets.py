@@ -37,6 +37,7 @@ def apply(material, preset):
         raise RefusedError(f"preset = {preset}: there is no such preset")
     stack = _read(lambda library: library.load(preset))
     if one.category != OVERLAYS:
+        material.pop(detail_wiring.WANTED, None)
         _assign(material, stack)
         return
     if not material.lamina.enabled:

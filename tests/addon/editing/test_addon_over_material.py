@@ -98,6 +98,8 @@ def test_an_overlay_keeps_any_base_and_needs_something_below(addon, lamina, glos
     assert addon.editing.stack_io.to_dict(own)["base"] == base
     addon.editing.presets.apply(glossy, "soot")
     assert glossy.lamina.base.kind == "shader"
+    addon.editing.layer_list.remove_stack(glossy)  # before a bake
+    assert addon.nodes.detail_wiring.WANTED not in glossy
     empty = bpy.data.materials.new("Empty")
     addon.nodes.node_tree.of(empty).nodes.clear()
     with pytest.raises(RuntimeError, match="No shader is linked to the Surface"):
