@@ -74,15 +74,17 @@ def live(panel):
     assert material.lamina.result.stack_hash != blue
 
 
-def preset_by_picture(panel):
+def preset_by_picture(panel, preset="dusty-lacquer"):
     """A click on a preset's picture applies it and bakes; undo brings back the material without layers."""
     before = window.picture(panel).copy()
     with window.on(panel):
         bpy.ops.ed.undo_push(message="before")
-        bpy.context.window_manager.lamina_picker.preset = "dusty-lacquer"
+        picker = bpy.context.window_manager.lamina_picker
+        picker.category = part("editing.presets").entry(preset).category
+        picker.preset = preset
     yield from until(lambda: part("baking.bake_job").state(bpy.context.object.active_material) == "fresh")
     yield from window.still()
-    window.save(OUT / "preset.png", window.picture(panel))
+    window.save(OUT / f"{preset}.png", window.picture(panel))
     assert (before != window.picture(panel)).any(axis=2).mean() > 0.05
     with window.on(panel):
         bpy.ops.ed.undo()
@@ -93,6 +95,14 @@ def preset_by_picture(panel):
     yield from window.still()
     assert part("nodes.node_group").is_whole(bpy.context.object.active_material)
     check_images()
+
+
+def overlay_by_picture(panel):
+    """An overlay lies over the Principled BSDF that is there, with breakup."""
+    yield from preset_by_picture(panel, "house-dust")
+    material = bpy.context.object.active_material
+    assert material.lamina.base.kind == "principled" and [one.name for one in material.lamina.layers] == ["dust"]
+    assert part("nodes.detail_wiring").detail(material) is not None
 
 
 def dust_these_objects(panel):
