@@ -37,7 +37,7 @@ def build(output, quality, chosen=(), say=print):
     import lamina
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    overlays = extension.part("editing.presets").OVERLAYS  # have no base, and are no materials
+    overlays = extension.part("editing.presets").OVERLAYS  # have no base, so alone they are no materials
     entries = [entry for entry in lamina.presets.entries()
                if entry.category != overlays and (entry.id in chosen or not chosen)]
     entries.sort(key=lambda entry: (entry.category, entry.name))

@@ -35,19 +35,18 @@ def apply(material, preset):
     one = entry(preset)
     if one is None:
         raise RefusedError(f"preset = {preset}: there is no such preset")
-    stack = _read(lambda library: library.load(preset))
     if one.category != OVERLAYS:
-        material.pop(detail_wiring.WANTED, None)
-        _assign(material, stack)
+        _assign(material, one.stack)
         return
     if not material.lamina.enabled:
         over_material.add(material)
-    over_material.assign_layers(material, stack)
+    over_material.assign_layers(material, one.stack)
     material[detail_wiring.WANTED] = True  # an even layer would look like clay
 
 
 def problem(material, entry):
-    """Why a preset of the library cannot be applied to `material`, or None, in a sentence, or ''."""
+    """A sentence on why a preset of the library cannot be applied to `material`, or '' if it can. Without a
+    material (None) there is no reason."""
     if material is None:
         return ""
     if not material.lamina.enabled and entry.category == OVERLAYS:

@@ -7,6 +7,7 @@
 import json
 
 from ..base import changes, native, renders
+from ..nodes import detail_wiring
 from ..properties import migration
 from ..stack_json import stack_check, stack_read, stack_write
 
@@ -45,6 +46,7 @@ def assign(material, data):
     _write(settings.base, base)
     settings.about = stack_read.about(data)
     settings.active_index = 0
+    material.pop(detail_wiring.WANTED, None)  # of the earlier layers
     changes.tell(material)
 
 

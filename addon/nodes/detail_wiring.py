@@ -8,7 +8,7 @@ from ..base import renders
 from . import dust_detail, rest_coordinates, thickness
 from .side_graph import BACK, FRONT
 
-WANTED = "lamina_detail"  # of a material: its next bake adds a node of detail
+WANTED = "lamina_detail"  # property of a material with an overlay: the next bake adds a node of detail
 
 
 def detail(material):
@@ -49,7 +49,7 @@ def add_detail(material):
 
 
 def add_if_wanted(material):
-    """After a bake: put the node of detail there if the material's preset wants it."""
+    """After a bake: add the node of detail if the material has WANTED, and remove WANTED."""
     if material.pop(WANTED, False) and thickness.has_input(material):
         add_detail(material)
 

@@ -24,7 +24,7 @@ class LAMINA_MT_stack(bpy.types.Menu):
 
 class LAMINA_MT_presets(bpy.types.Menu):
     """The user's own presets, then the library by category, in columns of similar height. Presets that the
-    material cannot take are grey; their tooltips say why."""
+    material cannot take are gray; their tooltips say why."""
 
     bl_label = "Presets"
     bl_description = "Replace the layers by those of a ready-made material"

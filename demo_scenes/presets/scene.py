@@ -69,14 +69,14 @@ def below(name):
     split = tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Object"], split.inputs[0])
     across = _range(tree, split.outputs["X"], -0.5, 0.5)
-    for name, values in BELOW.items():
+    for socket, values in BELOW.items():
         ramp = tree.nodes.new("ShaderNodeValToRGB")
         ramp.color_ramp.interpolation = "CONSTANT"
         ramp.color_ramp.elements.new(0.5)
         for element, place, value in zip(ramp.color_ramp.elements, (0.0, 0.39, 0.61), values, strict=True):
             element.position, element.color = place, (*np.broadcast_to(value, 3), 1.0)
         tree.links.new(across, ramp.inputs[0])
-        tree.links.new(ramp.outputs[0], tree.nodes["Principled BSDF"].inputs[name])
+        tree.links.new(ramp.outputs[0], tree.nodes["Principled BSDF"].inputs[socket])
     return material
 
 

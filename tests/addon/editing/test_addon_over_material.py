@@ -100,6 +100,9 @@ def test_an_overlay_keeps_any_base_and_needs_something_below(addon, lamina, glos
     assert glossy.lamina.base.kind == "shader"
     addon.editing.layer_list.remove_stack(glossy)  # before a bake
     assert addon.nodes.detail_wiring.WANTED not in glossy
+    addon.editing.presets.apply(glossy, "soot")
+    addon.editing.stack_io.assign_stack(glossy, presets.load("dusty-bronze"))  # as from a file, before a bake
+    assert addon.nodes.detail_wiring.WANTED not in glossy
     empty = bpy.data.materials.new("Empty")
     addon.nodes.node_tree.of(empty).nodes.clear()
     with pytest.raises(RuntimeError, match="No shader is linked to the Surface"):

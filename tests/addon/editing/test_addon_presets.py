@@ -22,10 +22,10 @@ def library(lamina, monkeypatch):
     """A library of one preset in place of the real one."""
     module = ModuleType("lamina.presets")
     entry = SimpleNamespace(
-        id="varnished-wood", name="Varnished Wood", category="wood", source="Measured by hand", stack="x.json"
-    )
+        id="varnished-wood", name="Varnished Wood", category="wood", source="Measured by hand",
+        stack=lamina.Stack.from_json(VARNISH),
+    )  # fmt: skip
     module.entries = lambda: [entry]
-    module.load = lambda preset: {"varnished-wood": lamina.Stack.from_json(VARNISH)}[preset]
     monkeypatch.setitem(sys.modules, "lamina.presets", module)
 
 
