@@ -4,7 +4,7 @@
 import bpy
 
 from . import operators
-from .baking import bake_job, lateral_job, live
+from .baking import bake_job, before_render, lateral_job, update
 from .base import image_removal, native, preferences, renders, timers, undo
 from .command_line import blend_saving, command
 from .interior import interior_job
@@ -12,6 +12,7 @@ from .properties import dust_properties, material_properties, migration
 from .settling import dust_job, live_dust
 from .stack_json import solved_colours
 from .ui import (
+    advanced_panel,
     dust_panel,
     interior_panel,
     lateral_panel,
@@ -35,7 +36,8 @@ PARTS = (
     dust_job,
     lateral_job,
     interior_job,
-    live,
+    update,
+    before_render,
     live_dust,
     operators,
     menus,
@@ -46,6 +48,7 @@ PARTS = (
     interior_panel,
     thickness_panel,
     dust_panel,
+    advanced_panel,
     blend_saving,
     command,
 )

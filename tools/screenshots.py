@@ -48,36 +48,37 @@ def story():
     yield from still()
     save(OUT / "artists-start.png", trimmed(picture(window)))
 
-    show(panel, "layers", "base", "bake")
+    show(panel, "layers", "base")
     material = bpy.data.materials["Material"]
     material.lamina.quality = "preview"
     after, before = yield from screen.menu(view, "LAMINA_MT_presets", 20, 390, 40)
     save(OUT / "artists-presets.png", screen.changed(before, after))
     with on(panel):
         bpy.ops.lamina.preset_apply(preset="dusty-lacquer")
+    update = importlib.import_module(PACKAGE + ".baking.update")
+    while update.are_pending():
+        yield DRAWING
     yield from still()
     save(OUT / "artists-layers.png", trimmed(picture(window)))
 
-    show(panel, "bake", "result")
+    show(panel)
     yield from still()
-    with on(panel):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
-    bake_job = importlib.import_module(PACKAGE + ".baking.bake_job")
-    while (job := bake_job.running_for(material)) is not None:
+    material.lamina.quality = "final"
+    while update.are_pending():
         yield 0.2
-        if job.fraction < 0.7:
+        job = update.running_for(material)
+        if job is not None and job.fraction < 0.7:
             running = picture(window).copy()
     yield from still()
     save(OUT / "artists-bake.png", beside(trimmed(running), trimmed(picture(window))))
 
-    show(panel, "layers", "bake", "result")
+    show(panel, "layers")
     view.spaces.active.shading.type = "RENDERED"
-    material.lamina.live = True
     material.lamina.layers[0].colour = (0.62, 0.50, 0.36)
-    while bake_job.state(material) != "fresh":
+    while update.are_pending():
         yield DRAWING
     yield from still(RENDERED)
-    save(OUT / "artists-live.jpg", beside(picture(view), trimmed(picture(window))))
+    save(OUT / "artists-update.jpg", beside(picture(view), trimmed(picture(window))))
 
     show(panel, "thickness")
     with on(panel):

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes: blocking, in a worker thread, and live while the user edits."""
+"""Bakes: blocking, in a worker thread, and by themselves while the user edits."""

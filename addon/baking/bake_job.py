@@ -18,9 +18,7 @@ from ..stack_json import stack_check
 
 log = logging.getLogger(__name__)
 
-LIVE_QUALITY, LIVE_BASIS = "preview", "standard"  # quality and basis of live bakes, independent of the
-                                                  # material's choice
-COARSE = "coarse"  # quality of a live bake with fewer rows or nodes
+COARSE = "coarse"  # quality of an update with fewer rows or nodes
 
 _place = Place()
 running, running_for, forget, stop = _place.running, _place.running_for, _place.forget, _place.stop
@@ -113,9 +111,11 @@ def apply(material, lut, curves=None, in_place=False, coarse=False):
     clear_failure(material)
 
 
-def start(material, quality=None):
-    """Start a bake in the background; one at a time. Raises like bake_material, before it starts."""
-    return _place.take(MaterialJob(material, quality or material.lamina.quality, preferences.threads()))
+def start(material, quality=None, basis=None):
+    """Start a bake in the background, by default with the material's quality and basis; one at a time. Raises
+    like bake_material, before it starts."""
+    quality, basis = quality or material.lamina.quality, basis or material.lamina.basis
+    return _place.take(MaterialJob(material, quality, preferences.threads(), basis=basis))
 
 
 def note_failure(material, error):
@@ -142,23 +142,21 @@ def state(material, quality=None, basis=None):
     chosen ones:
 
     'none' before the first bake; 'invalid', the layers cannot be baked; 'stale', the layers have changed
-    since; 'fresh', a bake of these layers at that quality and basis; 'live', live editing's preview of
-    these layers, where another quality or basis is wanted; 'other', any other bake of these layers at another
-    quality or basis, see `difference`; 'older', a bake by a version of Lamina whose results for these layers
-    have changed since, see `version_difference`.
+    since; 'fresh', a bake of these layers at that quality and basis; 'other', a bake of these layers at
+    another quality or basis, see `difference`; 'older', a bake by a version of Lamina whose results for these
+    layers have changed since, see `version_difference`.
     """
-    settings, result = material.lamina, material.lamina.result
-    if not result.stack_hash or settings.node_group is None:
+    result = material.lamina.result
+    if not result.stack_hash or material.lamina.node_group is None:
         return "none"
     stack, error = stack_check.of(stack_io.to_text(material))
     if error is not None:
         return "invalid"
     if stack.hash != result.stack_hash:
         return "stale"
-    if not difference(material, quality, basis):
-        return "older" if version_difference(material) else "fresh"
-    is_preview = result.quality in (LIVE_QUALITY, COARSE) and (result.basis or "standard") == LIVE_BASIS
-    return "live" if settings.live and is_preview else "other"
+    if difference(material, quality, basis):
+        return "other"
+    return "older" if version_difference(material) else "fresh"
 
 
 def difference(material, quality=None, basis=None):

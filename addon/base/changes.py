@@ -3,14 +3,14 @@
 without importing them.
 
 Property callbacks and the functions that add, remove or move layers call `tell`; the functions in
-`listeners` only take note. Those in `switches` are called when the Live button is pressed, those in
-`removals` when a material loses its stack. Those in `dust_listeners` and `dust_switches` are called
-likewise, with an object. Those in `losses` are called after an undo that has freed the image of a material,
-node group or object.
+`listeners` only take note. Those in `refinements` are called when the wanted quality or fit of a material
+changes, those in `removals` when a material loses its stack. Those in `dust_listeners` are called likewise,
+with an object, and those in `dust_switches` when its dust turns live. Those in `losses` are called after an
+undo that has freed the image of a material, node group or object.
 """
 
 listeners = []
-switches = []
+refinements = []
 removals = []
 dust_listeners = []
 dust_switches = []
@@ -28,6 +28,12 @@ def edited(owner, _context=None):
         tell(owner.id_data)
 
 
+def wished(settings, _context=None):
+    """Update callback of the properties that choose the quality and fit of a material."""
+    for listener in refinements:
+        listener(settings.id_data)
+
+
 def removed(material):
     """The stack of a material has been taken away."""
     for listener in removals:
@@ -38,12 +44,6 @@ def lose_image(owner):
     """Undo has freed an image of this material, node group or object."""
     for listener in losses:
         listener(owner)
-
-
-def switched(settings):
-    """Live editing of a material has been turned on or off."""
-    for listener in switches:
-        listener(settings.id_data)
 
 
 def dust_edited(settings, _context=None):

@@ -2,11 +2,10 @@
 """Removal of images that a render may still read.
 
 Previews of materials and viewports render in threads of their own, which hold pointers to the images of the
-main thread. Blender crashes if an image is removed before such a thread has read its pixels (seen in 4.3). In
-a window, an unused image therefore stays until no render runs, or until every render that knew the image must
-have started anew. Blender does not save images without users."""
-
-import time
+main thread. Blender crashes if an image is removed before such a thread has read its pixels (seen in 4.3). A
+preview has its pointers even before its render starts: Blender copies the nodes at once, and renders icons
+two seconds later, and meanwhile no job is running. In a window, an unused image therefore stays until those
+must have started, and no render runs. Blender does not save images without users."""
 
 import bpy
 from bpy.app.handlers import persistent
@@ -14,12 +13,18 @@ from bpy.app.handlers import persistent
 from . import handlers, renders, timers
 from .worker import with_uid
 
-INTERVAL = 1.0  # seconds between two looks
+INTERVAL = 0.25  # seconds between two looks
+# An image is removed after this many looks, some ten seconds. Between any two of them Blender also starts the
+# previews that are due, and draws viewports, which are not among the jobs.
+LOOKS = 40
 UNUSED = " (unused)"  # after the name of an image that will be removed
-LEAST = 1.0  # seconds that an image stays: a viewport is not among the jobs, and starts anew by then
-LONGEST = 30.0  # seconds that an image stays while jobs follow one another, as previews do during Live
 
-_unused = []  # (session_uid, number of users, time) of images
+_unused = []  # of images that wait: an _Unused each
+
+
+class _Unused:
+    def __init__(self, image):
+        self.uid, self.users, self.looks = image.session_uid, image.users, 0
 
 
 def remove(image):
@@ -27,7 +32,7 @@ def remove(image):
     if bpy.app.background:
         bpy.data.images.remove(image)
         return
-    _unused.append((image.session_uid, image.users, time.monotonic()))
+    _unused.append(_Unused(image))
     image.name += UNUSED  # leaves the name to another image
     timers.start(poll, INTERVAL)
 
@@ -49,12 +54,12 @@ def replace(old, new):
 
 def poll():
     """The timer's function: remove what no render can read any more."""
-    now, is_running = time.monotonic(), renders.is_running() or bpy.app.is_job_running("RENDER_PREVIEW")
+    is_running = renders.is_running() or bpy.app.is_job_running("RENDER_PREVIEW")
     for entry in _unused[:]:
-        uid, users, since = entry
-        if now - since > (LONGEST if is_running else LEAST):
-            image = with_uid(bpy.data.images, uid)
-            if image is not None and image.users <= users:
+        entry.looks += 1
+        if entry.looks > LOOKS and not is_running:
+            image = with_uid(bpy.data.images, entry.uid)
+            if image is not None and image.users <= entry.users:
                 bpy.data.images.remove(image)
             _unused.remove(entry)
     return INTERVAL if _unused else None
@@ -69,7 +74,7 @@ def _on_load(*_):
 def _on_undo(*_):
     # An image that undo has given to a node again stays, under its old name.
     for entry in _unused[:]:
-        image = with_uid(bpy.data.images, entry[0])
+        image = with_uid(bpy.data.images, entry.uid)
         if image is not None and image.users:
             _unused.remove(entry)
             image.name = image.name.removesuffix(UNUSED)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Preferences of the user: threads, and the quality and basis of new materials."""
+"""Preferences of the user: threads, updates, and the quality and basis of new materials."""
 
 import bpy
 
@@ -27,6 +27,12 @@ class LaminaPreferences(bpy.types.AddonPreferences):
         min=0,
         max=MOST_THREADS,
     )
+    automatic: bpy.props.BoolProperty(
+        name="Update by Itself",
+        description="Bake a material after each change: coarse while a slider moves, with the material's "
+        "quality when it rests and before a render. Otherwise the panel has a button Update",
+        default=True,
+    )
     default_quality: bpy.props.EnumProperty(
         name="Quality of New Materials",
         description="Bake quality that a material starts with",
@@ -47,20 +53,29 @@ class LaminaPreferences(bpy.types.AddonPreferences):
         if not native.available():
             column.label(text=native.reason(), icon="ERROR")
         column.prop(self, "threads", text="Threads (0 = All)")
+        column.prop(self, "automatic")
         column.prop(self, "default_quality")
         column.prop(self, "default_basis")
 
 
 def threads():
-    entry = bpy.context.preferences.addons.get(package.NAME)
-    return entry.preferences.threads if entry and entry.preferences else 0
+    return _value("threads", 0)
+
+
+def automatic():
+    """True if materials are baked after each change."""
+    return _value("automatic", True)
 
 
 def default_quality():
-    entry = bpy.context.preferences.addons.get(package.NAME)
-    return entry.preferences.default_quality if entry and entry.preferences else "final"
+    return _value("default_quality", "final")
 
 
 def default_basis():
+    return _value("default_basis", "standard")
+
+
+def _value(name, default):
+    """The user's preference, or the default where the add-on runs without preferences."""
     entry = bpy.context.preferences.addons.get(package.NAME)
-    return entry.preferences.default_basis if entry and entry.preferences else "standard"
+    return getattr(entry.preferences, name) if entry and entry.preferences else default

@@ -44,7 +44,7 @@ def visit(scene, view_layer, read):
 
     bpy.utils.register_class(Reader)
     try:
-        with _changed(scene, view_layer), _camera(scene), renders.last_slot():
+        with _changed(scene, view_layer), _camera(scene), renders.own_render():
             bpy.ops.render.render(scene=scene.name, layer=view_layer.name)
     finally:
         bpy.utils.unregister_class(Reader)

@@ -27,6 +27,7 @@ class LAMINA_OT_stop_previews(bpy.types.Macro):
 
 
 _waited = 0.0  # when _wait_for_the_copy last ended; time.monotonic()
+_held, _own = [], []  # one entry for each block that is being executed
 
 
 def is_running():
@@ -42,8 +43,9 @@ def is_bound_to_preview():
 
 
 def is_scene_rendering():
-    """True while a window renders or bakes the scene: that render reads the scene's settings."""
-    return any(bpy.app.is_job_running(job) for job in ("RENDER", "OBJECT_BAKE"))
+    """True while a window renders or bakes the scene: that render reads the scene's settings. False while the
+    render is held."""
+    return not _held and any(bpy.app.is_job_running(job) for job in ("RENDER", "OBJECT_BAKE"))
 
 
 def stop_previews():
@@ -77,15 +79,42 @@ def end_previews():
 
 
 @contextmanager
-def last_slot():
-    """The Image Editor's last slot for the picture of a render of our own: the artist's picture stays."""
+def held():
+    """A render waits at its start, before it reads anything, until the block ends: the main thread may change
+    nodes and images."""
+    with _noted(_held):
+        yield
+
+
+def is_held():
+    return bool(_held)
+
+
+def is_own():
+    """True while Lamina renders for itself, see own_render."""
+    return bool(_own)
+
+
+@contextmanager
+def _noted(entries):
+    entries.append(None)
+    try:
+        yield
+    finally:
+        entries.pop()
+
+
+@contextmanager
+def own_render():
+    """A render that Lamina makes for itself, in the Image Editor's last slot: the artist's picture stays."""
     image = bpy.data.images.get("Render Result")
     slots = image.render_slots if image is not None and image.type == "RENDER_RESULT" else ()
     active = slots.active_index if len(slots) > 1 else None
     try:
         if active is not None:
             slots.active_index = len(slots) - 1
-        yield
+        with _noted(_own):
+            yield
     finally:
         if active is not None:
             slots.active_index = active

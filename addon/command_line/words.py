@@ -24,7 +24,6 @@ def state(material, quality=None, basis=None):
         "none": "not baked",
         "fresh": "up to date",
         "stale": "out of date",
-        "live": f"live preview, {difference}",
         "other": f"out of date, baked with {difference}",
         "invalid": "cannot be baked",
         "broken": "the node group of the last bake is not whole",

@@ -13,8 +13,8 @@ from ..nodes import before, in_place, links, mean_reflectance, node_group, node_
 from ..stack_json import stack_write
 from . import layer_list, stack_io
 
-QUALITY = "preview"  # of the first bake, which should take seconds
-DUST = {"tau": 0.3, "albedo": (0.9, 0.9, 0.9)}  # of the first layer: the material stays visible
+# Of the first layer: the material stays visible. The color is that of a thick layer of house dust.
+DUST = {"mode": "colour", "tau": 0.3, "colour": (0.38, 0.33, 0.26)}
 
 _APPROXIMATE = (
     "Approximate, because the shader stays in use below the layers: they do not blur or tint its light. The "
@@ -97,7 +97,6 @@ def add(material, keep_shader=None):
     if is_new:
         for name, value in DUST.items():
             setattr(settings.layers[0], name, value)
-    settings.quality = QUALITY
     base = settings.base
     if node is None:
         base.kind = ShaderBase.kind

@@ -36,7 +36,7 @@ def picture(scene):
     """Render one image: array [row from the bottom, column, channel]. Main thread only."""
     with tempfile.TemporaryDirectory(prefix="lamina-render-") as folder:
         scene.render.filepath = os.path.join(folder, "picture.exr")
-        with renders.last_slot():
+        with renders.own_render():
             bpy.ops.render.render(write_still=True, scene=scene.name)
         image = bpy.data.images.load(scene.render.filepath)
         try:

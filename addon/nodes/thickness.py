@@ -179,7 +179,7 @@ def required_sockets(material):
     """The inputs that a source of the thickness feeds. Raises RefusedError if there are none."""
     found = sockets_to_feed(material)
     if not found:
-        raise RefusedError("The material has no thickness input: mark a layer as varying and bake")
+        raise RefusedError("The material has no thickness input: mark a layer as varying")
     return found
 
 

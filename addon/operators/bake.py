@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..baking import bake_job, live
+from ..baking import bake_job, update
 from ..base import messages
 from ..nodes import node_group
 from . import common
@@ -12,12 +12,12 @@ from .following import Following
 
 class LAMINA_OT_bake(Following, bpy.types.Operator):
     bl_idname = "lamina.bake"
-    bl_label = "Bake"
-    bl_description = "Compute the layers and build the node group of this material. ESC cancels"
+    bl_label = "Update"
+    bl_description = "Compute the layers and show them in the nodes of this material. ESC cancels"
     bl_options = {"REGISTER", "UNDO"}
 
     jobs = bake_job
-    kept = "Bake cancelled; the earlier one is kept"
+    kept = "Update cancelled; the earlier one is kept"
 
     @classmethod
     def poll(cls, context):
@@ -26,7 +26,7 @@ class LAMINA_OT_bake(Following, bpy.types.Operator):
     def execute(self, context):
         """Bake and wait for it: scripts, and everything under `blender -b`."""
         material = common.material_of(context)
-        live.leave(material)
+        update.leave(material)
         try:
             bake_job.bake_material(material)
         except Exception as error:
@@ -35,10 +35,11 @@ class LAMINA_OT_bake(Following, bpy.types.Operator):
 
     def start(self, context):
         material = common.material_of(context)
-        live.leave(material)
-        return bake_job.start(material), f"Lamina bakes {material.name}"
+        update.leave(material)
+        return bake_job.start(material, *update.first_settings(material)), f"Lamina bakes {material.name}"
 
     def told(self, material):
+        update.refine(material)
         report = material.lamina.result.report
         fit = messages.percent(report["fit_error"])
         return f"Baked {material.name} in {report['seconds']:.1f} s, fit error {fit}"
@@ -65,7 +66,7 @@ class LAMINA_OT_connect(bpy.types.Operator):
         if not common.has_stack(cls, context):
             return False
         if common.material_of(context).lamina.node_group is None:
-            cls.poll_message_set("Bake first")
+            cls.poll_message_set("Update first")
             return False
         return True
 

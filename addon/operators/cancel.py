@@ -3,13 +3,20 @@
 
 import bpy
 
-from ..baking import bake_job, lateral_job
+from ..baking import bake_job, lateral_job, update
 from ..interior import interior_job
 from ..settling import dust_job
 
-JOBS = {"BAKE": bake_job, "LATERAL": lateral_job, "INTERIOR": interior_job, "DUST": dust_job}
+JOBS = {
+    "BAKE": bake_job,
+    "UPDATE": update,
+    "LATERAL": lateral_job,
+    "INTERIOR": interior_job,
+    "DUST": dust_job,
+}
 WORK = (
     ("BAKE", "Bake", "Stop the running bake; the earlier one is kept"),
+    ("UPDATE", "Update", "Stop the running bake; the material stays as it is shown now"),
     ("LATERAL", "Lateral", "Stop the computation; the earlier nodes are kept"),
     (
         "INTERIOR",

@@ -76,7 +76,7 @@ def has_thickness(cls, context):
     if not has_stack(cls, context):
         return False
     if not thickness.has_input(material_of(context)):
-        cls.poll_message_set("There is no thickness input: mark a layer as varying and bake")
+        cls.poll_message_set("There is no thickness input: mark a layer as varying")
         return False
     return True
 

@@ -4,6 +4,7 @@
 import bpy
 
 from ..baking import lateral_job
+from ..base import native
 from ..base.messages import RefusedError
 from ..editing import layer_list, over_material
 from ..interior import interior_job
@@ -70,12 +71,17 @@ class LAMINA_OT_add_over(bpy.types.Operator):
 class LAMINA_OT_add_stack(bpy.types.Operator):
     bl_idname = "lamina.add_stack"
     bl_label = "Add Lamina Layers"
-    bl_description = "Give this material a stack of layers. The render stays as it is until the first bake"
+    bl_description = "Give this material new layers, and show them. Its nodes stay, unlinked"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
         return common.can_edit(cls, context)
+
+    def invoke(self, context, _event):
+        """A click: add the layers and show them. Scripts, which execute, bake themselves."""
+        self.execute(context)
+        return common.show_layers(context) if native.available() else {"FINISHED"}
 
     def execute(self, context):
         layer_list.add_stack(common.material_of(context))

@@ -74,19 +74,19 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     base: PointerProperty(type=LaminaBase)
     about: StringProperty(description="JSON of an imported stack's texts: name, category, source")
     quality: EnumProperty(
-        name="Quality", description="Accuracy of the bake", items=QUALITIES, default="final", options=set()
+        name="Quality",
+        description="Accuracy of the bake. While layers change, Preview is shown",
+        items=QUALITIES,
+        default="final",
+        update=changes.wished,
+        options=set(),
     )
     basis: EnumProperty(
         name="Fit",
-        description="How many lobes of Cycles the material is made of. Live editing shows Standard",
+        description="How many lobes of Cycles the material has. While layers change, Standard is shown",
         items=CLOSURE_BASES,
         default="standard",
-        options=set(),
-    )
-    live: BoolProperty(
-        name="Live",
-        description="Bake again at preview quality whenever a layer changes, and show it at once",
-        update=lambda settings, _context: changes.switched(settings),
+        update=changes.wished,
         options=set(),
     )
     result: PointerProperty(type=LaminaResult)

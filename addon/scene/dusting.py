@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import bpy
 
-from ..baking import bake_job
+from ..baking import bake_job, update
 from ..base import messages, native, preferences
 from ..base.messages import RefusedError
 from ..base.worker import Worker, with_uid
@@ -21,7 +21,8 @@ from ..settling import dust_job, live_dust, object_dust
 
 # House dust, by eye: warm grey grains and fibers, which scatter more evenly than the compact grains of Mie
 # theory (substances). The optical thickness is the most that settled dust may have.
-LAYER = {"name": "Dust", "albedo": (0.88, 0.84, 0.78), "phase": "hg", "g": 0.3, "varying": True, "tau": 4.0}
+LAYER = {"name": "Dust", "mode": "optical", "albedo": (0.88, 0.84, 0.78), "phase": "hg", "g": 0.3,
+         "varying": True, "tau": 4.0}  # fmt: skip
 
 MARK = "lamina_dusted"  # of a material: what was added to it, see _STACK, _LAYER, _NEW
 _STACK, _LAYER, _NEW = "stack", "layer", "new"
@@ -184,13 +185,12 @@ def _bake_with_dust(material):
             raise RefusedError("linked from another file: edit it there, or make it local")
         if migration.is_from_the_future(material):
             raise RefusedError("its layers were made by a newer version of Lamina")
-        if _has_dust(material) and bake_job.state(material) in ("fresh", "live", "other"):
+        if _has_dust(material) and bake_job.state(material) in ("fresh", "other"):
             return None
     trial = _plain() if material is None else material.copy()
     try:
-        trial.lamina.live = False
         _cover(trial)
-        return Bake(stack_io.to_stack(trial), trial.lamina.quality, trial.lamina.basis)
+        return Bake(stack_io.to_stack(trial), *update.first_settings(trial))
     finally:
         bpy.data.materials.remove(trial)
 
@@ -273,6 +273,7 @@ def _finish(gathered, found):
         if added is not None:
             material[MARK] = _NEW if uid is None else added
         bake_job.apply(material, *lut)
+        update.refine(material)
     by_uid, done = {obj.session_uid: obj for obj in bpy.data.objects}, []
     for task, answer in zip(gathered.tasks, answers, strict=True):
         obj = by_uid.get(task.uid)

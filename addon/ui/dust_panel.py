@@ -8,7 +8,8 @@ from ..kinds.dust import GROUPS, OPTIONS
 from ..nodes import dust_strength, thickness
 from ..settling import dust_frames, dust_job, dust_settings, live_dust, object_dust
 from .fields import split
-from .panel import MaterialPanel, draw_progress, draw_sentence
+from .material_panel import MaterialPanel
+from .sentences import draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
 
 BACK_MATTERS = 0.05  # share of the largest thickness
@@ -68,7 +69,7 @@ def mismatch(material, settings):
     """The reason why the material does not show the dust correctly, or ''."""
     found = thickness.wiring(material)
     if found.source == "none":
-        return "The material has no thickness input: mark its dust layer as varying and bake"
+        return "The material has no thickness input: mark its dust layer as varying"
     if found.source != settings.target:
         return f"The material does not read it: its thickness comes from {found.source} {found.name}".rstrip()
     most = material.lamina.node_group.get("lamina_largest_tau", -1.0)

@@ -8,7 +8,8 @@ from ..interior import contents, freshness, interior_job
 from ..kinds import interiors
 from ..nodes import node_group
 from .fields import split
-from .panel import AnyMaterialPanel, draw_progress, draw_sentence
+from .material_panel import AnyMaterialPanel
+from .sentences import draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
 
 

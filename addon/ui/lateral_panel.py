@@ -6,7 +6,8 @@ import bpy
 from ..baking import lateral_job, portal_reach, volume_bounces
 from ..nodes import node_group
 from .fields import split
-from .panel import MaterialPanel, draw_progress, draw_sentence
+from .material_panel import MaterialPanel
+from .sentences import draw_progress, draw_sentence
 
 
 class LAMINA_PT_lateral(MaterialPanel, bpy.types.Panel):

@@ -6,7 +6,8 @@ import bpy
 from ..base.messages import percent
 from ..nodes import detail_wiring, dust_detail, thickness
 from .fields import split
-from .panel import MaterialPanel, draw_lines, draw_sentence
+from .material_panel import MaterialPanel
+from .sentences import draw_lines, draw_sentence
 from .uv_map_field import draw_uv_map
 
 SHOWN_ROWS = 5

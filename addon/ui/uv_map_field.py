@@ -2,7 +2,7 @@
 """The field that names a UV map, with a message if the field is empty or names a missing map."""
 
 from ..base import uv_maps
-from .panel import draw_sentence
+from .sentences import draw_sentence
 
 
 def draw_uv_map(context, layout, owner, thing):

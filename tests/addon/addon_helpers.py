@@ -57,15 +57,15 @@ def snapshot(material):
     return sorted(node.name for node in group.nodes), pixels(image_of(group)).tobytes()
 
 
-def look_until_rest(live, seconds=60.0):
-    """The return values of the timer's function of live editing, called until nothing is left to do."""
+def look_until_rest(update, seconds=60.0):
+    """The return values of the timer's function of updates, called until nothing is left to do."""
     seen, end = [], time.monotonic() + seconds
     while time.monotonic() < end:
-        seen.append(live.poll())
+        seen.append(update.poll())
         if seen[-1] is None:
             return seen
         time.sleep(seen[-1])
-    raise AssertionError("live editing does not come to rest")
+    raise AssertionError("the updates do not come to rest")
 
 
 class Layout:

@@ -43,7 +43,7 @@ def test_the_report_is_kept(addon, lamina, material):
     kept = {name: value for name, value in lut.report.items() if not name.startswith("slice_errors")}
     assert result.report == kept and kept["fit_error"] > 0.0 and kept["worst_slice"]["error"] > 0.0
     assert result.quality == "preview" and result.stack_hash == lut.header["stack_hash"]
-    names = [name for name, _ in addon.ui.panel.result_lines(result)]
+    names = [name for name, _ in addon.ui.numbers.result_lines(result)]
     assert names == ["Fit Error", "Worst At", "Albedo Error", "Energy Error", "Closures", "Baked"]
 
 
@@ -52,9 +52,9 @@ def test_the_report_of_a_sheet_tells_its_worst_transmission(addon, lamina, mater
     lut = addon.baking.bake_job.bake_material(material)
     worst, result = lut.report["worst_slice_transmission"], material.lamina.result
     assert result.report["worst_slice_transmission"] == worst and worst["error"] > 0.0
-    lines = addon.ui.panel.result_lines(result)
+    lines = addon.ui.numbers.result_lines(result)
     assert [name for name, _ in lines][:4] == ["Fit Error", "Worst At", "Transmission", "Worst At"]
-    assert f"{addon.ui.panel.percent(worst['error'])} worst" in lines[2][1]
+    assert f"{addon.base.messages.percent(worst['error'])} worst" in lines[2][1]
     assert f"{math.degrees(math.acos(worst['mu_o'])):.0f}° view" in lines[3][1]
 
 
@@ -220,7 +220,7 @@ def test_the_basis_reaches_the_bake(addon, lamina, material):
     addon.baking.bake_job.start(material)
     finish(addon)
     assert material.lamina.result.basis == "accurate"
-    assert ("Closures", f"{accurate.report['closures']}, accurate fit") in addon.ui.panel.result_lines(
+    assert ("Closures", f"{accurate.report['closures']}, accurate fit") in addon.ui.numbers.result_lines(
         material.lamina.result
     )
 
@@ -284,7 +284,7 @@ def test_the_operator_says_how_the_bake_ended(addon, lamina, material, end):
     (level, text), = operator.reports
     assert (result, level) == {"done": ({"FINISHED"}, "INFO"), "cancelled": ({"CANCELLED"}, "INFO"),
                                "failed": ({"CANCELLED"}, "ERROR")}[end]
-    assert {"done": f"Baked {material.name} in ", "cancelled": "Bake cancelled; the earlier one is kept",
+    assert {"done": f"Baked {material.name} in ", "cancelled": "Update cancelled; the earlier one is kept",
             "failed": "an error of this test"}[end] in text
     assert (addon.baking.bake_job.failure(material) != "") == (end == "failed")
 

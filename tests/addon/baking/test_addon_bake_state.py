@@ -1,18 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The state of a bake relative to the layers, the quality and the basis in the panel."""
 
-from types import SimpleNamespace
-
 import pytest
-from addon_helpers import drawn
 
 
 @pytest.fixture
 def told(addon):
-    """told(material): the state that the result box shows, as one text."""
-    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))  # without a window Blender's own is 0
-    context = SimpleNamespace(preferences=preferences, region=SimpleNamespace(width=800))
-    return lambda material: " ".join(drawn(addon.ui.panel._draw_state, context, material))
+    """told(material): the state that the panel shows, as one text."""
+    return lambda material: addon.ui.state_line.told(material)[0]
 
 
 @pytest.fixture
@@ -49,6 +44,7 @@ def test_a_bake_at_other_settings_than_the_chosen_is_not_up_to_date(
     assert listed() == "Bronze: 1 layer, up to date"
     for name, value in (BAKED | chosen).items():
         setattr(material.lamina, name, value)
+    addon.baking.update.leave(material)
     assert addon.baking.bake_job.state(material) == "other"
     assert told(material) == f"Out of date: baked with {sentence}"
     assert listed() == f"Bronze: 1 layer, out of date, baked with {sentence}"
@@ -86,45 +82,21 @@ def test_a_bake_by_a_version_whose_results_have_changed_is_out_of_date(
     assert listed() == "Bronze: 1 layer, out of date, baked by 0.1.0; 0.2.0 changed dust"
 
 
-def live_bake(addon, material, coarse=None):
-    """One bake as live editing makes it, without its timer."""
-    job = addon.baking.live.LiveJob(material, None, coarse or {})
-    job.wait(60.0)
-    job.show(material, addon.baking.live._follow(material))
-
-
-def test_live_editing_shows_a_preview_and_says_so(addon, lamina, material, told, listed):
-    settings = material.lamina
-    settings.quality, settings.basis, settings.live = "final", "accurate", True
-    live_bake(addon, material)
-    assert addon.baking.bake_job.state(material) == "live"
-    assert told(material) == "Live preview of these layers; Bake makes Final, Accurate"
-    difference = "quality Preview instead of Final, fit Standard instead of Accurate"
-    assert listed() == f"Bronze: 1 layer, live preview, {difference}"
-    settings.live = False
-    assert addon.baking.bake_job.state(material) == "other", "without Live it is a bake like any other"
-    settings.quality, settings.basis, settings.live = "preview", "standard", True
-    assert addon.baking.bake_job.state(material) == "fresh", "where a preview is chosen the preview is all there is"
-
-
-def test_a_final_bake_under_live_is_not_called_a_preview(addon, lamina, material, told):
-    addon.baking.bake_job.bake_material(material, quality="final")
-    material.lamina.live = True
-    assert told(material) == "Out of date: baked with quality Final instead of Preview"
-    material.lamina.quality = "final"
-    assert told(material) == "Up to date"
-
-
-def test_a_live_bake_that_leaves_something_out_is_never_up_to_date(addon, lamina, material, told):
-    live_bake(addon, material, {"nodes": 8})
-    assert told(material) == "Out of date: baked with quality Coarse instead of Preview"
-    material.lamina.live = True
-    assert addon.baking.bake_job.state(material) == "live"
-    assert addon.baking.live._needs_bake(material), "turning Live on has the rest worked out"
-
-
-def test_turning_live_on_bakes_only_what_is_not_shown_yet(addon, lamina, material):
-    addon.baking.bake_job.bake_material(material, quality="final")
-    assert not addon.baking.live._needs_bake(material)
+def test_what_waits_for_its_update_is_told(addon, lamina, material, told, listed):
+    addon.baking.bake_job.bake_material(material)
     material.lamina.layers[0].tau = 3.3
-    assert addon.baking.live._needs_bake(material)
+    assert told(material) == "The layers before the last change; Preview follows"
+    material.lamina.quality = "final"
+    addon.baking.bake_job.bake_material(material, "preview")
+    assert told(material) == "Preview of these layers; Final follows"
+    assert listed() == "Bronze: 1 layer, out of date, baked with quality Preview instead of Final"
+    addon.baking.update.leave(material)
+    assert told(material) == "Out of date: baked with quality Preview instead of Final"
+
+
+def test_a_coarse_update_is_never_up_to_date(addon, lamina, material, told):
+    job = addon.baking.update.UpdateJob(material, False, {"nodes": 8})
+    job.wait(60.0)
+    job.show(material, addon.baking.update._follow(material))
+    addon.baking.update.leave(material)
+    assert told(material) == "Out of date: baked with quality Coarse instead of Preview"

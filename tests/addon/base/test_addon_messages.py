@@ -39,9 +39,9 @@ def test_what_goes_wrong_in_the_stack_is_told_in_the_panel(addon, lamina, materi
     except lamina.StackError as error:
         text = addon.base.messages.sentence(error, material)
         assert text.startswith("Layer ") and "\n" not in text
-        assert addon.ui.panel._stack_error(material) == text
+        assert addon.ui.state_line.stack_error(material) == text
     else:
-        assert addon.ui.panel._stack_error(material) == ""
+        assert addon.ui.state_line.stack_error(material) == ""
 
 
 def test_wrapped(addon):

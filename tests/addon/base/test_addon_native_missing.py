@@ -80,7 +80,7 @@ def test_one_sentence_everywhere(broken, call, capsys):
     assert addon.command_line.command.main(["list"]) == 1
     printed = capsys.readouterr()
     assert printed.out == "Dusty: 2 layers, not baked\n" and printed.err == f"lamina: {reason}\n"
-    assert addon.ui.panel._stack_error(material) == ""
+    assert addon.ui.state_line.stack_error(material) == ""
 
 
 def test_a_wheel_that_arrives_later_is_found(addon, lamina):

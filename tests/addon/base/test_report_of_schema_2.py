@@ -45,9 +45,9 @@ def test_the_numbers_of_a_bake_are_kept(addon):
     addon.properties.migration.migrate_all()
     for name, lines in LINES.items():
         result = bpy.data.materials[name].lamina.result
-        assert addon.ui.panel.result_lines(result) == lines
+        assert addon.ui.numbers.result_lines(result) == lines
         assert addon.command_line.words.bake(result, 1.0) == BATCH[name]
     dusty = bpy.data.materials["Dusty"].lamina.result
-    assert addon.ui.panel.below_lines(dusty) == BELOW
+    assert addon.ui.numbers.below_lines(dusty) == BELOW
     assert len(dusty.report["row_errors"]["tau"]) == 33 and dusty.report["tau_error"] is None
-    assert addon.ui.panel.below_lines(bpy.data.materials["Sheet"].lamina.result) == []
+    assert addon.ui.numbers.below_lines(bpy.data.materials["Sheet"].lamina.result) == []

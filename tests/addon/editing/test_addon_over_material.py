@@ -30,14 +30,14 @@ def test_the_operator_bakes_and_remove_restores(addon, lamina, glossy, call):
     shader = surface_source(glossy)
     assert call(bpy.ops.lamina.add_over, glossy) == {"FINISHED"}
     result, node = glossy.lamina.result, surface_source(glossy)
-    assert node.node_tree == glossy.lamina.node_group and result.quality == "preview"
+    assert node.node_tree == glossy.lamina.node_group and result.quality == glossy.lamina.quality
     assert node.inputs["Base"].links[0].from_node == shader
     assert tuple(node.inputs["Base Reflectance"].default_value) == pytest.approx((0.8, 0.1, 0.1, 1.0))
     assert addon.baking.bake_job.state(glossy) == "fresh"
     assert glossy.lamina.layers[0].tau == pytest.approx(0.3), "the material stays visible"
     errors = result.report["base_error"]
     assert 0.0 <= errors["lambert"] < 0.05 and 0.0 <= errors["metal"] < 0.05
-    lines = dict(addon.ui.panel.below_lines(result))
+    lines = dict(addon.ui.numbers.below_lines(result))
     assert lines["If Matte"].endswith("%") and lines["If Rough Metal"].endswith("%")
     assert call(bpy.ops.lamina.remove_stack, glossy) == {"FINISHED"}
     assert surface_source(glossy) == shader
@@ -203,8 +203,9 @@ def drawn(addon, material):
     layout = Layout()
     panel = SimpleNamespace(layout=layout)
     region = SimpleNamespace(width=500)
-    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
-    context = SimpleNamespace(material=material, region=region, preferences=preferences,
+    theme = SimpleNamespace(user_interface=SimpleNamespace(wcol_regular=SimpleNamespace(text=(0.9, 0.9, 0.9))))
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), themes=[theme])
+    context = SimpleNamespace(material=material, region=region, preferences=preferences, engine="CYCLES",
                               window_manager=bpy.context.window_manager)
     addon.ui.panel.LAMINA_PT_main.draw(panel, context)
     return layout.lines[: layout.lines.index("Presets by Picture")]
@@ -225,7 +226,7 @@ def test_the_panel_offers_one_choice_and_names_what_is_lost(addon, lamina, gloss
     tree.nodes.clear()
     assert drawn(addon, plain) == [dust, "Add Lamina Layers", "Presets"]
     addon.editing.over_material.add(glossy)
-    assert drawn(addon, glossy) == ["Presets"]
+    assert drawn(addon, glossy) == ["Not shown yet; Final follows", "Presets"]
 
 
 @pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="the nodes of a material cannot be switched off")
@@ -291,7 +292,8 @@ def test_the_command_line(addon, lamina, glossy, tmp_path, capsys):
 def told_by_base_panel(addon, material):
     """Texts and operators that the panel Base draws."""
     layout = Layout()
-    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
+    theme = SimpleNamespace(user_interface=SimpleNamespace(wcol_regular=SimpleNamespace(text=(0.9, 0.9, 0.9))))
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), themes=[theme])
     context = SimpleNamespace(material=material, preferences=preferences, region=SimpleNamespace(width=400.0))
     addon.ui.panel.LAMINA_PT_base.draw(SimpleNamespace(layout=layout), context)
     return " ".join(layout.lines)

@@ -90,15 +90,15 @@ def test_a_stack_with_colours_is_checked_in_the_thread(addon, material, lamina, 
     asked = []
     monkeypatch.setattr(addon.stack_json.stack_check, "_ask", lambda _lamina, text: asked.append(text) or (None, ERROR))
     material.lamina.layers[0].mode = "colour"
-    assert addon.ui.panel._stack_error(material) == "" and not asked
+    assert addon.ui.state_line.stack_error(material) == "" and not asked
     look_until_rest(addon.stack_json.solved_colours)
     assert len(asked) == 1
-    assert addon.ui.panel._stack_error(material) == "ValueError: no good"
-    assert addon.ui.panel._error_layer(material) is None and len(asked) == 1
+    assert addon.ui.state_line.stack_error(material) == "ValueError: no good"
+    assert addon.ui.state_line.error_layer(material) is None and len(asked) == 1
     addon.stack_json.stack_check.forget()
-    assert addon.ui.panel._stack_error(material) == ""
+    assert addon.ui.state_line.stack_error(material) == ""
     look_until_rest(addon.stack_json.solved_colours)
-    assert addon.ui.panel._stack_error(material) == "ValueError: no good" and len(asked) == 2
+    assert addon.ui.state_line.stack_error(material) == "ValueError: no good" and len(asked) == 2
     addon.stack_json.solved_colours.unregister()
 
 
@@ -107,7 +107,7 @@ def test_a_bug_in_the_thread_is_not_asked_for_again_and_again(addon, material, l
     monkeypatch.setattr(addon.stack_json.stack_check, "_ask", lambda _lamina, text: asked.append(text) or 1 / 0)
     material.lamina.layers[0].mode = "colour"
     for _ in range(3):
-        assert addon.ui.panel._stack_error(material) == ""
+        assert addon.ui.state_line.stack_error(material) == ""
         look_until_rest(addon.stack_json.solved_colours)
     assert len(asked) == 1
     addon.stack_json.solved_colours.unregister()

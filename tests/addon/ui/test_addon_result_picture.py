@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from addon_helpers import drawn, look_until_rest
+from addon_helpers import drawn
 
 
 def context_of(material, ink=(0.9, 0.9, 0.9), width=320):
@@ -17,18 +17,19 @@ def context_of(material, ink=(0.9, 0.9, 0.9), width=320):
 
 
 def lines(addon, material, **options):
-    """The texts of the Result box."""
+    """The texts of the state and of the panel Advanced."""
 
     def draw(layout):
-        panel = SimpleNamespace(layout=layout)
-        addon.ui.panel.LAMINA_PT_result.draw(panel, context_of(material, **options))
+        context = context_of(material, **options)
+        addon.ui.state_line.draw(context, layout, material)
+        addon.ui.advanced_panel.LAMINA_PT_advanced.draw(SimpleNamespace(layout=layout), context)
 
     return drawn(draw)
 
 
 def pixels_of(addon, number):
     picture = addon.ui.result_picture
-    (entry,) = picture._shown.values()
+    (entry,) = (one for (_uid, kind), one in picture._shown.items() if kind == "lobes")
     preview = picture._pictures[entry[4][number]]
     return np.array(preview.image_pixels_float).reshape(*reversed(tuple(preview.image_size)), 4)
 
@@ -39,7 +40,7 @@ def test_a_bake_is_shown_as_pictures_and_the_numbers_are_folded(addon, lamina, m
     assert texts.count("(picture)") == 5
     assert [text for text in texts if text.startswith("View")] == ["View 0°", "View 40°", "View 70°"]
     fold = next(place for place, text in enumerate(texts) if text.startswith("Numbers"))
-    assert texts.index("Fit Error") > fold > texts.index("Under a White Sky")
+    assert texts.index("Fit Error") > fold > texts.index("Reflectance, 0° to 90°")
 
 
 def test_the_pixels_are_those_of_lamina_in_the_color_of_the_text(addon, lamina, material):
@@ -89,22 +90,6 @@ def test_the_worker_makes_the_same_curves(addon, lamina, material):
     assert job.finish() == other
     addon.baking.bake_job.forget()
     assert other.lamina.result.curves == material.lamina.result.curves
-
-
-def test_live_editing_draws_the_picture_at_rest(addon, lamina, material, monkeypatch):
-    addon.baking.bake_job.bake_material(material)
-    before, live = material.lamina.result.curves, addon.baking.live
-    monkeypatch.setattr(live, "REST", 0.0)
-    monkeypatch.setattr(live, "NOTICED", 1e9)
-    material.lamina.live = True
-    material.lamina.layers[0].tau = 3.0
-    look_until_rest(live)
-    live.stop()
-    curves = json.loads(material.lamina.result.curves)
-    expected = addon.baking.bake_job.curves_of(
-        addon.editing.stack_io.to_stack(material), lamina.bake(addon.editing.stack_io.to_stack(material), "preview"))
-    assert material.lamina.result.curves != before
-    assert curves["exact"] == json.loads(expected)["exact"]
 
 
 def test_nothing_undoes_portal_or_relightable(addon, lamina, material):

@@ -54,24 +54,44 @@ def cancel(panel):
     assert material.lamina.result.stack_hash == earlier and material.lamina.node_group is not None
 
 
-def live(panel):
-    """A changed albedo is baked by itself, and undo brings back the albedo and its bake."""
+def update(panel):
+    """A changed albedo is shown by itself, at last in the quality of the material, and undo brings back the albedo and
+    its bake."""
     material = layered(panel)
     yield from baked(panel, material)
-    material.lamina.live = True
+    material.lamina.quality = "final"
     with window.on(panel):
         bpy.ops.ed.undo_push(message="before")
         material.lamina.layers[0].albedo = (0.2, 0.5, 0.8)
         bpy.ops.ed.undo_push(message="blue")
     assert part("baking.bake_job").state(material) == "stale"
-    yield from until(lambda: part("baking.bake_job").state(material) in ("fresh", "live"))
+    yield from at_rest()
+    assert part("baking.bake_job").state(material) == "fresh" and material.lamina.result.quality == "final"
     blue = material.lamina.result.stack_hash
     with window.on(panel):
         bpy.ops.ed.undo()
     material = bpy.context.object.active_material
     assert material.lamina.layers[0].albedo[0] > 0.3
-    yield from until(lambda: part("baking.bake_job").state(material) in ("fresh", "live"))
-    assert material.lamina.result.stack_hash != blue
+    yield from at_rest()
+    assert part("baking.bake_job").state(material) == "fresh" and material.lamina.result.stack_hash != blue
+
+
+def render(panel):
+    """F12 right after a change renders the final picture of that change."""
+    seen = []
+    bpy.app.handlers.render_pre.append(lambda *_: seen.append(part("baking.bake_job").state(material)))
+    scene = bpy.context.scene
+    scene.cycles.samples, scene.cycles.use_denoising, scene.render.resolution_percentage = 1, False, 10
+    material = layered(panel)
+    yield from baked(panel, material)
+    material.lamina.quality = "final"
+    for number, albedo in enumerate((0.3, 0.5, 0.7)):
+        material.lamina.layers[0].albedo = (albedo,) * 3
+        yield 0.3 * number
+        with window.on(panel):
+            bpy.ops.render.render("INVOKE_DEFAULT")
+        yield from until(lambda number=number: len(seen) > number and not bpy.app.is_job_running("RENDER"))
+    assert seen == ["fresh"] * 3, seen
 
 
 def preset_by_picture(panel, preset="dusty-lacquer"):
@@ -114,6 +134,7 @@ def dust_these_objects(panel):
     yield from until(lambda: bpy.context.object.lamina_dust.told)
     yield from window.still()
     window.save(OUT / "dusted.png", window.picture(panel))
+    yield from at_rest()
     material = bpy.context.object.active_material
     assert part("baking.bake_job").state(material) == "fresh"
     assert part("nodes.thickness").wiring(material).source == "attribute"
@@ -132,15 +153,13 @@ def dust_these_objects(panel):
     check_images()
 
 
-def undo_after_live(panel):
-    """Undo after Live has applied two changes of one bake: the image of that bake is in no undo step."""
+def undo_after_update(panel):
+    """Undo after updates have applied two changes of one bake: the image of that bake is in no undo step."""
     with window.on(panel):
         bpy.ops.lamina.add_over()
     push("over")
     material = bpy.context.object.active_material
-    material.lamina.live = True
-    push("live")
-    yield from until(lambda: part("baking.bake_job").state(material) in ("fresh", "live"))
+    yield from at_rest()
     for thickness in (0.3, 0.6):
         material.lamina.layers[0].tau = thickness
         push(f"thickness {thickness}")
@@ -220,6 +239,7 @@ def previews_stopped_quietly(panel):
 
 def another_file(panel):
     """Another file is opened while a bake runs: the bake ends and changes nothing there."""
+    by_hand()
     material = layered(panel)
     path = str(OUT / "another.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
@@ -264,7 +284,7 @@ def random_actions(panel, seed, count):
         yield chance.choice([0.02, 0.02, 0.3, 1.0])
         check_images()
     part("baking.bake_job").stop()
-    part("baking.live").stop()
+    part("baking.update").stop()
 
 
 def act(panel, chance):
@@ -351,6 +371,7 @@ def layered(panel):
 
 def slowly_baking(panel, material):
     """Layers whose bake takes several seconds; the bake is running afterwards."""
+    by_hand()
     material.lamina.quality = "final"
     material.lamina.layers[0].tau = 1.7
     material.lamina.layers[0].g = 0.9
@@ -410,11 +431,14 @@ def check_images():
 
 
 def at_rest():
-    """Until Live has nothing left to do."""
-    quiet = 0.0
-    while quiet < 2.0 * part("baking.live").REST:  # after the bakes of changes come the refinement and the curves
-        yield 0.1
-        quiet = 0.0 if part("baking.live").running() is not None else quiet + 0.1
+    """Until all updates are shown, in the quality of the material."""
+    yield 0.1
+    yield from until(lambda: not part("baking.update").are_pending())
+
+
+def by_hand():
+    """Bake at the button only, and in the quality of the material."""
+    bpy.context.preferences.addons[PACKAGE].preferences.automatic = False
 
 
 def until(holds, longest=120.0, step=0.1):

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live editing: after each change of a layer, the material is baked again at preview quality.
+"""Updates: a material is baked again after each change, coarse while its layers change, and with its own
+quality and fit when they rest.
 
 Property callbacks only note which material has changed. A timer reads the notes. It starts one bake at a time
 in a worker thread, always of the newest state, and applies a finished one. Typing therefore never waits, and
 a slow stack is updated less often. The timer ends some time after the last change. Nothing of this is written
-to the .blend.
+to the .blend, and files that are opened start no bakes.
 """
 
 import time
@@ -13,7 +14,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..base import changes, handlers, native, preferences, redraw, renders, timers, undo
-from ..base.worker import OfMaterial, Place, Worker, with_uid
+from ..base.worker import Place, with_uid
 from ..editing import stack_io
 from ..nodes import node_group
 from ..properties import migration
@@ -23,29 +24,25 @@ from . import bake_job
 WORKING, WAITING = 0.004, 0.05  # seconds to the timer's next call: while a bake runs, and while editing may
                                 # go on
 REST = 1.0  # seconds without a change, after which coarse results are refined
-PATIENCE = 0.5  # a bake of an outdated state is cancelled after this many seconds
+PATIENCE = 0.5  # a coarse bake of an outdated state is cancelled after this many seconds
+QUALITY, BASIS = "preview", "standard"  # while layers change
 # A stack whose bake takes longer than this many seconds is solved with fewer rows and nodes while edited.
 SLOW, ROW_STRIDE, NODES = 0.08, 4, 32
-# Closures are kept while editing. At rest others are chosen if the fit error has grown by the factor WORSE
-# and is above NOTICED.
-WORSE, NOTICED = 1.5, 0.02
 
 _place = Place()
-running, stop = _place.running, _place.stop
+running, running_for, stop = _place.running, _place.running_for, _place.stop
 _followed = {}  # uid -> _Material
+_looked = 0.0  # when the timer's function was called last; time.monotonic()
 
 
 class _Material:
-    """The state of a material that is edited live."""
+    """The state of a material that has changed in this session."""
 
-    def __init__(self, material):
+    def __init__(self):
         self.changed = False  # since the last bake was started
         self.touched = time.monotonic()  # when something last happened
-        self.seconds, self.nodes = 0.0, 0  # of the last complete bake
-        self.coarse = False  # the shown bake is coarse
-        self.error = 0.0  # the fit error now, and when the closures were chosen
-        self.chosen_error = material.lamina.result.report.get("fit_error", 0.0)
-        self.undrawn = None  # (stack, LUT) of a whole bake that the result's picture does not show
+        self.rough = False  # the shown bake is coarser than the material's own quality and fit
+        self.seconds, self.nodes = 0.0, 0  # of the last bake of all rows while layers changed
 
     def coarse_options(self, material):
         """Options for a coarser bake of this material while it is edited; none if its bakes are quick."""
@@ -58,60 +55,52 @@ class _Material:
         return options
 
 
-class LiveJob(bake_job.MaterialJob):
-    """A bake with the closures of the last one, or with a new choice."""
+class UpdateJob(bake_job.MaterialJob):
+    """A bake as the material wants it, or a coarse one with the closures of the last bake. `options`: of a
+    coarse bake, see coarse_options."""
 
-    def __init__(self, material, closures, coarse):
-        self.started, self.kept, self.coarse = time.monotonic(), bool(closures), bool(coarse)
-        more = {"closures": closures} if closures else {}
+    def __init__(self, material, is_whole, options=None):
+        self.started, self.is_whole, self.options = time.monotonic(), is_whole, options or {}
+        how = {"quality": material.lamina.quality} if is_whole else {"quality": QUALITY, "basis": BASIS}
+        closures = None if is_whole else _kept(material)
+        if closures:
+            how["closures"] = closures
         text = stack_io.to_text(material)
         # A colour needs a solve, so the thread makes the stack.
-        super().__init__(material, bake_job.LIVE_QUALITY, preferences.threads(), lambda: _stack(text),
-                         drawn=False, basis=bake_job.LIVE_BASIS, **more, **coarse)
+        super().__init__(material, threads=preferences.threads(), stack=lambda: _stack(text), drawn=is_whole,
+                         **how, **self.options)
 
     def show(self, material, followed):
         if self.error is not None:
             raise self.error
-        bake_job.apply(material, self.lut, in_place=True, coarse=self.coarse)
-        followed.error, followed.coarse = self.lut.report["fit_error"], self.coarse
-        if not self.coarse:
-            report = self.lut.report
-            followed.seconds, followed.nodes = report["seconds"], report["solver"]["nodes"]
-            followed.undrawn = self.stack, self.lut
-        if not self.kept:
-            followed.chosen_error = followed.error
+        bake_job.apply(material, self.lut, self.curves, in_place=True, coarse=bool(self.options))
+        followed.rough = not self.is_whole
+        if not self.is_whole and not self.options:
+            followed.seconds = self.lut.report["seconds"]
+            followed.nodes = self.lut.report["solver"]["nodes"]
 
 
-class CurvesJob(OfMaterial, Worker):
-    """The curves of the result's picture, which are left out while layers change."""
-
-    coarse = True  # its time says nothing on the next bake's
-
-    def __init__(self, material, stack, lut):
-        self.uid, self.started = material.session_uid, time.monotonic()
-        threads = preferences.threads()
-        super().__init__(lambda _progress, _cancel: bake_job.curves_of(stack, lut, threads), "lamina curves")
-
-    def show(self, material, _followed):
-        if self.error is not None:
-            raise self.error
-        material.lamina.result.curves = self.result
+def first_settings(material):
+    """(quality, basis) of the bake after a click: quick ones where `refine` follows."""
+    if _can_follow(material) and not bpy.app.background:
+        return QUALITY, BASIS
+    return material.lamina.quality, material.lamina.basis
 
 
 def mark(material):
-    """`material` has changed: bake it soon if it is live. Cheap enough for any callback."""
+    """`material` has changed: bake it soon. Cheap enough for any callback."""
     if _can_follow(material):
         followed = _follow(material)
         followed.changed, followed.touched = True, time.monotonic()
         timers.start(poll)
 
 
-def switch(material):
-    """Live has been turned on or off."""
-    if not material.lamina.live:
-        leave(material)
-    elif native.available() and _needs_bake(material):
-        mark(material)
+def refine(material):
+    """Bake `material` soon with its own quality and fit, unless it shows such a bake."""
+    if _can_follow(material) and bake_job.difference(material):
+        followed = _follow(material)
+        followed.rough, followed.touched = True, time.monotonic() - REST
+        timers.start(poll)
 
 
 def leave(material):
@@ -120,8 +109,35 @@ def leave(material):
     _followed.pop(material.session_uid, None)
 
 
+def is_pending(material):
+    """True if `material` will be baked soon, or is being baked."""
+    followed = _followed.get(material.session_uid)
+    return running_for(material) is not None or followed is not None and (followed.changed or followed.rough)
+
+
+def are_pending():
+    """True if any material will be baked soon, or is being baked. From any thread."""
+    jobs = running(), bake_job.running()
+    return any(jobs) or any(one.changed or one.rough for one in list(_followed.values()))
+
+
+def looked():
+    """When the timer's function was called last; time.monotonic()."""
+    return _looked
+
+
+def finish():
+    """Bake all that is pending, and wait for it. For a render that the main thread starts."""
+    while are_pending() and bake_job.running() is None:
+        poll()
+        if running() is not None:
+            running().wait()
+
+
 def poll():
     """The timer's function. Returns the seconds until the next call; None if nothing is left to do."""
+    global _looked
+    _looked = time.monotonic()
     _finish_job()
     if running() is None and bake_job.running() is None:
         _start_next()
@@ -131,22 +147,13 @@ def poll():
 
 
 def _can_follow(material):
-    settings = material.lamina
-    if not (settings.live and settings.enabled and native.available()):
+    if not (preferences.automatic() and material.lamina.enabled and native.available()):
         return False
     return material.is_editable and not migration.is_from_the_future(material)
 
 
-def _needs_bake(material):
-    """True if the last bake is not of the present layers, or is coarse."""
-    state = bake_job.state(material)
-    return state in ("none", "stale", "invalid") or material.lamina.result.quality == bake_job.COARSE
-
-
 def _follow(material):
-    if material.session_uid not in _followed:
-        _followed[material.session_uid] = _Material(material)
-    return _followed[material.session_uid]
+    return _followed.setdefault(material.session_uid, _Material())
 
 
 def _finish_job():
@@ -156,9 +163,10 @@ def _finish_job():
         return
     followed = _followed.get(job.uid)
     if not job.done:
-        if followed is None or (followed.changed and time.monotonic() - job.started > PATIENCE):
+        is_late = job.is_whole or time.monotonic() - job.started > PATIENCE
+        if followed is None or (followed.changed and is_late):
             job.cancel()
-            if followed is not None and not job.coarse:  # a complete bake takes even longer
+            if followed is not None and not job.is_whole and not job.options:
                 followed.seconds = max(followed.seconds, PATIENCE, 2.0 * SLOW)
                 followed.nodes = followed.nodes or NODES + 1
         return
@@ -170,11 +178,12 @@ def _finish_job():
         return
     followed.touched = time.monotonic()
     try:
-        with undo.recorded("Lamina Live"):
+        with undo.recorded("Lamina Update"):
             job.show(material, followed)
     except Exception as error:  # The panel shows one sentence; the last good bake is kept.
         if timers.is_refusal(error):
             raise
+        followed.rough = False
         if not followed.changed:
             bake_job.note_failure(material, error)
     _place.forget()
@@ -188,22 +197,23 @@ def _start_next():
         if material is None:
             del _followed[uid]
         elif followed.changed:
-            followed.changed = False
-            coarse = followed.coarse_options(material)
-            if _can_follow(material) and _start(material, _kept(material), coarse):
+            options = followed.coarse_options(material)
+            is_started = _can_follow(material) and _start(material, renders.is_held(), options)
+            followed.changed = False  # after the start: another thread may ask are_pending() meanwhile
+            if is_started:
                 return
 
 
 def _kept(material):
     """The closures of the earlier bake, unless they are too many to be quick."""
-    is_few = material.lamina.result.basis in ("", bake_job.LIVE_BASIS)
+    is_few = material.lamina.result.basis in ("", BASIS)
     return node_group.closures(material) if is_few else None
 
 
-def _start(material, closures, coarse=None):
+def _start(material, is_whole, options=None):
     """Starts a bake. Returns False if it could not be started; the panel then gives the reason."""
     try:
-        _place.take(LiveJob(material, closures, coarse or {}))
+        _place.take(UpdateJob(material, is_whole, None if is_whole else options))
     except Exception as error:
         bake_job.note_failure(material, error)
         redraw.properties()
@@ -212,27 +222,21 @@ def _start(material, closures, coarse=None):
 
 
 def _tidy():
-    """At rest: bake with all rows, and with new closures where the kept ones fit badly; then make the curves
-    of the result's picture."""
+    """At rest, or while a render waits for it: bake coarse results with the material's quality and fit."""
     resting = True
     for uid, followed in list(_followed.items()):
         material = with_uid(bpy.data.materials, uid)
-        if material is None:
+        if material is None or not _can_follow(material):
             del _followed[uid]
-            continue
-        worse = followed.error > max(NOTICED, WORSE * followed.chosen_error)
-        if not (followed.changed or followed.coarse or worse or followed.undrawn):
-            continue
-        if not followed.changed and followed.touched + REST < time.monotonic() and bake_job.running() is None:
-            if not (followed.coarse or worse):
-                undrawn, followed.undrawn = followed.undrawn, None
-                _place.take(CurvesJob(material, *undrawn))
-                return WORKING
-            followed.coarse, followed.chosen_error = False, max(followed.chosen_error, followed.error)
-            if _start(material, None if worse else _kept(material)):
-                return WORKING
-        else:
-            resting = False
+        elif followed.changed or followed.rough:
+            is_due = followed.touched + REST < time.monotonic() or renders.is_held()
+            if is_due and not followed.changed and bake_job.running() is None:
+                is_started = _start(material, is_whole=True)
+                followed.rough = False
+                if is_started:
+                    return WORKING
+            else:
+                resting = False
     return None if resting else WAITING
 
 
@@ -252,9 +256,15 @@ def _on_load(*_):
 @persistent
 def _on_undo(*_):
     # Blender makes an undo step when a layer changes, before the bake of that change is applied.
-    for material in bpy.data.materials:
-        if _can_follow(material) and bake_job.state(material) == "stale":
+    for uid in list(_followed):
+        material = with_uid(bpy.data.materials, uid)
+        if material is None:
+            continue
+        state = bake_job.state(material)
+        if state == "stale":
             mark(material)
+        elif state == "other":
+            refine(material)
 
 
 def _on_loss(owner):
@@ -268,7 +278,7 @@ HANDLERS = {"load_pre": _on_load, "undo_post": _on_undo, "redo_post": _on_undo}
 
 def register():
     changes.listeners.append(mark)
-    changes.switches.append(switch)
+    changes.refinements.append(refine)
     changes.losses.append(_on_loss)
     handlers.add(HANDLERS)
 
@@ -277,7 +287,7 @@ def unregister():
     stop()
     timers.end(poll)
     changes.listeners.remove(mark)
-    changes.switches.remove(switch)
+    changes.refinements.remove(refine)
     changes.losses.remove(_on_loss)
     handlers.remove(HANDLERS)
     _followed.clear()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live editing: wall clock from a changed property to the updated image's pixels, all threads, in Blender.
+"""Updates: wall clock from a changed property to the updated image's pixels, all threads, in Blender.
 
-    python bench/live_bench.py [--repeats 40] [--extension ZIP] [--out build/bench/live.json]
+    python bench/update_bench.py [--repeats 40] [--extension ZIP] [--out build/bench/update.json]
 
 The limit is 33 ms for three layers, RGB, over a Lambert base. Blender's own timer, which does not run in the
 background, would add up to 4 ms. The stages are those of the last bake, done again for its progress.
@@ -38,25 +38,24 @@ def measure(repeats, say):
     from bake_bench import STACKS
 
     addon, rows = importlib.import_module(in_blender.extension.PACKAGE), []
-    live = addon.baking.live
+    update = addon.baking.update
     for name, stack in STACKS.items():
         material = bpy.data.materials.new(name)
         addon.editing.stack_io.assign_stack(material, stack)
         addon.baking.bake_job.bake_material(material, "preview")
-        material.lamina.live = True
         times, pixels = [], []
         for step in range(repeats + 3):
             start = time.perf_counter()
             material.lamina.layers[0].g = 0.3 + 0.001 * step
-            job = started_bake(live)
+            job = started_bake(update)
             job.wait()  # Blender's main thread would not wait here
             before = time.perf_counter()
-            live.poll()
+            update.poll()
             end = time.perf_counter()
             if step >= 3:
                 times.append(1e3 * (end - start))
                 pixels.append(1e3 * (end - before))
-        live.stop()
+        update.stop()
         rows.append({"stack": name, "median ms": statistics.median(times),
                      "p95 ms": statistics.quantiles(times, n=20)[-1], "min ms": min(times),
                      **stages_of(job.stack, job.lut, repeats), "pixels ms": statistics.median(pixels),
@@ -65,13 +64,13 @@ def measure(repeats, say):
     return rows + measure_calls(addon, material)
 
 
-def started_bake(live):
+def started_bake(update):
     """The bake that begins after a change. On a slow machine the picture of the result is drawn before it."""
-    live.poll()
-    while not hasattr(live.running(), "lut"):
-        live.running().wait()
-        live.poll()
-    return live.running()
+    update.poll()
+    while not hasattr(update.running(), "lut"):
+        update.running().wait()
+        update.poll()
+    return update.running()
 
 
 def stages_of(stack, lut, repeats):
@@ -103,11 +102,11 @@ def measure_calls(addon, material, repeats=5):
             for step in range(CALLS):
                 call(step)
             times.append(1e3 * (time.perf_counter() - start))
-        addon.baking.live.stop()
+        addon.baking.update.stop()
         rows.append({"stack": f"{CALLS} {name}", "median ms": statistics.median(times), "min ms": min(times),
                      "of limit": statistics.median(times) / limit})
     return rows
 
 
 if __name__ == "__main__":
-    sys.exit(in_blender.main("live", __doc__.split("\n\n")[0], {"repeats": 40}, measure))
+    sys.exit(in_blender.main("update", __doc__.split("\n\n")[0], {"repeats": 40}, measure))
