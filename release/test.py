@@ -20,20 +20,20 @@ from platforms import chosen, parser_of, wheel_name
 ROOT = Path(__file__).resolve().parent.parent
 # Both modules, the reference cases of tests/data, bakes and rays.
 QUICK = (
-    "tests/core/test_quadrature.py",
-    "tests/core/test_thread_pool.py",
-    "tests/core/test_mesh.py",
+    "tests/core/numeric/test_quadrature.py",
+    "tests/core/numeric/test_thread_pool.py",
+    "tests/core/bodies/test_mesh.py",
     "tests/lamina/solver/test_reference_cases.py",
     "tests/lamina/baking/test_lut.py",
 )
 SELECTION = (
     *QUICK,
-    "tests/core/test_accuracy.py",
-    "tests/core/test_base_kinds.py",
-    "tests/core/test_doubling.py",
-    "tests/core/test_graded_sublayers.py",
-    "tests/core/test_scattering_ode.py",
-    "tests/core/test_solid.py",
+    "tests/core/solve/test_accuracy.py",
+    "tests/core/matter/test_base_kinds.py",
+    "tests/core/solve/test_doubling.py",
+    "tests/core/matter/test_graded_sublayers.py",
+    "tests/core/solve/test_scattering_ode.py",
+    "tests/core/bodies/test_solid.py",
     "tests/lamina/cli/test_command_line.py",
     "tests/lamina/material",
     "tests/lamina/settling/test_dust_texels.py",
@@ -44,7 +44,7 @@ SELECTION = (
 )
 NEEDS_MORE = "*/test_metal_colours.py"  # Mitsuba and SciPy
 # Starts the interpreter again, which the kernel cannot run: qemu runs only the first process.
-STARTS_ANOTHER = "tests/core/test_mesh.py::test_without_the_layer_all_else_works_and_dust_says_why"
+STARTS_ANOTHER = "tests/core/bodies/test_mesh.py::test_without_the_layer_all_else_works_and_dust_says_why"
 
 
 def passes(platform, python, wheel):

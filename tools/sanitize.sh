@@ -12,8 +12,9 @@ case "$kind" in
 address) flags="-fsanitize=address,undefined -fno-sanitize-recover=all" runtimes="libasan.so libubsan.so"
     tests="tests/core" ;;
 thread) flags="-fsanitize=thread" runtimes="libtsan.so"
-    tests="tests/core/test_thread_pool.py tests/core/test_mesh.py tests/core/test_scattering_walk.py
-        tests/lamina/walks/test_shards.py tests/lamina/interior/test_walk_parts.py" ;;
+    tests="tests/core/numeric/test_thread_pool.py tests/core/bodies/test_mesh.py
+        tests/core/laboratory/test_scattering_walk.py tests/lamina/walks/test_shards.py
+        tests/lamina/interior/test_walk_parts.py" ;;
 *)
     echo "lamina: sanitize $kind: must be address or thread" >&2
     exit 2
@@ -45,4 +46,4 @@ export ASAN_OPTIONS=detect_leaks=0 TSAN_OPTIONS="halt_on_error=1 suppressions=$P
 # The test that is left out starts processes without the preloaded runtime.
 PYTHONPATH="$build/package" LD_PRELOAD="$preload" PYTHONMALLOC=malloc setarch "$(uname -m)" -R \
     "$python" -m pytest $tests -p no:cacheprovider --capture=sys \
-    --deselect tests/core/test_mesh.py::test_without_the_layer_all_else_works_and_dust_says_why "$@"
+    --deselect tests/core/bodies/test_mesh.py::test_without_the_layer_all_else_works_and_dust_says_why "$@"

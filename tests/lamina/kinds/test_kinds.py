@@ -50,14 +50,17 @@ def test_the_range_and_its_sentence_agree(field):
 
 
 @pytest.mark.parametrize(("file", "name"), [
-    ("core/test_phase.py", "DRAWN"), ("lamina/material/test_phase_in_stack.py", "ALL"),
+    ("core/phase/test_phase.py", "DRAWN"), ("lamina/material/test_phase_in_stack.py", "ALL"),
     ("lamina/solver/test_phase_solves.py", "PHASES"), ("lamina/walk_cases.py", "CASES"),
 ])
 def test_an_added_phase_function_is_in_the_lists_of_the_tests(file, name, monkeypatch):
     class Added(lamina.HenyeyGreenstein):
         pass
 
-    path = str(Path(__file__).parents[2] / file)
+    tests = Path(__file__).parents[2]
+    for helpers in ("core", "core/phase"):  # pytest adds these folders only when it collects their tests too
+        monkeypatch.syspath_prepend(tests / helpers)
+    path = str(tests / file)
     before = runpy.run_path(path)[name]
     monkeypatch.setattr(phases, "KINDS", (*phases.KINDS, Added))
     assert len(runpy.run_path(path)[name]) > len(before)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-NATIVE = Path(__file__).resolve().parents[2] / "native"
+NATIVE = Path(__file__).resolve().parents[3] / "native"
 
 # Methods that exist for a Lambert surface only: the scattering equation over a ground, the light of the beam's spot on
 # the base, and another reflectance for a solved stack.
