@@ -12,7 +12,7 @@ from ..kinds.hashable import Hashable
 from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, ITEM, single_scattering_albedo
 from ..kinds.phases import Isotropic
 from .phase import Phase, check_phase
-from .profile import Knot, check_profile, optical_thickness, turned
+from .profile import Knot, check_profile, tau_of, turned
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Medium(Hashable):
     def optics(self, index: int) -> tuple[float | None, float]:
         """(albedo, tau) of one channel; the albedo is None if a colour or a profile is given instead."""
         if self.profile is not None:
-            return None, optical_thickness(self, index)
+            return None, tau_of(self, index)
         if self.tau is not None:
             return None if self.albedo is None else channel(self.albedo, index), channel(self.tau, index)
         sigma_s, sigma_a = channel(self.sigma_s, index), channel(self.sigma_a, index)

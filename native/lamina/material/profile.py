@@ -145,7 +145,7 @@ def turned(knots: Sequence[Knot]) -> tuple[Knot, ...]:
     return tuple(replace(knot, depth=1.0 - knot.depth) for knot in reversed(knots))
 
 
-def optical_thickness(medium, index: int) -> float:
+def tau_of(medium, index: int) -> float:
     """Tau of a Medium with a profile, in one channel."""
     if medium.tau is not None:
         return channel(medium.tau, index)
