@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A render of the scene shows finished updates: it waits at its start until they are applied.
+"""A render of the scene waits at its start until all updates are applied.
 
-At F12 Blender calls render_init in the thread of the render, which may not write: Blender crashes if the
-main thread draws meanwhile (seen in 4.3). So that thread waits, and the timer of the updates writes, on the
-main thread, which goes on. At a render by a script, the main thread itself calls render_init, and works."""
+At F12 Blender calls render_init in the thread of the render. This thread may not write, because Blender may
+crash when the main thread draws meanwhile (seen in 4.3). So it waits. The main thread goes on, and the timer
+of the updates applies them there. When a script renders, Blender calls render_init in the main thread, which
+then makes the updates itself."""
 
 import sys
 import threading
@@ -16,8 +17,9 @@ from ..base import handlers, renders
 from . import update
 
 STEP = 0.02  # seconds between two looks
-# The render starts without the updates after this many seconds, or if the main thread is deaf: it may wait
-# for the end of the render, because another file is opened.
+# Seconds after which the render starts without the updates: since its start, and since the last call of the
+# updates' timer. The main thread calls no timer while it waits for the end of the render, for example because
+# another file is opened.
 LONGEST, DEAF = 120.0, 3.0
 
 

@@ -41,7 +41,7 @@ class _Material:
     def __init__(self):
         self.changed = False  # since the last bake was started
         self.touched = time.monotonic()  # when something last happened
-        self.rough = False  # the shown bake is coarser than the material's own quality and fit
+        self.rough = False  # the shown bake is not yet one of the material's own quality and fit
         self.seconds, self.nodes = 0.0, 0  # of the last bake of all rows while layers changed
 
     def coarse_options(self, material):
@@ -56,8 +56,8 @@ class _Material:
 
 
 class UpdateJob(bake_job.MaterialJob):
-    """A bake as the material wants it, or a coarse one with the closures of the last bake. `options`: of a
-    coarse bake, see coarse_options."""
+    """A whole bake, with the material's own quality and fit, or a coarse one with the closures of the last
+    bake. `options`: of a coarse bake, see coarse_options."""
 
     def __init__(self, material, is_whole, options=None):
         self.started, self.is_whole, self.options = time.monotonic(), is_whole, options or {}

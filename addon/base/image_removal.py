@@ -3,9 +3,9 @@
 
 Previews of materials and viewports render in threads of their own, which hold pointers to the images of the
 main thread. Blender crashes if an image is removed before such a thread has read its pixels (seen in 4.3). A
-preview has its pointers even before its render starts: Blender copies the nodes at once, and renders icons
-two seconds later, and meanwhile no job is running. In a window, an unused image therefore stays until those
-must have started, and no render runs. Blender does not save images without users."""
+preview holds such pointers before its render starts: Blender copies the nodes at once, but starts the render
+of an icon two seconds later, and tells of no running job meanwhile. In a window, an unused image therefore
+stays until all such renders have started and none runs. Blender does not save images without users."""
 
 import bpy
 from bpy.app.handlers import persistent

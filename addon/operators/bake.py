@@ -38,8 +38,13 @@ class LAMINA_OT_bake(Following, bpy.types.Operator):
         update.leave(material)
         return bake_job.start(material, *update.first_settings(material)), f"Lamina bakes {material.name}"
 
+    def ended(self, context, job):
+        answer = super().ended(context, job)
+        if answer == {"FINISHED"}:
+            update.refine(job.material())
+        return answer
+
     def told(self, material):
-        update.refine(material)
         report = material.lamina.result.report
         fit = messages.percent(report["fit_error"])
         return f"Baked {material.name} in {report['seconds']:.1f} s, fit error {fit}"

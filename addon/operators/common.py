@@ -27,12 +27,14 @@ def refused(operator, error):
 def show_layers(context):
     """Bake the changed layers of the material and show them: connects the material's node group, whose tables
     the bake replaces. In a window, the bake runs beside the artist's work, and its own operator reports a
-    failure. Returns what the calling operator returns."""
+    failure. While another bake runs, the layers wait for their update. Returns what the calling operator
+    returns."""
     material = material_of(context)
     if material.lamina.node_group is not None and not node_group.is_connected(material):
         node_group.connect(material)
     with context.temp_override(material=material):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
+        if bpy.ops.lamina.bake.poll():
+            bpy.ops.lamina.bake("INVOKE_DEFAULT")
     return {"FINISHED"}
 
 

@@ -4,7 +4,6 @@
 import bpy
 
 from ..baking import lateral_job
-from ..base import native
 from ..base.messages import RefusedError
 from ..editing import layer_list, over_material
 from ..interior import interior_job
@@ -81,7 +80,7 @@ class LAMINA_OT_add_stack(bpy.types.Operator):
     def invoke(self, context, _event):
         """A click: add the layers and show them. Scripts, which execute, bake themselves."""
         self.execute(context)
-        return common.show_layers(context) if native.available() else {"FINISHED"}
+        return common.show_layers(context)
 
     def execute(self, context):
         layer_list.add_stack(common.material_of(context))

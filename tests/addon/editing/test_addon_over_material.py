@@ -292,8 +292,7 @@ def test_the_command_line(addon, lamina, glossy, tmp_path, capsys):
 def told_by_base_panel(addon, material):
     """Texts and operators that the panel Base draws."""
     layout = Layout()
-    theme = SimpleNamespace(user_interface=SimpleNamespace(wcol_regular=SimpleNamespace(text=(0.9, 0.9, 0.9))))
-    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), themes=[theme])
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
     context = SimpleNamespace(material=material, preferences=preferences, region=SimpleNamespace(width=400.0))
     addon.ui.panel.LAMINA_PT_base.draw(SimpleNamespace(layout=layout), context)
     return " ".join(layout.lines)

@@ -6,8 +6,6 @@ something is wrong. What Blender prints of errors in panels and timers is for th
 """
 
 import faulthandler
-import importlib
-import random
 import sys
 from pathlib import Path
 
@@ -15,13 +13,24 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 import blender_window as window
+from random_actions import random_actions  # noqa: F401 (found by its name)
+from steps import (
+    PACKAGE,
+    at_rest,
+    baked,
+    by_hand,
+    check_images,
+    info_log,
+    layered,
+    part,
+    preview_rendered,
+    push,
+    slowly_baking,
+    unfold_ball,
+    until,
+)
 
-PACKAGE = "bl_ext.user_default.lamina"
 OUT = Path(__file__).parent
-
-
-def part(name):
-    return importlib.import_module(f"{PACKAGE}.{name}")
 
 
 def panel_drawn(panel):
@@ -269,184 +278,6 @@ def quit_while_baking(panel):
     bpy.ops.wm.quit_blender()
     yield 60.0
     raise AssertionError("Blender has not quit")
-
-
-def random_actions(panel, seed, count):
-    """`count` random clicks and values in the panel, presets, undo and redo, with a viewport that Cycles renders now
-    and then. Pauses are short or long enough for a bake."""
-    chance = random.Random(seed)
-    layered(panel)
-    push("layers")
-    for _ in range(count):
-        faulthandler.dump_traceback_later(HANGING, exit=True)
-        chance.choices([act, step_in_time, take_preset, shade], [10, 4, 2, 1])[0](panel, chance)
-        check_images()
-        yield chance.choice([0.02, 0.02, 0.3, 1.0])
-        check_images()
-    part("baking.bake_job").stop()
-    part("baking.update").stop()
-
-
-def act(panel, chance):
-    """One random click, or a random value of a random property."""
-    material = bpy.context.object.active_material
-    if chance.random() < 0.5 and material.lamina.layers:
-        settings = material.lamina
-        change(chance.choice([settings, settings.base, settings.interior, *settings.layers]), chance)
-        push("value")
-        return
-    name = chance.choice([name for name in dir(bpy.ops.lamina) if name not in NEVER])
-    ways = ["INVOKE_DEFAULT"] if name in LONG else ["INVOKE_DEFAULT", "EXEC_DEFAULT"]
-    click(panel, name, chance.choice(ways))
-
-
-def click(panel, name, way, **arguments):
-    """Call an operator where its button is active. An error that the operator reports is no failure."""
-    operator = getattr(bpy.ops.lamina, name)
-    with window.on(panel):
-        try:
-            if operator.poll():
-                operator(way, True, **arguments)
-        except RuntimeError as error:
-            assert "Traceback" not in str(error), f"lamina.{name}: {error}"
-        except TypeError as error:  # an argument that the panel's button gives is missing
-            assert "required" in str(error) or "enum" in str(error), f"lamina.{name}: {error}"
-
-
-def step_in_time(panel, chance):
-    """Undo or redo, sometimes several times."""
-    operator = chance.choice([bpy.ops.ed.undo, bpy.ops.ed.undo, bpy.ops.ed.redo])
-    for _ in range(chance.choice([1, 1, 3])):
-        with window.on(panel):
-            if operator.poll():
-                operator()
-
-
-def take_preset(panel, chance):
-    click(panel, "preset_apply", "EXEC_DEFAULT", preset=chance.choice(PRESETS))
-
-
-def shade(_panel, chance):
-    (view,) = (area for area in window.WINDOW.screen.areas if area.type == "VIEW_3D")
-    view.spaces.active.shading.type = chance.choice(["RENDERED", "RENDERED", "SOLID"])
-
-
-def change(owner, chance):
-    """Give a random property of `owner` a random value within its limits."""
-    known = [one for one in owner.bl_rna.properties if not one.is_readonly and one.identifier != "name"]
-    chosen = chance.choice(known)
-    if chosen.type == "BOOLEAN":
-        value = chance.random() < 0.5
-    elif chosen.type == "ENUM":
-        value = chance.choice([item.identifier for item in chosen.enum_items] or [None])
-    elif chosen.type in ("FLOAT", "INT"):
-        one = (chance.uniform if chosen.type == "FLOAT" else chance.randint)(chosen.soft_min, chosen.soft_max)
-        value = [one] * chosen.array_length if chosen.is_array else one
-    else:
-        return
-    if value is not None and not (chosen.type == "ENUM" and chosen.is_enum_flag):
-        setattr(owner, chosen.identifier, value)
-
-
-# Seconds without a step, after which Blender ends with what its threads do. A step may wait for a preview, whose shader
-# software OpenGL compiles in up to 40 seconds of processor time: minutes on a busy machine.
-HANGING = 900.0
-# Matte, a metal, with varying dust, a sheet, and one with translucent layers.
-PRESETS = ("paper", "gold", "dusty-bronze", "leaf", "skin-light")
-# Operators that open a file dialogue, which waits for a user, and those that the add-on calls.
-NEVER = ("stack_export", "stack_import", "preset_save", "profile_replace", "phase_replace", "timer", "stop_previews")
-# Long work runs beside the window, as buttons start it: scripts would wait for its end.
-LONG = ("bake", "dust_settle", "interior", "lateral")
-
-
-def layered(panel):
-    """The cube's material with one layer of dust over grey, at preview quality."""
-    material = bpy.context.object.active_material
-    with window.on(panel):
-        if not material.lamina.enabled:
-            bpy.ops.lamina.add_stack()
-    material.lamina.quality = "preview"
-    return material
-
-
-def slowly_baking(panel, material):
-    """Layers whose bake takes several seconds; the bake is running afterwards."""
-    by_hand()
-    material.lamina.quality = "final"
-    material.lamina.layers[0].tau = 1.7
-    material.lamina.layers[0].g = 0.9
-    with window.on(panel):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
-    yield 0.2
-    assert part("baking.bake_job").running_for(material) is not None
-
-
-def baked(panel, material):
-    with window.on(panel):
-        bpy.ops.lamina.bake("INVOKE_DEFAULT")
-    yield from until(lambda: part("baking.bake_job").running() is None)
-    assert part("baking.bake_job").failure(material) == ""
-
-
-def push(message):
-    """An undo step, as a button in the panel makes one after its change."""
-    bpy.ops.ed.undo_push(message=message)
-
-
-def unfold_ball():
-    """Show the material's ball in the Material tab."""
-    ball = bpy.types.CYCLES_MATERIAL_PT_preview
-    bpy.utils.unregister_class(ball)
-    ball.bl_options = set()
-    bpy.utils.register_class(ball)
-
-
-def preview_rendered(panel, material, number):
-    """Change the material, until Cycles renders its ball. Nodes must not change during an earlier render: Blender 4.3
-    may crash then."""
-    yield from until(lambda: not bpy.app.is_job_running("RENDER_PREVIEW"), step=0.01)
-    material.diffuse_color[0] = 0.1 * number
-    material.node_tree.nodes[0].location.x += 1.0
-    material.node_tree.update_tag()
-    panel.tag_redraw()
-    yield from until(lambda: bpy.app.is_job_running("RENDER_PREVIEW"), step=0.01)
-
-
-def info_log():
-    """The text of the Info log."""
-    (area,) = (area for area in window.WINDOW.screen.areas if area.type == "INFO")
-    with window.on(area):
-        bpy.ops.info.select_all(action="SELECT")
-        bpy.ops.info.report_copy()
-    return bpy.context.window_manager.clipboard
-
-
-def check_images():
-    """Every image and group that a node uses is in the file: a pointer to one that undo has freed crashes Blender."""
-    known = {one.as_pointer() for one in (*bpy.data.images, *bpy.data.node_groups)}
-    trees = [*bpy.data.node_groups, *(one.node_tree for one in bpy.data.materials if one.node_tree)]
-    for node in (node for tree in trees for node in tree.nodes):
-        used = getattr(node, "image", None) or (getattr(node, "node_tree", None) if node.type == "GROUP" else None)
-        assert used is None or used.as_pointer() in known, f"{node.id_data.name}: {node.name} uses a freed data-block"
-
-
-def at_rest():
-    """Until all updates are shown, in the quality of the material."""
-    yield 0.1
-    yield from until(lambda: not part("baking.update").are_pending())
-
-
-def by_hand():
-    """Bake at the button only, and in the quality of the material."""
-    bpy.context.preferences.addons[PACKAGE].preferences.automatic = False
-
-
-def until(holds, longest=120.0, step=0.1):
-    waited = 0.0
-    while not holds():
-        yield step
-        waited += step
-        assert waited < longest, "waited too long"
 
 
 def story(name, *arguments):
