@@ -82,7 +82,7 @@ def remove_layer(material):
 
 def duplicate_layer(material):
     """Put a copy of the active layer below it, select it and return it. The copy does not vary, because only
-    one layer may vary."""
+    one medium and one interface may vary."""
     renders.stop_previews()
     settings = material.lamina
     index = _active_index(settings)

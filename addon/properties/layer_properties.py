@@ -61,16 +61,15 @@ class FacetProperties:
 
 
 def _kind_changed(layer, _context):
-    if layer.kind != "medium":
-        layer.varying = False
+    layer.varying = False
     changes.edited(layer)
 
 
 def _varying_changed(layer, _context):
-    """A stack has at most one thickness axis: the last choice wins."""
+    """At most one medium and one interface of a stack vary: the last choice wins."""
     if layer.varying:
         for other in layer.id_data.lamina.layers:
-            if other != layer and other.varying:
+            if other != layer and other.varying and other.kind == layer.kind:
                 other.varying = False
     changes.edited(layer)
 
@@ -132,9 +131,10 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     infinite: switch("Infinite", "This layer has no bottom; nothing below it is seen")
     thickness: number(media.THICKNESS)
     varying: switch(
-        "Varying Thickness",
-        "Give the node group a Thickness input, from 0 to this layer's optical thickness. "
-        "One layer of a stack can vary",
+        "Varying",
+        "Give the node group an input: of a medium its Thickness, from 0 to this layer's optical thickness; "
+        "of an interface the Coverage, from 0 without it and its media to 1. "
+        "One medium and one interface of a stack can vary",
         update=_varying_changed,
     )
 

@@ -118,7 +118,7 @@ def _draw_medium(layout, layer):
         _with_infinity(column, layer, "thickness", f"{amount} (mm)")
     else:
         _draw_tau(column, layer, amount)
-    column.prop(layer, "varying", text="Varying")
+    column.prop(layer, "varying")
     if not imported:
         _draw_phase(column, layer)
     _draw_more_of_medium(layout, layer, imported)

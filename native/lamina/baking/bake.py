@@ -6,15 +6,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from ..common.arguments import check_choice, check_whole
-from ..common.progress import Progress, stepper
-from ..kinds.table import TAU_ROWS
+from ..common.errors import StackError
+from ..common.progress import Progress, portion, stepper
+from ..kinds.table import TAU_ROWS, Strip
 from ..material.any_stack import AnyStack, as_stack
+from ..material.stack import Stack
 from ..solver.solve import check_nodes, tolerance_of
 from .bases.choice import kind_of
 from .bases.job import CLOSURE_BASES, Job, given_strips
 from .fit.slices import require_table
-from .table.header import new_header
+from .table.header import new_header, with_uncovered
 from .table.lut import Lut
 
 
@@ -53,6 +57,8 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     `albedo`, the largest relative error of the directional albedo; `mean` over all values; `worst` and `albedo`: the
     largest errors and where they are. `input_error` is left out if `row_stride` is above 1 or `closures`
     are given, that is in bakes while a slider moves.
+    The table of a stack with a varying interface also holds that of the stack without the film, `uncovered`, with a
+    report of its own; all other entries of the report, and `closures`, are those with the film.
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
     [8, 160], `threads` in [0, 1024]."""
     stack = as_stack(stack)
@@ -62,14 +68,39 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     check_choice(basis, "basis", CLOSURE_BASES)
     given = given_strips(closures)
     require_table(stack)
+    bare = _bare(stack)
     started = time.perf_counter()
     step = stepper("the bake", progress, cancel)
     measures = row_stride == 1 and closures is None
-    base = kind_of(stack)(Job(stack, quality, basis, threads, row_stride, nodes, given, measures, step))
+
+    def made(stack: Stack, given: Sequence[Strip], step: Progress) -> tuple[dict, np.ndarray]:
+        return _table(Job(stack, quality, basis, threads, row_stride, nodes, given, measures, step))
+
+    header, weights = made(stack, given, step if bare is None else portion(step, 0.0, 0.5))
+    without = None
+    if bare is not None:
+        inner, without = made(bare, [], portion(step, 0.5, 1.0))
+        header = with_uncovered(header, inner)
+    step(1.0, "Done")
+    return Lut(header, weights, time.perf_counter() - started, without)
+
+
+def _table(job: Job) -> tuple[dict, np.ndarray]:
+    """(header, weights) of the table of one stack."""
+    base = kind_of(job.stack)(job)
     parts = base.parts()
-    header = new_header(stack, quality, basis, base.solved, base.roughnesses,
+    header = new_header(job.stack, job.quality, job.basis, base.solved, base.roughnesses,
                         [strip for part in parts for strip in part.strips])
     weights = base.weights(parts)
-    report = base.errors(header, weights)
-    step(1.0, "Done")
-    return Lut({**header, "report": report}, weights, time.perf_counter() - started)
+    return {**header, "report": base.errors(header, weights)}, weights
+
+
+def _bare(stack: Stack) -> Stack | None:
+    """The stack without the film of its varying interface, if it has one. Raises StackError if no table holds it."""
+    bare = stack.uncovered
+    if bare is not None:
+        try:
+            require_table(bare)
+        except StackError as error:
+            raise StackError(f"layers[{stack.covering}].varying = true: without its film, {error}") from None
+    return bare

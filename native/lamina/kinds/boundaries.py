@@ -23,6 +23,8 @@ COMPENSATE = Option("compensate", (True, False), "Keep Energy",
 CORRELATED = Option("correlated", (True, False), "Shared Shadows",
                     "Facets hidden from one side are more often hidden from the other too", advanced=True)
 FACETS = (DISTRIBUTION, COMPENSATE, CORRELATED)
+VARYING = Option("varying", (False, True), "Varying",
+                 "Give the node group a Coverage input: 0 without the film of this interface, 1 with it")
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,11 @@ class Interface(Hashable):
     interface, [1, 4]; above the first interface is air, and a sheet seen from both sides ends with an interface of ior
     1. `alpha`: microfacet width, [0, 1], 0 is smooth. `compensate`: add the energy that single scattering by facets
     loses to shadowing, refracted light in its own direction. `correlated`: height-correlated masking, else the product
-    of the masking of both directions (the older form that some renderers use)."""
+    of the masking of both directions (the older form that some renderers use).
+
+    `varying` marks the one interface whose coverage becomes an input of the baked material: the share of the surface
+    that has its film, which is the interface and the media below it, down to the next interface or the base. Where the
+    film is absent, what lies below meets the index above the film. Solvers take the film as present."""
 
     ior: Channels
     alpha: float = 0.0
@@ -39,11 +45,11 @@ class Interface(Hashable):
     compensate: bool = True
     correlated: bool = True
     name: str = ""
+    varying: bool = False
 
     kind = "interface"
     fields = (IOR, ALPHA)
-    options = FACETS
+    options = (*FACETS, VARYING)
     has_phase = False
-    varying = False
     item = Item(kind, "Interface", "A boundary that reflects and refracts: the surface of varnish, glass, water", 1,
                 icon="MESH_PLANE")

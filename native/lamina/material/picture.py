@@ -28,6 +28,7 @@ def stack_picture(stack: Stack) -> str:
         if isinstance(layer, Interface):
             height, fill = BOUNDARY, "#5090c0"
             words = f"interface, ior {_range(layer.ior, stack)}" + (f", alpha {layer.alpha:g}" if layer.alpha else "")
+            words += ", varying" if layer.varying else ""
         else:
             taus = [stack.optics(number, c)[1] for c in range(stack.channels)]
             height = THIN + (THICK - THIN) * _share(max(taus))

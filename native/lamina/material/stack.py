@@ -20,6 +20,7 @@ from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, to_plain
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from .colours import albedos_of
+from .coverage import NOTHING, without_film
 from .layers import Medium
 from .metals import indices_of
 from .phase import check_phase
@@ -67,11 +68,13 @@ class Stack:
             if not isinstance(value, str):
                 raise StackError(f"{text} = {quoted(value)}: must be a text")
             object.__setattr__(self, text, value)
-        varying = [i for i, layer in enumerate(checked) if layer.varying]
-        if len(varying) > 1:
-            raise StackError(f"layers[{varying[1]}].varying = true: only one layer may vary")
-        if varying and max(self._medium(varying[0]).optics(c)[1] for c in range(self.channels)) == math.inf:
-            raise StackError(f"layers[{varying[0]}].tau = inf: a varying layer needs a largest thickness")
+        for kind in (Medium, Interface):
+            varying = self._varying(kind)
+            if len(varying) > 1:
+                raise StackError(f"layers[{varying[1]}].varying = true: only one {kind.kind} may vary")
+        varies = self.varying
+        if varies is not None and max(self._medium(varies).optics(c)[1] for c in range(self.channels)) == math.inf:
+            raise StackError(f"layers[{varies}].tau = inf: a varying layer needs a largest thickness")
         object.__setattr__(self, "_albedos", self._find_albedos())
         if isinstance(self.base, Conductor):
             object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
@@ -86,8 +89,25 @@ class Stack:
 
     @property
     def varying(self) -> int | None:
-        """Index of the layer whose thickness is an input, if any."""
-        return next((i for i, layer in enumerate(self.layers) if layer.varying), None)
+        """Index of the medium whose thickness is an input, if any."""
+        return next(iter(self._varying(Medium)), None)
+
+    @property
+    def covering(self) -> int | None:
+        """Index of the interface whose coverage is an input, if any."""
+        return next(iter(self._varying(Interface)), None)
+
+    @property
+    def uncovered(self) -> Stack | None:
+        """The stack where the varying interface is absent, with the media that belong to it, see Interface; None if no
+        interface varies."""
+        if self.covering is None:
+            return None
+        layers = without_film(self.layers, self.covering, self.channels)
+        return Stack(layers if layers or self.base is not None else [NOTHING], self.base)
+
+    def _varying(self, kind: type) -> list[int]:
+        return [i for i, layer in enumerate(self.layers) if isinstance(layer, kind) and layer.varying]
 
     @property
     def label(self) -> str:

@@ -111,8 +111,8 @@ def test_pickles_are_refused_and_not_run(saved):
 
 
 def test_a_newer_schema_is_refused_by_its_number(saved, lut):
-    sentence = refused(saved, npz({**lut.header, "schema": 2}, lut.weights))
-    assert sentence == f"{saved}: schema 2 needs a newer Lamina, which reads up to 1"
+    sentence = refused(saved, npz({**lut.header, "schema": 3}, lut.weights))
+    assert sentence == f"{saved}: schema 3 needs a newer Lamina, which reads up to 2"
 
 
 @pytest.mark.parametrize("change", ["shape", "dtype", "negative", "nan", "closures"])

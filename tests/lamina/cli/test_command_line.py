@@ -168,7 +168,7 @@ class TestReport:
         lut = lamina.Lut.load(baked)
         lamina.Lut({**lut.header, "schema": 3}, lut.weights).save(baked)
         assert main(["report", "out.npz"]) == 2
-        assert capfd.readouterr() == ("", "lamina: out.npz: schema 3 needs a newer Lamina, which reads up to 1\n")
+        assert capfd.readouterr() == ("", "lamina: out.npz: schema 3 needs a newer Lamina, which reads up to 2\n")
 
     def test_incomplete(self, baked, capfd):
         lut = lamina.Lut.load(baked)

@@ -76,7 +76,7 @@ BAD = {
         lambda: Stack(base=HalfSpace(0.5, HenyeyGreenstein(-2.0))), "base.phase.g = -2: must lie in [-0.964, 0.964]"),
     "two varying": (
         lambda: Stack([Medium(albedo=0.5, tau=1.0, varying=True)] * 2),
-        "layers[1].varying = true: only one layer may vary"),
+        "layers[1].varying = true: only one medium may vary"),
     "varying without end": (
         lambda: Stack([Medium(albedo=0.5, tau=math.inf, varying=True)]),
         "layers[0].tau = inf: a varying layer needs a largest thickness"),

@@ -190,7 +190,7 @@ def test_two_varying_layers():
     data = copy.deepcopy(GOOD)
     for layer in data["layers"]:
         layer.update(tau=1.0, varying=True)
-    with pytest.raises(lamina.StackError, match=r"^layers\[1\].varying = true: only one layer may vary$"):
+    with pytest.raises(lamina.StackError, match=r"^layers\[1\].varying = true: only one medium may vary$"):
         Stack.from_json(data)
 
 

@@ -28,7 +28,9 @@ def kind_of(stack: Stack) -> type[BakedBase]:
 
 
 def largest_size(stack: Stack, basis: str) -> tuple[int, int]:
-    """(height, width) of the largest image that the table of this stack and basis can have, in texels: see
-    Lut.image."""
+    """(height, width) of the largest image that the table of this stack and basis can have, in texels, with that of
+    the stack without the film of its varying interface: see Lut.image."""
     rows = TAU_ROWS if stack.varying is not None else 1
-    return rows * kind_of(stack).most_strips(stack, CLOSURE_BASES[basis]), COLUMNS
+    bare = stack.uncovered
+    more = 0 if bare is None else largest_size(bare, basis)[0]
+    return rows * kind_of(stack).most_strips(stack, CLOSURE_BASES[basis]) + more, COLUMNS

@@ -36,6 +36,8 @@ def describe(lut) -> str:
     if report["tau_rows"] > 1:
         lines.append(f"thickness     {report['tau_rows']} rows up to {header['axes']['tau']['values'][-1]:g}")
         lines += _by_thickness(report)
+    if lut.uncovered is not None:
+        lines += ["without the film of the varying interface:", describe(lut.uncovered)]
     return "\n".join(lines)
 
 

@@ -18,6 +18,7 @@ from ...material.stack import Stack
 from ..fit.slices import SolvedRows
 
 SCHEMA = 1
+COVERED_SCHEMA = 2  # of tables that also hold the stack without the film of its varying interface
 
 _MISSING = object()
 _TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
@@ -75,16 +76,35 @@ def new_header(stack: Stack, quality: str, basis: str, solved: SolvedRows, rough
     }
 
 
-def problem(header, weights: np.ndarray) -> str:
-    """The first problem of a table, in words, or ''."""
+def with_uncovered(header: dict, inner: dict) -> dict:
+    """The header of a table that also holds the stack without the film, whose header is `inner`."""
+    return {**header, "schema": COVERED_SCHEMA, "uncovered": inner}
+
+
+def problem(header, weights: np.ndarray, without: np.ndarray | None = None) -> str:
+    """The first problem of a table, in words, or ''. `without`: the weights of the stack without the film, if any."""
     schema = header.get("schema") if isinstance(header, dict) else None
     if not isinstance(schema, int) or isinstance(schema, bool):
         return "not a Lamina lookup table"
-    if schema > SCHEMA:
-        return f"schema {quoted(schema)} needs a newer Lamina, which reads up to {SCHEMA}"
+    if schema > COVERED_SCHEMA:
+        return f"schema {quoted(schema)} needs a newer Lamina, which reads up to {COVERED_SCHEMA}"
     if schema < 1:
-        return f"schema = {quoted(schema)}: must be {SCHEMA}"
-    return _problem_of_fields(header) or _problem_of_closures(header) or _problem_of_weights(header, weights)
+        return f"schema = {quoted(schema)}: must be {SCHEMA} or {COVERED_SCHEMA}"
+    return (_problem_of_fields(header) or _problem_of_closures(header) or _problem_of_weights(header, weights)
+            or _problem_of_uncovered(header, without))
+
+
+def _problem_of_uncovered(header: dict, without: np.ndarray | None) -> str:
+    inner, tau = header.get("uncovered"), header["axes"]["tau"]
+    if without is None or inner is None:
+        return "" if inner is without else "uncovered: a table has its header and its weights, or neither"
+    found = problem(inner, without)
+    if found or inner["schema"] != SCHEMA:
+        return f"uncovered: {found or f'schema must be {SCHEMA}'}"
+    axis = inner["axes"]["tau"]
+    if axis["count"] > 1 and (axis["count"], axis["values"]) != (tau["count"], tau["values"]):
+        return "uncovered: axes.tau must be that of the table, or have one row"
+    return ""
 
 
 def _problem_of_fields(header: dict) -> str:

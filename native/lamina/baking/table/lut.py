@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...common.archive import Damaged, load_archive, save_archive
+from ...common.arguments import finite_array
 from ...common.by_content import ByContent
-from ...common.errors import LutError
+from ...common.errors import ArgumentError, LutError
 from ...common.progress import Progress
 from ...material.any_stack import AnyStack, as_stack
 from ...material.stack import Stack
@@ -22,6 +23,7 @@ from ..report.lobe_picture import lut_picture
 from . import labelled
 from .header import problem
 
+_UNCOVERED = "uncovered"  # the entry of the header, and the array
 
 @dataclass(frozen=True, eq=False)
 class Lut(ByContent):
@@ -29,11 +31,14 @@ class Lut(ByContent):
 
     `weights`: float32, shape (sides, closures, tau rows, 64 columns, 3). `header`: a JSON object with
     schema, version (of the Lamina that made the table), stack, stack_hash, quality, basis, seed, sides, axes, closures
-    (lobe ids, see lamina.lobes, and "transparent" for the unscattered light of a sheet) and report."""
+    (lobe ids, see lamina.lobes, and "transparent" for the unscattered light of a sheet) and report. The table of a
+    stack with a varying interface has a second table, `uncovered`: its header is an entry of `header`, and its weights
+    are `uncovered_weights`."""
 
     header: dict
     weights: np.ndarray
     seconds: float = field(default=0.0, compare=False)
+    uncovered_weights: np.ndarray | None = None
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.weights.shape))
@@ -60,35 +65,59 @@ class Lut(ByContent):
         Raises StackError for a table whose header holds no valid stack."""
         return Stack.from_json(self.header["stack"])
 
+    @functools.cached_property
+    def uncovered(self) -> Lut | None:
+        """The table of the stack without the film of its varying interface; None if no interface varies."""
+        weights = self.uncovered_weights
+        return None if weights is None else Lut(self.header["uncovered"], weights)
+
     def evaluate(self, mu_o, mu_i, dphi, path: str = "reflect", side: str = "top", tau=None, color=None,
-                 metallic: float | None = None, roughness: float | None = None) -> np.ndarray:
+                 metallic: float | None = None, roughness: float | None = None, coverage=None) -> np.ndarray:
         """The fitted function in 1/sr, as Cycles renders it: a BRDF, or with `path` "transmit" a BTDF.
 
         Arguments are those of ScatteringFunction.brdf and btdf: cosines `mu_o` of the viewer and `mu_i` of the light in
         (0, 1], `dphi` in radians with 0 forward; light enters on `side`. Arrays broadcast. Shape: broadcast + (3,).
         `tau`: the thickness of the varying layer, in [0, largest], by default the largest; an array broadcasts too.
         `color`, `metallic`, `roughness`: inputs of the node group in [0, 1], by default those of the stack.
+        `coverage`: the share of the surface that has the film of the varying interface, in [0, 1], by default 1; an
+        array broadcasts too. Between 0 and 1 the function is the mixture of that with and that without the film.
 
         A mirror closure with a width counts; perfectly specular and unscattered light does not. The light of a shader
         below a ShaderBase is unknown and left out. Raises ArgumentError, and StackError as `stack` does."""
-        function = FittedFunction(self.header, self.weights, self.stack.base, color, metallic, roughness)
-        return function.values(mu_o, mu_i, dphi, path, side, tau)
+        return self._mixed(coverage, tau, (color, metallic, roughness),
+                           lambda function, tau: (function.values(mu_o, mu_i, dphi, path, side, tau),))[0]
 
     def reflectance(self, mu_o, side: str = "top", parts: bool = False, tau=None, color=None,
-                    metallic: float | None = None, roughness: float | None = None):
+                    metallic: float | None = None, roughness: float | None = None, coverage=None):
         """The directional albedo that Cycles shows under uniform light from above, for views with cosine `mu_o` on
         `side`. Shape: broadcast + (3,). By reciprocity it is the reflectance of a beam from there. `parts`: the pair
         (by closures that spread light, by mirrors). Other arguments are those of `evaluate`."""
-        return self._albedo("reflect", mu_o, side, parts, tau, color, metallic, roughness)
-
-    def transmittance(self, mu_o, side: str = "top", parts: bool = False, tau=None):
-        """Like `reflectance`, for light from the other side of a sheet; the parts are (spread, unscattered)."""
-        return self._albedo("transmit", mu_o, side, parts, tau, None, None, None)
-
-    def _albedo(self, path: str, mu_o, side: str, parts: bool, tau, color, metallic, roughness):
-        function = FittedFunction(self.header, self.weights, self.stack.base, color, metallic, roughness)
-        spread, direct = function.albedo(mu_o, path, side, tau)
+        spread, direct = self._mixed(coverage, tau, (color, metallic, roughness),
+                                     lambda function, tau: function.albedo(mu_o, "reflect", side, tau))
         return (spread, direct) if parts else spread + direct
+
+    def transmittance(self, mu_o, side: str = "top", parts: bool = False, tau=None, coverage=None):
+        """Like `reflectance`, for light from the other side of a sheet; the parts are (spread, unscattered)."""
+        spread, direct = self._mixed(coverage, tau, (), lambda function, tau: function.albedo(mu_o, "transmit", side,
+                                                                                              tau))
+        return (spread, direct) if parts else spread + direct
+
+    def _mixed(self, coverage, tau, inputs: tuple, values: Callable[..., tuple]) -> tuple[np.ndarray, ...]:
+        """The arrays `values(function, tau)` of the fitted function with these inputs, at a coverage."""
+        found = values(FittedFunction(self.header, self.weights, self.stack.base, *inputs), tau)
+        bare = self.uncovered
+        if coverage is None:
+            return found
+        if bare is None:
+            raise ArgumentError("coverage: must be left out, no interface of this table varies")
+        share = finite_array(coverage, "coverage")
+        if np.any((share < 0.0) | (share > 1.0)):
+            raise ArgumentError(f"coverage = {coverage}: must lie in [0, 1]")
+        has_thickness = bare.header["axes"]["tau"]["count"] > 1
+        others = values(FittedFunction(bare.header, bare.weights, bare.stack.base, *inputs),
+                        tau if has_thickness else None)
+        share = np.asarray(share)[..., None]
+        return tuple(share * one + (1.0 - share) * other for one, other in zip(found, others, strict=True))
 
     def compare(self, stack: AnyStack | None = None, threads: int = 0, progress: Progress | None = None,
                 cancel: Callable[[], bool] | None = None) -> Comparison:
@@ -122,7 +151,8 @@ class Lut(ByContent):
 
     def save(self, path: str | os.PathLike) -> None:
         """Writes the table as .npz, completely or not at all. Raises OSError."""
-        save_archive(path, self.header, weights=self.weights)
+        more = {} if self.uncovered_weights is None else {_UNCOVERED: self.uncovered_weights}
+        save_archive(path, self.header, weights=self.weights, **more)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Lut:
@@ -130,8 +160,10 @@ class Lut(ByContent):
         inconsistent header, and OSError when it cannot be opened."""
         try:
             header, (weights,) = load_archive(path, "weights")
+            has_more = isinstance(header, dict) and _UNCOVERED in header
+            without = load_archive(path, _UNCOVERED)[1][0] if has_more else None
         except Damaged as error:
             raise LutError(f"{path}: not a complete Lamina lookup table: {error}") from None
-        if found := problem(header, weights):
+        if found := problem(header, weights, without):
             raise LutError(f"{path}: {found}")
-        return cls(header, weights)
+        return cls(header, weights, uncovered_weights=without)
