@@ -98,10 +98,10 @@ def apply(material, lut, curves=None, in_place=False, coarse=False):
     stored as COARSE.
     """
     if not (in_place and node_group.update(material, lut)):
-        had_input = thickness.has_input(material)
+        missing = [name for name in thickness.INPUTS if not thickness.has_input(material, name)]
         node_group.build(material, lut)
-        if not had_input:
-            thickness.reconnect(material)
+        for name in missing:
+            thickness.reconnect(material, name)
     detail_wiring.add_if_wanted(material)
     material.lamina.result.note(lut)
     if curves is not None:

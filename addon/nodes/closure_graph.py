@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The nodes inside a material's group: from the view angle to a sum of weighted closures.
+"""The nodes of one table inside a material's group: from the view angle to a sum of weighted closures.
 
 u = (theta_o / (pi/2) * 63 + .5) / 64 and v = (strip * rows + t * (rows - 1) + .5) / height address the
 texel centres of the LUT (see lamina.Lut). Each texture's own mapping computes u and adds the strip: Cycles
@@ -26,9 +26,7 @@ from . import (
     roughness_graph,
     shader_base_graph,
     side_graph,
-    thin_sheet,
 )
-from .graph import Graph
 
 SCALE_LABEL = "rows"
 
@@ -67,27 +65,14 @@ def largest_tau(lut):
     return float(axis["values"][-1]) if axis["count"] > 1 else None
 
 
-def draw(tree, lut, eevee, image, recipe_of):
-    """Add the whole graph of `lut` to `tree`. `eevee`: the RealTimeTable of `lut`. `recipe_of(closure id)` ->
-    NodeRecipe. Returns the Graph.
-
-    Removes all added nodes if it fails. Raises UnknownClosureError.
-    """
-    graph = Graph(tree)
-    try:
-        _draw(graph, lut, eevee, image, recipe_of)
-    except BaseException:
-        graph.remove_created()
-        raise
-    return graph
-
-
-def _draw(graph, lut, eevee, image, recipe_of):
+def draw(graph, table, image, recipe_of):
+    """Add the nodes of one Table in `image`, see lut_image, to the Graph `graph`, and return its shader.
+    `recipe_of(closure id)` -> NodeRecipe. Raises UnknownClosureError."""
+    lut, eevee, height = table.lut, table.eevee, table.height
     rows = lut.header["axes"]["tau"]["count"]
     strip_rows = rows * roughness_rows(lut)
     strips = strips_of(lut.header)
     columns = lut.header["axes"]["view"]["count"]
-    height = lut_image.height_of(lut, eevee)
     covered = is_covered(strips)
     sums = _by_closure([strips[index] for index in used_closures(lut)], metals_apart=not covered)
     recipes = [recipe_of(same[0].closure) for same in sums]
@@ -126,7 +111,8 @@ def _draw(graph, lut, eevee, image, recipe_of):
         texture.image = image
         texture.interpolation, texture.extension = "Linear", "EXTEND"
         texture.texture_mapping.scale = ((columns - 1) / columns / (math.pi / 2), 1.0, 1.0)
-        texture.texture_mapping.translation = (0.5 / columns, (index * strip_rows + 0.5) / height, 0.0)
+        row = table.first + index * strip_rows
+        texture.texture_mapping.translation = (0.5 / columns, (row + 0.5) / height, 0.0)
         graph.link(corner, texture.inputs[0])
         textures.setdefault(index, []).append(texture)
         return texture.outputs["Color"]
@@ -143,7 +129,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
 
     graph.begin_frame("Texels for Eevee", ANGLE_COLOUR)
     chooser = eevee_graph.is_eevee(graph)
-    texels = eevee_lookup.Texels(graph, image, angle, columns, height, strip_rows, around)
+    texels = eevee_lookup.Texels(graph, image, angle, columns, height, strip_rows, around, table.first)
 
     def of_both(strip, line, label, number=None):
         """A strip that Cycles and Eevee share. `number`: where Cycles finds it, if not in the strip."""
@@ -208,11 +194,7 @@ def _draw(graph, lut, eevee, image, recipe_of):
         weight = _again_and_again(graph, -3, "w / (1 - c r)", weight, colour, thrown_back)
         total = shader_base_graph.over(graph, inputs, weight, total)
     graph.end_frame()
-
-    output = graph.node("NodeGroupOutput", 14.6, len(sums) - 1, folded=False)
-    output.is_active_output = True
-    graph.link(total, output.inputs["Shader"])
-    thin_sheet.draw(graph, lut, output)
+    return total
 
 
 def _by_closure(strips, metals_apart):
@@ -281,11 +263,11 @@ def _thickness_scale(lut, rows, height):
     return min(largest, 1.0e30), (rows - 1) / height / last if last else 0.0
 
 
-def rescale(tree, lut, eevee):
+def rescale(tree, table):
     """Changes a drawn tree to the thickness axis of another table of the same layout."""
-    rows = lut.header["axes"]["tau"]["count"]
+    rows = table.lut.header["axes"]["tau"]["count"]
     if rows > 1:
-        most, scale = _thickness_scale(lut, rows, lut_image.height_of(lut, eevee))
+        most, scale = _thickness_scale(table.lut, rows, table.height)
         values = {side_graph.MOST_LABEL: most, SCALE_LABEL: scale}
         for node in tree.nodes:
             if node.type == "MATH" and node.label in values:

@@ -12,10 +12,12 @@ class Texels:
     """Reads strips of an image.
 
     `angle`: the view angle, 0 to pi/2 over `columns` columns. `around`: the places of strip 0, without the
-    half texel, in an image of `height` texels, see roughness_graph. `rows`: of a strip."""
+    half texel, in an image of `height` texels, see roughness_graph. `rows`: of a strip; `first`: of the
+    table."""
 
-    def __init__(self, graph, image, angle, columns, height, rows, around):
+    def __init__(self, graph, image, angle, columns, height, rows, around, first=0):
         self.graph, self.image, self.height, self.rows, self.share = graph, image, height, rows, around.share
+        self.first = first
         last = columns - 1
         place = graph.math("MULTIPLY", 1.4, 16, "column", angle, last / (math.pi / 2))
         most = graph.math("MINIMUM", 2.4, 16, "at most the last", place, float(last))
@@ -46,7 +48,7 @@ class Texels:
         return corner.outputs[0], up
 
     def _at_thickness(self, corner, up, index, column, line, label, names):
-        first = index * self.rows
+        first = self.first + index * self.rows
         below = self._row(corner, first, column, line, label, names)
         if up is None:
             return below

@@ -17,6 +17,7 @@ class Graph:
         self.tree = tree
         self.created = []
         self.frame = None
+        self.down = 0.0  # rows between the top and the part that is drawn
 
     def begin_frame(self, label, colour):
         """Nodes added from now on belong to a new frame."""
@@ -32,7 +33,7 @@ class Graph:
 
     def node(self, kind, column, row, label="", folded=True):
         node = self._new(kind, label)
-        node.location = (column * COLUMN, -row * ROW)
+        node.location = (column * COLUMN, -(row + self.down) * ROW)
         node.hide = folded
         if self.frame is not None:
             node.parent = self.frame

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sockets of a material's group: the surface's normal, the thickness of the varying layer, and the values
-of the base that the table leaves open.
+"""The sockets of a material's group: the surface's normal, the thickness of the varying layer, the coverage
+of the varying interface, and the values of the base that the table leaves open.
 
 A rebuild adds and removes sockets and changes their defaults. A value that the artist has set stays; a value
 that is still the default follows the new default.
@@ -13,6 +13,7 @@ from ..kinds.table import BASE_WEIGHT, THROWN_BACK, Strip, strips_of
 from . import principled, principled_graph, shader_base_graph, side_graph
 from .graph import rgba
 
+COVERAGE = "Coverage"
 LARGEST = 1.0e6  # the panel's largest optical thickness
 
 _COLOR, _NUMBER, _SHADER = "NodeSocketColor", "NodeSocketFloat", "NodeSocketShader"
@@ -23,6 +24,7 @@ INPUTS = (
     (side_graph.FRONT, _NUMBER, "Optical thickness of the varying layer, from 0 to what was baked"),
     (side_graph.BACK, _NUMBER,
      "Optical thickness of the varying layer on back faces; below 0: as on front faces"),
+    (COVERAGE, _NUMBER, "Share of the surface that has the film of the varying interface, from 0 to 1"),
     ("Base Color", _COLOR, "Color of the base, linear; what the layers do to it is exact"),
     ("Metallic", _NUMBER, "0 is a dielectric base, 1 is a metal"),
     ("Roughness", _NUMBER, "Microfacet roughness of the base"),
@@ -32,8 +34,13 @@ INPUTS = (
 )
 
 
-def of_base(lut):
-    """{name: default} of the inputs that describe the base of `lut`; the default is None for a shader."""
+def of_table(lut):
+    """{name: default} of the coverage and of the inputs that describe the base of `lut`, where it has them;
+    the default is None for a shader."""
+    return ({} if lut.uncovered is None else {COVERAGE: 1.0}) | _of_base(lut)
+
+
+def _of_base(lut):
     strips, base = strips_of(lut.header), lut.header["stack"]["base"]
     if Strip(role=BASE_WEIGHT) in strips:
         return {shader_base_graph.SHADER: None, shader_base_graph.REFLECTANCE: rgba(base["reflectance"])}
@@ -44,8 +51,8 @@ def of_base(lut):
 
 
 def add_missing(group, tau, base):
-    """Add the missing sockets for a table of largest thickness `tau`, or None, and inputs of the base `base`.
-    Returns the names of the added inputs."""
+    """Add the missing sockets for a table of largest thickness `tau`, or None, and other inputs `base`, see
+    of_table. Returns the names of the added inputs."""
     if "Shader" not in named(group, "OUTPUT"):
         group.interface.new_socket("Shader", in_out="OUTPUT", socket_type=_SHADER)
     wanted = {"Normal": None, **base}
@@ -60,7 +67,7 @@ def add_missing(group, tau, base):
             socket.hide_value = True
         if wanted[name] is not None:
             socket.default_value = wanted[name]
-        if name in ("Metallic", "Roughness"):
+        if name in (COVERAGE, "Metallic", "Roughness"):
             socket.subtype, socket.min_value, socket.max_value = "FACTOR", 0.0, 1.0
         added.append(name)
     return added

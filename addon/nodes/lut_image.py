@@ -8,12 +8,37 @@ strip of a sheet's bottom side is as far above the strip of the top side as in t
 
 The weight of a Principled BSDF below is one number for all colors. It is also the alpha of another strip,
 which Cycles reads anyway: each texture less saves some per cent of the render time.
+
+The table of the stack without the film of a varying interface lies above the first one in the same image.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..base import data_image
 from ..kinds.table import PRINCIPLED, THROWN_BACK, Strip, strips_of
+
+
+@dataclass(frozen=True)
+class Table:
+    """A lookup table in the image: `eevee`, lamina's RealTimeTable of `lut`; `first`: its lowest row of
+    texels; `height`: of the image, a power of two."""
+
+    lut: object
+    eevee: object
+    first: int
+    height: int
+
+
+def tables(lut, few_closures):
+    """The Tables of the image of `lut`: its own, and that without the film, if it has one."""
+    found, first = [], 0
+    for one in (lut,) if lut.uncovered is None else (lut, lut.uncovered):
+        eevee = few_closures(one)
+        found.append((one, eevee, first))
+        first += _rows(one, eevee)
+    return [Table(*one, 1 << (first - 1).bit_length()) for one in found]
 
 
 def eevee_strip(lut, number):
@@ -30,17 +55,19 @@ def holder_of_principled(lut):
     return thrown_back if thrown_back in strips else next(strip for strip in strips if strip.closure)
 
 
-def height_of(lut, eevee):
-    """Height of the image in texels, a power of two. `eevee`: lamina's RealTimeTable of `lut`."""
-    return 1 << (_rows(lut, eevee) - 1).bit_length()
+def create(name, tables):
+    """A new image without users, with all tables of a group."""
+    texels = np.zeros((tables[0].height, np.shape(tables[0].lut.weights)[3], 4), dtype=np.float32)
+    texels[:, :, 3] = 1.0
+    for table in tables:
+        _write(texels[table.first:], table.lut, table.eevee)
+    return data_image.create(name, texels)
 
 
-def create(name, lut, eevee):
-    """A new image without users: `lut.image()` in its lower rows, and Eevee's strips above."""
+def _write(padded, lut, eevee):
+    """`lut.image()` in the lower rows, and Eevee's strips above."""
     texels = np.ascontiguousarray(lut.image(), dtype=np.float32)
-    count, rows, width = np.shape(lut.weights)[1:4]
-    padded = np.zeros((height_of(lut, eevee), width, 4), dtype=np.float32)
-    padded[:, :, 3] = 1.0
+    count, rows = np.shape(lut.weights)[1:3]
     padded[:len(texels)] = texels
     own, principled = strips_of(lut.header), Strip(role=PRINCIPLED)
     if principled in own:
@@ -50,7 +77,6 @@ def create(name, lut, eevee):
         for number, strip in enumerate(strips):
             first = (eevee_strip(lut, number) + side * count) * rows
             padded[first:first + rows] = strip
-    return data_image.create(name, padded)
 
 
 def _rows(lut, eevee):

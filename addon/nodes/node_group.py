@@ -14,6 +14,7 @@ from ..kinds.bases import PrincipledBase
 from . import (
     before,
     closure_graph,
+    group_graph,
     group_sockets,
     in_place,
     links,
@@ -37,19 +38,19 @@ def build(material, lut):
     NativeMissingError.
     """
     renders.stop_previews()
-    recipe_of, eevee = recipe_source(), few_closures(lut)
+    recipe_of, tables = recipe_source(), lut_image.tables(lut, few_closures)
     before.switch_nodes_on(material)
     group, is_new = _own_group(material)
     old_nodes = list(group.nodes)
     old_images = images_of(old_nodes)
-    image = lut_image.create(f"Lamina {material.name}", lut, eevee)
+    image = lut_image.create(f"Lamina {material.name}", tables)
     tau = closure_graph.largest_tau(lut)
     old_tau = group.get("lamina_largest_tau")
-    base = group_sockets.of_base(lut)
+    base = group_sockets.of_table(lut)
     added = group_sockets.add_missing(group, tau, base)
     is_thin = thin_sheet.add_missing(group, lut)
     try:
-        closure_graph.draw(group, lut, eevee, image, recipe_of)
+        group_graph.draw(group, tables, image, recipe_of)
     except BaseException:
         image_removal.remove(image)
         group_sockets.remove(group, added)
@@ -65,7 +66,7 @@ def build(material, lut):
         thin_sheet.remove(group)
     _replace_images(old_images, image)
     _note_origin(group, lut)
-    group["lamina_layout"] = _layout(lut, eevee)
+    group["lamina_layout"] = json.dumps(_layout(tables))
     group["lamina_largest_tau"] = -1.0 if tau is None else min(tau, LARGEST)
     group["lamina_shows_back"] = side_graph.shows_back(lut)
     if is_new:
@@ -99,8 +100,8 @@ def update(material, lut):
     group = material.lamina.node_group
     if group is None or not group.is_editable or _is_shared(material, group):
         return False
-    eevee = few_closures(lut)
-    drawn, wanted = _parse(group.get("lamina_layout")), _parse(_layout(lut, eevee))
+    tables = lut_image.tables(lut, few_closures)
+    drawn, wanted = _parse(group.get("lamina_layout")), _layout(tables)
     if not drawn or {**drawn, "drawn": None} != {**wanted, "drawn": None}:
         return False
     images = images_of(group.nodes)
@@ -108,12 +109,12 @@ def update(material, lut):
         return False
     tau, old_tau = closure_graph.largest_tau(lut), group.get("lamina_largest_tau")
     if tau is not None and old_tau != min(tau, LARGEST):
-        closure_graph.rescale(group, lut, eevee)
-        group_sockets.settle(group, tau, group_sockets.of_base(lut))
+        closure_graph.rescale(group, tables[0])
+        group_sockets.settle(group, tau, group_sockets.of_table(lut))
         group["lamina_largest_tau"] = min(tau, LARGEST)
         group_sockets.follow_thickness(group, old_tau, tau)
-    group_sockets.follow_base(group, group_sockets.of_base(lut))
-    _replace_images(images, lut_image.create(f"Lamina {material.name}", lut, eevee))
+    group_sockets.follow_base(group, group_sockets.of_table(lut))
+    _replace_images(images, lut_image.create(f"Lamina {material.name}", tables))
     principled_graph.keep_distribution(group, _replaced(material))
     _note_origin(group, lut)
     return True
@@ -254,19 +255,21 @@ def _is_shared(material, group):
     return any(other != material and other.lamina.node_group == group for other in bpy.data.materials)
 
 
-def _layout(lut, eevee):
-    """Everything that the group's nodes depend on, as text: between tables of the same layout only the image
+def _layout(tables):
+    """Everything that the group's nodes depend on: between tables of the same layout only the image
     differs."""
+    first, *more = tables
+    lut = first.lut
     axes = lut.header["axes"]
     layout = {
         "closures": lut.header["closures"],
-        "eevee": [strip.name for strip in eevee.strips],
+        "eevee": [strip.name for strip in first.eevee.strips],
         "drawn": closure_graph.used_closures(lut),
         "sides": lut.header["sides"],
         "turns over": side_graph.turns_over(lut),
         "size": [axes["view"]["count"], axes["tau"]["count"], closure_graph.roughness_rows(lut)],
     }
-    return json.dumps(layout)
+    return layout | {"uncovered": _layout(more)} if more else layout
 
 
 def _parse(layout):

@@ -20,7 +20,7 @@ def turns_over(lut):
     """True if a sheet may be turned over: its varying layer is on top, and the sides of the clean sheet are
     alike."""
     layers = lut.header["stack"]["layers"]
-    if len(lut.header["sides"]) < 2 or not layers[0].get("varying"):
+    if len(lut.header["sides"]) < 2 or layers[0]["kind"] != "medium" or not layers[0].get("varying"):
         return False
     top, bottom = np.asarray(lut.weights)[:, :, 0]
     return bool(np.abs(top - bottom).max() <= 1e-3 * np.abs(top).max())

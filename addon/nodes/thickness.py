@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The source of the varying layer's thickness: the input's own value, an attribute of the mesh, or an image.
+"""The source of the varying layer's thickness, or of the coverage of the varying interface: the input's own
+value, an attribute of the mesh, or an image.
 
 Sources are plain nodes beside the baked group, so that the file renders without the add-on. Nodes made here
 are marked and may be replaced. The artist's own nodes are replaced only on request. A node of detail (see
@@ -15,7 +16,7 @@ from ..base import data_image, renders
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 from . import dust_detail, node_group
-from .group_sockets import LARGEST
+from .group_sockets import COVERAGE, LARGEST
 from .side_graph import BACK, FRONT
 
 SOURCES = ("value", "attribute", "image")
@@ -29,12 +30,20 @@ _LABELS = {
     "image": "Thickness image",
     "uv": "Thickness UV map",
     "detail": "Dust detail",
+    "coverage attribute": "Coverage attribute",
+    "coverage image": "Coverage image",
+    "coverage uv": "Coverage UV map",
+}
+INPUTS = {FRONT: "", COVERAGE: "coverage "}  # inputs that a source feeds: before the marks of its nodes
+_MISSING = {
+    FRONT: "The material has no thickness input: mark a layer as varying",
+    COVERAGE: "The material has no coverage input: mark an interface as varying",
 }
 
 
 @dataclass(frozen=True)
 class Wiring:
-    """`source`: one of SOURCES, "custom" for nodes of the artist's own, or "none" without a thickness input.
+    """`source`: one of SOURCES, "custom" for nodes of the artist's own, or "none" without the input.
     `name`: of the attribute, the image, or the artist's node. `socket`: the input that the source feeds, of
     the baked group or of the node of detail before it; `node`: the node linked to it; `uv`: the UV Map node
     of an image."""
@@ -46,26 +55,27 @@ class Wiring:
     uv: bpy.types.Node | None = None
 
 
-def wiring(material):
-    """The present source of the thickness of `material`: a Wiring."""
-    sockets = sockets_to_feed(material)
+def wiring(material, of=FRONT):
+    """The present source of this one of the INPUTS of `material`: a Wiring."""
+    sockets, mark = sockets_to_feed(material, of), INPUTS[of]
     if not sockets:
         return Wiring("none")
     socket = sockets[0]
     if not socket.is_linked:
         return Wiring("value", socket=socket)
     node = socket.links[0].from_node
-    if node.get(MARK) == "attribute":
+    if node.get(MARK) == f"{mark}attribute":
         return Wiring("attribute", node.attribute_name, socket, node)
-    if node.get(MARK) == "image":
+    if node.get(MARK) == f"{mark}image":
         links = node.inputs["Vector"].links
-        uv = links[0].from_node if links and links[0].from_node.get(MARK) == "uv" else None
+        uv = links[0].from_node if links and links[0].from_node.get(MARK) == f"{mark}uv" else None
         return Wiring("image", node.image.name if node.image else "", socket, node, uv)
     return Wiring("custom", node.label or node.name, socket, node)
 
 
-def wire_thickness(material, source, name="", uv_map="", replace=False):
-    """Feed the thickness input of `material`, a baked one with a varying layer. Returns its new Wiring.
+def wire_thickness(material, source, name="", uv_map="", replace=False, to=FRONT):
+    """Feed the thickness input of `material`, a baked one with a varying layer, or with `to` another of the
+    INPUTS. Returns its new Wiring.
 
     source: "value" (the input's own number), "attribute" (`name`: a float attribute of the mesh that holds
     optical thickness; default lamina_dust; 0 for a mesh without it), or "image" (`name`: an image of optical
@@ -74,8 +84,8 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
     the largest thickness and NaN becomes 0, since Blender 5.2 reads both as 0; such an image is packed too.
 
     Settled dust lies on one side of a face: front faces read lamina_dust, and back faces lamina_dust_back,
-    which is 0 for a mesh without it. With an image of settled dust, back faces read the alpha. Other sources
-    apply to both sides.
+    which is 0 for a mesh without it. With an image of settled dust, back faces read the alpha. Other sources,
+    and the coverage, apply to both sides.
 
     Links of the artist's own are kept, and RefusedError is raised, unless `replace`; their nodes are always
     kept. Raises RefusedError, with nothing changed, for impossible requests.
@@ -85,49 +95,55 @@ def wire_thickness(material, source, name="", uv_map="", replace=False):
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
     if not material.is_editable:
         raise RefusedError("The material is linked from another file: edit it there, or make it local")
-    sockets = required_sockets(material)
+    sockets, mark = required_sockets(material, to), INPUTS[to]
     foreign = [link.from_node for socket in sockets for link in socket.links if not link.from_node.get(MARK)]
     if foreign and not replace:
-        raise RefusedError(f"Thickness is linked to the node “{foreign[0].label or foreign[0].name}”: "
+        raise RefusedError(f"{to} is linked to the node “{foreign[0].label or foreign[0].name}”: "
                            "unlink it, or replace the link")
-    image = _image(material, name) if source == "image" else None
+    image = _image(material, name, mark or "thickness ") if source == "image" else None
     tree = material.node_tree
     backs = [socket for socket in sockets_to_feed(material, BACK)
-             if not socket.is_linked or socket.links[0].from_node.get(MARK)]
+             if to == FRONT and (not socket.is_linked or socket.links[0].from_node.get(MARK))]
     for socket in (*sockets, *backs):
         for link in list(socket.links):
             tree.links.remove(link)
     remove_nodes(tree)
     if source == "attribute":
         name = name or ATTRIBUTE
-        _feed(sockets, _attribute(tree, sockets[0].node, name).outputs["Fac"])
+        _feed(sockets, _attribute(tree, sockets[0].node, name, f"{mark}attribute").outputs["Fac"])
         if name == ATTRIBUTE and backs:
             _feed(backs, _attribute(tree, sockets[0].node, BACK_ATTRIBUTE, "back").outputs["Fac"])
     elif source == "image":
-        texture = _texture(tree, sockets[0].node, image, uv_map)
+        texture = _texture(tree, sockets[0].node, image, uv_map, mark)
         _feed(sockets, texture.outputs["Color"])
         if image.get(TWO_SIDES):
             _feed(backs, texture.outputs["Alpha"])
-    return wiring(material)
+    return wiring(material, to)
 
 
-def has_input(material):
-    """True if the material's baked group has a thickness input."""
-    return bool(sockets_to_feed(material))
+def has_input(material, name=FRONT):
+    """True if the material's baked group has this input."""
+    return bool(sockets_to_feed(material, name))
 
 
 def image_problem(image):
     """The reason why an image cannot be read as thickness, in a sentence, or ''."""
     if image is None:
-        return "No image: the thickness is undefined"
+        return "No image: the values are undefined"
     if image.colorspace_settings.name != "Non-Color":
         return f"The image “{image.name}” is read as {image.colorspace_settings.name}: it must be Non-Color"
     return ""
 
 
-def reconnect(material):
-    """Links the nodes made here again, to an input that was removed and added by bakes."""
+def reconnect(material, name):
+    """Links the nodes made here again, to that one of the INPUTS, which was removed and added by bakes."""
     renders.stop_previews()
+    if name == COVERAGE:
+        sockets = [socket for socket in sockets_to_feed(material, name) if not socket.is_linked]
+        for node in material.node_tree.nodes:
+            if node.get(MARK) in ("coverage attribute", "coverage image"):
+                _feed(sockets, node.outputs["Fac" if node.type == "ATTRIBUTE" else "Color"])
+        return
     for node in material.node_tree.nodes:
         if dust_detail.is_detail(node) and node.get(MARK):
             for name in (FRONT, BACK):
@@ -168,18 +184,18 @@ def sockets_to_feed(material, name=FRONT):
     found = []
     for socket in group_sockets(material, name):
         before = socket.links[0].from_node if socket.is_linked else None
-        if before is not None and dust_detail.is_detail(before):
+        if before is not None and dust_detail.is_detail(before) and name in before.inputs:
             socket = before.inputs[name]
         if socket not in found:
             found.append(socket)
     return found
 
 
-def required_sockets(material):
-    """The inputs that a source of the thickness feeds. Raises RefusedError if there are none."""
-    found = sockets_to_feed(material)
+def required_sockets(material, name=FRONT):
+    """The inputs that a source of that one of the INPUTS feeds. Raises RefusedError if there are none."""
+    found = sockets_to_feed(material, name)
     if not found:
-        raise RefusedError("The material has no thickness input: mark a layer as varying")
+        raise RefusedError(_MISSING[name])
     return found
 
 
@@ -202,33 +218,33 @@ def _attribute(tree, beside, name, mark="attribute"):
     return node
 
 
-def _texture(tree, beside, image, uv_map):
-    node = marked_node(tree, "ShaderNodeTexImage", "image", beside, 1)
+def _texture(tree, beside, image, uv_map, mark):
+    node = marked_node(tree, "ShaderNodeTexImage", f"{mark}image", beside, 1)
     # Interpolate linearly between texels, without a seam at the border of the map.
     node.image, node.interpolation, node.extension = image, "Linear", "EXTEND"
-    read_by(tree, node, beside, uv_map)
+    read_by(tree, node, beside, uv_map, mark)
     return node
 
 
-def read_by(tree, texture, beside, uv_map):
+def read_by(tree, texture, beside, uv_map, mark=""):
     """Add the node of the UV map by which an image texture is read."""
-    uv = marked_node(tree, "ShaderNodeUVMap", "uv", beside, 2)
+    uv = marked_node(tree, "ShaderNodeUVMap", f"{mark}uv", beside, 2)
     uv.location.y = texture.location.y
     uv.uv_map = uv_map
     tree.links.new(uv.outputs[0], texture.inputs["Vector"])
 
 
-def _image(material, wanted):
-    """The wanted image, set up to hold numbers. Raises RefusedError."""
+def _image(material, wanted, what):
+    """The wanted image, set up to hold numbers, or a new black one. Raises RefusedError."""
     if not wanted:
-        image = data_image.black(f"{material.name} thickness", IMAGE_SIZE, float_buffer=True)
+        image = data_image.black(f"{material.name} {what}".rstrip(), IMAGE_SIZE, float_buffer=True)
     else:
         image = wanted if isinstance(wanted, bpy.types.Image) else bpy.data.images.get(wanted)
     if image is None:
         raise RefusedError(f"image = {wanted!r}: this file has no image of that name")
     texels = _odd_texels(image)
     if image_problem(image) or texels is not None:
-        mine = {node.image for node in material.node_tree.nodes if node.get(MARK) == "image"}
+        mine = {node.image for node in material.node_tree.nodes if node.get(MARK, "").endswith("image")}
         if not image.is_editable or image.users - image.use_fake_user > (image in mine):
             problem = image_problem(image) or f"The image “{image.name}” holds texels that are not finite"
             raise RefusedError(f"{problem}, and it is used elsewhere as it is")

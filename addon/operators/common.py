@@ -6,6 +6,7 @@ import bpy
 from ..baking import bake_job
 from ..base import messages, native
 from ..nodes import node_group, thickness
+from ..nodes.side_graph import FRONT
 from ..properties import migration
 from ..settling import dust_job, object_dust
 
@@ -73,11 +74,11 @@ def has_lamina(cls, context):
     return True
 
 
-def has_thickness(cls, context):
-    """True if the baked material has an input for the thickness of its varying layer."""
+def has_thickness(cls, context, *names):
+    """True if the baked material has an input for the thickness of its varying layer, or one of these."""
     if not has_stack(cls, context):
         return False
-    if not thickness.has_input(material_of(context)):
+    if not any(thickness.has_input(material_of(context), name) for name in names or (FRONT,)):
         cls.poll_message_set("There is no thickness input: mark a layer as varying")
         return False
     return True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the thickness of the varying layer comes from."""
+"""Where the thickness of the varying layer, and the coverage of the varying interface, come from."""
 
 import bpy
 
@@ -24,7 +24,7 @@ MASKS = (
 class LAMINA_OT_thickness_wire(bpy.types.Operator):
     bl_idname = "lamina.thickness_wire"
     bl_label = "Thickness From"
-    bl_description = "Choose the source of the varying layer's thickness; your own nodes stay"
+    bl_description = "Choose the source of the varying layer's thickness or coverage; your own nodes stay"
     bl_options = {"REGISTER", "UNDO"}
 
     source: bpy.props.EnumProperty(
@@ -41,15 +41,22 @@ class LAMINA_OT_thickness_wire(bpy.types.Operator):
     replace: bpy.props.BoolProperty(
         name="Replace", description="Replace a link of your own", options={"SKIP_SAVE"}
     )
+    input: bpy.props.EnumProperty(
+        name="Input",
+        description="Which input of the node group",
+        items=[(name.upper(), name, f"The input {name}") for name in thickness.INPUTS],
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context):
-        return common.has_thickness(cls, context)
+        return common.has_thickness(cls, context, *thickness.INPUTS)
 
     def execute(self, context):
         material = common.material_of(context)
         try:
-            thickness.wire_thickness(material, self.source.lower(), self.name, self.uv_map, self.replace)
+            to = self.input.capitalize()
+            thickness.wire_thickness(material, self.source.lower(), self.name, self.uv_map, self.replace, to)
         except RefusedError as error:
             return common.refused(self, error)
         return {"FINISHED"}

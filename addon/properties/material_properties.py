@@ -63,6 +63,8 @@ class LaminaResult(bpy.types.PropertyGroup):
         self.stack_hash, self.version = lut.header["stack_hash"], lut.header.get("version", "")
         self.quality, self.basis = lut.header["quality"], lut.header["basis"]
         kept = {name: value for name, value in lut.report.items() if not name.startswith("slice_errors")}
+        if lut.uncovered is not None:
+            kept["uncovered"] = {name: lut.uncovered.report[name] for name in ("fit_error", "worst_slice")}
         self.report_json = json.dumps(kept)
 
 

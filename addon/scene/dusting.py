@@ -202,7 +202,8 @@ def _plain():
 
 
 def _has_dust(material):
-    return material.lamina.enabled and any(layer.varying for layer in material.lamina.layers)
+    return material.lamina.enabled and any(
+        layer.varying and layer.kind == "medium" for layer in material.lamina.layers)
 
 
 def _cover(material):
@@ -305,7 +306,8 @@ def _take_away(material):
     added = material.pop(MARK)
     if added == _LAYER:
         layers = material.lamina.layers
-        ours = (k for k, one in enumerate(layers) if one.varying and one.name.startswith(LAYER["name"]))
+        ours = (k for k, one in enumerate(layers)
+                if one.varying and one.kind == "medium" and one.name.startswith(LAYER["name"]))
         index = next(ours, None)
         if index is not None:
             material.lamina.active_index = index

@@ -12,7 +12,7 @@ NOTICED = 0.1  # errors above this share are told beside the state of the bake
 def warning(result):
     """A sentence on an error that is visible in pictures, or ''."""
     report = result.report
-    fit = report.get("fit_error", 0.0)
+    fit = max(one.get("fit_error", 0.0) for one in (report, report.get("uncovered", {})))
     if fit > NOTICED:
         return f"Cycles' closures miss the exact function by {percent(fit)} on average"
     errors = report.get("base_error") or {}
@@ -49,6 +49,10 @@ def result_lines(result):
             lines.append((name, f"{text}, {percent(worst['error'])} worst" if worst else text))
         if worst:
             lines.append(("Worst At", _place(worst, report["tau_rows"] > 1)))
+    bare = report.get("uncovered")
+    if bare:
+        errors = percent(bare["fit_error"]), percent(bare["worst_slice"]["error"])
+        lines.append(("Without the Film", f"{errors[0]} mean, {errors[1]} worst"))
     lines.append(("Albedo Error", percent(report["albedo_error"], 2)))
     inputs = report.get("input_error")
     if inputs:

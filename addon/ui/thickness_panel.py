@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of the varying layer's thickness: its source, and the fit error there."""
+"""The panels of the varying layer's thickness and of the varying interface's coverage: the source of each,
+and the fit error there."""
 
 import bpy
 
 from ..base.messages import percent
 from ..nodes import detail_wiring, dust_detail, thickness
+from ..nodes.group_sockets import COVERAGE
+from ..nodes.side_graph import FRONT
 from .fields import split
 from .material_panel import MaterialPanel
 from .sentences import draw_lines, draw_sentence
@@ -24,28 +27,40 @@ class LAMINA_PT_thickness(MaterialPanel, bpy.types.Panel):
     def draw(self, context):
         layout, material = self.layout, context.material
         layout.active = material.is_editable
-        now = thickness.wiring(material)
-        row = layout.row(align=True)
-        for source in thickness.SOURCES:
-            button = row.operator(
-                "lamina.thickness_wire", text=source.capitalize(), depress=now.source == source
-            )
-            button.source = source.upper()
-            button.replace = False
-        _draw_source(context, layout, now)
+        now = _draw_source(context, layout, material, FRONT, "Optical Thickness")
         _draw_detail(layout, material)
         draw_lines(layout, error_lines(material.lamina.result, now))
 
 
-def _draw_source(context, layout, now):
+class LAMINA_PT_coverage(MaterialPanel, bpy.types.Panel):
+    bl_label = "Coverage"
+    bl_parent_id = "LAMINA_PT_main"
+
+    @classmethod
+    def wanted(cls, material):
+        return super().wanted(material) and thickness.has_input(material, COVERAGE)
+
+    def draw(self, context):
+        self.layout.active = context.material.is_editable
+        _draw_source(context, self.layout, context.material, COVERAGE, "Coverage")
+
+
+def _draw_source(context, layout, material, name, label):
+    """The source of the input `name`, of thickness.INPUTS. Returns its Wiring."""
+    now = thickness.wiring(material, name)
+    row = layout.row(align=True)
+    for source in thickness.SOURCES:
+        button = row.operator("lamina.thickness_wire", text=source.capitalize(), depress=now.source == source)
+        button.source, button.input = source.upper(), name.upper()
+        button.replace = False
     column = layout.column()
     column.use_property_split, column.use_property_decorate = True, False
     if now.source == "value":
-        column.prop(now.socket, "default_value", text="Optical Thickness")
+        column.prop(now.socket, "default_value", text=label)
     elif now.source == "attribute":
         column.prop(now.node, "attribute_name", text="Attribute")
         if not _has_attribute(context, now.name):
-            draw_sentence(context, layout, f"This object has no attribute “{now.name}”: its thickness is 0")
+            draw_sentence(context, layout, f"This object has no attribute “{now.name}”: {label.lower()} 0")
     elif now.source == "image":
         column.template_ID(now.node, "image", new="image.new", open="image.open")
         if now.uv is not None and context.object is not None and context.object.type == "MESH":
@@ -55,6 +70,7 @@ def _draw_source(context, layout, now):
             draw_sentence(context, layout, problem, "ERROR", alert=True)
     else:
         layout.label(text=f"Linked to “{now.name}”", icon="NODE")
+    return now
 
 
 def _draw_detail(layout, material):
@@ -104,4 +120,4 @@ def error_lines(result, now):
     return lines
 
 
-register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_thickness,))
+register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_thickness, LAMINA_PT_coverage))
