@@ -13,14 +13,13 @@ from .settling import dust_job, live_dust
 from .stack_json import solved_colours
 from .ui import (
     advanced_panel,
-    dust_panel,
-    interior_panel,
-    lateral_panel,
+    depth_panel,
+    interior_fields,
     menus,
     panel,
     preset_picker,
     result_picture,
-    thickness_panel,
+    where_panel,
 )
 
 PARTS = (
@@ -44,10 +43,9 @@ PARTS = (
     preset_picker,
     result_picture,
     panel,
-    lateral_panel,
-    interior_panel,
-    thickness_panel,
-    dust_panel,
+    interior_fields,
+    where_panel,
+    depth_panel,
     advanced_panel,
     blend_saving,
     command,

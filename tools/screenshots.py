@@ -48,7 +48,7 @@ def story():
     yield from still()
     save(OUT / "artists-start.png", trimmed(picture(window)))
 
-    show(panel, "layers", "base")
+    show(panel, "layers", "where", "base")
     material = bpy.data.materials["Material"]
     material.lamina.quality = "preview"
     after, before = yield from screen.menu(view, "LAMINA_MT_presets", 20, 390, 40)
@@ -80,13 +80,15 @@ def story():
     yield from still(RENDERED)
     save(OUT / "artists-update.jpg", beside(picture(view), trimmed(picture(window))))
 
-    show(panel, "thickness")
+    show(panel, "layers", "where")
     with on(panel):
-        bpy.ops.lamina.thickness_wire(source="IMAGE", name=dust_map().name)
+        bpy.ops.lamina.place(place="IMAGE")
+    thickness = importlib.import_module(PACKAGE + ".nodes.thickness")
+    thickness.wire_thickness(material, "image", dust_map())
     yield from still(RENDERED)
     save(OUT / "artists-thickness.jpg", beside(picture(view), trimmed(picture(window))))
 
-    show(panel, "dust")
+    show(panel, "where")
     with on(view):
         bpy.ops.object.delete()
         bpy.ops.mesh.primitive_monkey_add(rotation=(-0.3, 0.0, 0.6))
@@ -96,8 +98,7 @@ def story():
         bpy.context.object.data.materials.append(material)
     yield from still()
     with on(panel):
-        bpy.ops.lamina.thickness_wire(source="VALUE")
-        bpy.ops.lamina.dust_settle()
+        bpy.ops.lamina.place(place="SETTLED")
     yield from still(RENDERED)
     save(OUT / "artists-dust.jpg", beside(picture(view), trimmed(picture(window))))
 

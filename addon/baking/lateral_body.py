@@ -50,6 +50,6 @@ def _require(evaluated, name, material, output, unit):
     if share > light.MOST_UNSCATTERED:
         raise RefusedError(
             f"{name} is {paths:.2g} mean free paths wide ({width:.3g} mm): {100.0 * share:.0f} % of the "
-            "light crosses it without scattering, and Relightable would show this light as scattered. Use "
-            "Lit in the panel Interior"
+            "light crosses it without scattering, and Mean Distance would show this light as scattered. Use "
+            "Exact in the panel Depth"
         )

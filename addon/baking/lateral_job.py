@@ -82,7 +82,8 @@ def stale(material):
     if settings.lateral_layers != layer_list.mark(material):
         return "Out of date: the layers have changed"
     if settings.lateral_shown != settings.lateral:
-        shown, chosen = settings.lateral_shown.capitalize(), settings.lateral.capitalize()
+        names = {item.identifier: item.name for item in settings.bl_rna.properties["lateral"].enum_items}
+        shown, chosen = names.get(settings.lateral_shown, ""), names[settings.lateral]
         return f"Out of date: computed with output {shown} instead of {chosen}"
     return ""
 

@@ -28,5 +28,5 @@ def too_thin(obj, material, millimetre):
     thickness = min(obj.dimensions) / millimetre
     if thickness >= LEAST * reach:
         return ""
-    return (f"{obj.name} is {thickness:.3g} mm thick, too thin for a portal: light travels {reach:.3g} mm on "
-            "average. Choose Relightable, or Lit in the panel Interior")
+    return (f"{obj.name} is {thickness:.3g} mm thick, too thin for Full Profile: light travels {reach:.3g} "
+            "mm on average. Choose Mean Distance, or Exact")

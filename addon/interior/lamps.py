@@ -58,10 +58,11 @@ def _cut(name, end):
 def _source(obj, matrix, frame):
     lamp = obj.data
     if node_tree.is_on(lamp) and _has_own_nodes(lamp.node_tree):
-        raise RefusedError(f"{obj.name} has nodes of its own: remove them for Lit, or hide it in renders")
+        raise RefusedError(
+            f"{obj.name} has nodes of its own: remove them for Lamps Stay, or hide it in renders")
     if lamp.type == "AREA" and abs(lamp.spread - math.pi) > STILL:
         degrees = f"{math.degrees(lamp.spread):.3g}"
-        raise RefusedError(f"{obj.name} has a Spread of {degrees} degrees: must be 180 for Lit")
+        raise RefusedError(f"{obj.name} has a Spread of {degrees} degrees: must be 180 for Lamps Stay")
     colour = np.array(lamp.color)
     if getattr(lamp, "use_temperature", False):
         colour = colour * np.array(lamp.temperature_color)
@@ -108,7 +109,7 @@ def numbers(obj, matrix, frame):
     found = {"position": place, "radius": lamp.shadow_soft_size * frame.unit}
     if lamp.type == "SPOT":
         if np.ptp(scale) > FLAT * scale.max():
-            raise RefusedError(f"{obj.name} has a scale that is not uniform: Lit needs a round cone")
+            raise RefusedError(f"{obj.name} has a scale that is not uniform: Lamps Stay needs a round cone")
         direction = tuple(-value for value in axes[2])
         found |= {"direction": direction, "cone": lamp.spot_size, "blend": lamp.spot_blend}
     return found

@@ -20,7 +20,8 @@ def of_scene(scene, axes, background=""):
     depends on the kind of ray."""
     if _depends_on_rays(scene.world.node_tree):
         raise RefusedError(
-            f"{scene.world.name} has a Light Path node, with light that depends on the ray: remove it for Lit"
+            f"{scene.world.name} has a Light Path node, with light that depends on the ray: remove it for "
+            "Lamps Stay"
         )
     made, data = [], bpy.data
     try:

@@ -75,6 +75,26 @@ def remove_detail(material):
     dust_detail.remove_unused()
 
 
+def mask(material):
+    """The node of the painted mask, or None."""
+    node = detail(material)
+    links = node.inputs["Wiped"].links if node is not None else ()
+    return links[0].from_node if links else None
+
+
+def remove_mask(material):
+    """Unlink the painted mask, and remove its node unless the artist made it. The painted values stay in the
+    file."""
+    renders.stop_previews()
+    node = mask(material)
+    if node is not None:
+        if node.type == "TEX_IMAGE" and node.image is not None:
+            node.image.use_fake_user = True
+        for link in list(detail(material).inputs["Wiped"].links):
+            material.node_tree.links.remove(link)
+        thickness.remove_nodes(material.node_tree)
+
+
 def wipe_by(material, node, output, uv_map=None):
     """Link `output` of a new `node` of the material, which reads a painted mask, to the detail's input Wiped.
     An image is read by the UV map `uv_map`. A mask that was linked before is removed, unless the artist made

@@ -36,8 +36,8 @@ _LABELS = {
 }
 INPUTS = {FRONT: "", COVERAGE: "coverage "}  # inputs that a source feeds: before the marks of its nodes
 _MISSING = {
-    FRONT: "The material has no thickness input: mark a layer as varying",
-    COVERAGE: "The material has no coverage input: mark an interface as varying",
+    FRONT: "The material has no thickness input: choose a place of a layer in the panel Where",
+    COVERAGE: "The material has no coverage input: choose Painted of an interface in the panel Where",
 }
 
 

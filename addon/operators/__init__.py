@@ -3,7 +3,20 @@
 
 import bpy
 
-from . import bake, cancel, dust, following, interior, lateral, layers, presets, stack, stack_files, thickness
+from . import (
+    bake,
+    cancel,
+    depth,
+    dust,
+    following,
+    interior,
+    lateral,
+    layers,
+    place,
+    presets,
+    stack,
+    stack_files,
+)
 
 CLASSES = (
     stack.LAMINA_OT_add_over,
@@ -34,9 +47,11 @@ CLASSES = (
     dust.LAMINA_OT_dust_clear,
     dust.LAMINA_OT_dust_objects,
     dust.LAMINA_OT_dust_objects_remove,
-    thickness.LAMINA_OT_thickness_wire,
-    thickness.LAMINA_OT_dust_detail,
-    thickness.LAMINA_OT_dust_wipe,
+    place.LAMINA_OT_place,
+    place.LAMINA_OT_dust_detail,
+    place.LAMINA_OT_dust_wipe,
+    place.LAMINA_OT_film_paint,
+    depth.LAMINA_OT_depth,
     cancel.LAMINA_OT_cancel,
 )
 

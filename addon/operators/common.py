@@ -74,12 +74,12 @@ def has_lamina(cls, context):
     return True
 
 
-def has_thickness(cls, context, *names):
-    """True if the baked material has an input for the thickness of its varying layer, or one of these."""
+def has_thickness(cls, context, name=FRONT):
+    """True if the baked material has an input for the thickness of its varying layer, or this one."""
     if not has_stack(cls, context):
         return False
-    if not any(thickness.has_input(material_of(context), name) for name in names or (FRONT,)):
-        cls.poll_message_set("There is no thickness input: mark a layer as varying")
+    if not thickness.has_input(material_of(context), name):
+        cls.poll_message_set("No layer varies: choose its place in the panel Where")
         return False
     return True
 

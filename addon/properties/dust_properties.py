@@ -96,7 +96,7 @@ class LaminaDust(bpy.types.PropertyGroup):
     )  # fmt: skip
     uv_map: StringProperty(name="UV Map", description="Empty: the active one for rendering", **_EDITED)
     live: BoolProperty(
-        name="Live",
+        name="Settle by Itself",
         description="Settle again by itself while these settings change: with few rays at first, then with "
         "all. Shows the present frame",
         options=set(),

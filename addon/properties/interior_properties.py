@@ -19,18 +19,18 @@ SOURCES = (
         "The texture of the material's own color or density, between two materials",
         1,
     ),
-    ("LAYERS", "Homogeneous", "The one medium of the material's layers, everywhere", 2),
+    ("LAYERS", "One Medium", "The one medium of the material's layers, everywhere", 2),
 )
 OUTPUTS = (
     (
         "RELIGHTABLE",
-        "Relightable",
+        "Lamps May Move",
         "Subsurface Scattering nodes with a color and radius for each texel, for any light",
         0,
     ),
     (
         "LIT",
-        "Lit",
+        "Lamps Stay",
         "The light that leaves each texel, for each lamp and for the world: lamps may change in strength "
         "and color, but not move",
         1,
@@ -87,7 +87,7 @@ class LaminaInterior(bpy.types.PropertyGroup):
     # What is computed
     output: EnumProperty(name="Output", description="What the nodes show", items=OUTPUTS, options=set())
     view: EnumProperty(
-        name="View", description="The directions of light that Lit shows", items=VIEWS, options=set()
+        name="View", description="Directions of the light that the images show", items=VIEWS, options=set()
     )
     map: EnumProperty(name="Map", description="The UV map of the images", items=MAPS, options=set())
     uv_map: StringProperty(name="UV Map", description="Empty: the active one for rendering", options=set())

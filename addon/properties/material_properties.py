@@ -26,15 +26,21 @@ from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
 SCHEMA = 3
 
 
+DEPTHS = (
+    ("SURFACE", "Surface", "Light leaves where it enters: for layers thinner than the details"),
+    ("SOFT", "Soft", "Light leaves beside where it enters, on a thick body of the same layers everywhere"),
+    ("EXACT", "Exact", "Light is followed through the shape of the active object, which one medium fills"),
+    ("VEINS", "Veins", "Light is followed through the active object, which two materials fill"),
+)
 LATERAL_OUTPUTS = (
     (
         "RELIGHTABLE",
-        "Relightable",
+        "Mean Distance",
         "Subsurface Scattering nodes whose light leaves in the right amount at the right mean distance",
     ),
     (
         "PORTAL",
-        "Portal",
+        "Full Profile",
         "A table of where light leaves, by Ray Portal closures: the whole profile, for closed meshes "
         "that are several times thicker than the mean exit distance",
     ),
@@ -93,8 +99,11 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     )
     result: PointerProperty(type=LaminaResult)
     node_group: PointerProperty(type=bpy.types.NodeTree, description="The node group that bakes update")
+    depth: EnumProperty(
+        name="Depth", description="How light below the surface is shown", items=DEPTHS, options=set()
+    )
     lateral: EnumProperty(
-        name="Lateral",
+        name="Shown By",
         description="How light that enters at one place and leaves at another is shown",
         items=LATERAL_OUTPUTS,
         options=set(),

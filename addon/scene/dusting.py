@@ -5,6 +5,7 @@ dust that settles on all of them together.
 Nothing in the file changes before all bakes and all dust are known: `gather` reads, a thread works, `finish`
 writes. What was added to a material is noted in the material, so that `remove` takes exactly that away."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -45,11 +46,13 @@ class Bake(NamedTuple):
 class Gathered:
     """What is to be done. tasks: of the settling. bakes: {uid of a material: its Bake with dust}, where a
     layer or a bake is missing; the uid None stands for a new material for faces without one. notes: sentences
-    on what gets no dust."""
+    on what gets no dust. cover: gives a material its layer, and returns what was added: a value of MARK, or
+    None."""
 
     tasks: list
     bakes: dict
     notes: list = field(default_factory=list)
+    cover: Callable = lambda material: _cover(material)
 
 
 @dataclass
@@ -73,8 +76,8 @@ def dust(context, objects, progress=None, cancel=None, threads=None):
     if none can, lamina's Cancelled with nothing changed, NativeMissingError."""
     gathered = gather(context, objects)
     threads = preferences.threads() if threads is None else threads
-    found = _work(gathered, threads, progress or (lambda *_: None), cancel or (lambda: False))
-    return _finish(gathered, found)
+    found = work(gathered, threads, progress or (lambda *_: None), cancel or (lambda: False))
+    return finish(gathered, found)
 
 
 def start(context, objects):
@@ -101,7 +104,7 @@ def gather(context, objects):
     bakes = {}
     for obj in dusty:
         live_dust.leave(obj)
-        _choose_storage(context, obj)
+        choose_storage(context, obj)
         for material in _materials(obj):
             uid = None if material is None else material.session_uid
             if uid in bakes:
@@ -121,16 +124,19 @@ class DustingJob(Worker):
     def __init__(self, gathered, threads):
         native.require()
         self.gathered = gathered
-        super().__init__(lambda progress, cancel: _work(gathered, threads, progress, cancel), "lamina dust")
+        super().__init__(lambda progress, cancel: work(gathered, threads, progress, cancel), "lamina dust")
 
     def finish(self):
-        """Write layers, bakes and dust; main thread only. Returns Done; None after a cancel, with nothing
-        changed. Raises errors of the work."""
+        """Write layers, bakes and dust; main thread only. Returns what `written` does; None after a cancel,
+        with nothing changed. Raises errors of the work."""
         if self.cancelling:
             return None
         if self.error is not None:
             raise self.error
-        return _finish(self.gathered, self.result)
+        return self.written()
+
+    def written(self):
+        return finish(self.gathered, self.result)
 
 
 def remove(objects):
@@ -159,7 +165,7 @@ def _materials(obj):
     return [slot.material for slot in obj.material_slots] or [None]
 
 
-def _choose_storage(context, obj):
+def choose_storage(context, obj):
     """Keep the dust in an image where an attribute is too coarse, and no other object shares a material."""
     alone = all(one is None or _users(one) == {obj} for one in _materials(obj))
     if alone and object_dust.advice(obj, obj.evaluated_get(context.evaluated_depsgraph_get())):
@@ -223,7 +229,7 @@ def _cover(material):
     return added
 
 
-def _work(gathered, threads, progress, cancel):
+def work(gathered, threads, progress, cancel):
     """({key of a Bake: (LUT, curves) or an error}, [an Answer or an error, for each task])."""
     lamina = native.require()
     bakes = {bake.key: bake for bake in gathered.bakes.values()}
@@ -258,7 +264,8 @@ def _expected(error):
     return error
 
 
-def _finish(gathered, found):
+def finish(gathered, found):
+    """Write layers, bakes and dust; main thread only. Returns Done."""
     luts, answers = found
     notes, new = list(gathered.notes), None
     for uid, bake in gathered.bakes.items():
@@ -270,7 +277,7 @@ def _finish(gathered, found):
         if isinstance(lut, Exception):
             notes.append(_note(lut, material))
             continue
-        added = _cover(material)
+        added = gathered.cover(material)
         if added is not None:
             material[MARK] = _NEW if uid is None else added
         bake_job.apply(material, *lut)

@@ -48,13 +48,17 @@ def add_mask(obj, material, kept="AUTO"):
     if before is not None and before.type == "TEX_IMAGE" and before.image is not None:
         return kept, before.image
     node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image, node.extension = data_image.black(f"{obj.name} wiped", IMAGE_SIZE), "EXTEND"
+    name = f"{obj.name} wiped"
+    node.image, node.extension = bpy.data.images.get(name) or data_image.black(name, IMAGE_SIZE), "EXTEND"
     detail_wiring.wipe_by(material, node, "Color", uv_map.name)
     return kept, node.image
 
 
 def start_painting(context, obj, kept, image):
-    """Go to paint mode on the active object, with a white brush: white wipes, black brings the dust back."""
+    """Go to paint mode on the active object, with a white brush, and let solid views show the material."""
+    for area in context.screen.areas if context.screen is not None else ():
+        if area.type == "VIEW_3D" and area.spaces.active.shading.type in ("SOLID", "WIREFRAME"):
+            area.spaces.active.shading.type = "MATERIAL"
     tools = context.tool_settings
     if kept == "image":
         tools.image_paint.mode, tools.image_paint.canvas = "IMAGE", image

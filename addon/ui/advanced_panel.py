@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What few need: the wanted quality and fit, the result's curves, and its errors."""
+"""What few need: details of the active layer and of the base, the wanted quality and fit, the result's
+curves, and its errors."""
 
 import bpy
 
 from ..base.messages import percent
-from . import numbers, result_picture
+from ..editing import layer_list
+from . import details, numbers, result_picture, where_panel
 from .material_panel import MaterialPanel
 from .sentences import draw_lines
 
@@ -18,6 +20,14 @@ class LAMINA_PT_advanced(MaterialPanel, bpy.types.Panel):
     def draw(self, context):
         layout, settings = self.layout, context.material.lamina
         layout.active = context.material.is_editable
+        layer = layer_list.active_layer(context.material)
+        if layer is not None:
+            layout.label(text=f"Layer “{layer.name}”")
+            details.draw_layer(layout, layer)
+        if settings.base.kind != "none":
+            layout.label(text="Below")
+            details.draw_base(layout, settings.base)
+        layout.label(text="Result")
         layout.row(heading="Quality").prop(settings, "quality", expand=True)
         layout.row(heading="Fit").prop(settings, "basis", expand=True)
         result = settings.result
@@ -32,6 +42,7 @@ class LAMINA_PT_advanced(MaterialPanel, bpy.types.Panel):
         header.label(text="Numbers" if fit_error is None else f"Numbers (fit error {percent(fit_error)})")
         if body is not None:
             draw_lines(body, numbers.result_lines(result))
+            draw_lines(body, where_panel.error_lines(context.material))
 
 
 register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_advanced,))

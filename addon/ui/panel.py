@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Lamina panel in the Material tab: what is shown, presets, Layers, Base."""
+"""The Lamina panel in the Material tab: what is shown, presets, Layers, Below."""
 
 import bpy
 
@@ -78,7 +78,7 @@ class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
         layout.active = material.is_editable
         LAMINA_UL_layers.error = state_line.error_layer(material)
         row = layout.row()
-        row.template_list("LAMINA_UL_layers", "", settings, "layers", settings, "active_index", rows=5)
+        row.template_list("LAMINA_UL_layers", "", settings, "layers", settings, "active_index", rows=3)
         column = row.column(align=True)
         column.operator_menu_enum("lamina.layer_add", "kind", text="", icon="ADD")
         column.operator("lamina.layer_remove", text="", icon="REMOVE")
@@ -93,7 +93,7 @@ class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
 
 
 class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
-    bl_label = "Base"
+    bl_label = "Below"
     bl_parent_id = "LAMINA_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
 

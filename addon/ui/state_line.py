@@ -14,7 +14,7 @@ _ROW = 0.32  # of the panel's width: the picture
 _SHOWN = {
     "none": "Not shown yet",
     "stale": "The layers before the last change",
-    "other": "Preview of these layers",
+    "other": "A coarse picture of these layers",
 }
 
 
@@ -33,7 +33,7 @@ def draw(context, layout, material):
     elif state == "fresh" and (warning := numbers.warning(material.lamina.result)):
         draw_sentence(context, layout, warning, "ERROR")
     if node_group.shows_lateral(material):
-        draw_sentence(context, layout, "The output shows the panel Lateral or Interior instead of this bake")
+        draw_sentence(context, layout, "The output shows light below the surface instead, see Depth")
     elif material.lamina.node_group is not None and not node_group.is_connected(material):
         row = layout.row()
         row.label(text="Not connected to the output", icon="UNLINKED")
@@ -77,7 +77,7 @@ def _state(material):
 
 def _told(material, state):
     if state in _SHOWN and update.is_pending(material):
-        return f"{_SHOWN[state]}; {material.lamina.quality.capitalize()} follows", "SORTTIME"
+        return f"{_SHOWN[state]}; the full one follows", "SORTTIME"
     if state == "fresh":
         return "Up to date", "CHECKMARK"
     if state == "none":

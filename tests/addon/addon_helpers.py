@@ -91,9 +91,22 @@ class Layout:
         assert name in owner.bl_rna.properties, name
         self.lines.append(owner.bl_rna.properties[name].name if text is None else text)
 
+    def prop_enum(self, owner, name, value, text=None, **_options):
+        item = owner.bl_rna.properties[name].enum_items[value]
+        self.lines.append(item.name if text is None else text)
+
     def progress(self, factor, text):
         assert 0.0 <= factor <= 1.0
         self.lines.append(text)
+
+    def template_ID(self, owner, name, **_options):  # noqa: N802 (Blender's name)
+        self.prop(owner, name)
+
+    def template_list(self, cls, _name, *_what, **_options):
+        assert hasattr(bpy.types, cls)
+
+    def operator_menu_enum(self, name, _property, text=None, **options):
+        self.operator(name, text, **options)
 
     def template_icon_view(self, owner, name, **_options):
         self.prop(owner, name)
@@ -147,3 +160,13 @@ def sun(name, towards, energy=2.0):
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.update()
     return obj
+
+
+def drawn_layer(addon, layer):
+    """What the panels Layers and Advanced draw of a layer."""
+    return drawn(addon.ui.fields.draw_layer, layer) + drawn(addon.ui.details.draw_layer, layer)
+
+
+def drawn_base(addon, base):
+    """What the panels Below and Advanced draw of a base."""
+    return drawn(addon.ui.fields.draw_base, base) + drawn(addon.ui.details.draw_base, base)

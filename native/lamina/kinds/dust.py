@@ -50,9 +50,8 @@ class DustOption:
             raise DustError(f"settling.{self.name} = {value!r}: must lie in [{self.low:g}, {self.high:g}]")
 
 
-# Parts of the panel: (name, heading, True if folded at first).
-GROUPS = (("amount", "How Much", False), ("from", "Where From", True), ("stay", "Where It Stays", True),
-          ("to", "Where To", True))
+# Parts of the panel: (name, heading).
+GROUPS = (("amount", "How Much"), ("from", "Where From"), ("stay", "Where It Stays"), ("to", "Where To"))
 
 # In the panel's order. The panel has the defaults of Settling, except where an entry has its own.
 OPTIONS = (

@@ -85,10 +85,10 @@ def test_a_bake_by_a_version_whose_results_have_changed_is_out_of_date(
 def test_what_waits_for_its_update_is_told(addon, lamina, material, told, listed):
     addon.baking.bake_job.bake_material(material)
     material.lamina.layers[0].tau = 3.3
-    assert told(material) == "The layers before the last change; Preview follows"
+    assert told(material) == "The layers before the last change; the full one follows"
     material.lamina.quality = "final"
     addon.baking.bake_job.bake_material(material, "preview")
-    assert told(material) == "Preview of these layers; Final follows"
+    assert told(material) == "A coarse picture of these layers; the full one follows"
     assert listed() == "Bronze: 1 layer, out of date, baked with quality Preview instead of Final"
     addon.baking.update.leave(material)
     assert told(material) == "Out of date: baked with quality Preview instead of Final"

@@ -195,7 +195,7 @@ def drawn(addon, material):
     context = SimpleNamespace(
         object=None, material=material, scene=bpy.context.scene, region=region, preferences=preferences
     )
-    addon.ui.lateral_panel.LAMINA_PT_lateral.draw(SimpleNamespace(layout=Layout()), context)
+    addon.ui.depth_panel._draw_soft(context, Layout())
     return found
 
 
@@ -259,7 +259,7 @@ def test_a_thin_object_is_named(addon, lamina, marble):
     assert reach.too_thin(shown, marble, millimetre) == ""
     shown.dimensions = (0.1, 0.1, 1.5 * tables.distance[0] * millimetre)
     told = reach.too_thin(shown, marble, millimetre)
-    assert told.startswith(f"Cup is {1.5 * tables.distance[0]:.3g} mm thick") and "Relightable" in told
+    assert told.startswith(f"Cup is {1.5 * tables.distance[0]:.3g} mm thick") and "Mean Distance" in told
     job.make(marble, quality="preview", output="RELIGHTABLE")
     assert reach.too_thin(shown, marble, millimetre) == ""
     assert reach.too_thin(None, marble, millimetre) == ""
@@ -329,7 +329,7 @@ def test_relightable_refuses_bodies_that_light_crosses(milk, milk_ball, call):
     milk_ball.scale = (0.00364,) * 3  # .04 mean free paths across; the icosphere's flat faces leave .038 as mean width
     bpy.context.view_layer.update()
     before = milk.lamina.lateral_report
-    words = "0.038 mean free paths wide .*98 % of the light.*Lit in the panel Interior"
+    words = "0.038 mean free paths wide .*98 % of the light.*Exact in the panel Depth"
     with pytest.raises(RuntimeError, match=words):
         call(bpy.ops.lamina.lateral, milk)
     assert milk.lamina.lateral_report == before and milk.lamina.lateral_group is None

@@ -226,7 +226,7 @@ def test_the_panel_offers_one_choice_and_names_what_is_lost(addon, lamina, gloss
     tree.nodes.clear()
     assert drawn(addon, plain) == [dust, "Add Lamina Layers", "Presets"]
     addon.editing.over_material.add(glossy)
-    assert drawn(addon, glossy) == ["Not shown yet; Final follows", "Presets"]
+    assert drawn(addon, glossy) == ["Not shown yet; the full one follows", "Presets"]
 
 
 @pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="the nodes of a material cannot be switched off")

@@ -186,7 +186,7 @@ def test_operator_and_worker(jobs, ball, lamina, call):
 
 def test_previews(jobs, ball, lamina, tmp_path):
     """Images while the job runs; numbers that an artist sets in the nodes meanwhile are kept."""
-    from bl_ext.user_default.lamina.ui import interior_panel
+    from bl_ext.user_default.lamina.ui import interior_fields
 
     sun("Key", (0.5, 0.2, 0.0))
     material = ball.active_material
@@ -208,7 +208,7 @@ def test_previews(jobs, ball, lamina, tmp_path):
         scene=bpy.context.scene, view_layer=bpy.context.view_layer,
     )  # fmt: skip
     assert any("preview from" in line for line in drawn(
-        lambda layout: interior_panel.LAMINA_PT_interior.draw(SimpleNamespace(layout=layout), context)))  # fmt: skip
+        lambda layout: interior_fields.draw(context, layout)))  # fmt: skip
     assert job.finish() == material
     jobs.forget()
     np.testing.assert_array_equal(images(material.lamina.lateral_group)["Key"][..., :3], found.lamps[0])
@@ -246,7 +246,7 @@ def test_presets_of_end_materials(jobs, ball, addon, call):
 
 
 def test_panel(addon, ball):
-    from bl_ext.user_default.lamina.ui import interior_panel
+    from bl_ext.user_default.lamina.ui import interior_fields
 
     material = ball.active_material
     context = SimpleNamespace(
@@ -258,8 +258,7 @@ def test_panel(addon, ball):
     for source in ("MARBLE", "NODES", "LAYERS"):
         for output in ("RELIGHTABLE", "LIT"):
             material.lamina.interior.source, material.lamina.interior.output = source, output
-            said[source, output] = drawn(lambda layout: interior_panel.LAMINA_PT_interior.draw(
-                SimpleNamespace(layout=layout), context))  # fmt: skip
+            said[source, output] = drawn(lambda layout: interior_fields.draw(context, layout))  # fmt: skip
     assert "Spacing (mm)" in said["MARBLE", "LIT"] and "Spacing (mm)" not in said["NODES", "LIT"]
     assert "View" in said["NODES", "LIT"] and "View" not in said["LAYERS", "RELIGHTABLE"]
     assert all("Ball has no UV map: Lamina unwraps it" in lines and "Compute Interior" in lines
@@ -268,7 +267,7 @@ def test_panel(addon, ball):
     assert not any("voxels are" in line for lines in said.values() for line in lines)
     material.lamina.interior.source, material.lamina.interior.spacing = "MARBLE", 1.0
     assert any(coarse in line for line in drawn(
-        lambda layout: interior_panel.LAMINA_PT_interior.draw(SimpleNamespace(layout=layout), context)))  # fmt: skip
+        lambda layout: interior_fields.draw(context, layout)))  # fmt: skip
     ball.data.uv_layers.new(name="Own")
     assert any("the map “Own” is used" in line for line in drawn(
-        lambda layout: interior_panel.LAMINA_PT_interior.draw(SimpleNamespace(layout=layout), context)))  # fmt: skip
+        lambda layout: interior_fields.draw(context, layout)))  # fmt: skip

@@ -44,14 +44,15 @@ def panel(name, obj):
     """What a panel draws for the object."""
     from importlib import import_module
 
-    module = import_module(f"bl_ext.user_default.lamina.ui.{name}_panel")
+    ui = "bl_ext.user_default.lamina.ui"
+    draw = {"interior": import_module(f"{ui}.interior_fields").draw,
+            "lateral": import_module(f"{ui}.depth_panel")._draw_soft}[name]
     context = SimpleNamespace(
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=3000),
         evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=obj, material=obj.active_material,
         scene=bpy.context.scene, view_layer=bpy.context.view_layer,
     )  # fmt: skip
-    cls = getattr(module, f"LAMINA_PT_{name}")
-    return drawn(lambda layout: cls.draw(SimpleNamespace(layout=layout), context))
+    return drawn(lambda layout: draw(context, layout))
 
 
 def begins(lines, words):
@@ -157,9 +158,9 @@ def test_a_portal_is_gone_with_its_warning(jobs, addon, layered, call):
     layered.scale = (0.1,) * 3
     bpy.context.view_layer.update()
     by_lateral(jobs, addon, layered, call)
-    assert any("too thin for a portal" in line for line in panel("lateral", layered))
+    assert any("too thin for Full Profile" in line for line in panel("lateral", layered))
     make(jobs, layered, "RELIGHTABLE")
-    assert not any("too thin for a portal" in line for line in panel("lateral", layered))
+    assert not any("too thin for Full Profile" in line for line in panel("lateral", layered))
 
 
 @pytest.mark.parametrize(("name", "words"), [("interior", "Relightable: "), ("lateral", "Subsurface")])
@@ -177,7 +178,7 @@ def test_lateral_is_out_of_date(jobs, addon, layered, call):
     material.lamina.layers[0].name = "Renamed"
     assert not begins(panel("lateral", layered), "Out of date")
     material.lamina.lateral = "PORTAL"
-    assert "Out of date: computed with output Relightable instead of Portal" in panel("lateral", layered)
+    assert "Out of date: computed with output Mean Distance instead of Full Profile" in panel("lateral", layered)
     material.lamina.lateral = "RELIGHTABLE"
     material.lamina.layers[0].alpha += 0.1
     assert "Out of date: the layers have changed" in panel("lateral", layered)

@@ -37,7 +37,7 @@ def test_one_medium_and_one_interface_vary(addon, material):
     addon.editing.stack_io.assign(other, data)
     assert addon.editing.stack_io.to_dict(other) == data
     interface = next(layer for layer in varying if layer.kind == "interface")
-    assert "Varying" in drawn(addon.ui.fields.draw_layer, interface)
+    assert "Varying" in drawn(addon.ui.details.draw_layer, interface)
     interface.kind = "medium"
     assert not interface.varying and [layer.varying for layer in layers].count(True) == 1
 
@@ -91,8 +91,8 @@ SOURCES = {"value": ("", ()), "attribute": ("lamina_dust", ("coverage attribute"
 
 
 @pytest.mark.parametrize(("source", "name", "marks"), [(key, *value) for key, value in SOURCES.items()], ids=SOURCES)
-def test_each_source_is_wired_and_shown(addon, wet, call, source, name, marks):
-    assert call(bpy.ops.lamina.thickness_wire, wet, source=source.upper(), input="COVERAGE") == {"FINISHED"}
+def test_each_source_is_wired_and_shown(addon, wet, source, name, marks):
+    addon.nodes.thickness.wire_thickness(wet, source, to="Coverage")
     now = addon.nodes.thickness.wiring(wet, "Coverage")
     assert (now.source, now.name) == (source, name)
     assert {node.get("lamina_thickness") for node in wet.node_tree.nodes} - {None} == set(marks)
@@ -117,12 +117,10 @@ def test_thickness_and_coverage_have_sources_of_their_own(addon, wet):
     assert (thickness.wiring(wet).source, thickness.wiring(wet, "Coverage").name) == ("value", "rain")
 
 
-def test_a_material_without_coverage_refuses_a_source(addon, lamina, material, call):
+def test_a_material_without_coverage_refuses_a_source(addon, lamina, material):
     addon.baking.bake_job.bake_material(material)
-    with pytest.raises(addon.base.messages.RefusedError, match="no coverage input: mark an interface as varying"):
+    with pytest.raises(addon.base.messages.RefusedError, match="no coverage input: choose Painted"):
         addon.nodes.thickness.wire_thickness(material, "attribute", to="Coverage")
-    with pytest.raises(RuntimeError, match="poll"):
-        call(bpy.ops.lamina.thickness_wire, material, source="ATTRIBUTE", input="COVERAGE")
 
 
 def test_the_result_tells_the_error_without_the_film(addon, wet):

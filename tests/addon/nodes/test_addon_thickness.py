@@ -54,14 +54,10 @@ CASES = {
 
 
 @pytest.mark.parametrize(("source", "more", "expected"), CASES.values(), ids=CASES)
-@pytest.mark.parametrize("by", ["function", "operator"])
-def test_each_source_is_wired_and_shown(addon, dusty, call, by, source, more, expected):
+def test_each_source_is_wired_and_shown(addon, dusty, source, more, expected):
     image()
     before = count(dusty)
-    if by == "function":
-        addon.nodes.thickness.wire_thickness(dusty, source, **more)
-    else:
-        assert call(bpy.ops.lamina.thickness_wire, dusty, source=source.upper(), **more) == {"FINISHED"}
+    addon.nodes.thickness.wire_thickness(dusty, source, **more)
     assert wired(addon, dusty) == expected
     own = source == "attribute" and not more  # settled dust has an attribute for back faces as well
     assert count(dusty) == before + {"value": 0, "attribute": 1, "image": 2}[source] + own
@@ -87,13 +83,11 @@ def own_node(material, addon):
 
 
 @pytest.mark.parametrize("source", ["value", "attribute", "image"])
-def test_the_artists_own_link_stays_unless_asked(addon, dusty, call, source):
+def test_the_artists_own_link_stays_unless_asked(addon, dusty, source):
     node = own_node(dusty, addon)
     before, images = count(dusty), len(bpy.data.images)
     with pytest.raises(addon.base.messages.RefusedError, match="Noise"):
         addon.nodes.thickness.wire_thickness(dusty, source)
-    with pytest.raises(RuntimeError, match="Noise"):
-        call(bpy.ops.lamina.thickness_wire, dusty, source=source.upper())
     assert wired(addon, dusty)[:2] == ("custom", node.name)
     assert (count(dusty), len(bpy.data.images)) == (before, images)
     addon.nodes.thickness.wire_thickness(dusty, source, replace=True)
@@ -118,13 +112,11 @@ def test_every_use_of_the_group_is_fed(addon, dusty):
     assert len(sources) == 1
 
 
-def test_without_a_thickness_there_is_nothing_to_wire(addon, lamina, material, call):
+def test_without_a_thickness_there_is_nothing_to_wire(addon, lamina, material):
     addon.baking.bake_job.bake_material(material)
     assert addon.nodes.thickness.wiring(material).source == "none"
-    with pytest.raises(addon.base.messages.RefusedError, match="varying"):
+    with pytest.raises(addon.base.messages.RefusedError, match="no thickness input"):
         addon.nodes.thickness.wire_thickness(material, "attribute")
-    with pytest.raises(RuntimeError, match="varying"):
-        call(bpy.ops.lamina.thickness_wire, material, source="ATTRIBUTE")
 
 
 @pytest.mark.parametrize(("source", "name", "match"), [("gradient", "", "source"), ("image", "Nowhere", "Nowhere")])
@@ -162,12 +154,12 @@ def test_a_rebake_keeps_the_wiring_and_a_lost_input_gets_it_back(addon, dusty):
     assert wired(addon, dusty)[:2] == ("attribute", "soot")
 
 
-def test_wiring_can_be_undone_and_done_again(addon, dusty, call):
+def test_wiring_can_be_undone_and_done_again(addon, dusty):
     name = dusty.name
     bpy.context.scene.world = None
     dusty.use_fake_user = True
     bpy.ops.ed.undo_push(message="before")
-    call(bpy.ops.lamina.thickness_wire, dusty, source="ATTRIBUTE")
+    addon.nodes.thickness.wire_thickness(dusty, "attribute")
     bpy.ops.ed.undo_push(message="wired")
     bpy.ops.ed.undo()
     assert addon.nodes.thickness.wiring(bpy.data.materials[name]).source == "value"
@@ -179,10 +171,10 @@ def test_the_panel_tells_the_error_of_the_thickness_shown(addon, dusty):
     result = dusty.lamina.result
     rows = result.report["row_errors"]["tau"]
     assert len(rows) == 33 and rows[-1] == pytest.approx(LARGEST)
-    lines = addon.ui.thickness_panel.error_lines(result, addon.nodes.thickness.wiring(dusty))
+    lines = addon.ui.where_panel.error_lines(dusty)
     assert lines[0][0] == "Error at 2" and "mean" in lines[0][1]
     addon.nodes.thickness.wire_thickness(dusty, "attribute")
-    assert len(addon.ui.thickness_panel.error_lines(result, addon.nodes.thickness.wiring(dusty))) == 5
+    assert len(addon.ui.where_panel.error_lines(dusty)) == 5
 
 
 ODD = np.array([np.inf, -np.inf, np.nan, 0.5], np.float32)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from addon_helpers import drawn
+from addon_helpers import drawn_base, drawn_layer
 
 from lamina.kinds import bases, boundaries, dust, interiors, media, phases
 
@@ -81,7 +81,7 @@ def test_a_phase_function_is_drawn_and_written(addon, lamina, material, cls):
     layer = material.lamina.layers[0]
     layer.phase = cls.kind
     labels = {field.panel.label for field in cls.fields}
-    assert labels <= set(drawn(addon.ui.fields.draw_layer, layer))
+    assert labels <= set(drawn_layer(addon, layer))
     phase = addon.editing.stack_io.to_stack(material).layers[0].phase
     assert phase == cls(**{field.name: pytest.approx(field.panel.default) for field in cls.fields})
 
@@ -90,7 +90,7 @@ def test_a_phase_function_is_drawn_and_written(addon, lamina, material, cls):
 def test_a_base_is_drawn_written_and_read(addon, lamina, material, cls):
     base = material.lamina.base
     base.kind = cls.kind
-    lines = " ".join(drawn(addon.ui.fields.draw_base, base))
+    lines = " ".join(drawn_base(addon, base))
     form = next((form for form in cls.forms if form.item.id == getattr(base, cls.form_prop)), ())
     for field in (*form, *cls.fields):
         assert (field.panel.label if field.prop != "alpha" else "Roughness") in lines

@@ -130,9 +130,9 @@ def test_absurd_requests_are_refused_in_a_sentence(dust, plate, addon, monkeypat
             setattr(settings, name, value)
         with pytest.raises(refused, match=sentence):
             dust.settle(bpy.context, plate)
-        assert sentence in addon.ui.dust_panel._frames_told(plate)
+        assert sentence in addon.ui.settled_fields._frames_told(plate)
         settings.target, settings.frame_last, settings.frame_step = "attribute", LAST, STEP
-    assert addon.ui.dust_panel._frames_told(plate) == (
+    assert addon.ui.settled_fields._frames_told(plate) == (
         "Settles at 3 frames, 1 to 11; the mesh then holds up to 0.1 MB of dust")
     assert frames.kept_bytes(plate.data, settings) == 4 * 4 * len(plate.data.loops)
     monkeypatch.setattr(frames, "MOST_KEPT", 100)

@@ -18,12 +18,12 @@ def test_the_material_reads_the_dust(dust, addon, material):
     dust.settle(bpy.context, plate)
     found = addon.nodes.thickness.wiring(material)
     assert (found.source, found.name) == ("attribute", NAME)
-    assert addon.ui.dust_panel.mismatch(material, plate.lamina_dust) == ""
+    assert addon.ui.settled_fields.mismatch(material, plate.lamina_dust) == ""
     plate.lamina_dust.amount = 3.0
     dust.settle(bpy.context, plate)
-    assert "above thickness 2 nothing changes" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
+    assert "above thickness 2 nothing changes" in addon.ui.settled_fields.mismatch(material, plate.lamina_dust)
     plate.lamina_dust.target = "image"
-    assert "does not read it" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
+    assert "does not read it" in addon.ui.settled_fields.mismatch(material, plate.lamina_dust)
     dust.settle(bpy.context, plate)
     assert addon.nodes.thickness.wiring(material).source == "image"
 
@@ -83,15 +83,16 @@ def test_the_panels_of_dust_and_of_its_detail(dust, addon, material):
         scene=bpy.context.scene,
     )  # fmt: skip
 
-    def lines(panel):
+    def lines(panel=addon.ui.where_panel.LAMINA_PT_where):
         return drawn(lambda layout: panel.draw(SimpleNamespace(layout=layout), context))
 
-    settling, thickness = addon.ui.dust_panel.LAMINA_PT_dust, addon.ui.thickness_panel.LAMINA_PT_thickness
-    before = lines(settling)
+    addon.nodes.thickness.wire_thickness(material, "attribute")
+    before = lines()
     assert [line for line in before if line in ("How Much", "Where From", "Where It Stays", "Where To")] == [
         "How Much", "Where From", "Where It Stays", "Where To"]
-    assert "Settle Dust" in before and "Grain and Clouds" in lines(thickness)
+    assert "Settle Dust" in before and "Add Grain and Clouds" in before
+    addon.nodes.thickness.wire_thickness(material, "value")
     dust.settle(bpy.context, plate)
-    assert "Settle Again" in lines(settling)
-    after = lines(thickness)
+    after = lines()
+    assert "Settle Again" in after
     assert "Cloud Size" in after and "Remove Grain and Clouds" in after and "Wipe by Hand" in after

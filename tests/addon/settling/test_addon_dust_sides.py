@@ -83,7 +83,7 @@ def test_dust_shows_on_the_side_that_it_lies_on(dust, addon, lamina, material, t
     plate = plane(material, turned)
     plate.lamina_dust.target, plate.lamina_dust.size = target, 16
     dust.settle(bpy.context, plate)
-    assert addon.ui.dust_panel.mismatch(material, plate.lamina_dust) == ""
+    assert addon.ui.settled_fields.mismatch(material, plate.lamina_dust) == ""
     addon.nodes.detail_wiring.remove_detail(material)  # reflectance is not linear in its noise
     above, below = exact(1.0, "top"), exact(1.0, "bottom") if name == "leaf" else 0.05
     assert abs(above - below) > 0.1, "the sides differ by more than the errors"
@@ -113,7 +113,7 @@ def test_a_sheet_of_two_different_sides_is_not_turned_over(dust, addon, lamina, 
     exact = shown_by(addon, lamina, material, "leaf on paper")
     plate = plane(material, True)
     dust.settle(bpy.context, plate)
-    assert "Flip the normals" in addon.ui.dust_panel.mismatch(material, plate.lamina_dust)
+    assert "Flip the normals" in addon.ui.settled_fields.mismatch(material, plate.lamina_dust)
     assert seen(addon, tmp_path, below=False) == pytest.approx(exact(0.0, "bottom"), rel=0.015)
     assert seen(addon, tmp_path, below=True) == pytest.approx(exact(0.0, "top"), rel=0.015)
 

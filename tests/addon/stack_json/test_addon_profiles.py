@@ -5,7 +5,7 @@ import json
 
 import bpy
 import pytest
-from addon_helpers import drawn
+from addon_helpers import drawn_layer
 
 HG = {"kind": "hg", "g": 0.75}
 ISOTROPIC = {"kind": "isotropic"}
@@ -97,7 +97,7 @@ def test_infinity_is_for_media_that_do_not_change(addon, material, lamina):
     layer.infinite = layer.graded = True
     assert addon.editing.stack_io.to_dict(material)["layers"][0]["tau"] == layer.tau
     addon.editing.stack_io.to_stack(material)
-    assert "∞" not in drawn(addon.ui.fields.draw_layer, layer) and "∞" not in addon.ui.fields.facts(layer)
+    assert "∞" not in drawn_layer(addon, layer) and "∞" not in addon.ui.fields.facts(layer)
 
 
 def test_a_copied_layer_has_its_bottom(addon, material):
@@ -110,14 +110,14 @@ def test_a_copied_layer_has_its_bottom(addon, material):
 @pytest.mark.parametrize("data", ENDS.values(), ids=ENDS)
 def test_top_and_bottom_are_drawn(addon, material, data):
     addon.editing.stack_io.assign(material, data)
-    lines = drawn(addon.ui.fields.draw_layer, material.lamina.layers[0])
+    lines = drawn_layer(addon, material.lamina.layers[0])
     assert "At the Bottom" in lines and lines.count("Phase") == 2
 
 
 def test_a_long_profile_is_shown_and_can_be_replaced(addon, material, call):
     addon.editing.stack_io.assign(material, LONG)
     layer = material.lamina.layers[0]
-    assert "Imported: 4 depths" in drawn(addon.ui.fields.draw_layer, layer)
+    assert "Imported: 4 depths" in drawn_layer(addon, layer)
     assert call(bpy.ops.lamina.profile_replace, material) == {"FINISHED"}
     knots = addon.editing.stack_io.to_dict(material)["layers"][0]["profile"]
     assert [knot["depth"] for knot in knots] == [0.0, 1.0]

@@ -6,7 +6,7 @@ import time
 from types import ModuleType
 
 import pytest
-from addon_helpers import Layout, drawn
+from addon_helpers import Layout, drawn_base, drawn_layer
 
 ERROR = ValueError("no good")
 
@@ -131,21 +131,21 @@ def test_the_real_colours(addon, material, lamina):
 def test_every_medium_can_be_drawn(addon, material, mode, infinite, phase):
     layer = material.lamina.layers[0]
     layer.mode, layer.infinite, layer.phase = mode, infinite, phase
-    lines = drawn(addon.ui.fields.draw_layer, layer)
+    lines = drawn_layer(addon, layer)
     assert {"Phase", "Varying"} <= set(lines)
     assert ("Albedo" in lines) == (mode != "coefficients") and ("As Thick Layer" in lines) == (mode != "colour")
 
 
 def test_no_swatch_of_an_unknown_color(addon, material, monkeypatch):
     monkeypatch.setattr(addon.base.native, "_package", None)
-    lines = drawn(addon.ui.fields.draw_layer, material.lamina.layers[0])
+    lines = drawn_layer(addon, material.lamina.layers[0])
     assert "Albedo" in lines and "As Thick Layer" not in lines
 
 
 def test_an_imported_phase_function_is_shown_read_only(addon, material):
     layer = material.lamina.layers[0]
     layer.phase_text = '{"kind": "mixture", "parts": [{}, {}]}'
-    lines = drawn(addon.ui.fields.draw_layer, layer)
+    lines = drawn_layer(addon, layer)
     assert "Imported: mixture of 2" in lines and "Anisotropy" not in lines
 
 
@@ -153,7 +153,7 @@ def test_an_imported_phase_function_is_shown_read_only(addon, material):
 def test_interfaces_can_be_drawn_and_told_in_short(addon, material, per_channel):
     layer = addon.editing.layer_list.add_layer(material, "interface")
     layer.ior_per_channel, layer.ior_rgb = per_channel, (1.5, 1.51, 1.52)
-    assert {"Roughness", "Distribution", "Keep Energy"} <= set(drawn(addon.ui.fields.draw_layer, layer))
+    assert {"Roughness", "Distribution", "Keep Energy"} <= set(drawn_layer(addon, layer))
     ior = "1.5/1.51/1.52" if per_channel else "1.5"
     assert addon.ui.fields.facts(layer) == f"ior {ior}, smooth"
     layer.roughness = 0.3
@@ -173,12 +173,12 @@ BASES = {
 def test_every_base_can_be_drawn(addon, material, kind, expected):
     base = material.lamina.base
     base.kind = kind
-    assert expected <= set(drawn(addon.ui.fields.draw_base, base))
+    assert expected <= set(drawn_base(addon, base))
     base.metal_form = "indices"
-    lines = set(drawn(addon.ui.fields.draw_base, base))
+    lines = set(drawn_base(addon, base))
     assert kind != "conductor" or {"Metal", "Index n R", "Extinction k R"} <= lines
     base.half_space_form = "coefficients"
-    lines = set(drawn(addon.ui.fields.draw_base, base))
+    lines = set(drawn_base(addon, base))
     expected = {"Scattering (1/mm) R", "Absorption (1/mm) R", "Phase"}
     assert kind != "half-space" or (expected <= lines and "Albedo" not in lines)
 

@@ -101,6 +101,6 @@ def test_nothing_undoes_portal_or_relightable(addon, lamina, material):
 
     addon.nodes.lateral_group.build(material, "Portal", draw, 0.001)
     texts = " ".join(lines(addon, material))
-    assert "instead of this bake" in texts and "Not connected" not in texts
+    assert "shows light below the surface" in texts and "Not connected" not in texts
     addon.nodes.node_group.connect(material)
-    assert "instead of this bake" not in " ".join(lines(addon, material))
+    assert "shows light below the surface" not in " ".join(lines(addon, material))

@@ -2,11 +2,15 @@
 """The words of the panel: descriptions of everything that has a tooltip, units, no Greek letters."""
 
 import re
+from types import SimpleNamespace
 
 import bpy
-from addon_helpers import drawn
+from addon_helpers import drawn, drawn_base, drawn_layer, icosphere, linked
 
 GREEK = re.compile("[\u0370-\u03ff]|^(alpha|beta|eta|lambda|mu|sigma|tau)$", re.IGNORECASE)
+
+ENGINE_ROOM = re.compile(
+    r"\b(Fit|Preview|Final|Live|Lateral|Portal|Relightable|Lit|Phase|Varying|Between Rows)\b|^Base$")
 
 
 def operators():
@@ -36,10 +40,51 @@ def test_every_property_in_a_panel_is_described(addon):
     assert silent == []
 
 
+def main_view(addon, material, obj):
+    """What all panels but Advanced draw."""
+    themes = bpy.context.preferences.themes
+    context = SimpleNamespace(
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), themes=themes),
+        region=SimpleNamespace(width=600),
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=obj, material=material, engine="CYCLES",
+        scene=bpy.context.scene, view_layer=bpy.context.view_layer, window_manager=bpy.context.window_manager,
+    )  # fmt: skip
+    panel, ui = addon.ui.panel, addon.ui
+    every = (panel.LAMINA_PT_main, panel.LAMINA_PT_layers, ui.where_panel.LAMINA_PT_where, panel.LAMINA_PT_base,
+             ui.depth_panel.LAMINA_PT_depth)
+    draws = [cls.draw for cls in every if cls.wanted(material)]
+    return drawn(lambda layout: [draw(SimpleNamespace(layout=layout), context) for draw in draws])
+
+
+def test_the_main_view_has_no_word_of_the_engine_room(addon, lamina, material, call):
+    ball = linked("Ball", icosphere("Ball", 1.0))
+    ball.data.materials.append(material)
+    bpy.context.view_layer.objects.active = ball
+    plain = bpy.data.materials.new("Plain")
+    texts = main_view(addon, addon.nodes.node_tree.of(plain) and plain, ball)
+    addon.editing.layer_list.add_layer(material, "interface")
+    texts += main_view(addon, material, ball)
+    for layer in (0, 1):
+        material.lamina.active_index = layer
+        call(bpy.ops.lamina.place, material, place="PAINTED")
+        texts += main_view(addon, material, ball)
+    material.lamina.active_index = 1
+    call(bpy.ops.lamina.place, material, place="SETTLED")
+    texts += main_view(addon, material, ball)
+    material.lamina.layers[1].mode = "coefficients"
+    for depth in ("SURFACE", "SOFT", "EXACT", "VEINS"):
+        assert call(bpy.ops.lamina.depth, material, depth=depth) == {"FINISHED"}
+        texts += main_view(addon, material, ball)
+    for owner, name in ((material.lamina, "lateral"), (material.lamina.interior, "output")):
+        texts += [item.name for item in owner.bl_rna.properties[name].enum_items]
+    assert {"Albedo", "Roughness", "Settle Again", "Full Profile", "Lamps Stay", "Compute Interior"} <= set(texts)
+    assert [text for text in texts if ENGINE_ROOM.search(text)] == []
+
+
 def test_a_number_of_millimetres_says_so_in_its_label(addon, material):
     layer = material.lamina.layers[0]
     layer.mode = "coefficients"
-    texts = drawn(addon.ui.fields.draw_layer, layer)
+    texts = drawn_layer(addon, layer)
     assert {"Scattering (1/mm) R", "Absorption (1/mm) R", "Thickness (mm)"} <= set(texts)
     for cls in edited(addon):
         for prop in cls.bl_rna.properties:
@@ -49,8 +94,8 @@ def test_a_number_of_millimetres_says_so_in_its_label(addon, material):
 
 def test_no_label_is_a_greek_letter(addon, material):
     layer = material.lamina.layers[0]
-    texts = drawn(addon.ui.fields.draw_base, material.lamina.base)
+    texts = drawn_base(addon, material.lamina.base)
     for phase in layer.bl_rna.properties["phase"].enum_items:
         layer.phase = phase.identifier
-        texts += drawn(addon.ui.fields.draw_layer, layer)
+        texts += drawn_layer(addon, layer)
     assert [text for text in texts if GREEK.search(text)] == []

@@ -162,6 +162,33 @@ def dust_these_objects(panel):
     check_images()
 
 
+def places(panel):
+    """One click lets an even layer settle, another one paints it; undo brings back each place before."""
+    material = layered(panel)
+    yield from baked(panel, material)
+    push("even")
+
+    def now():
+        material = bpy.context.object.active_material
+        return part("scene.place").of(material, material.lamina.layers[0])
+
+    for place in ("SETTLED", "PAINTED"):
+        with window.on(panel):
+            bpy.ops.lamina.place("INVOKE_DEFAULT", place=place)
+        yield from until(lambda place=place: now() == place)
+        yield from at_rest()
+        yield from window.still()
+        window.save(OUT / f"{place.lower()}.png", window.picture(panel))
+    push("painted")  # Blender does so after a click, but not after a call
+    for place in ("SETTLED", "EVEN"):
+        while now() != place:
+            with window.on(panel):
+                bpy.ops.ed.undo()
+            check_images()
+            yield 0.5
+    assert not bpy.context.object.active_material.lamina.layers[0].varying
+
+
 def undo_after_update(panel):
     """Undo after updates have applied two changes of one bake: the image of that bake is in no undo step."""
     with window.on(panel):

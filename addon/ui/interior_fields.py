@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Lamina subpanel for the interior of the active object."""
+"""Draws the interior of the active object: what fills it, what is computed from it, and the job."""
 
 import bpy
 
@@ -8,7 +8,6 @@ from ..interior import contents, freshness, interior_job
 from ..kinds import interiors
 from ..nodes import node_group
 from .fields import split
-from .material_panel import AnyMaterialPanel
 from .sentences import draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
 
@@ -35,42 +34,40 @@ class LAMINA_MT_vein_presets(LAMINA_MT_end_presets):
     second = True
 
 
-class LAMINA_PT_interior(AnyMaterialPanel, bpy.types.Panel):
-    bl_label = "Interior"
-    bl_parent_id = "LAMINA_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout, obj, material = self.layout, context.object, context.material
-        settings = material.lamina.interior
-        layout.row().prop(settings, "source", expand=True)
-        if settings.source != "LAYERS":
-            _draw_ends(layout, material, settings)
-        _draw_output(context, layout, settings)
-        job = interior_job.running_for(material)
-        if job is not None:
-            draw_progress(layout, job, "INTERIOR")
-            if job.shows:
-                draw_sentence(context, layout, settings.report)
-            return
-        row = layout.row()
-        row.scale_y = 1.4
-        row.operator("lamina.interior", icon="LIGHT_HEMI")
-        is_shown = node_group.shows_lateral(material)
-        sentence = interior_job.problem(obj, material)
-        if not sentence and is_shown:
-            sentence = freshness.stale(context, obj, material)
-        if sentence:
-            draw_sentence(context, layout, sentence, "ERROR")
-        elif coarse := contents.too_coarse(context, obj, settings):
-            draw_sentence(context, layout, coarse)
-        if settings.report and is_shown:
+def draw(context, layout):
+    obj, material = context.object, context.material
+    settings = material.lamina.interior
+    if settings.source != "LAYERS" or not material.lamina.enabled:
+        row = layout.row(align=True)
+        for name in ("MARBLE", "NODES"):
+            row.prop_enum(settings, "source", name)
+    if settings.source != "LAYERS":
+        _draw_ends(layout, material, settings)
+    _draw_output(context, layout, settings)
+    job = interior_job.running_for(material)
+    if job is not None:
+        draw_progress(layout, job, "INTERIOR")
+        if job.shows:
             draw_sentence(context, layout, settings.report)
-        elif settings.report:
-            layout.label(text="Not connected to the output", icon="UNLINKED")
-        if material.lamina.lateral_group is not None and not material.lamina.enabled:
-            # Materials with layers have this in the menu beside their list.
-            layout.operator("lamina.remove_stack", icon="X")
+        return
+    row = layout.row()
+    row.scale_y = 1.4
+    row.operator("lamina.interior", icon="LIGHT_HEMI")
+    is_shown = node_group.shows_lateral(material)
+    sentence = interior_job.problem(obj, material)
+    if not sentence and is_shown:
+        sentence = freshness.stale(context, obj, material)
+    if sentence:
+        draw_sentence(context, layout, sentence, "ERROR")
+    elif coarse := contents.too_coarse(context, obj, settings):
+        draw_sentence(context, layout, coarse)
+    if settings.report and is_shown:
+        draw_sentence(context, layout, settings.report)
+    elif settings.report:
+        layout.label(text="Not connected to the output", icon="UNLINKED")
+    if material.lamina.lateral_group is not None and not material.lamina.enabled:
+        # Materials with layers have this in the menu beside their list.
+        layout.operator("lamina.remove_stack", icon="X")
 
 
 def _draw_ends(layout, material, settings):
@@ -114,6 +111,4 @@ def _draw_numbers(column, owner, fields):
             column.prop(owner, field.prop)
 
 
-register, unregister = bpy.utils.register_classes_factory(
-    (LAMINA_MT_end_presets, LAMINA_MT_vein_presets, LAMINA_PT_interior)
-)
+register, unregister = bpy.utils.register_classes_factory((LAMINA_MT_end_presets, LAMINA_MT_vein_presets))

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a layer lies: its place, grain and clouds, and masks painted by hand."""
+
+import bpy
+
+from ..base import messages
+from ..base.messages import RefusedError
+from ..editing import layer_list
+from ..nodes import detail_wiring, rest_coordinates, thickness
+from ..nodes.group_sockets import COVERAGE
+from ..scene import place
+from ..settling import dust_job, wiping
+from . import common
+from .following import Following
+
+MASKS = (
+    ("AUTO", "Automatic", "An attribute on a fine mesh or without a UV map, otherwise an image"),
+    ("attribute", "Attribute", "A color attribute of the mesh, as fine as its vertices"),
+    ("image", "Image", "A packed image over the UV map"),
+)
+
+
+class LAMINA_OT_place(Following, bpy.types.Operator):
+    bl_idname = "lamina.place"
+    bl_label = "Where"
+    bl_description = "Choose where this layer lies"
+    bl_options = {"REGISTER", "UNDO"}
+
+    jobs = dust_job
+    changes_engine = True
+    kept = "Cancelled; nothing was changed"
+
+    place: bpy.props.EnumProperty(
+        name="Place", description="Where the layer lies", items=place.PLACES, options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, _context, properties):
+        return next(text for item, _name, text in place.PLACES if item == properties.place)
+
+    @classmethod
+    def poll(cls, context):
+        if not common.has_layer(cls, context) or not common.has_native(cls):
+            return False
+        if dust_job.running() is not None:
+            cls.poll_message_set("Dust is settling")
+            return False
+        return common.is_idle(cls)
+
+    def invoke(self, context, event):
+        if place.is_quick(common.material_of(context), self.place):
+            return self.execute(context)
+        return super().invoke(context, event)
+
+    def execute(self, context):
+        """Wait for it: scripts, and everything under `blender -b`."""
+        try:
+            told = place.put(context, common.material_of(context), self.place)
+        except Exception as error:
+            return self.failed(error, context)
+        self.report({"INFO"}, told)
+        return {"FINISHED"}
+
+    def start(self, context):
+        layer = layer_list.active_layer(common.material_of(context))
+        return place.start(context, common.material_of(context), self.place), f"Lamina places “{layer.name}”"
+
+    def told(self, done):
+        return done
+
+    def failed(self, error, _context, _job=None):
+        if not messages.expected(error):
+            dust_job.log.error("placing a layer failed", exc_info=error)
+        return common.refused(self, error)
+
+
+class LAMINA_OT_dust_detail(bpy.types.Operator):
+    bl_idname = "lamina.dust_detail"
+    bl_label = "Grain and Clouds"
+    bl_description = "Vary the thickness by noise, which stays with surfaces that deform; the mean stays"
+    bl_options = {"REGISTER", "UNDO"}
+
+    remove: bpy.props.BoolProperty(
+        name="Remove", description="Remove the noise and the painted mask", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_thickness(cls, context)
+
+    def execute(self, context):
+        material, thing = common.material_of(context), context.object
+        if self.remove:
+            detail_wiring.remove_detail(material)
+            return {"FINISHED"}
+        if thing is not None:
+            rest_coordinates.store(thing, again=True)
+        try:
+            detail_wiring.add_detail(material)
+        except RefusedError as error:
+            return common.refused(self, error)
+        return {"FINISHED"}
+
+
+class LAMINA_OT_dust_wipe(bpy.types.Operator):
+    bl_idname = "lamina.dust_wipe"
+    bl_label = "Wipe by Hand"
+    bl_description = "Go to paint mode: white strokes wipe the varying layer off, black strokes bring it back"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kept: bpy.props.EnumProperty(name="Kept In", description="Where the painted mask is kept", items=MASKS)
+    paint: bpy.props.BoolProperty(name="Paint", description="Go to paint mode at once", default=True)
+
+    @classmethod
+    def poll(cls, context):
+        if not common.has_thickness(cls, context):
+            return False
+        return _has_mesh(cls, context)
+
+    def execute(self, context):
+        try:
+            kept, image = wiping.add_mask(context.object, common.material_of(context), self.kept)
+        except RefusedError as error:
+            return common.refused(self, error)
+        if self.paint:
+            wiping.start_painting(context, context.object, kept, image)
+            self.report({"INFO"}, "White wipes off, black brings back (X swaps the brush's colors)")
+        return {"FINISHED"}
+
+
+class LAMINA_OT_film_paint(bpy.types.Operator):
+    bl_idname = "lamina.film_paint"
+    bl_label = "Paint by Hand"
+    bl_description = "Go to paint mode: white strokes put the film on, black strokes take it off"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not common.has_thickness(cls, context, COVERAGE) or not _has_mesh(cls, context):
+            return False
+        if thickness.wiring(common.material_of(context), COVERAGE).source != "image":
+            cls.poll_message_set("The coverage is not an image: choose Painted first")
+            return False
+        return True
+
+    def execute(self, context):
+        image = thickness.wiring(common.material_of(context), COVERAGE).node.image
+        wiping.start_painting(context, context.object, "image", image)
+        self.report({"INFO"}, "White puts the film on, black takes it off (X swaps the brush's colors)")
+        return {"FINISHED"}
+
+
+def _has_mesh(cls, context):
+    if context.object is None or context.object.type != "MESH":
+        cls.poll_message_set("Select a mesh object")
+        return False
+    return True

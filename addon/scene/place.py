@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a layer lies: everywhere, where dust settles, where it was not wiped off, or where an image says.
+
+Choosing a place lets the layer vary, bakes the material, and feeds the input of its node group. `gather`
+reads, the work may run in a thread, `_finish` writes; nothing in the file changes before bake and dust
+are known.
+"""
+
+from typing import NamedTuple
+
+import bpy
+
+from ..baking import bake_job, update
+from ..base import preferences, unwrap, uv_maps
+from ..base.messages import RefusedError
+from ..base.worker import with_uid
+from ..editing import layer_list, stack_io
+from ..kinds.dust import ATTRIBUTE
+from ..nodes import detail_wiring, thickness
+from ..nodes.group_sockets import COVERAGE
+from ..nodes.side_graph import FRONT
+from ..settling import dust_job, live_dust, object_dust, wiping
+from . import dusting
+
+EVEN, SETTLED, PAINTED, IMAGE = "EVEN", "SETTLED", "PAINTED", "IMAGE"
+# (place, name, description)
+PLACES = (
+    (EVEN, "Even", "The same everywhere"),
+    (SETTLED, "Settled", "Dust settles on the active object: on what faces up, and in corners and folds"),
+    (PAINTED, "Painted", "A mask that you paint on the active object"),
+    (IMAGE, "Image", "An image of optical thickness"),
+)
+_OF_KIND = {"medium": (EVEN, SETTLED, PAINTED, IMAGE), "interface": (EVEN, PAINTED)}
+INPUTS = {"medium": FRONT, "interface": COVERAGE}  # of the node group, for a varying layer of this kind
+RANGE = 4.0  # least optical thickness up to which settled dust and images can be shown
+USUAL = 1.0  # most optical thickness of an even layer after another place: at 4 a layer hides all below
+_SAME = "The layer is the same everywhere"
+
+
+def choices(layer):
+    """The places that a layer can have."""
+    return _OF_KIND[layer.kind]
+
+
+def of(material, layer):
+    """The place of a layer, or "" where nodes of the artist's own feed it."""
+    if not layer.varying:
+        return EVEN
+    now = thickness.wiring(material, INPUTS[layer.kind])
+    if now.source == "image":
+        if layer.kind == "interface":
+            return PAINTED
+        return SETTLED if now.node.image is not None and now.node.image.get(thickness.TWO_SIDES) else IMAGE
+    if now.source == "attribute":
+        return SETTLED if now.name == ATTRIBUTE else ""
+    if now.source == "custom":
+        return ""
+    return PAINTED if layer.kind == "medium" and detail_wiring.mask(material) is not None else EVEN
+
+
+class Choice(NamedTuple):
+    """A place for the layer with this index."""
+
+    place: str
+    index: int
+
+
+def is_quick(material, place):
+    """True if this place of the active layer needs neither a bake nor dust."""
+    layer = layer_list.active_layer(material)
+    return layer is None or place == EVEN or place != SETTLED and not _needs_bake(material, layer, place)
+
+
+def put(context, material, place, progress=None, cancel=None):
+    """Give the active layer of `material` a place. Blocks. Returns a sentence for the artist.
+
+    Links of the artist's own nodes to the input are replaced; the nodes stay. Raises RefusedError,
+    StackError, lamina's DustError and Cancelled, NativeMissingError; then nothing has changed."""
+    choice = Choice(place, material.lamina.active_index)
+    gathered = gather(context, material, choice)
+    told, stopped = progress or (lambda *_: None), cancel or (lambda: False)
+    found = dusting.work(gathered, preferences.threads(), told, stopped)
+    return _finish(context, material, choice, gathered, found)
+
+
+class PlaceJob(dusting.DustingJob):
+    """The bake and the settling in a thread."""
+
+    def __init__(self, context, material, place):
+        self.uid, self.choice = material.session_uid, Choice(place, material.lamina.active_index)
+        super().__init__(gather(context, material, self.choice), preferences.threads())
+
+    def written(self):
+        material = with_uid(bpy.data.materials, self.uid)
+        if material is None:
+            return None
+        return _finish(bpy.context, material, self.choice, self.gathered, self.result)
+
+
+def start(context, material, place):
+    """Start in the background, as dust_job.start does. Raises as `put` does, before it starts."""
+    return dust_job.take(PlaceJob(context, material, place))
+
+
+def gather(context, material, choice):
+    """What is to be done: a dusting.Gathered. Raises RefusedError, StackError."""
+    layer, place = _layer(material, choice), choice.place
+    if place not in choices(layer):
+        raise RefusedError(f"A layer of this kind has no place “{place.capitalize()}”")
+    obj, tasks, bakes = context.object, [], {}
+    if place != EVEN:
+        if obj is None or obj.type != "MESH" or all(slot.material != material for slot in obj.material_slots):
+            raise RefusedError("Select a mesh object that has this material")
+        if _needs_bake(material, layer, place):
+            bakes[material.session_uid] = _bake(material, choice)
+    if place == SETTLED:
+        live_dust.leave(obj)
+        dusting.choose_storage(context, obj)
+        tasks = object_dust.gather_all(context, [obj])
+    return dusting.Gathered(tasks, bakes, cover=lambda material: _vary(material, choice))
+
+
+def _finish(context, material, choice, gathered, found):
+    """Write what was found, and feed the input. Returns a sentence."""
+    layer = _layer(material, choice)
+    name = INPUTS[layer.kind]
+    before = thickness.wiring(material, name).source
+    if choice.place == SETTLED and before == "custom":
+        thickness.wire_thickness(material, "value", replace=True)
+    done = dusting.finish(gathered, found)
+    if not thickness.has_input(material, name) and choice.place != EVEN:
+        raise RefusedError("; ".join(done.notes))
+    if choice.place == SETTLED:
+        return str(done)
+    return (_put_medium if layer.kind == "medium" else _put_film)(context.object, layer, choice.place, before)
+
+
+def _put_medium(obj, layer, place, before):
+    """Feed the thickness of a varying medium, whose source was `before`."""
+    material = layer.id_data
+    if place == IMAGE:
+        thickness.wire_thickness(material, "image", uv_map=_uv_map(obj), replace=True)
+        return "Open an image of optical thickness in the panel"
+    if thickness.has_input(material):
+        socket = thickness.wire_thickness(material, "value", replace=True).socket
+        if before in ("attribute", "image", "custom"):
+            socket.default_value = min(_range(layer), USUAL)
+    if place == PAINTED:
+        wiping.add_mask(obj, material)
+        return "Wipe by Hand: white strokes wipe the layer off, black strokes bring it back"
+    detail_wiring.remove_mask(material)
+    return _SAME
+
+
+def _put_film(obj, layer, place, before):
+    """Feed the coverage of a varying interface, whose source was `before`."""
+    material = layer.id_data
+    if place == EVEN:
+        if before not in ("none", "value"):
+            thickness.wire_thickness(material, "value", replace=True, to=COVERAGE)
+        return _SAME
+    if before != "image":
+        uv_map = _uv_map(obj)
+        thickness.wire_thickness(material, "image", uv_map=uv_map, replace=True, to=COVERAGE)
+    return "Paint by Hand: white strokes put the film on, black strokes take it off"
+
+
+def _uv_map(obj):
+    """The name of a UV map of the object, unwrapped if it has none."""
+    found = uv_maps.find(obj.data, "")
+    return unwrap.ensure(obj) if found is None else found.name
+
+
+def _layer(material, choice):
+    layers = material.lamina.layers
+    if not 0 <= choice.index < len(layers):
+        raise RefusedError("The layer was removed meanwhile")
+    return layers[choice.index]
+
+
+def _needs_bake(material, layer, place):
+    return (not layer.varying or place in (SETTLED, IMAGE) and _range(layer) < RANGE
+            or bake_job.state(material) not in ("fresh", "other")
+            or not thickness.has_input(material, INPUTS[layer.kind]))
+
+
+def _bake(material, choice):
+    """The Bake of the material with the layer that varies. The file is as before."""
+    trial = material.copy()
+    try:
+        _vary(trial, choice)
+        return dusting.Bake(stack_io.to_stack(trial), *update.first_settings(trial))
+    finally:
+        bpy.data.materials.remove(trial)
+
+
+def _vary(material, choice):
+    """Let the layer vary, up to RANGE where values come from elsewhere."""
+    layer = _layer(material, choice)
+    if layer.kind == "medium":
+        layer.infinite = False
+        if choice.place in (SETTLED, IMAGE) and _range(layer) < RANGE:
+            _raise_range(layer, RANGE)
+    layer.varying = True
+
+
+def _range(layer):
+    """The largest optical thickness of a medium."""
+    if layer.mode == "coefficients":
+        return layer.thickness * max(map(sum, zip(layer.sigma_s, layer.sigma_a, strict=True)))
+    return max(layer.tau_rgb) if layer.tau_per_channel else layer.tau
+
+
+def _raise_range(layer, largest):
+    before = _range(layer)
+    if layer.mode == "coefficients":
+        if before > 0.0:
+            layer.thickness *= largest / before
+    elif layer.tau_per_channel and before > 0.0:
+        layer.tau_rgb = [value * largest / before for value in layer.tau_rgb]
+    else:
+        layer.tau, layer.tau_per_channel = largest, False

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of light below the surface: at the surface alone, soft, or followed through the object."""
+
+import bpy
+
+from ..baking import lateral_job, portal_reach, volume_bounces
+from ..nodes import node_group
+from ..properties.material_properties import DEPTHS
+from . import interior_fields
+from .fields import split
+from .material_panel import AnyMaterialPanel
+from .sentences import draw_progress, draw_sentence
+
+
+class LAMINA_PT_depth(AnyMaterialPanel, bpy.types.Panel):
+    bl_label = "Depth"
+    bl_parent_id = "LAMINA_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def wanted(cls, material):
+        return super().wanted(material) and (
+            not material.lamina.enabled or has_lengths(material) or material.lamina.lateral_group is not None)
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        if not material.lamina.enabled:
+            interior_fields.draw(context, layout)
+            return
+        now = depth(material)
+        row = layout.row(align=True)
+        for choice, name, _description in DEPTHS:
+            row.operator("lamina.depth", text=name, depress=now == choice).depth = choice
+        if now == "SOFT":
+            _draw_soft(context, layout)
+        elif now != "SURFACE":
+            interior_fields.draw(context, layout)
+
+
+def depth(material):
+    """What the panel shows: the artist's choice, or what the nodes show where none was made."""
+    settings = material.lamina
+    if settings.depth != "SURFACE" or not node_group.shows_lateral(material):
+        return settings.depth
+    if settings.lateral_report:
+        return "SOFT"
+    return "EXACT" if settings.interior.source == "LAYERS" else "VEINS"
+
+
+def has_lengths(material):
+    """True if a medium of the layers is given per millimetre."""
+    settings = material.lamina
+    return settings.base.half_space_form == "coefficients" and settings.base.kind == "half-space" or any(
+        layer.kind == "medium" and layer.mode == "coefficients" for layer in settings.layers)
+
+
+def _draw_soft(context, layout):
+    material = context.material
+    layout.row().prop(material.lamina, "lateral", expand=True)
+    if material.lamina.lateral == "PORTAL":
+        split(layout.row()).prop(material.lamina, "lateral_orders")
+    job = lateral_job.running_for(material)
+    if job is not None:
+        draw_progress(layout, job, "LATERAL")
+        return
+    layout.operator("lamina.lateral", icon="LIGHT_HEMI")
+    if material.lamina.lateral_report and not node_group.shows_lateral(material):
+        layout.label(text="Not connected to the output", icon="UNLINKED")
+        return
+    if sentence := lateral_job.stale(material):
+        draw_sentence(context, layout, sentence, "FILE_REFRESH")
+    if material.lamina.lateral_report:
+        draw_sentence(context, layout, material.lamina.lateral_report)
+    thin = portal_reach.too_thin(context.object, material, lateral_job.millimetre(context.scene))
+    if thin:
+        draw_sentence(context, layout, thin, "ERROR", alert=True)
+    shortage = volume_bounces.shortage(context.scene, material)
+    if shortage:
+        draw_sentence(context, layout, shortage, "ERROR", alert=True)
+        layout.operator("lamina.lateral_bounces", icon="LIGHT")
+
+
+register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_depth,))

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of the place of the active layer: even, settled, painted, or by an image."""
+
+import bpy
+
+from ..base.messages import percent
+from ..editing import layer_list
+from ..nodes import detail_wiring, dust_detail, thickness
+from ..nodes.side_graph import FRONT
+from ..scene import place
+from ..settling import dust_job
+from . import settled_fields
+from .fields import split
+from .material_panel import MaterialPanel
+from .sentences import draw_progress, draw_sentence
+from .uv_map_field import draw_uv_map
+
+SHOWN_ROWS = 5
+
+
+class LAMINA_PT_where(MaterialPanel, bpy.types.Panel):
+    bl_label = "Where"
+    bl_parent_id = "LAMINA_PT_main"
+
+    @classmethod
+    def wanted(cls, material):
+        return super().wanted(material) and layer_list.active_layer(material) is not None
+
+    def draw_header_preset(self, context):
+        self.layout.label(text=layer_list.active_layer(context.material).name)
+
+    def draw(self, context):
+        layout, material = self.layout, context.material
+        layout.active = material.is_editable
+        layer = layer_list.active_layer(material)
+        now = place.of(material, layer)
+        row = layout.row(align=True)
+        for choice, name, _description in place.PLACES:
+            if choice in place.choices(layer):
+                row.operator("lamina.place", text=name, depress=now == choice).place = choice
+        job = dust_job.running()
+        if job is not None:
+            draw_progress(layout, job, "DUST")
+        elif layer.varying:
+            _draw_source(context, layout, material, place.INPUTS[layer.kind], now)
+            if layer.kind == "medium" and thickness.has_input(material):
+                _draw_detail(layout, material, now)
+
+
+def _draw_source(context, layout, material, name, now):
+    """What feeds this input of the node group."""
+    wiring, column = thickness.wiring(material, name), split(layout.column())
+    label = "Optical Thickness" if name == FRONT else name
+    if now == place.SETTLED:
+        settled_fields.draw(context, layout)
+    elif wiring.source == "value":
+        column.prop(wiring.socket, "default_value", text=label)
+    elif wiring.source == "attribute":
+        column.prop(wiring.node, "attribute_name", text="Attribute")
+        if not _has_attribute(context, wiring.name):
+            draw_sentence(context, layout, f"This object has no attribute “{wiring.name}”: {label.lower()} 0")
+    elif wiring.source == "image":
+        column.template_ID(wiring.node, "image", new="image.new", open="image.open")
+        if wiring.uv is not None and context.object is not None and context.object.type == "MESH":
+            draw_uv_map(context, column, wiring.uv, context.object)
+        problem = thickness.image_problem(wiring.node.image)
+        if problem:
+            draw_sentence(context, layout, problem, "ERROR", alert=True)
+        elif name != FRONT:
+            layout.operator("lamina.film_paint", icon="BRUSH_DATA")
+    elif wiring.source == "custom":
+        layout.label(text=f"Linked to “{wiring.name}”", icon="NODE")
+
+
+def _draw_detail(layout, material, now):
+    """The noise on the thickness and the painted mask: inputs of a node group, which the viewport follows."""
+    layout.operator("lamina.dust_wipe", icon="BRUSH_DATA")
+    header, body = layout.panel("lamina_grain", default_closed=True)
+    header.label(text="Grain and Clouds")
+    if body is None:
+        return
+    node = detail_wiring.detail(material)
+    if node is None:
+        body.operator("lamina.dust_detail", text="Add Grain and Clouds", icon="MOD_NOISE")
+        return
+    column = split(body.column(align=True))
+    for name, *_rest in dust_detail.SETTINGS:
+        if not node.inputs[name].is_linked and name != "Wiped":
+            column.prop(node.inputs[name], "default_value", text=name)
+    body.operator("lamina.dust_detail", text="Remove Grain and Clouds", icon="X").remove = True
+
+
+def _has_attribute(context, name):
+    """True if the evaluated active object has the attribute; other objects are not checked."""
+    thing = context.object
+    if thing is None:
+        return True
+    if thing.type != "MESH":
+        return False
+    return name in thing.evaluated_get(context.evaluated_depsgraph_get()).data.attributes
+
+
+def error_lines(material):
+    """(name, value) of the fit error by thickness: at the value, or at some rows; and between rows."""
+    report = material.lamina.result.report
+    if not report.get("row_errors"):
+        return []
+    rows = list(zip(*(report["row_errors"][name] for name in ("tau", "mean", "worst")), strict=True))
+    now = thickness.wiring(material)
+    if now.source == "value":
+        tau = now.socket.default_value
+        rows = [min(rows, key=lambda row: abs(row[0] - tau))]
+    else:
+        last = len(rows) - 1
+        rows = [rows[round(last * k / (SHOWN_ROWS - 1))] for k in range(SHOWN_ROWS)]
+    lines = []
+    for tau, mean, worst in rows:
+        lines.append((f"Error at {tau:.2g}", f"{percent(mean)} mean, {percent(worst)} worst"))
+    between = report.get("tau_error")
+    if between:
+        text = f"{percent(between['mean'], 2)} mean, {percent(between['worst'])} worst"
+        lines.append(("Between Rows", text))
+    return lines
+
+
+register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_where,))

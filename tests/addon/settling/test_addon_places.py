@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a layer lies: each place from each other one, what it bakes and feeds, and what it refuses."""
+
+import importlib
+import itertools
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from addon_helpers import drawn
+from dusty_objects import NAME, grid
+
+MEDIUM = ("EVEN", "SETTLED", "PAINTED", "IMAGE")
+
+
+@pytest.fixture
+def place(addon, dust):
+    return importlib.import_module(f"{addon.__package__}.scene.place")
+
+
+@pytest.fixture
+def plate(place, material):
+    """A plate with one thin layer of dust, which does not vary and is not baked."""
+    plate = grid(material=material)
+    bpy.context.view_layer.objects.active = plate
+    material.lamina.quality, material.lamina.layers[0].tau = "preview", 0.3
+    return plate
+
+
+def choose(plate, call, name):
+    return call(bpy.ops.lamina.place, plate.active_material, place=name)
+
+
+def socket(addon, material, name="Thickness"):
+    return addon.nodes.thickness.wiring(material, name).socket
+
+
+def test_one_click_settles_dust_on_a_thin_even_layer(addon, place, plate, material, call):
+    layer = material.lamina.layers[0]
+    assert place.of(material, layer) == "EVEN"
+    assert choose(plate, call, "SETTLED") == {"FINISHED"}
+    assert layer.varying and layer.tau == place.RANGE and addon.baking.bake_job.state(material) == "fresh"
+    assert place.of(material, layer) == "SETTLED" and addon.nodes.thickness.wiring(material).name == NAME
+    assert addon.ui.settled_fields.mismatch(material, plate.lamina_dust) == ""
+    values = np.empty(len(plate.data.attributes[NAME].data), np.float32)
+    plate.data.attributes[NAME].data.foreach_get("value", values)
+    assert values.max() == pytest.approx(plate.lamina_dust.amount, rel=0.05)
+
+
+@pytest.mark.parametrize(("first", "second"), list(itertools.permutations(MEDIUM, 2)))
+def test_from_each_place_to_each_other(addon, place, plate, material, call, first, second):
+    layer = material.lamina.layers[0]
+    for name in (first, second, first):
+        assert choose(plate, call, name) == {"FINISHED"}
+        assert place.of(material, layer) == name
+        thin = socket(addon, material)
+        if name in ("EVEN", "PAINTED") and layer.varying:
+            assert not thin.is_linked and 0.0 < thin.default_value <= place.USUAL, "never a layer that hides all"
+    assert addon.baking.bake_job.state(material) == "fresh"
+
+
+def test_an_even_layer_keeps_its_thickness_when_it_is_painted(addon, place, plate, material, call):
+    choose(plate, call, "PAINTED")
+    assert socket(addon, material).default_value == pytest.approx(0.3)
+    socket(addon, material).default_value = 0.2
+    choose(plate, call, "EVEN")
+    assert socket(addon, material).default_value == pytest.approx(0.2)
+
+
+def test_the_painted_mask_comes_back(addon, place, plate, material, call):
+    choose(plate, call, "PAINTED")
+    image = addon.nodes.detail_wiring.mask(material).image
+    choose(plate, call, "EVEN")
+    assert addon.nodes.detail_wiring.mask(material) is None and image.use_fake_user
+    choose(plate, call, "PAINTED")
+    assert addon.nodes.detail_wiring.mask(material).image == image
+
+
+def test_a_layer_per_millimetre_and_an_endless_one(place, plate, material, call):
+    layer = material.lamina.layers[0]
+    layer.mode, layer.sigma_s, layer.sigma_a, layer.thickness = "coefficients", (2.0, 1.0, 1.0), (0.0, 0.5, 0.0), 0.5
+    choose(plate, call, "SETTLED")
+    assert layer.thickness == pytest.approx(place.RANGE / 2.0)
+    layer.varying, layer.infinite = False, True
+    choose(plate, call, "IMAGE")
+    assert layer.varying and not layer.infinite and place.of(material, layer) == "IMAGE"
+
+
+def test_a_second_layer_takes_the_place_over(addon, place, plate, material, call):
+    choose(plate, call, "SETTLED")
+    other = addon.editing.layer_list.add_layer(material)
+    other.tau = 0.1
+    choose(plate, call, "SETTLED")
+    layers = material.lamina.layers
+    assert [layer.varying for layer in layers] == [layer.name == other.name for layer in layers]
+    assert place.of(material, layers[material.lamina.active_index]) == "SETTLED"
+
+
+def test_a_film_is_even_or_painted(addon, place, plate, material, call):
+    film = addon.editing.layer_list.add_layer(material, "interface")
+    assert place.choices(film) == ("EVEN", "PAINTED") and place.of(material, film) == "EVEN"
+    with pytest.raises(RuntimeError, match="no place “Settled”"):
+        choose(plate, call, "SETTLED")
+    choose(plate, call, "PAINTED")
+    assert film.varying and place.of(material, film) == "PAINTED"
+    painted = addon.nodes.thickness.wiring(material, "Coverage").node.image
+    assert call(bpy.ops.lamina.film_paint, material) == {"FINISHED"} and plate.mode == "TEXTURE_PAINT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.context.tool_settings.image_paint.canvas == painted
+    choose(plate, call, "EVEN")
+    assert place.of(material, film) == "EVEN" and socket(addon, material, "Coverage").default_value == 1.0
+
+
+def test_nodes_of_the_artist(addon, place, plate, material, call):
+    choose(plate, call, "EVEN")
+    choose(plate, call, "IMAGE")
+    own = material.node_tree.nodes.new("ShaderNodeValue")
+    material.node_tree.links.new(own.outputs[0], socket(addon, material))
+    assert place.of(material, material.lamina.layers[0]) == ""
+    choose(plate, call, "SETTLED")
+    assert place.of(material, material.lamina.layers[0]) == "SETTLED"
+    assert own.name in material.node_tree.nodes, "the node stays, the link is replaced"
+
+
+def test_refused_with_nothing_changed(addon, place, plate, material, call):
+    plate.data.materials.clear()
+    for name in MEDIUM[1:]:
+        with pytest.raises(RuntimeError, match="Select a mesh object that has this material"):
+            call(bpy.ops.lamina.place, material, place=name)
+    plate.data.materials.append(material)
+    material.lamina.active_index = 5
+    with pytest.raises(RuntimeError, match="The layer was removed meanwhile"):
+        choose(plate, call, "SETTLED")
+    assert not material.lamina.layers[0].varying and material.lamina.node_group is None
+
+
+def test_a_cancelled_job_changes_nothing(addon, place, plate, material):
+    job = place.start(bpy.context, material, "SETTLED")
+    job.cancel()
+    job.wait()
+    assert job.finish() is None
+    addon.settling.dust_job.forget()
+    assert not material.lamina.layers[0].varying and NAME not in plate.data.attributes
+
+
+def test_the_job_of_a_window(addon, place, plate, material):
+    job = place.start(bpy.context, material, "SETTLED")
+    job.wait()
+    material.lamina.active_index = 0
+    assert "Dust lies on 1 object" in job.finish()
+    addon.settling.dust_job.forget()
+    assert place.of(material, material.lamina.layers[0]) == "SETTLED"
+
+
+def test_what_the_panel_offers(addon, place, plate, material, call):
+    context = SimpleNamespace(
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=600),
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=plate, material=material,
+        scene=bpy.context.scene,
+    )  # fmt: skip
+
+    def lines():
+        panel = addon.ui.where_panel.LAMINA_PT_where
+        return drawn(lambda layout: panel.draw(SimpleNamespace(layout=layout), context))
+
+    names = ["Even", "Settled", "Painted", "Image"]
+    assert lines() == names, "an even layer has its thickness in the panel Layers"
+    choose(plate, call, "PAINTED")
+    assert {"Optical Thickness", "Wipe by Hand"} <= set(lines())
+    choose(plate, call, "SETTLED")
+    assert {"Amount", "Slope", "Wind", "Settle Again", "More", "How Much", "Where From", "Where To"} <= set(lines())
+    choose(plate, call, "IMAGE")
+    assert "UV Map" in lines()
