@@ -27,13 +27,20 @@ class LAMINA_OT_depth(bpy.types.Operator):
         return common.has_stack(cls, context)
 
     def execute(self, context):
-        material = common.material_of(context)
-        settings = material.lamina
-        settings.depth = self.depth
-        if self.depth == "SURFACE" and node_group.shows_lateral(material) and settings.node_group is not None:
-            node_group.connect(material)
-        elif self.depth == "EXACT":
-            settings.interior.source = "LAYERS"
-        elif self.depth == "VEINS" and settings.interior.source == "LAYERS":
-            settings.interior.source = "MARBLE"
+        choose(common.material_of(context), self.depth)
         return {"FINISHED"}
+
+
+def choose(material, depth):
+    """Show light below the surface of a material with layers by one of DEPTHS. Until the artist chooses an
+    output, Exact and Veins compute Lit, which is nearest to the truth."""
+    settings, interior = material.lamina, material.lamina.interior
+    settings.depth = depth
+    if depth == "SURFACE" and node_group.shows_lateral(material) and settings.node_group is not None:
+        node_group.connect(material)
+    if depth not in ("EXACT", "VEINS"):
+        return
+    if depth == "EXACT" or interior.source == "LAYERS":
+        interior.source = "LAYERS" if depth == "EXACT" else "MARBLE"
+    if not interior.is_property_set("output") and not interior.report:
+        interior.output = "LIT"

@@ -59,10 +59,16 @@ def of(material, layer):
 
 
 class Choice(NamedTuple):
-    """A place for the layer with this index."""
+    """A place for the layer with this index, on the object with this session_uid, if any."""
 
     place: str
     index: int
+    uid: int | None
+
+
+def _choice(context, material, place):
+    uid = None if context.object is None else context.object.session_uid
+    return Choice(place, material.lamina.active_index, uid)
 
 
 def is_quick(material, place):
@@ -76,25 +82,25 @@ def put(context, material, place, progress=None, cancel=None):
 
     Links of the artist's own nodes to the input are replaced; the nodes stay. Raises RefusedError,
     StackError, lamina's DustError and Cancelled, NativeMissingError; then nothing has changed."""
-    choice = Choice(place, material.lamina.active_index)
+    choice = _choice(context, material, place)
     gathered = gather(context, material, choice)
     told, stopped = progress or (lambda *_: None), cancel or (lambda: False)
     found = dusting.work(gathered, preferences.threads(), told, stopped)
-    return _finish(context, material, choice, gathered, found)
+    return _finish(material, choice, gathered, found)
 
 
 class PlaceJob(dusting.DustingJob):
     """The bake and the settling in a thread."""
 
     def __init__(self, context, material, place):
-        self.uid, self.choice = material.session_uid, Choice(place, material.lamina.active_index)
+        self.uid, self.choice = material.session_uid, _choice(context, material, place)
         super().__init__(gather(context, material, self.choice), preferences.threads())
 
     def written(self):
         material = with_uid(bpy.data.materials, self.uid)
         if material is None:
             return None
-        return _finish(bpy.context, material, self.choice, self.gathered, self.result)
+        return _finish(material, self.choice, self.gathered, self.result)
 
 
 def start(context, material, place):
@@ -107,7 +113,7 @@ def gather(context, material, choice):
     layer, place = _layer(material, choice), choice.place
     if place not in choices(layer):
         raise RefusedError(f"A layer of this kind has no place “{place.capitalize()}”")
-    obj, tasks, bakes = context.object, [], {}
+    obj, tasks, bakes = _object(choice), [], {}
     if place != EVEN:
         if obj is None or obj.type != "MESH" or all(slot.material != material for slot in obj.material_slots):
             raise RefusedError("Select a mesh object that has this material")
@@ -120,7 +126,7 @@ def gather(context, material, choice):
     return dusting.Gathered(tasks, bakes, cover=lambda material: _vary(material, choice))
 
 
-def _finish(context, material, choice, gathered, found):
+def _finish(material, choice, gathered, found):
     """Write what was found, and feed the input. Returns a sentence."""
     layer = _layer(material, choice)
     name = INPUTS[layer.kind]
@@ -130,9 +136,12 @@ def _finish(context, material, choice, gathered, found):
     done = dusting.finish(gathered, found)
     if not thickness.has_input(material, name) and choice.place != EVEN:
         raise RefusedError("; ".join(done.notes))
+    if _object(choice) is None and choice.place != EVEN:
+        raise RefusedError("The object was removed meanwhile")
     if choice.place == SETTLED:
         return str(done)
-    return (_put_medium if layer.kind == "medium" else _put_film)(context.object, layer, choice.place, before)
+    put_layer = _put_medium if layer.kind == "medium" else _put_film
+    return put_layer(_object(choice), layer, choice.place, before)
 
 
 def _put_medium(obj, layer, place, before):
@@ -169,6 +178,10 @@ def _uv_map(obj):
     """The name of a UV map of the object, unwrapped if it has none."""
     found = uv_maps.find(obj.data, "")
     return unwrap.ensure(obj) if found is None else found.name
+
+
+def _object(choice):
+    return with_uid(bpy.data.objects, choice.uid)
 
 
 def _layer(material, choice):

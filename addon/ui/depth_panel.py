@@ -15,7 +15,6 @@ from .sentences import draw_progress, draw_sentence
 class LAMINA_PT_depth(AnyMaterialPanel, bpy.types.Panel):
     bl_label = "Depth"
     bl_parent_id = "LAMINA_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def wanted(cls, material):
@@ -25,7 +24,10 @@ class LAMINA_PT_depth(AnyMaterialPanel, bpy.types.Panel):
     def draw(self, context):
         layout, material = self.layout, context.material
         if not material.lamina.enabled:
-            interior_fields.draw(context, layout)
+            header, body = layout.panel("lamina_veins", default_closed=True)
+            header.label(text="Veins")
+            if body is not None:
+                interior_fields.draw(context, body)
             return
         now = depth(material)
         row = layout.row(align=True)

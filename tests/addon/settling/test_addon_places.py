@@ -145,12 +145,17 @@ def test_a_cancelled_job_changes_nothing(addon, place, plate, material):
 
 
 def test_the_job_of_a_window(addon, place, plate, material):
-    job = place.start(bpy.context, material, "SETTLED")
-    job.wait()
-    material.lamina.active_index = 0
-    assert "Dust lies on 1 object" in job.finish()
-    addon.settling.dust_job.forget()
-    assert place.of(material, material.lamina.layers[0]) == "SETTLED"
+    """The artist may choose another layer and another object while it works."""
+    addon.editing.layer_list.add_layer(material, "interface")
+    material.lamina.active_index = 1
+    for name, told in (("SETTLED", "Dust lies on 1 object"), ("PAINTED", "Wipe by Hand")):
+        job = place.start(bpy.context, material, name)
+        job.wait()
+        material.lamina.active_index, bpy.context.view_layer.objects.active = 0, None
+        assert told in job.finish()
+        addon.settling.dust_job.forget()
+        material.lamina.active_index, bpy.context.view_layer.objects.active = 1, plate
+        assert place.of(material, material.lamina.layers[1]) == name
 
 
 def test_what_the_panel_offers(addon, place, plate, material, call):

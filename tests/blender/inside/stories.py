@@ -217,6 +217,23 @@ def undo_after_update(panel):
     assert part("baking.bake_job").state(material) == "fresh" and part("nodes.node_group").is_whole(material)
 
 
+def marble(panel):
+    """Marble with veins in four clicks: the category, the picture, Veins, and Compute Interior."""
+    yield from preset_by_picture(panel, "marble-polished")
+    material = bpy.context.object.active_material
+    with window.on(panel):
+        bpy.ops.lamina.depth(depth="VEINS")
+        bpy.ops.lamina.interior("INVOKE_DEFAULT")
+    job = part("interior.interior_job")
+    yield from until(lambda: job.running() is not None and job.running().shows)
+    yield from window.still()
+    window.save(OUT / "marble.png", window.picture(panel))
+    bpy.ops.lamina.cancel(work="INTERIOR")
+    yield from until(lambda: job.running() is None)
+    assert part("nodes.node_group").shows_lateral(material)
+    check_images()
+
+
 def undo_beside_interior(panel):
     """Undo while the interior shows its first images: no operator has recorded their group and its node. The steps
     before have moved the object, so Blender would keep the material as it is."""

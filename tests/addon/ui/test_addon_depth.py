@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel Depth: when it is there, what each choice sets, and what the nodes show."""
+
+import bpy
+import pytest
+
+
+@pytest.fixture
+def deep(addon, lamina, material):
+    """A material with a medium per millimetre."""
+    layer = material.lamina.layers[0]
+    layer.mode, layer.sigma_s, layer.sigma_a = "coefficients", (2.0, 2.0, 2.0), (0.1, 0.1, 0.1)
+    layer.infinite = True
+    return material
+
+
+def choose(material, call, depth):
+    assert call(bpy.ops.lamina.depth, material, depth=depth) == {"FINISHED"}
+    return material.lamina.interior
+
+
+def test_only_layers_with_lengths_have_a_depth(addon, deep):
+    panel = addon.ui.depth_panel
+    assert panel.has_lengths(deep) and panel.LAMINA_PT_depth.wanted(deep)
+    deep.lamina.layers[0].mode = "optical"
+    assert not panel.LAMINA_PT_depth.wanted(deep)
+    deep.lamina.base.kind, deep.lamina.base.half_space_form = "half-space", "coefficients"
+    assert panel.LAMINA_PT_depth.wanted(deep)
+    deep.lamina.base.kind = "lambert"
+    assert not panel.LAMINA_PT_depth.wanted(deep)
+    assert panel.LAMINA_PT_depth.wanted(bpy.data.materials.new("Plain")), "veins need no layers"
+
+
+def test_each_choice(deep, call):
+    interior = choose(deep, call, "EXACT")
+    assert (deep.lamina.depth, interior.source, interior.output) == ("EXACT", "LAYERS", "LIT")
+    interior.output = "RELIGHTABLE"
+    assert choose(deep, call, "VEINS").source == "MARBLE"
+    assert interior.output == "RELIGHTABLE", "the artist's choice stays"
+    interior.source = "NODES"
+    assert choose(deep, call, "VEINS").source == "NODES"
+    assert choose(deep, call, "EXACT").source == "LAYERS"
+
+
+def test_an_output_that_was_computed_stays(deep, call):
+    """Files of earlier versions do not store the output that was the first of the list."""
+    deep.lamina.interior.report = "Relightable: 3 lamps"
+    assert choose(deep, call, "VEINS").output == "RELIGHTABLE"
+
+
+def test_soft_and_back_to_the_surface(addon, deep, call):
+    addon.baking.bake_job.bake_material(deep)
+    shown = addon.nodes.node_group.shows_lateral
+    choose(deep, call, "SOFT")
+    assert not shown(deep) and addon.ui.depth_panel.depth(deep) == "SOFT"
+    deep.lamina.depth = "SURFACE"
+    addon.baking.lateral_job.make(deep, bpy.context.scene)
+    assert shown(deep) and addon.ui.depth_panel.depth(deep) == "SOFT", "a file of an earlier version"
+    choose(deep, call, "SURFACE")
+    assert not shown(deep) and addon.ui.depth_panel.depth(deep) == "SURFACE"
