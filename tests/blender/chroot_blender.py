@@ -14,6 +14,7 @@ ENVIRONMENT = {
     "HOME": f"{INSIDE}/home",
     "PATH": "/usr/local/bin:/usr/bin:/bin",
     "LANG": "C.UTF-8",
+    "TMPDIR": f"{INSIDE}/tmp",  # for the report of a crash
     "BLENDER_USER_RESOURCES": f"{INSIDE}/profile",
     "LIBGL_ALWAYS_SOFTWARE": "1",
     "MESA_SHADER_CACHE_DIR": "/var/cache/mesa",  # of the root: some shaders take 40 seconds to compile
@@ -37,7 +38,7 @@ class ChrootBlender:
 
     def __init__(self, root, folder):
         self.root, self.folder = Path(root).resolve(), Path(folder)
-        for name in ("home", "profile", "screen"):
+        for name in ("home", "profile", "screen", "tmp"):
             (self.folder / name).mkdir(parents=True, exist_ok=True)
 
     def run(self, *arguments, timeout=300, mounts="", after="", window=False):

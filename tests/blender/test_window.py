@@ -9,11 +9,24 @@ from chroot_blender import INSIDE
 SEEDS = range(1, 1 + int(os.environ.get("LAMINA_SEEDS", "1")))
 ACTIONS = int(os.environ.get("LAMINA_ACTIONS", "200"))
 
+SEGMENTATION_FAULT = 139
+# A fault of Blender 4.3.2 itself, see "Beside previews" of docs/limits.md: where Debian's executable searches the list
+# of renders, RE_GetRender.
+RACE = "blender(+0x217620d)"
+
+
+def is_race(blender, code):
+    """True if Blender has ended by the known fault."""
+    report = blender.folder / "tmp/blender.crash.txt"
+    return code == SEGMENTATION_FAULT and report.exists() and RACE in report.read_text()
+
 
 def perform(blender, *story, timeout=600):
-    """Perform a story of inside/stories.py; returns what Blender printed."""
-    finished = blender.run("--python-exit-code", "1", "--python", f"{INSIDE}/stories.py", "--", *map(str, story),
-                           window=True, timeout=timeout)
+    """Perform a story of inside/stories.py; returns what Blender printed. Once more after the known fault."""
+    how = "--python-exit-code", "1", "--python", f"{INSIDE}/stories.py", "--", *map(str, story)
+    finished = blender.run(*how, window=True, timeout=timeout)
+    if is_race(blender, finished.returncode):
+        finished = blender.run(*how, window=True, timeout=timeout)
     printed = finished.stdout + finished.stderr
     assert finished.returncode == 0 and "Traceback" not in printed and "Error:" not in finished.stderr, printed[-3000:]
     return printed
