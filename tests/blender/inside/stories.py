@@ -265,6 +265,7 @@ def beside_previews(panel):
     """The interior is computed, and dust settles, while the material's ball is rendered by Cycles."""
     material = layered(panel)
     unfold_ball()
+    bpy.context.object.lamina_dust.rays = 65536  # a settling of many seconds, which the story cancels
     interior = part("interior.interior_job"), bpy.ops.lamina.interior, "INTERIOR"
     dust = part("settling.dust_job"), bpy.ops.lamina.dust_settle, "DUST"
     for number, (job, start, work) in enumerate((interior, dust) * 2):
