@@ -2,10 +2,8 @@
 """Puts the node of dust_detail between the source of a material's thickness and the baked group, and links a
 painted mask to it."""
 
-import bpy
-
 from ..base import renders
-from . import dust_detail, rest_coordinates, thickness
+from . import detail_group, dust_detail, rest_coordinates, thickness
 from .side_graph import BACK, FRONT
 
 WANTED = "lamina_detail"  # property of a material with an overlay: the next bake adds a node of detail
@@ -15,7 +13,7 @@ def detail(material):
     """The node of detail before the thickness input, or None."""
     for name in (FRONT, BACK):
         for socket in thickness.group_sockets(material, name):
-            if socket.is_linked and dust_detail.is_detail(socket.links[0].from_node):
+            if socket.is_linked and detail_group.is_detail(socket.links[0].from_node):
                 return socket.links[0].from_node
     return None
 
@@ -37,7 +35,7 @@ def add_detail(material):
             source.location.x -= 280.0  # room for the new node
     node = thickness.marked_node(tree, "ShaderNodeGroup", "detail", sockets[0].node, 1)
     node.node_tree = dust_detail.group()
-    dust_detail.set_sizes(node, bpy.context.scene.unit_settings.scale_length)
+    detail_group.set_sizes(node, dust_detail.SIZES)
     for name in (FRONT, BACK):
         for socket in thickness.group_sockets(material, name):
             if socket.is_linked:
@@ -90,8 +88,7 @@ def remove_mask(material):
     if node is not None:
         if node.type == "TEX_IMAGE" and node.image is not None:
             node.image.use_fake_user = True
-        for link in list(detail(material).inputs["Wiped"].links):
-            material.node_tree.links.remove(link)
+        _unlink_mask(material)
         thickness.remove_nodes(material.node_tree)
 
 
@@ -102,11 +99,15 @@ def wipe_by(material, node, output, uv_map=None):
     renders.stop_previews()
     to = detail(material)
     tree = material.node_tree
-    for link in list(to.inputs["Wiped"].links):
-        tree.links.remove(link)
+    _unlink_mask(material)
     node[thickness.MARK], node.label, node.select = "wiped", "Wiped places", False
     node.location = (to.location.x - 280.0, to.location.y - 260.0)
     tree.links.new(node.outputs[output], to.inputs["Wiped"])
     if uv_map is not None:
         thickness.read_by(tree, node, to, uv_map)
     thickness.remove_nodes(tree)
+
+
+def _unlink_mask(material):
+    for link in list(detail(material).inputs["Wiped"].links):
+        material.node_tree.links.remove(link)

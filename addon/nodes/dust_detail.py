@@ -8,14 +8,12 @@ without a bake, and the file renders without the add-on. The noises lie over res
 all dust (dust_strength) is a factor as well.
 """
 
-import bpy
-
-from . import dust_strength, rest_coordinates
+from . import detail_group, dust_strength, rest_coordinates
 from .graph import Graph
 from .side_graph import BACK, FRONT
 
 NAME = "Lamina Dust Detail"
-MARK = "lamina_dust_detail"  # of the group, with its version, so that a newer add-on draws the group anew
+MARK = detail_group.MARKS[0]
 VERSION = 3
 CLOUDS, GRAIN = 0.6, 0.5
 SIZES = {"Cloud Size": 0.05, "Grain Size": 0.0015}  # in metres
@@ -37,32 +35,12 @@ _OCTAVES = {"Clouds": 3.0, "Grain": 1.0}
 
 def group():
     """The node group, made or drawn anew if the file has none of this version."""
-    found = next((one for one in bpy.data.node_groups if MARK in one and one.is_editable), None)
-    if found is not None and found[MARK] == VERSION:
-        return found
-    made = found or bpy.data.node_groups.new(NAME, "ShaderNodeTree")
-    made.nodes.clear()
-    _add_sockets(made)
-    _draw(made)
-    made[MARK] = VERSION
-    return made
-
-
-def is_detail(node):
-    """True if a node uses the group."""
-    return node.type == "GROUP" and node.node_tree is not None and MARK in node.node_tree
-
-
-def set_sizes(node, unit):
-    """Set the sizes of a node of the group to the defaults. `unit`: metres of a Blender unit."""
-    for name, size in SIZES.items():
-        node.inputs[name].default_value = size / unit
+    return detail_group.of(MARK, VERSION, NAME, _draw)
 
 
 def remove_unused():
-    """Remove the group if nothing uses it."""
-    for group in [one for one in bpy.data.node_groups if MARK in one and one.is_editable and not one.users]:
-        bpy.data.node_groups.remove(group)
+    """Remove the group if nothing uses it, and the strength of all dust."""
+    detail_group.remove_unused()
     dust_strength.remove_unused()
 
 
@@ -74,15 +52,11 @@ def _add_sockets(tree):
                 socket = tree.interface.new_socket(name, in_out=in_out, socket_type="NodeSocketFloat")
                 if in_out == "INPUT":
                     socket.default_value = default
-    for name, subtype, default, least, most, description in SETTINGS:
-        if (name, "INPUT") not in have:
-            socket = tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketFloat",
-                                               description=description)
-            socket.subtype, socket.default_value = subtype, default
-            socket.min_value, socket.max_value = least, most
+    detail_group.add_settings(tree, SETTINGS)
 
 
 def _draw(tree):
+    _add_sockets(tree)
     graph = Graph(tree)
     inputs, outputs = graph.node("NodeGroupInput", 0, 0), graph.node("NodeGroupOutput", 8, 0)
     place = rest_coordinates.draw(graph, 0, 6)

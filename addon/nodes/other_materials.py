@@ -7,7 +7,7 @@ import numpy as np
 from . import links, node_tree, principled
 
 OPEN_TO_LAMPS = (
-    "lamps shine into the body through opaque faces of other materials: choose Exact or Veins as its Depth"
+    "lamps shine into the body through opaque faces of other materials: choose Lamps Stay in the panel Depth"
 )
 _PASSING = frozenset(
     {

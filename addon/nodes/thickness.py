@@ -4,7 +4,7 @@ value, an attribute of the mesh, or an image.
 
 Sources are plain nodes beside the baked group, so that the file renders without the add-on. Nodes made here
 are marked and may be replaced. The artist's own nodes are replaced only on request. A node of detail (see
-dust_detail) may lie between a source and the baked group; sources are then linked to its inputs.
+detail_group) may lie between a source and the baked group; sources are then linked to its inputs.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ import numpy as np
 from ..base import data_image, renders
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
-from . import dust_detail, node_group
+from . import detail_group, node_group
 from .group_sockets import COVERAGE, LARGEST
 from .side_graph import BACK, FRONT
 
@@ -36,7 +36,7 @@ _LABELS = {
 }
 INPUTS = {FRONT: "", COVERAGE: "coverage "}  # inputs that a source feeds: before the marks of its nodes
 _MISSING = {
-    FRONT: "The material has no thickness input: choose a place of a layer in the panel Where",
+    FRONT: "The material has no thickness input: choose the place of a layer in the panel Where",
     COVERAGE: "The material has no coverage input: choose Painted of an interface in the panel Where",
 }
 
@@ -145,7 +145,7 @@ def reconnect(material, name):
                 _feed(sockets, node.outputs["Fac" if node.type == "ATTRIBUTE" else "Color"])
         return
     for node in material.node_tree.nodes:
-        if dust_detail.is_detail(node) and node.get(MARK):
+        if detail_group.is_detail(node) and node.get(MARK):
             for name in (FRONT, BACK):
                 _feed([one for one in group_sockets(material, name) if not one.is_linked], node.outputs[name])
     fronts, backs = ([socket for socket in sockets_to_feed(material, name) if not socket.is_linked]
@@ -184,7 +184,7 @@ def sockets_to_feed(material, name=FRONT):
     found = []
     for socket in group_sockets(material, name):
         before = socket.links[0].from_node if socket.is_linked else None
-        if before is not None and dust_detail.is_detail(before) and name in before.inputs:
+        if before is not None and detail_group.is_detail(before) and name in before.inputs:
             socket = before.inputs[name]
         if socket not in found:
             found.append(socket)

@@ -75,11 +75,11 @@ def has_lamina(cls, context):
 
 
 def has_thickness(cls, context, name=FRONT):
-    """True if the baked material has an input for the thickness of its varying layer, or this one."""
+    """True if the baked material has this one of thickness.INPUTS; otherwise sets the reason."""
     if not has_stack(cls, context):
         return False
     if not thickness.has_input(material_of(context), name):
-        cls.poll_message_set("No layer varies: choose its place in the panel Where")
+        cls.poll_message_set("No layer varies: choose the place of a layer in the panel Where")
         return False
     return True
 

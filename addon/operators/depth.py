@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..nodes import node_group
+from ..editing import depth
 from ..properties.material_properties import DEPTHS
 from . import common
 
@@ -27,20 +27,5 @@ class LAMINA_OT_depth(bpy.types.Operator):
         return common.has_stack(cls, context)
 
     def execute(self, context):
-        choose(common.material_of(context), self.depth)
+        depth.choose(common.material_of(context), self.depth)
         return {"FINISHED"}
-
-
-def choose(material, depth):
-    """Show light below the surface of a material with layers by one of DEPTHS. Until the artist chooses an
-    output, Exact and Veins compute Lit, which is nearest to the truth."""
-    settings, interior = material.lamina, material.lamina.interior
-    settings.depth = depth
-    if depth == "SURFACE" and node_group.shows_lateral(material) and settings.node_group is not None:
-        node_group.connect(material)
-    if depth not in ("EXACT", "VEINS"):
-        return
-    if depth == "EXACT" or interior.source == "LAYERS":
-        interior.source = "LAYERS" if depth == "EXACT" else "MARBLE"
-    if not interior.is_property_set("output") and not interior.report:
-        interior.output = "LIT"

@@ -11,7 +11,19 @@ from . import common
 from .following import Following
 
 
-class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
+class Dusting(Following):
+    """Base of the operators that settle dust, see Following."""
+
+    jobs = dust_job
+    changes_engine = True
+
+    def failed(self, error, _context, _job=None):
+        if not messages.expected(error):
+            dust_job.log.error("dust failed", exc_info=error)
+        return common.refused(self, error)
+
+
+class LAMINA_OT_dust_settle(Dusting, bpy.types.Operator):
     bl_idname = "lamina.dust_settle"
     bl_label = "Settle Dust"
     bl_description = (
@@ -19,8 +31,6 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
     )
     bl_options = {"REGISTER", "UNDO"}
 
-    jobs = dust_job
-    changes_engine = True
     kept = "Cancelled; the last dust is kept"
 
     selected: bpy.props.BoolProperty(
@@ -56,11 +66,6 @@ class LAMINA_OT_dust_settle(Following, bpy.types.Operator):
             return [context.object]
         chosen = [obj for obj in context.selected_objects if obj.type == "MESH"]
         return chosen or [context.object]
-
-    def failed(self, error, _context, _job=None):
-        if not messages.expected(error):
-            dust_job.log.error("dust failed", exc_info=error)
-        return common.refused(self, error)
 
 
 class LAMINA_OT_dust_image(bpy.types.Operator):
@@ -115,7 +120,7 @@ def objects_of(context, which):
     return (context.selected_objects if which == "SELECTED" else []) or rendered
 
 
-class LAMINA_OT_dust_objects(Following, bpy.types.Operator):
+class LAMINA_OT_dust_objects(Dusting, bpy.types.Operator):
     bl_idname = "lamina.dust_objects"
     bl_label = "Dust These Objects"
     bl_description = (
@@ -124,8 +129,6 @@ class LAMINA_OT_dust_objects(Following, bpy.types.Operator):
     )
     bl_options = {"REGISTER", "UNDO"}
 
-    jobs = dust_job
-    changes_engine = True
     kept = "Cancelled; nothing was changed"
 
     which: bpy.props.EnumProperty(
@@ -149,11 +152,6 @@ class LAMINA_OT_dust_objects(Following, bpy.types.Operator):
         return dusting.start(context, objects_of(context, self.which)), "Lamina dusts these objects"
 
     told = staticmethod(str)
-
-    def failed(self, error, _context, _job=None):
-        if not messages.expected(error):
-            dust_job.log.error("dust failed", exc_info=error)
-        return common.refused(self, error)
 
 
 class LAMINA_OT_dust_objects_remove(bpy.types.Operator):

@@ -3,7 +3,6 @@
 
 import bpy
 
-from ..base import messages
 from ..base.messages import RefusedError
 from ..editing import layer_list
 from ..nodes import detail_wiring, rest_coordinates, thickness
@@ -11,7 +10,7 @@ from ..nodes.group_sockets import COVERAGE
 from ..scene import place
 from ..settling import dust_job, wiping
 from . import common
-from .following import Following
+from .dust import Dusting
 
 MASKS = (
     ("AUTO", "Automatic", "An attribute on a fine mesh or without a UV map, otherwise an image"),
@@ -20,14 +19,12 @@ MASKS = (
 )
 
 
-class LAMINA_OT_place(Following, bpy.types.Operator):
+class LAMINA_OT_place(Dusting, bpy.types.Operator):
     bl_idname = "lamina.place"
     bl_label = "Where"
     bl_description = "Choose where this layer lies"
     bl_options = {"REGISTER", "UNDO"}
 
-    jobs = dust_job
-    changes_engine = True
     kept = "Cancelled; nothing was changed"
 
     place: bpy.props.EnumProperty(
@@ -65,13 +62,7 @@ class LAMINA_OT_place(Following, bpy.types.Operator):
         layer = layer_list.active_layer(common.material_of(context))
         return place.start(context, common.material_of(context), self.place), f"Lamina places “{layer.name}”"
 
-    def told(self, done):
-        return done
-
-    def failed(self, error, _context, _job=None):
-        if not messages.expected(error):
-            dust_job.log.error("placing a layer failed", exc_info=error)
-        return common.refused(self, error)
+    told = staticmethod(str)
 
 
 class LAMINA_OT_dust_detail(bpy.types.Operator):

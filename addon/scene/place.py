@@ -2,8 +2,8 @@
 """Where a layer lies: everywhere, where dust settles, where it was not wiped off, or where an image says.
 
 Choosing a place lets the layer vary, bakes the material, and feeds the input of its node group. `gather`
-reads, the work may run in a thread, `_finish` writes; nothing in the file changes before bake and dust
-are known.
+reads and chooses where the dust is stored, the work may run in a thread, `_finish` writes. Layers and nodes
+do not change before bake and dust are known.
 """
 
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from typing import NamedTuple
 import bpy
 
 from ..baking import bake_job, update
-from ..base import preferences, unwrap, uv_maps
+from ..base import messages, preferences, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import with_uid
 from ..editing import layer_list, stack_io
@@ -81,7 +81,7 @@ def put(context, material, place, progress=None, cancel=None):
     """Give the active layer of `material` a place. Blocks. Returns a sentence for the artist.
 
     Links of the artist's own nodes to the input are replaced; the nodes stay. Raises RefusedError,
-    StackError, lamina's DustError and Cancelled, NativeMissingError; then nothing has changed."""
+    StackError, lamina's Cancelled, NativeMissingError; then layers and nodes are as before."""
     choice = _choice(context, material, place)
     gathered = gather(context, material, choice)
     told, stopped = progress or (lambda *_: None), cancel or (lambda: False)
@@ -128,16 +128,16 @@ def gather(context, material, choice):
 
 def _finish(material, choice, gathered, found):
     """Write what was found, and feed the input. Returns a sentence."""
-    layer = _layer(material, choice)
-    name = INPUTS[layer.kind]
-    before = thickness.wiring(material, name).source
+    layer, luts_and_answers = _layer(material, choice), (*found[0].values(), *found[1])
+    for error in luts_and_answers:
+        if isinstance(error, Exception):
+            raise RefusedError(messages.sentence(error, material)) from error
+    if _object(choice) is None and choice.place != EVEN:
+        raise RefusedError("The object was removed meanwhile")
+    before = thickness.wiring(material, INPUTS[layer.kind]).source
     if choice.place == SETTLED and before == "custom":
         thickness.wire_thickness(material, "value", replace=True)
     done = dusting.finish(gathered, found)
-    if not thickness.has_input(material, name) and choice.place != EVEN:
-        raise RefusedError("; ".join(done.notes))
-    if _object(choice) is None and choice.place != EVEN:
-        raise RefusedError("The object was removed meanwhile")
     if choice.place == SETTLED:
         return str(done)
     put_layer = _put_medium if layer.kind == "medium" else _put_film

@@ -6,7 +6,7 @@ import bpy
 
 from ..base.messages import percent
 from ..editing import layer_list
-from . import details, numbers, result_picture, where_panel
+from . import details, numbers, result_picture
 from .material_panel import MaterialPanel
 from .sentences import draw_lines
 
@@ -42,7 +42,7 @@ class LAMINA_PT_advanced(MaterialPanel, bpy.types.Panel):
         header.label(text="Numbers" if fit_error is None else f"Numbers (fit error {percent(fit_error)})")
         if body is not None:
             draw_lines(body, numbers.result_lines(result))
-            draw_lines(body, where_panel.error_lines(context.material))
+            draw_lines(body, numbers.thickness_lines(context.material))
 
 
 register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_advanced,))

@@ -4,6 +4,7 @@
 import bpy
 
 from ..baking import lateral_job, portal_reach, volume_bounces
+from ..editing import depth
 from ..nodes import node_group
 from ..properties.material_properties import DEPTHS
 from . import interior_fields
@@ -18,8 +19,9 @@ class LAMINA_PT_depth(AnyMaterialPanel, bpy.types.Panel):
 
     @classmethod
     def wanted(cls, material):
-        return super().wanted(material) and (
-            not material.lamina.enabled or has_lengths(material) or material.lamina.lateral_group is not None)
+        settings = material.lamina
+        has_depth = depth.has_lengths(material) or settings.lateral_group is not None
+        return super().wanted(material) and (has_depth or not settings.enabled)
 
     def draw(self, context):
         layout, material = self.layout, context.material
@@ -29,7 +31,7 @@ class LAMINA_PT_depth(AnyMaterialPanel, bpy.types.Panel):
             if body is not None:
                 interior_fields.draw(context, body)
             return
-        now = depth(material)
+        now = depth.chosen(material)
         row = layout.row(align=True)
         for choice, name, _description in DEPTHS:
             row.operator("lamina.depth", text=name, depress=now == choice).depth = choice
@@ -37,23 +39,6 @@ class LAMINA_PT_depth(AnyMaterialPanel, bpy.types.Panel):
             _draw_soft(context, layout)
         elif now != "SURFACE":
             interior_fields.draw(context, layout)
-
-
-def depth(material):
-    """What the panel shows: the artist's choice, or what the nodes show where none was made."""
-    settings = material.lamina
-    if settings.depth != "SURFACE" or not node_group.shows_lateral(material):
-        return settings.depth
-    if settings.lateral_report:
-        return "SOFT"
-    return "EXACT" if settings.interior.source == "LAYERS" else "VEINS"
-
-
-def has_lengths(material):
-    """True if a medium of the layers is given per millimetre."""
-    settings = material.lamina
-    return settings.base.half_space_form == "coefficients" and settings.base.kind == "half-space" or any(
-        layer.kind == "medium" and layer.mode == "coefficients" for layer in settings.layers)
 
 
 def _draw_soft(context, layout):

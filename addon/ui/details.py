@@ -11,11 +11,11 @@ from .fields import NO_ALBEDO, draw_color, draw_number, is_infinite, labelled, s
 def draw_layer(layout, layer):
     column = split(layout.column())
     column.prop(layer, "kind")
-    column.prop(layer, "varying")
     if layer.kind == "interface":
         _draw_options(column, layer, boundaries.Interface)
         column.prop(layer, "ior_per_channel")
     else:
+        column.prop(layer, "varying")
         _draw_medium(layout, layer)
 
 
@@ -25,16 +25,13 @@ def draw_base(layout, base):
         return
     column = split(layout.column())
     _draw_options(column, base, cls)
-    if hasattr(base, "ior_per_channel") and cls.options:
-        column.prop(base, "ior_per_channel")
     if cls.has_phase:
         _draw_phase(column, base, is_base=True)
 
 
 def _draw_options(column, owner, cls):
     for option in cls.options:
-        if option.name != "varying":
-            column.prop(owner, option.name)
+        column.prop(owner, option.name)
 
 
 def _draw_medium(layout, layer):

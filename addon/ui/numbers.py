@@ -4,9 +4,11 @@
 import math
 
 from ..base.messages import percent
+from ..nodes import thickness
 
 CHANNELS = ("red", "green", "blue")
 NOTICED = 0.1  # errors above this share are told beside the state of the bake
+SHOWN_ROWS = 5
 
 
 def warning(result):
@@ -62,6 +64,29 @@ def result_lines(result):
     lines.append(("Energy Error", percent(report["energy_error"], 2)))
     lines.append(("Closures", f"{report['closures']}, {result.basis or 'standard'} fit"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {report['seconds']:.2f} s"))
+    return lines
+
+
+def thickness_lines(material):
+    """(name, value) of the fit error by thickness: at the value, or at some rows; and between rows."""
+    report = material.lamina.result.report
+    if not report.get("row_errors"):
+        return []
+    rows = list(zip(*(report["row_errors"][name] for name in ("tau", "mean", "worst")), strict=True))
+    now = thickness.wiring(material)
+    if now.source == "value":
+        tau = now.socket.default_value
+        rows = [min(rows, key=lambda row: abs(row[0] - tau))]
+    else:
+        last = len(rows) - 1
+        rows = [rows[round(last * k / (SHOWN_ROWS - 1))] for k in range(SHOWN_ROWS)]
+    lines = []
+    for tau, mean, worst in rows:
+        lines.append((f"Error at {tau:.2g}", f"{percent(mean)} mean, {percent(worst)} worst"))
+    between = report.get("tau_error")
+    if between:
+        text = f"{percent(between['mean'], 2)} mean, {percent(between['worst'])} worst"
+        lines.append(("Between Rows", text))
     return lines
 
 

@@ -3,7 +3,6 @@
 
 import bpy
 
-from ..base.messages import percent
 from ..editing import layer_list
 from ..nodes import detail_wiring, dust_detail, thickness
 from ..nodes.side_graph import FRONT
@@ -14,8 +13,6 @@ from .fields import split
 from .material_panel import MaterialPanel
 from .sentences import draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
-
-SHOWN_ROWS = 5
 
 
 class LAMINA_PT_where(MaterialPanel, bpy.types.Panel):
@@ -44,7 +41,7 @@ class LAMINA_PT_where(MaterialPanel, bpy.types.Panel):
         elif layer.varying:
             _draw_source(context, layout, material, place.INPUTS[layer.kind], now)
             if layer.kind == "medium" and thickness.has_input(material):
-                _draw_detail(layout, material, now)
+                _draw_detail(layout, material)
 
 
 def _draw_source(context, layout, material, name, now):
@@ -72,7 +69,7 @@ def _draw_source(context, layout, material, name, now):
         layout.label(text=f"Linked to “{wiring.name}”", icon="NODE")
 
 
-def _draw_detail(layout, material, now):
+def _draw_detail(layout, material):
     """The noise on the thickness and the painted mask: inputs of a node group, which the viewport follows."""
     layout.operator("lamina.dust_wipe", icon="BRUSH_DATA")
     header, body = layout.panel("lamina_grain", default_closed=True)
@@ -98,29 +95,6 @@ def _has_attribute(context, name):
     if thing.type != "MESH":
         return False
     return name in thing.evaluated_get(context.evaluated_depsgraph_get()).data.attributes
-
-
-def error_lines(material):
-    """(name, value) of the fit error by thickness: at the value, or at some rows; and between rows."""
-    report = material.lamina.result.report
-    if not report.get("row_errors"):
-        return []
-    rows = list(zip(*(report["row_errors"][name] for name in ("tau", "mean", "worst")), strict=True))
-    now = thickness.wiring(material)
-    if now.source == "value":
-        tau = now.socket.default_value
-        rows = [min(rows, key=lambda row: abs(row[0] - tau))]
-    else:
-        last = len(rows) - 1
-        rows = [rows[round(last * k / (SHOWN_ROWS - 1))] for k in range(SHOWN_ROWS)]
-    lines = []
-    for tau, mean, worst in rows:
-        lines.append((f"Error at {tau:.2g}", f"{percent(mean)} mean, {percent(worst)} worst"))
-    between = report.get("tau_error")
-    if between:
-        text = f"{percent(between['mean'], 2)} mean, {percent(between['worst'])} worst"
-        lines.append(("Between Rows", text))
-    return lines
 
 
 register, unregister = bpy.utils.register_classes_factory((LAMINA_PT_where,))

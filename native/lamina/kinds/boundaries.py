@@ -19,9 +19,9 @@ DISTRIBUTION = Option("distribution", ("ggx", "beckmann"), "Distribution", "How 
     Item("ggx", "GGX", "Facets with a narrow peak and long tails: most real surfaces", 0),
     Item("beckmann", "Beckmann", "Facets without tails: ground glass, some varnishes", 1)))
 COMPENSATE = Option("compensate", (True, False), "Keep Energy",
-                    "Give back the light that facets which scatter it only once would lose", advanced=True)
+                    "Give back the light that facets which scatter it only once would lose")
 CORRELATED = Option("correlated", (True, False), "Shared Shadows",
-                    "Facets hidden from one side are more often hidden from the other too", advanced=True)
+                    "Facets hidden from one side are more often hidden from the other too")
 FACETS = (DISTRIBUTION, COMPENSATE, CORRELATED)
 VARYING = Option("varying", (False, True), "Varying",
                  "Give the node group a Coverage input: 0 without the film of this interface, 1 with it")

@@ -105,15 +105,13 @@ class Form:
 @dataclass(frozen=True)
 class Option:
     """A choice. `values`: the allowed values, the usual one first. `items`: entries of the panel's list, for texts.
-    `advanced`: in the folded part of the panel. `several`: the value is a tuple of ids of `items`, in any order, and
-    `values` is the usual tuple."""
+    `several`: the value is a tuple of ids of `items`, in any order, and `values` is the usual tuple."""
 
     name: str
     values: tuple
     label: str
     tip: str
     items: tuple[Item, ...] = ()
-    advanced: bool = False
     several: bool = False
 
     @property

@@ -43,7 +43,7 @@ def test_relightable_tells_that_lamps_shine_through_opaque_faces(jobs, capped):
     settings = ball.active_material.lamina.interior
     settings.output = "RELIGHTABLE"
     make(jobs, ball)
-    assert "Lamps shine into the body through opaque faces of other materials: choose Exact" in settings.report
+    assert "Lamps shine into the body through opaque faces of other materials: choose Lamps Stay" in settings.report
     shader.inputs["Transmission Weight"].default_value = 1.0
     make(jobs, ball)
     assert "Lamps shine" not in settings.report

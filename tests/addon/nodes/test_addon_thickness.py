@@ -171,10 +171,10 @@ def test_the_panel_tells_the_error_of_the_thickness_shown(addon, dusty):
     result = dusty.lamina.result
     rows = result.report["row_errors"]["tau"]
     assert len(rows) == 33 and rows[-1] == pytest.approx(LARGEST)
-    lines = addon.ui.where_panel.error_lines(dusty)
+    lines = addon.ui.numbers.thickness_lines(dusty)
     assert lines[0][0] == "Error at 2" and "mean" in lines[0][1]
     addon.nodes.thickness.wire_thickness(dusty, "attribute")
-    assert len(addon.ui.where_panel.error_lines(dusty)) == 5
+    assert len(addon.ui.numbers.thickness_lines(dusty)) == 5
 
 
 ODD = np.array([np.inf, -np.inf, np.nan, 0.5], np.float32)

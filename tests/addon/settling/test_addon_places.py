@@ -135,6 +135,17 @@ def test_refused_with_nothing_changed(addon, place, plate, material, call):
     assert not material.lamina.layers[0].varying and material.lamina.node_group is None
 
 
+def test_dust_that_fails_changes_nothing(addon, lamina, place, plate, material, call, monkeypatch):
+    def fail(*_args, **_how):
+        raise lamina.DustError("the dust of this test fails")
+
+    monkeypatch.setattr(addon.settling.object_dust, "settle_gathered", fail)
+    with pytest.raises(RuntimeError, match="the dust of this test fails"):
+        choose(plate, call, "SETTLED")
+    layer = material.lamina.layers[0]
+    assert not layer.varying and layer.tau == pytest.approx(0.3) and material.lamina.node_group is None
+
+
 def test_a_cancelled_job_changes_nothing(addon, place, plate, material):
     job = place.start(bpy.context, material, "SETTLED")
     job.cancel()

@@ -21,7 +21,7 @@ def choose(material, call, depth):
 
 def test_only_layers_with_lengths_have_a_depth(addon, deep):
     panel = addon.ui.depth_panel
-    assert panel.has_lengths(deep) and panel.LAMINA_PT_depth.wanted(deep)
+    assert addon.editing.depth.has_lengths(deep) and panel.LAMINA_PT_depth.wanted(deep)
     deep.lamina.layers[0].mode = "optical"
     assert not panel.LAMINA_PT_depth.wanted(deep)
     deep.lamina.base.kind, deep.lamina.base.half_space_form = "half-space", "coefficients"
@@ -52,9 +52,9 @@ def test_soft_and_back_to_the_surface(addon, deep, call):
     addon.baking.bake_job.bake_material(deep)
     shown = addon.nodes.node_group.shows_lateral
     choose(deep, call, "SOFT")
-    assert not shown(deep) and addon.ui.depth_panel.depth(deep) == "SOFT"
+    assert not shown(deep) and addon.editing.depth.chosen(deep) == "SOFT"
     deep.lamina.depth = "SURFACE"
     addon.baking.lateral_job.make(deep, bpy.context.scene)
-    assert shown(deep) and addon.ui.depth_panel.depth(deep) == "SOFT", "a file of an earlier version"
+    assert shown(deep) and addon.editing.depth.chosen(deep) == "SOFT", "a file of an earlier version"
     choose(deep, call, "SURFACE")
-    assert not shown(deep) and addon.ui.depth_panel.depth(deep) == "SURFACE"
+    assert not shown(deep) and addon.editing.depth.chosen(deep) == "SURFACE"
