@@ -13,7 +13,7 @@ from bpy.app.handlers import persistent
 from ..base import changes, handlers, messages, native, preferences
 from ..base.worker import OfMaterial, Place, Worker
 from ..editing import stack_io
-from ..nodes import detail_wiring, node_group, thickness
+from ..nodes import detail_wiring, film_wiring, node_group, thickness
 from ..stack_json import stack_check
 
 log = logging.getLogger(__name__)
@@ -103,6 +103,7 @@ def apply(material, lut, curves=None, in_place=False, coarse=False):
         for name in missing:
             thickness.reconnect(material, name)
     detail_wiring.add_if_wanted(material)
+    film_wiring.follow(material)
     material.lamina.result.note(lut)
     if curves is not None:
         material.lamina.result.curves = curves

@@ -12,6 +12,7 @@ from ..kinds.errors import StackError
 from ..nodes import detail_wiring
 from . import over_material, stack_io
 
+FILMS = {"rain-drops": "DROPS", "puddles": "PUDDLES", "fingerprints": "PRINTS"}  # patterns of presets
 OVERLAYS = "Overlays"  # the category of layers without a base, which lie over any material
 
 
@@ -41,7 +42,7 @@ def apply(material, preset):
     if not material.lamina.enabled:
         over_material.add(material)
     over_material.assign_layers(material, one.stack)
-    material[detail_wiring.WANTED] = True  # an even layer would look like clay
+    material[detail_wiring.WANTED] = FILMS.get(preset, True)  # an even layer would look like clay
 
 
 def problem(material, entry):

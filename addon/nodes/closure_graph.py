@@ -83,7 +83,7 @@ def draw(graph, table, image, recipe_of):
     backfacing = geometry.outputs["Backfacing"]
 
     graph.begin_frame("Normal (the surface's own when the input is empty)", NORMAL_COLOUR)
-    normal = _normal(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
+    normal = normal_of(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
     graph.begin_frame("View angle", ANGLE_COLOUR)
     cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
     angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
@@ -230,7 +230,7 @@ def _again_and_again(graph, line, label, weight, colour, thrown_back):
     return graph.vector("DIVIDE", 11.2, line, label, weight, rest)
 
 
-def _normal(graph, given, own):
+def normal_of(graph, given, own):
     """The group's Normal input, or the surface's normal while nothing is linked to it (a zero vector)."""
     length = graph.vector("LENGTH", -0.6, 0, "length", given)
     is_given = graph.math("GREATER_THAN", 0.4, 0, "is given", length, 0.5)

@@ -4,7 +4,8 @@ with its last user."""
 
 import bpy
 
-MARKS = ("lamina_dust_detail",)  # of a group, with its version
+# Properties of the groups, with their versions.
+MARKS = ("lamina_dust_detail", "lamina_drops", "lamina_puddles", "lamina_prints")
 
 
 def of(mark, version, name, draw):

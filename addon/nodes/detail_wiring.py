@@ -6,7 +6,8 @@ from ..base import renders
 from . import detail_group, dust_detail, rest_coordinates, thickness
 from .side_graph import BACK, FRONT
 
-WANTED = "lamina_detail"  # property of a material with an overlay: the next bake adds a node of detail
+# Property of a material with an overlay: the next bake adds a node of detail (True), or a film's pattern.
+WANTED = "lamina_detail"
 
 
 def detail(material):
@@ -29,25 +30,51 @@ def add_detail(material):
     if node is not None:
         dust_detail.group()  # drawn anew in files of earlier versions
         return node
-    tree = material.node_tree
-    for source in tree.nodes:
-        if thickness.MARK in source:
-            source.location.x -= 280.0  # room for the new node
-    node = thickness.marked_node(tree, "ShaderNodeGroup", "detail", sockets[0].node, 1)
+    node = new_node(material, "detail", sockets[0].node)
     node.node_tree = dust_detail.group()
     detail_group.set_sizes(node, dust_detail.SIZES)
-    for name in (FRONT, BACK):
+    insert(material, node, (FRONT, BACK))
+    return node
+
+
+def new_node(material, mark, beside):
+    """A group node for detail, left of `beside`, in front of which there is room."""
+    for source in material.node_tree.nodes:
+        if thickness.MARK in source:
+            source.location.x -= 280.0
+    return thickness.marked_node(material.node_tree, "ShaderNodeGroup", mark, beside, 1)
+
+
+def insert(material, node, names):
+    """Link the sources of the inputs `names` of the baked group to `node`, and its outputs to the inputs."""
+    tree = material.node_tree
+    for name in names:
         for socket in thickness.group_sockets(material, name):
             if socket.is_linked:
                 tree.links.new(socket.links[0].from_socket, node.inputs[name])
             elif not node.inputs[name].is_linked:
                 node.inputs[name].default_value = socket.default_value
             tree.links.new(node.outputs[name], socket)
-    return node
+
+
+def take_out(material, node, names):
+    """Undo `insert`; the node stays."""
+    tree = material.node_tree
+    for name in names:
+        given = node.inputs[name]
+        for link in list(node.outputs[name].links):
+            target = link.to_socket
+            tree.links.remove(link)
+            if given.is_linked:
+                tree.links.new(given.links[0].from_socket, target)
+            else:
+                target.default_value = given.default_value
 
 
 def add_if_wanted(material):
     """After a bake: add the node of detail if the material has WANTED, and remove WANTED."""
+    if isinstance(material.get(WANTED), str):
+        return
     if material.pop(WANTED, False) and thickness.has_input(material):
         add_detail(material)
 
@@ -58,16 +85,8 @@ def remove_detail(material):
     node = detail(material)
     if node is None:
         return
+    take_out(material, node, (FRONT, BACK))
     tree = material.node_tree
-    for name in (FRONT, BACK):
-        given = node.inputs[name]
-        for link in list(node.outputs[name].links):
-            target = link.to_socket
-            tree.links.remove(link)
-            if given.is_linked:
-                tree.links.new(given.links[0].from_socket, target)
-            else:
-                target.default_value = given.default_value
     tree.nodes.remove(node)
     thickness.remove_nodes(tree)
     dust_detail.remove_unused()

@@ -30,6 +30,7 @@ _LABELS = {
     "image": "Thickness image",
     "uv": "Thickness UV map",
     "detail": "Dust detail",
+    "film": "Film",
     "coverage attribute": "Coverage attribute",
     "coverage image": "Coverage image",
     "coverage uv": "Coverage UV map",
@@ -146,8 +147,10 @@ def reconnect(material, name):
         return
     for node in material.node_tree.nodes:
         if detail_group.is_detail(node) and node.get(MARK):
-            for name in (FRONT, BACK):
-                _feed([one for one in group_sockets(material, name) if not one.is_linked], node.outputs[name])
+            for side in (FRONT, BACK):
+                if side in node.outputs:
+                    idle = [socket for socket in group_sockets(material, side) if not socket.is_linked]
+                    _feed(idle, node.outputs[side])
     fronts, backs = ([socket for socket in sockets_to_feed(material, name) if not socket.is_linked]
                      for name in (FRONT, BACK))
     for node in material.node_tree.nodes:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a layer lies: everywhere, where dust settles, where it was not wiped off, or where an image says.
+"""Where a layer lies: everywhere, where dust settles, where it was not wiped off, or where an image says; a
+film also in drops, puddles or fingerprints.
 
 Choosing a place lets the layer vary, bakes the material, and feeds the input of its node group. `gather`
 reads and chooses where the dust is stored, the work may run in a thread, `_finish` writes. Layers and nodes
@@ -15,22 +16,26 @@ from ..base import messages, preferences, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import with_uid
 from ..editing import layer_list, stack_io
-from ..kinds.dust import ATTRIBUTE
-from ..nodes import detail_wiring, thickness
+from ..nodes import detail_wiring, film_pattern, film_wiring, thickness
 from ..nodes.group_sockets import COVERAGE
 from ..nodes.side_graph import FRONT
 from ..settling import dust_job, live_dust, object_dust, wiping
 from . import dusting
 
 EVEN, SETTLED, PAINTED, IMAGE = "EVEN", "SETTLED", "PAINTED", "IMAGE"
+DROPS, PUDDLES, PRINTS = film_pattern.PATTERNS
 # (place, name, description)
 PLACES = (
     (EVEN, "Even", "The same everywhere"),
     (SETTLED, "Settled", "Dust settles on the active object: on what faces up, and in corners and folds"),
     (PAINTED, "Painted", "A mask that you paint on the active object"),
     (IMAGE, "Image", "An image of optical thickness"),
+    (DROPS, "Drops", "Drops of many sizes, with normals"),
+    (PUDDLES, "Puddles", "Level water on places that are nearly level"),
+    (PRINTS, "Prints", "Fingerprints at random"),
 )
-_OF_KIND = {"medium": (EVEN, SETTLED, PAINTED, IMAGE), "interface": (EVEN, PAINTED)}
+_OF_KIND = {"medium": (EVEN, SETTLED, PAINTED, IMAGE),
+            "interface": (EVEN, SETTLED, PAINTED, DROPS, PUDDLES, PRINTS)}
 INPUTS = {"medium": FRONT, "interface": COVERAGE}  # of the node group, for a varying layer of this kind
 RANGE = 4.0  # least optical thickness up to which settled dust and images can be shown
 USUAL = 1.0  # most optical thickness of an even layer after another place: at 4 a layer hides all below
@@ -47,15 +52,15 @@ def of(material, layer):
     if not layer.varying:
         return EVEN
     now = thickness.wiring(material, INPUTS[layer.kind])
+    if object_dust.is_source(now):
+        return SETTLED
     if now.source == "image":
-        if layer.kind == "interface":
-            return PAINTED
-        return SETTLED if now.node.image is not None and now.node.image.get(thickness.TWO_SIDES) else IMAGE
-    if now.source == "attribute":
-        return SETTLED if now.name == ATTRIBUTE else ""
-    if now.source == "custom":
-        return ""
-    return PAINTED if layer.kind == "medium" and detail_wiring.mask(material) is not None else EVEN
+        return PAINTED if layer.kind == "interface" else IMAGE
+    if now.source != "value":
+        return "" if now.source in ("custom", "attribute") else EVEN
+    if layer.kind == "interface":
+        return film_wiring.chosen(material) or EVEN
+    return PAINTED if detail_wiring.mask(material) is not None else EVEN
 
 
 class Choice(NamedTuple):
@@ -136,9 +141,11 @@ def _finish(material, choice, gathered, found):
         raise RefusedError("The object was removed meanwhile")
     before = thickness.wiring(material, INPUTS[layer.kind]).source
     if choice.place == SETTLED and before == "custom":
-        thickness.wire_thickness(material, "value", replace=True)
+        thickness.wire_thickness(material, "value", replace=True, to=INPUTS[layer.kind])
     done = dusting.finish(gathered, found)
     if choice.place == SETTLED:
+        if layer.kind == "interface":
+            object_dust.wire(_object(choice), material, COVERAGE)
         return str(done)
     put_layer = _put_medium if layer.kind == "medium" else _put_film
     return put_layer(_object(choice), layer, choice.place, before)
@@ -164,11 +171,15 @@ def _put_medium(obj, layer, place, before):
 def _put_film(obj, layer, place, before):
     """Feed the coverage of a varying interface, whose source was `before`."""
     material = layer.id_data
-    if place == EVEN:
+    if place != PAINTED:
         if before not in ("none", "value"):
             thickness.wire_thickness(material, "value", replace=True, to=COVERAGE)
-        return _SAME
-    if before != "image":
+        if place == EVEN:
+            film_wiring.take(material)
+            return _SAME
+        film_wiring.put(material, place)
+        return "Choose the amount and the size in the panel"
+    if of(material, layer) != PAINTED:
         uv_map = _uv_map(obj)
         thickness.wire_thickness(material, "image", uv_map=uv_map, replace=True, to=COVERAGE)
     return "Paint by Hand: white strokes put the film on, black strokes take it off"
@@ -192,7 +203,8 @@ def _layer(material, choice):
 
 
 def _needs_bake(material, layer, place):
-    return (not layer.varying or place in (SETTLED, IMAGE) and _range(layer) < RANGE
+    return (not layer.varying
+            or layer.kind == "medium" and place in (SETTLED, IMAGE) and _range(layer) < RANGE
             or bake_job.state(material) not in ("fresh", "other")
             or not thickness.has_input(material, INPUTS[layer.kind]))
 

@@ -13,6 +13,8 @@ from ..base import data_image, image_removal, native, renders, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE
 from ..nodes import detail_wiring, thickness
+from ..nodes.group_sockets import COVERAGE
+from ..nodes.side_graph import FRONT
 from . import dust_attribute, dust_frames, dust_settings, geometry
 
 FINER = 3  # a note is added if modifiers make the mesh finer by this factor
@@ -214,9 +216,8 @@ def apply(obj, task, answer):
             dust_attribute.write(obj.data, task.surface, task.own, answer.dust)
         else:
             dust_frames.write(obj, task.moments, answer.each, task.follows)
-        source, name = "attribute", ATTRIBUTE
     else:
-        source, name = "image", _write_image(obj, answer.dust).name
+        _write_image(obj, answer.dust)
     settings = obj.lamina_dust
     every = answer.each or [answer.dust]
     statistics = answer.dust.statistics
@@ -235,9 +236,27 @@ def apply(obj, task, answer):
             continue
         linked = thickness.wiring(material).source
         if linked in thickness.SOURCES:
-            thickness.wire_thickness(material, source, name, settings.uv_map)
+            wire(obj, material)
+        if is_source(thickness.wiring(material, COVERAGE)):
+            wire(obj, material, COVERAGE)
         if linked == "value" or detail_wiring.detail(material) is not None:
             detail_wiring.add_detail(material)
+
+
+def wire(obj, material, to=FRONT):
+    """Feed that input of the material with the dust of the object."""
+    settings = obj.lamina_dust
+    if settings.target == "image" and settings.image is not None:
+        thickness.wire_thickness(material, "image", settings.image, settings.uv_map, to=to)
+    else:
+        thickness.wire_thickness(material, "attribute", ATTRIBUTE, to=to)
+
+
+def is_source(wiring):
+    """True if a thickness.Wiring reads settled dust."""
+    if wiring.source == "image":
+        return wiring.node.image is not None and bool(wiring.node.image.get(thickness.TWO_SIDES))
+    return wiring.source == "attribute" and wiring.name == ATTRIBUTE
 
 
 def clear(obj):

@@ -4,6 +4,7 @@
 from ..base.messages import RefusedError
 from ..kinds.dust import GROUPS, OPTIONS
 from ..nodes import dust_strength, thickness
+from ..nodes.side_graph import FRONT
 from ..settling import dust_frames, dust_settings, live_dust, object_dust
 from .fields import split
 from .sentences import draw_sentence
@@ -13,8 +14,8 @@ BACK_MATTERS = 0.05  # share of the largest thickness
 _MAIN = ("repose", "concavity")  # options that are not folded, with the amount and the wind
 
 
-def draw(context, layout):
-    """The dust of the active object, whose material is that of the panel."""
+def draw(context, layout, name=FRONT):
+    """The dust of the active object, whose material is that of the panel and reads it by the input `name`."""
     obj = context.object
     sentence = object_dust.problem(obj)
     if sentence:
@@ -34,7 +35,7 @@ def draw(context, layout):
     row.prop(settings, "live", text="", toggle=True, icon="PAUSE" if settings.live else "PLAY")
     if settings.told:
         row.operator("lamina.dust_clear", text="", icon="TRASH")
-    _draw_state(context, layout, obj)
+    _draw_state(context, layout, obj, name)
     header, body = layout.panel("lamina_dust_more", default_closed=True)
     header.label(text="More")
     if body is not None:
@@ -43,7 +44,7 @@ def draw(context, layout):
             _DRAWN[name](context, body, obj)
 
 
-def _draw_state(context, layout, obj):
+def _draw_state(context, layout, obj, name):
     """Why the dust is not what the settings say, what was settled, and what the material does not show."""
     settings = obj.lamina_dust
     sentence = object_dust.advice(obj, obj.evaluated_get(context.evaluated_depsgraph_get()))
@@ -58,18 +59,21 @@ def _draw_state(context, layout, obj):
         text = "Settled with few rays" if settings.settled == object_dust.PARTLY else "Out of date"
         draw_sentence(context, layout, f"{text}: Settle Again uses all settings", "FILE_REFRESH")
     draw_sentence(context, layout, settings.told[0].upper() + settings.told[1:])
-    sentence = mismatch(context.material, settings)
+    sentence = mismatch(context.material, settings, name)
     if sentence:
         draw_sentence(context, layout, sentence, "ERROR")
 
 
-def mismatch(material, settings):
-    """The reason why the material does not show the dust correctly, or ''."""
-    found = thickness.wiring(material)
+def mismatch(material, settings, name=FRONT):
+    """The reason why the material does not show the dust correctly by its input `name`, or ''."""
+    found = thickness.wiring(material, name)
     if found.source == "none":
         return "The material has no thickness input: choose Settled for its layer of dust"
     if found.source != settings.target:
-        return f"The material does not read it: its thickness comes from {found.source} {found.name}".rstrip()
+        text = f"The material does not read it: its {name.lower()} comes from {found.source} {found.name}"
+        return text.rstrip()
+    if name != FRONT:
+        return ""
     most = material.lamina.node_group.get("lamina_largest_tau", -1.0)
     if 0.0 <= most < settings.largest:
         return (f"Thicker than baked: above thickness {most:.3g} nothing changes. "

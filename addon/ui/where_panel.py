@@ -4,7 +4,8 @@
 import bpy
 
 from ..editing import layer_list
-from ..nodes import detail_wiring, dust_detail, thickness
+from ..nodes import detail_wiring, dust_detail, film_wiring, thickness
+from ..nodes.film_pattern import PATTERNS
 from ..nodes.side_graph import FRONT
 from ..scene import place
 from ..settling import dust_job
@@ -31,16 +32,19 @@ class LAMINA_PT_where(MaterialPanel, bpy.types.Panel):
         layout.active = material.is_editable
         layer = layer_list.active_layer(material)
         now = place.of(material, layer)
-        row = layout.row(align=True)
+        choices = place.choices(layer)
+        grid = layout.grid_flow(row_major=True, columns=3 if len(choices) > 4 else len(choices), align=True)
         for choice, name, _description in place.PLACES:
-            if choice in place.choices(layer):
-                row.operator("lamina.place", text=name, depress=now == choice).place = choice
+            if choice in choices:
+                grid.operator("lamina.place", text=name, depress=now == choice).place = choice
         job = dust_job.running()
         if job is not None:
             draw_progress(layout, job, "DUST")
         elif layer.varying:
             _draw_source(context, layout, material, place.INPUTS[layer.kind], now)
-            if layer.kind == "medium" and thickness.has_input(material):
+            if layer.kind == "interface":
+                _draw_pattern(layout, material)
+            elif thickness.has_input(material):
                 _draw_detail(layout, material)
 
 
@@ -49,7 +53,7 @@ def _draw_source(context, layout, material, name, now):
     wiring, column = thickness.wiring(material, name), split(layout.column())
     label = "Optical Thickness" if name == FRONT else name
     if now == place.SETTLED:
-        settled_fields.draw(context, layout)
+        settled_fields.draw(context, layout, name)
     elif wiring.source == "value":
         column.prop(wiring.socket, "default_value", text=label)
     elif wiring.source == "attribute":
@@ -85,6 +89,17 @@ def _draw_detail(layout, material):
         if not node.inputs[name].is_linked and name != "Wiped":
             column.prop(node.inputs[name], "default_value", text=name)
     body.operator("lamina.dust_detail", text="Remove Grain and Clouds", icon="X").remove = True
+
+
+def _draw_pattern(layout, material):
+    """The settings of drops, puddles or prints."""
+    node = film_wiring.node_of(material)
+    if node is None:
+        return
+    column = split(layout.column(align=True))
+    for name, *_rest in PATTERNS[film_wiring.chosen(material)].settings:
+        if not node.inputs[name].is_linked:
+            column.prop(node.inputs[name], "default_value", text=name)
 
 
 def _has_attribute(context, name):

@@ -70,6 +70,7 @@ def _bake(lamina, entry):
     bake_job.apply(material, lut)
     if varies:
         scene.wire_dust(material)
+    scene.scale_film(material)
     keys = ("fit_error", "fit_error_transmission", "albedo_error", "closures", "seconds")
     return material, {"id": entry.id, "name": entry.name, "category": entry.category,
                       **{key: lut.report[key] for key in keys}, "worst_slice": lut.report["worst_slice"]["error"]}

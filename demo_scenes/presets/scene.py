@@ -30,6 +30,7 @@ BELOW = {  # overlays: plastic, chrome, wood
     "Metallic": (0.0, 1.0, 0.0),
     "Roughness": (0.15, 0.1, 0.6),
 }
+FILM_SCALE = 12.0
 SQUARES, SQUARE = (0.035, 0.055), 0.30  # reflectances and size of the squares of the ground
 
 
@@ -95,6 +96,16 @@ def wire_dust(material):
     detail = extension.part("nodes.detail_wiring").add_detail(material)
     for name, share in (("Cloud Size", 0.4), ("Grain Size", 0.012)):
         detail.inputs[name].default_value = share * ball.PLATE
+
+
+def scale_film(material):
+    """Enlarge drops, puddles and prints as the grain of dust is enlarged: the body is that much larger than things
+    with drops on them."""
+    node = extension.part("nodes.film_wiring").node_of(material)
+    if node is not None:
+        for name in extension.part("nodes.film_pattern").PATTERNS[extension.part("nodes.film_wiring").chosen(
+                material)].sizes:
+            node.inputs[name].default_value *= FILM_SCALE
 
 
 def _camera(scene):

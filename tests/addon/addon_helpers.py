@@ -82,7 +82,7 @@ class Layout:
         inside.__dict__["lines"] = self.lines
         return inside
 
-    row = column = split = box = _inside
+    row = column = split = box = grid_flow = _inside
 
     def panel(self, _name, default_closed=False):
         return self._inside(), self._inside()

@@ -12,6 +12,7 @@ from addon_helpers import drawn
 from dusty_objects import NAME, grid
 
 MEDIUM = ("EVEN", "SETTLED", "PAINTED", "IMAGE")
+FILM = ("EVEN", "SETTLED", "PAINTED", "DROPS", "PUDDLES", "PRINTS")
 
 
 @pytest.fixture
@@ -97,11 +98,11 @@ def test_a_second_layer_takes_the_place_over(addon, place, plate, material, call
     assert place.of(material, layers[material.lamina.active_index]) == "SETTLED"
 
 
-def test_a_film_is_even_or_painted(addon, place, plate, material, call):
+def test_places_of_a_film(addon, place, plate, material, call):
     film = addon.editing.layer_list.add_layer(material, "interface")
-    assert place.choices(film) == ("EVEN", "PAINTED") and place.of(material, film) == "EVEN"
-    with pytest.raises(RuntimeError, match="no place “Settled”"):
-        choose(plate, call, "SETTLED")
+    assert place.choices(film) == FILM and place.of(material, film) == "EVEN"
+    with pytest.raises(RuntimeError, match="no place “Image”"):
+        choose(plate, call, "IMAGE")
     choose(plate, call, "PAINTED")
     assert film.varying and place.of(material, film) == "PAINTED"
     painted = addon.nodes.thickness.wiring(material, "Coverage").node.image
@@ -110,6 +111,28 @@ def test_a_film_is_even_or_painted(addon, place, plate, material, call):
     assert bpy.context.tool_settings.image_paint.canvas == painted
     choose(plate, call, "EVEN")
     assert place.of(material, film) == "EVEN" and socket(addon, material, "Coverage").default_value == 1.0
+
+
+def test_from_each_place_of_a_film_to_each_other(addon, place, plate, material, call):
+    film = addon.editing.layer_list.add_layer(material, "interface")
+    for first, second in itertools.combinations(FILM, 2):
+        for name in (first, second, first):
+            assert choose(plate, call, name) == {"FINISHED"}
+            assert place.of(material, film) == name
+            assert len([node for node in material.node_tree.nodes if node.type == "GROUP"]) <= 2
+    assert addon.baking.bake_job.state(material) == "fresh"
+
+
+def test_drops_where_dust_settles_and_where_they_are_painted(addon, place, plate, material, call):
+    film = addon.editing.layer_list.add_layer(material, "interface")
+    for name in ("DROPS", "SETTLED", "PAINTED"):
+        choose(plate, call, name)
+        assert addon.nodes.film_wiring.chosen(material) == "DROPS"
+    choose(plate, call, "SETTLED")
+    plate.lamina_dust.target = "image"
+    addon.settling.object_dust.settle(bpy.context, plate)
+    assert place.of(material, film) == "SETTLED", "the coverage follows the dust to an image"
+    assert addon.nodes.thickness.wiring(material, "Coverage").source == "image"
 
 
 def test_nodes_of_the_artist(addon, place, plate, material, call):
