@@ -121,7 +121,7 @@ def _puddles(graph, inputs, place, normal, share):
 def _prints(graph, inputs, place, normal, share):
     """Ridges in an ellipse about a random point, turned at random in the plane of the surface."""
     size = inputs.outputs["Print Size"]
-    cell = graph.math("MULTIPLY", 4, 5, "cell", size, 2.0)
+    cell = graph.math("MULTIPLY", 4, 5, "cell", size, 1.4)
     points = _voronoi(graph, 6, 5, place, graph.math("DIVIDE", 5, 5, "per unit", 1.0, cell))
     local = graph.vector("SUBTRACT", 7, 5, "from the point", place, points.outputs["Position"])
     local = graph.scale(7.5, 6, "in sizes", local, graph.math("DIVIDE", 5, 6, "", 1.0, size))

@@ -30,7 +30,7 @@ BELOW = {  # overlays: plastic, chrome, wood
     "Metallic": (0.0, 1.0, 0.0),
     "Roughness": (0.15, 0.1, 0.6),
 }
-FILM_SCALE = 12.0
+FILM_SCALES = {"DROPS": 12.0, "PUDDLES": 1.0, "PRINTS": 9.0}  # the body is larger than most things with drops on them
 SQUARES, SQUARE = (0.035, 0.055), 0.30  # reflectances and size of the squares of the ground
 
 
@@ -99,13 +99,11 @@ def wire_dust(material):
 
 
 def scale_film(material):
-    """Enlarge drops, puddles and prints as the grain of dust is enlarged: the body is that much larger than things
-    with drops on them."""
-    node = extension.part("nodes.film_wiring").node_of(material)
-    if node is not None:
-        for name in extension.part("nodes.film_pattern").PATTERNS[extension.part("nodes.film_wiring").chosen(
-                material)].sizes:
-            node.inputs[name].default_value *= FILM_SCALE
+    """Enlarge the pattern of a film, so that it is seen in a small picture."""
+    wiring, patterns = extension.part("nodes.film_wiring"), extension.part("nodes.film_pattern").PATTERNS
+    kind = wiring.chosen(material)
+    for name in patterns[kind].sizes if kind else ():
+        wiring.node_of(material).inputs[name].default_value *= FILM_SCALES[kind]
 
 
 def _camera(scene):
