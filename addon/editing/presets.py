@@ -14,6 +14,10 @@ from . import over_material, stack_io
 
 FILMS = {"rain-drops": "DROPS", "puddles": "PUDDLES", "fingerprints": "PRINTS"}  # patterns of presets
 OVERLAYS = "Overlays"  # the category of layers without a base, which lie over any material
+OVER = (
+    ("OVER", "Over My Material", "Only the preset's layers, over what the material shows"),
+    ("ALL", "All of It", "The preset's layers, and what is below them"),
+)
 
 
 def by_category():
@@ -29,30 +33,41 @@ def entry(preset):
     return next((one for one in _read(lambda library: library.entries()) if one.id == preset), None)
 
 
-def apply(material, preset):
-    """Replace the layers and base by those of the library; the base of layers that lie over the material's
-    own nodes stays. An overlay lies over what the material shows: its nodes, or the base of its layers.
+def lies_over(material, entry, over=None):
+    """True if `material` would get only the layers of a preset of the library, over what it shows: its nodes,
+    or the base of its layers. `over`: the artist's choice. None: True if the layers lie over the material's
+    own nodes now. Overlays always lie over."""
+    if entry.category == OVERLAYS:
+        return True
+    return over_material.is_over(material) if over is None else over
+
+
+def apply(material, preset, over=None):
+    """Replace the layers by those of the library, and the base, unless the preset `lies_over` the material.
     Raises ValueError, NativeMissingError."""
     one = entry(preset)
     if one is None:
         raise RefusedError(f"preset = {preset}: there is no such preset")
-    if one.category != OVERLAYS:
-        _assign(material, one.stack)
+    if not lies_over(material, one, over):
+        stack_io.assign_stack(material, one.stack)
         return
+    sentence = problem(material, one, over)
+    if sentence:
+        raise RefusedError(sentence)
     if not material.lamina.enabled:
         over_material.add(material)
     over_material.assign_layers(material, one.stack)
-    material[detail_wiring.WANTED] = FILMS.get(preset, True)  # an even layer would look like clay
+    if one.category == OVERLAYS:
+        material[detail_wiring.WANTED] = FILMS.get(preset, True)  # an even layer would look like clay
 
 
-def problem(material, entry):
+def problem(material, entry, over=None):
     """A sentence on why a preset of the library cannot be applied to `material`, or '' if it can. Without a
-    material (None) there is no reason."""
-    if material is None:
+    material (None) there is no reason. `over`: see lies_over."""
+    if material is None or not lies_over(material, entry, over):
         return ""
-    if not material.lamina.enabled and entry.category == OVERLAYS:
-        return over_material.problem(material)
-    return over_material.layers_problem(entry.stack) if over_material.is_over(material) else ""
+    sentence = over_material.layers_problem(entry.stack)
+    return sentence if sentence or material.lamina.enabled else over_material.problem(material)
 
 
 def user_folder(create=False):
@@ -75,8 +90,10 @@ def user_names():
 
 
 def apply_user(material, name):
-    """Like `apply`, with a preset of the user. Raises StackError, OSError, RefusedError."""
-    _assign(material, native.require().Stack.load(str(_existing(name))))
+    """Like `apply` without a choice, with a preset of the user. Raises StackError, OSError, RefusedError."""
+    stack = native.require().Stack.load(str(_existing(name)))
+    assign = over_material.assign_layers if over_material.is_over(material) else stack_io.assign_stack
+    assign(material, stack)
 
 
 def save_user(material, name, replace=False):
@@ -99,11 +116,6 @@ def save_user(material, name, replace=False):
 def delete_user(name):
     """Delete a preset of the user. Raises RefusedError, OSError."""
     _existing(name).unlink()
-
-
-def _assign(material, stack):
-    assign = over_material.assign_layers if over_material.is_over(material) else stack_io.assign_stack
-    assign(material, stack)
 
 
 def _read(what):

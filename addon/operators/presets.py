@@ -8,19 +8,29 @@ from ..editing import presets
 from ..kinds.preset_files import LONGEST
 from . import common
 
+OVER = (
+    ("AUTO", "Automatic", "Overlays, and presets for layers that lie over the material's nodes, lie over it"),
+    *presets.OVER,
+)
+_OVER = {"AUTO": None, "OVER": True, "ALL": False}
+
 
 class LAMINA_OT_preset_apply(bpy.types.Operator):
     bl_idname = "lamina.preset_apply"
     bl_label = "Apply Preset"
     bl_description = (
-        "Replace the layers and base of this material by those of the preset, and show them. Overlays, and "
-        "layers that lie over the material's own nodes, keep what is below"
+        "Replace the layers of this material by those of the preset, and show them. Its base is replaced "
+        "too, unless the preset lies over what the material shows"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     preset: bpy.props.StringProperty(name="Preset", description="Its id, or its name if it is your own")
     user: bpy.props.BoolProperty(
         name="My Preset", description="One of your own, not of the library", options={"SKIP_SAVE"}
+    )
+
+    over: bpy.props.EnumProperty(
+        name="What", description="What of the preset is used", items=OVER, options={"SKIP_SAVE"}
     )
 
     @classmethod
@@ -37,7 +47,8 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
             return str(error)
         if entry is None:
             return cls.bl_description
-        first = presets.problem(common.material_of(context), entry) or cls.bl_description
+        over = _OVER[properties.over]
+        first = presets.problem(common.material_of(context), entry, over) or cls.bl_description
         return f"{first}.\n{entry.source.rstrip('.')}"
 
     def invoke(self, context, _event):
@@ -47,9 +58,12 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
         return common.show_layers(context)
 
     def execute(self, context):
-        use = presets.apply_user if self.user else presets.apply
+        material = common.material_of(context)
         try:
-            use(common.material_of(context), self.preset)
+            if self.user:
+                presets.apply_user(material, self.preset)
+            else:
+                presets.apply(material, self.preset, _OVER[self.over])
         except (ValueError, OSError, native.NativeMissingError) as error:
             return common.refused(self, error)
         return {"FINISHED"}

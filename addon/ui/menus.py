@@ -5,6 +5,7 @@ import bpy
 
 from ..base import messages, native
 from ..editing import metals, presets
+from . import preset_picker
 
 TALLEST = 30  # number of menu rows that fit on small screens
 
@@ -30,7 +31,8 @@ class LAMINA_MT_presets(bpy.types.Menu):
     bl_description = "Replace the layers by those of a ready-made material"
 
     def draw(self, context):
-        columns = self.layout.row()
+        columns, material = self.layout.row(), getattr(context, "material", None)
+        over = "ALL" if material is None else preset_picker.over(material)
         column, height = columns.column(), 4
         _title(column, "Mine")
         column.menu("LAMINA_MT_user_presets", icon="USER")
@@ -50,8 +52,9 @@ class LAMINA_MT_presets(bpy.types.Menu):
             _title(column, category[:1].upper() + category[1:])
             for entry in entries:
                 name, row = entry.name or entry.id, column.row()
-                row.enabled = not presets.problem(getattr(context, "material", None), entry)
-                row.operator("lamina.preset_apply", text=name).preset = entry.id
+                row.enabled = not presets.problem(material, entry, over == "OVER")
+                choice = row.operator("lamina.preset_apply", text=name)
+                choice.preset, choice.over = entry.id, over
 
 
 class LAMINA_MT_user_presets(bpy.types.Menu):

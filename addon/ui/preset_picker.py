@@ -9,7 +9,7 @@ import bpy.utils.previews
 from bpy.props import EnumProperty, PointerProperty, StringProperty
 
 from ..base import messages, native
-from ..editing import presets
+from ..editing import over_material, presets
 
 FOLDER = Path(__file__).resolve().parents[1] / "pictures"
 SUFFIX = ".jpg"
@@ -18,6 +18,7 @@ _NONE = [("NONE", "None", "There is no such preset", 0, 0)]
 _pictures = None  # Blender's collection of previews, while the add-on is registered
 _items = {}  # items by category and search. Kept, because Blender does not copy the texts of an enumeration
 _chosen = 0  # the number of the picture that was clicked last
+_over = {}  # {session_uid of a material: the artist's choice of what of a preset is used}
 _refusal = (None, "")  # the material of the last click, and why the preset was refused
 
 
@@ -74,9 +75,30 @@ def _apply(picker, _context):
     _refusal = (None, "")
     if bpy.ops.lamina.preset_apply.poll():
         try:
-            bpy.ops.lamina.preset_apply("INVOKE_DEFAULT", True, preset=picker.preset)
+            bpy.ops.lamina.preset_apply("INVOKE_DEFAULT", True, preset=picker.preset, over=picker.over)
         except RuntimeError as error:
             _refusal = (bpy.context.material.session_uid, messages.reported(error))
+
+
+def over(material):
+    """What of a preset is used for `material`: "OVER" or "ALL"."""
+    return _over.get(material.session_uid) or ("OVER" if over_material.is_over(material) else "ALL")
+
+
+def can_lie_over(material):
+    """True if there is something over which the layers of a preset can lie."""
+    return material.lamina.enabled or not over_material.problem(material)
+
+
+def _get_over(_picker):
+    material = getattr(bpy.context, "material", None)
+    return 1 if material is not None and over(material) == "ALL" else 0
+
+
+def _set_over(_picker, number):
+    material = getattr(bpy.context, "material", None)
+    if material is not None:
+        _over[material.session_uid] = presets.OVER[number][0]
 
 
 def refusal(material):
@@ -101,6 +123,8 @@ class LaminaPicker(bpy.types.PropertyGroup):
         description="Show the presets of all categories whose names contain these words",
         options={"TEXTEDIT_UPDATE"},
     )
+    over: EnumProperty(
+        name="What", description="What of a preset is used", items=presets.OVER, get=_get_over, set=_set_over)
     preset: EnumProperty(
         name="Preset",
         description="Click to see all pictures of the list. A click on one of them applies its preset",
@@ -116,6 +140,8 @@ def draw(layout, context):
     if not picker.search:
         row.prop(picker, "category", text="")
     row.prop(picker, "search", text="", icon="VIEWZOOM")
+    if context.material is not None and can_lie_over(context.material):
+        column.row(align=True).prop(picker, "over", expand=True)
     if _presets(picker, context) is _NONE:
         column.label(text="No preset has this name" if picker.search else "The library is not available")
     else:
@@ -138,3 +164,4 @@ def unregister():
     bpy.utils.previews.remove(_pictures)
     _pictures = None
     _items.clear()
+    _over.clear()

@@ -110,6 +110,18 @@ def test_an_overlay_keeps_any_base_and_needs_something_below(addon, lamina, glos
     assert not empty.lamina.enabled
 
 
+def test_layers_of_a_preset_over_a_material_without_layers(addon, lamina):
+    material = bpy.data.materials.new("Plastic")
+    addon.nodes.node_tree.of(material)
+    with pytest.raises(ValueError, match="has no layers that could lie over this material"):
+        addon.editing.presets.apply(material, "gold", over=True)
+    assert not material.lamina.enabled
+    addon.editing.presets.apply(material, "lacquered-copper", over=True)
+    assert material.lamina.base.kind == "principled" and len(layer_names(material)) == 2
+    addon.editing.presets.apply(material, "lacquered-copper", over=False)
+    assert material.lamina.base.kind == "conductor"
+
+
 def test_presets_that_cannot_lie_over_a_material_are_grey(addon, lamina, glossy, material):
     """Their tooltips say why. Overlays come first."""
     operator = addon.operators.presets.LAMINA_OT_preset_apply
@@ -122,7 +134,8 @@ def test_presets_that_cannot_lie_over_a_material_are_grey(addon, lamina, glossy,
     addon.editing.over_material.add(glossy)
     assert grey(glossy) == {entry.id for entry in presets.entries() if not entry.stack.layers}
     for preset, refused in (("gold", True), ("dusty-bronze", False)):
-        told = operator.description(SimpleNamespace(material=glossy), SimpleNamespace(preset=preset, user=False))
+        properties = SimpleNamespace(preset=preset, user=False, over="AUTO")
+        told = operator.description(SimpleNamespace(material=glossy), properties)
         assert ("has no layers that could lie over this material" in told) == refused
     drawn = GreyLayout()
     addon.ui.menus.LAMINA_MT_presets.draw(SimpleNamespace(layout=drawn), SimpleNamespace(material=glossy))

@@ -65,9 +65,10 @@ def test_applying_can_be_undone(addon, material, library, call):
 
 def test_the_tooltip_names_the_source(addon, library):
     operator = addon.operators.presets.LAMINA_OT_preset_apply
-    text = operator.description(None, SimpleNamespace(preset="varnished-wood", user=False))
+    text = operator.description(None, SimpleNamespace(preset="varnished-wood", user=False, over="AUTO"))
     assert "Measured by hand" in text
-    assert operator.description(None, SimpleNamespace(preset="gone", user=False)) == operator.bl_description
+    gone = SimpleNamespace(preset="gone", user=False, over="AUTO")
+    assert operator.description(None, gone) == operator.bl_description
 
 
 def test_an_unknown_preset_is_one_sentence(addon, material, library, call):
@@ -249,7 +250,7 @@ def test_a_library_whose_files_are_gone_is_one_sentence(addon, lamina, material,
         addon.ui.menus.LAMINA_MT_presets.draw(SimpleNamespace(layout=layout), None)
         assert addon.base.native.GONE in layout.lines
         assert addon.base.native.GONE in refused(bpy.ops.lamina.preset_apply, material, call, preset="gold")
-        chosen = SimpleNamespace(preset="gold", user=False)
+        chosen = SimpleNamespace(preset="gold", user=False, over="AUTO")
         assert addon.operators.presets.LAMINA_OT_preset_apply.description(None, chosen) == addon.base.native.GONE
     finally:
         library._texts.cache_clear()

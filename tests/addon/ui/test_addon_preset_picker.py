@@ -8,9 +8,9 @@ import pytest
 from addon_helpers import Layout
 
 
-def lines(addon, picker):
+def lines(addon, picker, material=None):
     layout = Layout()
-    context = SimpleNamespace(window_manager=SimpleNamespace(lamina_picker=picker))
+    context = SimpleNamespace(window_manager=SimpleNamespace(lamina_picker=picker), material=material)
     addon.ui.preset_picker.draw(layout, context)
     return layout.lines
 
@@ -82,6 +82,31 @@ def test_a_click_that_is_refused_says_why(addon, lamina, material):
     with bpy.context.temp_override(material=plain):
         picker.preset = "dusty-bronze"
     assert addon.ui.preset_picker.refusal(plain) == ""
+
+
+def test_the_artist_chooses_what_of_a_preset_is_used(addon, lamina, material):
+    """Only its layers over the material, or all of it: also over a material without layers, and in the menu."""
+    picker, plain = bpy.context.window_manager.lamina_picker, bpy.data.materials.new("Plain")
+    addon.nodes.node_tree.of(plain)
+    picker.search, picker.category = "", "Dust and weathering"
+    assert "What" in lines(addon, picker, plain)
+    with bpy.context.temp_override(material=plain):
+        assert picker.over == "ALL", "a material without layers"
+        picker.over = "OVER"
+        picker.preset = "dusty-bronze"
+        assert plain.lamina.base.kind == "principled" and picker.over == "OVER"
+        assert [layer.name for layer in plain.lamina.layers] == ["dust"]
+        picker.over = "ALL"
+        picker.preset = "dusty-bronze"
+        assert plain.lamina.base.kind == "conductor"
+    with bpy.context.temp_override(material=material):
+        assert picker.over == "ALL", "another material"
+        picker.over, before = "OVER", addon.editing.stack_io.to_dict(material)["base"]
+        picker.preset = "dusty-lacquer"
+        assert addon.editing.stack_io.to_dict(material)["base"] == before
+    layout = Layout()
+    addon.ui.menus.LAMINA_MT_presets.draw(SimpleNamespace(layout=layout), SimpleNamespace(material=material))
+    assert addon.ui.preset_picker.over(material) == "OVER" and "Gold, satin" in layout.lines
 
 
 def test_layers_are_shown_after_a_click(addon, lamina, material):
