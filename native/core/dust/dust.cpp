@@ -19,6 +19,11 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Small enough that threads finish together, large enough to amortise the set-up of a task.
 constexpr std::size_t kPointsPerTask = 32;
 constexpr std::size_t kBatch = 256;  // rays whose pattern is turned at once
+constexpr int kParts = 4;            // of a pattern, see DiscPattern
+// With this number of rays or more, and if the rays of the first part are all open or all occluded, the other parts are
+// traced at one of kRoulette points only, and count that many times there (Russian roulette): the mean stays.
+constexpr std::size_t kManyRays = 128;
+constexpr float kRoulette = 8.0F;
 constexpr std::uint64_t kGrainsPerTask = 8192;
 // Start of each ray, relative to the offset. A point may lie in the plane of a neighbouring face, for example at the
 // foot of a wall, and that face must not occlude it. The face that the point was offset from is farther than this.
@@ -27,16 +32,19 @@ constexpr float kNearest = 0.25F;
 float dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Low-discrepancy points of the unit disc: uniform azimuths, and multiples of the golden ratio for the squared radius.
-/// Each point of the surface rotates them by a random angle and shift (Cranley and Patterson 1976).
+/// Each point of the surface rotates them by a random angle and shift (Cranley and Patterson 1976). The first quarter of
+/// them, each fourth azimuth, is such a pattern too.
 struct DiscPattern {
   std::vector<float> cosine, sine, square;
 
   explicit DiscPattern(int count) {
-    for (int i = 0; i < count; ++i) {
-      const double azimuth = 2.0 * kPi * (i + 0.5) / count;
-      cosine.push_back(static_cast<float>(std::cos(azimuth)));
-      sine.push_back(static_cast<float>(std::sin(azimuth)));
-      square.push_back(static_cast<float>(std::fmod(i * std::numbers::phi, 1.0)));
+    for (int start = 0; start < kParts; ++start) {
+      for (int i = start; i < count; i += kParts) {
+        const double azimuth = 2.0 * kPi * (i + 0.5) / count;
+        cosine.push_back(static_cast<float>(std::cos(azimuth)));
+        sine.push_back(static_cast<float>(std::sin(azimuth)));
+        square.push_back(static_cast<float>(std::fmod(i * std::numbers::phi, 1.0)));
+      }
     }
   }
 
@@ -44,7 +52,7 @@ struct DiscPattern {
 };
 
 struct DiscTurn {
-  float cosine, sine, shift;
+  float cosine, sine, shift, chance;
 
   DiscTurn(std::uint64_t seed, std::uint64_t number) {
     Rng rng(seed, number);
@@ -52,6 +60,7 @@ struct DiscTurn {
     cosine = static_cast<float>(std::cos(azimuth));
     sine = static_cast<float>(std::sin(azimuth));
     shift = static_cast<float>(rng.uniform());
+    chance = static_cast<float>(rng.uniform());
   }
 };
 
@@ -84,6 +93,7 @@ struct SideSums {
   double all = 0.0;
 
   double share() const { return all > 0.0 ? open / all : 0.0; }
+  bool agrees() const { return open == 0.0 || open == all; }
 };
 
 class ArrivalAtPoint {
@@ -107,13 +117,47 @@ class ArrivalAtPoint {
       return {0.0F, 0.0F};
     }
     const DiscTurn turn(options_.seed, number);
+    Sums sums;
+    const auto shares = [&]() -> std::array<double, 2> { return {front * sums[0].share(), back * sums[1].share()}; };
+    std::size_t done = 0;
+    if (pattern_.size() >= kManyRays) {
+      done = (pattern_.size() + kParts - 1) / kParts;
+      trace(position, normal, turn, 0, done, sums, rays);
+      if (sums[0].agrees() && sums[1].agrees()) {
+        const std::array<double, 2> early = shares();
+        if (turn.chance * kRoulette >= 1.0F) {
+          return {static_cast<float>(early[0]), static_cast<float>(early[1])};
+        }
+        trace(position, normal, turn, done, pattern_.size(), sums, rays);
+        const std::array<double, 2> late = shares();
+        return {static_cast<float>(early[0] + kRoulette * (late[0] - early[0])),
+                static_cast<float>(early[1] + kRoulette * (late[1] - early[1]))};
+      }
+    }
+    trace(position, normal, turn, done, pattern_.size(), sums, rays);
+    if (pattern_.size() == 1) {
+      // With one ray the ratio of the sums is biased; the ray's weight times its visibility is not.
+      return {static_cast<float>(sums[0].open), static_cast<float>(sums[1].open)};
+    }
+    const std::array<double, 2> all = shares();
+    return {static_cast<float>(all[0]), static_cast<float>(all[1])};
+  }
+
+ private:
+  using Sums = std::array<SideSums, 2>;
+
+  /// The rays [begin, end) of the pattern.
+  void trace(const Vec3f& position, const Vec3f& normal, const DiscTurn& turn, std::size_t begin, std::size_t end,
+             Sums& sums, std::uint64_t& rays) const {
+    const float up = dot(normal, fall_.up);
+    const float n1 = dot(normal, fall_.across1);
+    const float n2 = dot(normal, fall_.across2);
     const float offset = offset_at(position, options_.offset);
-    SideSums sums[2];
     float x[kBatch];
     float y[kBatch];
     float square[kBatch];
-    for (std::size_t first = 0; first < pattern_.size(); first += kBatch) {
-      const std::size_t count = std::min(kBatch, pattern_.size() - first);
+    for (std::size_t first = begin; first < end; first += kBatch) {
+      const std::size_t count = std::min(kBatch, end - first);
       turned(pattern_, turn, first, count, x, y, square);
       for (std::size_t i = 0; i < count; ++i) {
         const float slope = slope_of(fall_.sin_spread, square[i]);
@@ -139,14 +183,8 @@ class ArrivalAtPoint {
         }
       }
     }
-    if (pattern_.size() == 1) {
-      // With one ray the ratio of the sums is biased; the ray's weight times its visibility is not.
-      return {static_cast<float>(sums[0].open), static_cast<float>(sums[1].open)};
-    }
-    return {static_cast<float>(front * sums[0].share()), static_cast<float>(back * sums[1].share())};
   }
 
- private:
   const MeshScene& scene_;
   const Fall& fall_;
   const OpenShare& open_;

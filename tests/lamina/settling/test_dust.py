@@ -18,6 +18,17 @@ pytestmark = with_embree
 STILL = {"repose": math.pi, "concavity": 0.0}  # all arriving dust stays
 
 
+def disc(inner):
+    """A disc above the origin, which hides the directions up to the angle `inner`."""
+    corners = 512
+    phi = 2.0 * math.pi * np.arange(corners) / corners
+    # A polygon of the disc's area.
+    radius = math.tan(inner) * math.sqrt(2.0 * math.pi / corners / math.sin(2.0 * math.pi / corners))
+    rim = np.column_stack([radius * np.cos(phi), radius * np.sin(phi), np.ones(corners)])
+    k = np.arange(corners)
+    return Mesh(np.vstack([rim, [[0, 0, 1]]]), np.column_stack([np.full(corners, corners), k, (k + 1) % corners]))
+
+
 def rotation(axis, angle):
     x, y, z = np.asarray(axis, float) / np.linalg.norm(axis)
     k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -67,20 +78,25 @@ def test_the_shadow_of_a_disc_has_its_closed_form():
     """Below the centre of a disc of half-angle a in a cone of half-angle s, the share sin^2 a / sin^2 s is
     sheltered."""
     spread, inner = math.radians(60.0), math.radians(35.0)
-    corners = 512
-    phi = 2.0 * math.pi * np.arange(corners) / corners
-    # A polygon of the disc's area.
-    radius = math.tan(inner) * math.sqrt(2.0 * math.pi / corners / math.sin(2.0 * math.pi / corners))
-    rim = np.column_stack([radius * np.cos(phi), radius * np.sin(phi), np.ones(corners)])
-    k = np.arange(corners)
-    disc = Mesh(np.vstack([rim, [[0, 0, 1]]]), np.column_stack([np.full(corners, corners), k, (k + 1) % corners]))
     count = 400
     points = Points(np.zeros((count, 3)), np.tile([0.0, 0.0, 1.0], (count, 1)))
-    found = settle(plate(), points, [disc], Settling(spread=spread, rays=64, **STILL), seed=3, threads=1)
+    found = settle(plate(), points, [disc(inner)], Settling(spread=spread, rays=64, **STILL), seed=3, threads=1)
     truth = 1.0 - math.sin(inner) ** 2 / math.sin(spread) ** 2
     z = (found.tau.mean() - truth) / (found.tau.std(ddof=1) / math.sqrt(count))
     assert abs(z) < z_limit(1)
     assert found.tau.std() < 0.02  # points of low discrepancy: sixty-four independent ones would have .06
+
+
+@pytest.mark.parametrize("hidden", [0.001, 0.004, 0.999])
+def test_rays_that_a_point_saves_keep_the_mean(hidden):
+    """Most points do not see a small disc, or a small gap, in the first quarter of their rays."""
+    spread, count = 0.5, 6000
+    points = Points(np.zeros((count, 3)), np.tile([0.0, 0.0, 1.0], (count, 1)))
+    above = disc(math.asin(math.sin(spread) * math.sqrt(hidden)))
+    found = settle(plate(), points, [above], Settling(spread=spread, rays=256, **STILL), seed=5)
+    error = found.tau.std(ddof=1) / math.sqrt(count)
+    assert abs(found.tau.mean() - (1.0 - hidden)) < z_limit(3) * error and error < 0.001
+    assert found.statistics.rays - found.statistics.grains < 0.7 * 256 * count
 
 
 def test_wind_moves_the_shadow():
