@@ -20,19 +20,19 @@ _TAG, _FACE_TAG = "lamina_vertex", "lamina_face"
 @dataclass(frozen=True)
 class OwnMesh:
     """The object's own mesh, without its modifiers, in the same space. vertices: (k, 3); corners: (c,), the
-    vertex of each face corner; normals: (c, 3); faces: (c,), the face of each face corner; face_normals: (f,
-    3). Relation to the Arrays: loops: (m, 3), the face corner of each corner of a triangle, or None with
-    modifiers; with modifiers, origins: (n,), the vertex of this mesh for each vertex, and face_origins: (m,),
-    the face of this mesh for each triangle, -1 for none; either is None if unknown. has_instances: geometry
-    nodes make instances, which have no dust.
+    vertex of each face corner. Relation to the Arrays without modifiers: loops: (m, 3), the face corner of
+    each corner of a triangle. With modifiers: normals: (c, 3); faces: (c,), the face of each face corner;
+    face_normals: (f, 3); origins: (n,), the vertex of this mesh for each vertex; face_origins: (m,), the face
+    of this mesh for each triangle, -1 for none; either is None if unknown. has_instances: geometry nodes make
+    instances, which have no dust.
     """
 
     vertices: np.ndarray
     corners: np.ndarray
-    normals: np.ndarray
-    faces: np.ndarray
-    face_normals: np.ndarray
     loops: np.ndarray | None = None
+    normals: np.ndarray | None = None
+    faces: np.ndarray | None = None
+    face_normals: np.ndarray | None = None
     origins: np.ndarray | None = None
     face_origins: np.ndarray | None = None
     has_instances: bool = False
@@ -66,8 +66,9 @@ def read(context, requests, live=False):
     with_others = any(one.others for one in requests)
 
     def read_from(depsgraph):
-        others = _all_occluders(depsgraph, scale) if with_others else []
-        return [None if live else _body_in(depsgraph, one, scale, tags) for one in requests], others
+        bodies = [None if live else _body_in(depsgraph, one, scale, tags) for one in requests]
+        known = {one.obj: body[0] for one, body in zip(requests, bodies, strict=True) if body is not None}
+        return bodies, _all_occluders(depsgraph, scale, known) if with_others else []
 
     try:
         shown = context.evaluated_depsgraph_get()
@@ -141,19 +142,11 @@ def _body(depsgraph, request, evaluated, matrix, scale, tags):
         normals, uvs = mesh_arrays.corner_normals(result, matrix)[loops], None
         if uv_map is not None:
             uvs = mesh_arrays.uvs(obj, result, uv_map, "keep the dust in an attribute")[loops]
-        sizes = np.empty(len(mesh.polygons), np.int32)
-        mesh.polygons.foreach_get("loop_total", sizes)
-        own = OwnMesh(
-            mesh_arrays.vertices(mesh, matrix, scale),
-            mesh_arrays.corner_vertices(mesh),
-            mesh_arrays.corner_normals(mesh, matrix),
-            np.repeat(np.arange(len(sizes)), sizes),
-            mesh_arrays.face_normals(mesh, matrix),
-            loops if tags is None else None,
-            None if tags is None else _origins(result, tags),
-            None if tags is None else _face_origins(result),
-            has_instances,
-        )
+        if tags is None:
+            corners = mesh_arrays.corner_vertices(mesh)
+            own = OwnMesh(vertices, corners, loops, has_instances=has_instances)
+        else:
+            own = _own(mesh, matrix, scale, _origins(result, tags), _face_origins(result), has_instances)
     finally:
         evaluated.to_mesh_clear()
     if not len(triangles):
@@ -162,28 +155,49 @@ def _body(depsgraph, request, evaluated, matrix, scale, tags):
     return Arrays(vertices, triangles, normals, uvs, obj.name), own
 
 
-def _all_occluders(depsgraph, scale):
+def _own(mesh, matrix, scale, origins, face_origins, has_instances):
+    """The OwnMesh of an object with modifiers."""
+    sizes = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    return OwnMesh(
+        mesh_arrays.vertices(mesh, matrix, scale),
+        mesh_arrays.corner_vertices(mesh),
+        None,
+        mesh_arrays.corner_normals(mesh, matrix),
+        np.repeat(np.arange(len(sizes)), sizes),
+        mesh_arrays.face_normals(mesh, matrix),
+        origins,
+        face_origins,
+        has_instances,
+    )
+
+
+def _all_occluders(depsgraph, scale, known):
     """[(object, or None for an instance; its Arrays)] of all objects that are rendered and cast shadows, also
-    instances. Raises RefusedError."""
+    instances. known: {object: its Arrays} of those that were read before. Raises RefusedError."""
     found, count = [], 0
     for instance in depsgraph.object_instances:
         other = instance.object
         if other.type not in KINDS or not _stops(instance):
             continue
-        mesh = other.to_mesh()
-        if mesh is None:
-            continue
-        try:
-            vertices = mesh_arrays.vertices(mesh, instance.matrix_world, scale)
-            triangles = mesh_arrays.triangles(mesh, instance.matrix_world)
-        finally:
-            other.to_mesh_clear()
+        own = None if instance.is_instance else other.original
+        arrays = known.get(own)
+        if arrays is None:
+            mesh = other.to_mesh()
+            if mesh is None:
+                continue
+            try:
+                vertices = mesh_arrays.vertices(mesh, instance.matrix_world, scale)
+                triangles = mesh_arrays.triangles(mesh, instance.matrix_world)
+            finally:
+                other.to_mesh_clear()
+        else:
+            vertices, triangles = arrays.vertices, arrays.triangles
         count += len(triangles)
         if count > MOST_TRIANGLES:
             text = f"The other objects have more than {MOST_TRIANGLES:,} triangles: hide some in renders"
             raise RefusedError(text)
         if len(triangles):
-            own = None if instance.is_instance else other.original
             found.append((own, Arrays(vertices, triangles, name=other.name)))
     return found
 
