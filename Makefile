@@ -237,7 +237,7 @@ build/stamps/bpy52: tools/install_bpy52.sh requirements/bpy52.txt build/stamps/w
 EXTENSION_SOURCES := $(ADDON_SOURCES) tools/build_extension.py LICENSE THIRD_PARTY.md
 build/stamps/extension: build/stamps/wheel build/stamps/blender $(EXTENSION_SOURCES)
 	@echo "Building the Blender extension"
-	@$(RUN) tools/build_extension.py $(WHEEL) --output dist
+	@$(RUN) tools/build_extension.py $(WHEEL) --output build/extension
 	@touch $@
 
 # In a Python of its own: the ordinary build needs none of these tools.

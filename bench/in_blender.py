@@ -18,10 +18,10 @@ def main(name, description, numbers, measure, argv=None):
     parser = argparse.ArgumentParser(description=description)
     for option, value in numbers.items():
         parser.add_argument(f"--{option}", type=int, default=value)
-    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
+    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in build/extension/)")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "bench" / f"{name}.json")
     arguments = vars(parser.parse_args(argv))
-    zip_path, out = arguments.pop("extension") or extension.newest_zip(ROOT / "dist"), arguments.pop("out")
+    zip_path, out = arguments.pop("extension") or extension.newest_zip(ROOT / "build/extension"), arguments.pop("out")
     with extension.isolate():
         import bpy  # noqa: F401 - reads the environment that isolate() sets
 

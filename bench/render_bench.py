@@ -154,11 +154,11 @@ def main(argv=None):
     parser.add_argument("--size", type=int, default=128)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--quality", choices=("preview", "final"), default="final", help="of the bakes")
-    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
+    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in build/extension/)")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "bench" / "render.json")
     arguments = parser.parse_args(argv)
     try:
-        zip_path = arguments.extension or extension.newest_zip(ROOT / "dist")
+        zip_path = arguments.extension or extension.newest_zip(ROOT / "build/extension")
         with extension.isolate(), extension.installed(zip_path):
             from slab import scene
 

@@ -30,7 +30,7 @@ def make(names, quality="small", zip_path=None, out=HERE / "out", stack_path=Non
     options: values by name, for scenes that have such an option. Yields (files, verdict, True if all is well) after
     each scene. Raises extension.ExtensionMissingError.
     """
-    zip_path = zip_path or extension.newest_zip(HERE.parent / "dist")
+    zip_path = zip_path or extension.newest_zip(HERE.parent / "build/extension")
     out.mkdir(parents=True, exist_ok=True)
     with extension.isolate(), extension.installed(zip_path):
         for name in names:
@@ -51,7 +51,7 @@ def main(argv=None):
     parser.add_argument("--up", choices=("y", "z"), default="y", help="dragon: which axis is up in that file")
     parser.add_argument("--turntable", type=int, default=0, metavar="N", help="dragon: also N frames of a turn")
     parser.add_argument("--thumbnails", type=Path, metavar="DIR", help="presets: also a small picture of each into DIR")
-    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
+    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in build/extension/)")
     parser.add_argument("--out", type=Path, default=HERE / "out")
     arguments = parser.parse_args(argv)
     start = time.perf_counter()

@@ -104,9 +104,10 @@ def main():
     parser.add_argument("--output", type=Path, default=ROOT / "dist", help="folder of the archive")
     parser.add_argument("--quality", choices=("preview", "final"), default="final", help="of the bakes")
     parser.add_argument("--preset", action="append", default=[], metavar="ID", help="only these presets")
-    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in dist/)")
+    parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in build/extension/)")
     arguments = parser.parse_args()
-    with extension.isolate(), extension.installed(arguments.extension or extension.newest_zip(ROOT / "dist")):
+    archive = arguments.extension or extension.newest_zip(ROOT / "build/extension")
+    with extension.isolate(), extension.installed(archive):
         print(build(arguments.output.resolve(), arguments.quality, arguments.preset))
 
 

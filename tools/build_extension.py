@@ -208,10 +208,21 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("wheels", nargs="*", type=Path, help="wheels of lamina, one per Python and platform")
     parser.add_argument("--output", type=Path, default=ROOT / "dist", help="folder of the archive")
-    parser.add_argument("--split-platforms", action="store_true", help="one archive per platform, sizes printed")
+    parser.add_argument("--split-platforms", action="store_true", help="one archive per platform")
     arguments = parser.parse_args()
     for archive in build(arguments.wheels, arguments.output, arguments.split_platforms):
-        print(f"{archive}: {archive.stat().st_size / 1e6:.1f} MB" if arguments.split_platforms else archive)
+        print(f"{archive}: {held(archive)}, {archive.stat().st_size / 1e6:.1f} MB")
+
+
+def held(archive):
+    """For which platforms and Pythons an archive has wheels, in words."""
+    with zipfile.ZipFile(archive) as opened:
+        names = [Path(name) for name in opened.namelist() if name.endswith(".whl")]
+    if not names:
+        return "no wheel"
+    pythons = sorted({int(re.search(r"-cp3(\d+)-", name.name)[1]) for name in names})
+    platforms = ", ".join(sorted({platform_of(name) for name in names}))
+    return f"{platforms}, Python {', '.join(f'3.{minor}' for minor in pythons)}"
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ tools/debian_root.sh "$suite" "build/blender-$suite" blender python3-numpy xvfb 
     [ $? = 3 ] && exit 0
     exit 1
 }
-LAMINA_ZIP=$("$python" tools/build_extension.py "$wheel" --output "build/extension-$tag")
+LAMINA_ZIP=$("$python" tools/build_extension.py "$wheel" --output "build/extension-$tag" | cut -d : -f 1)
 LAMINA_BLENDER_ROOT="build/blender-$suite"
 export LAMINA_ZIP LAMINA_BLENDER_ROOT
 "$python" -m pytest -n 2 -p no:cacheprovider tests/blender "$@"

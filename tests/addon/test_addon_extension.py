@@ -70,6 +70,17 @@ finally:
     os._exit(0)
 """
 
+REFUSED = """
+import os
+import sys
+import bpy
+try:
+    bpy.ops.extensions.package_install_files(filepath=sys.argv[1], repo="user_default", enable_on_install=True)
+finally:
+    sys.stdout.flush()
+    os._exit(0)
+"""
+
 
 def build(output, *wheels):
     command = [sys.executable, str(TOOL), *map(str, wheels), "--output", str(output)]
@@ -124,7 +135,7 @@ def test_the_archive_holds_the_addon_and_the_wheels(tmp_path):
     finished = build(tmp_path / "dist", *wheels)
     assert finished.returncode == 0, finished.stderr
     archive = tmp_path / "dist" / f"lamina-{VERSION}.zip"
-    assert finished.stdout.strip() == str(archive)
+    assert finished.stdout.startswith(f"{archive}: linux-x64, windows-x64, Python 3.")
     manifest, names = manifest_of(archive)
     held = [Path(name).name for name in manifest["wheels"]]
     assert sorted(map(plain, held)) == sorted(wheel.name for wheel in wheels)
@@ -257,6 +268,17 @@ def test_blender_installs_enables_and_disables_it(tmp_path):
     assert Path(facts["file"]).is_relative_to(resources)
     assert list(resources.rglob("site-packages/lamina/from_the_wheel.txt"))
     assert "Traceback" not in error
+
+
+def test_blender_refuses_another_platform_and_nothing_is_left(tmp_path):
+    wheel = stub_wheel(tmp_path, platform="win_amd64", modules=[(f"_core.{TAG}-win_amd64.pyd", WINDOWS_X86)])
+    finished = build(tmp_path / "dist", wheel)
+    assert f"{VERSION}.zip: windows-x64, Python 3." in finished.stdout, finished.stderr
+    command = [sys.executable, "-c", REFUSED, str(tmp_path / "dist" / f"lamina-{VERSION}.zip")]
+    environment = dict(os.environ, BLENDER_USER_RESOURCES=str(tmp_path / "user"))
+    finished = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120)
+    assert "isn't one of (windows-x64)" in finished.stdout + finished.stderr
+    assert not [path for path in (tmp_path / "user").rglob("*") if "lamina" in path.name]
 
 
 def test_another_build_of_the_same_version_replaces_the_first(tmp_path):

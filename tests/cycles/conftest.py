@@ -41,8 +41,8 @@ def demo(tmp_path):
     """demo(name) -> (its JSON, what it prints): a demo at the tiny quality, whose files are in tmp_path."""
 
     def demo(name):
-        if not list((ROOT / "dist").glob("lamina-[0-9]*.zip")):
-            pytest.skip("dist/ holds no extension: run `make extension`")
+        if not list((ROOT / "build/extension").glob("lamina-[0-9]*.zip")):
+            pytest.skip("build/extension/ holds no extension: run `make build/stamps/extension`")
         command = [sys.executable, ROOT / "demo_scenes/make_demo.py", name, "--quality", "tiny", "--out", tmp_path]
         done = subprocess.run(command, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, done.stdout + done.stderr

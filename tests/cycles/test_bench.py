@@ -7,6 +7,6 @@ import pytest
 
 @pytest.mark.parametrize("name", bench_names.names(in_blender=True))
 def test_a_second_of_the_benchmark(name):
-    if not list((bench_names.BENCH.parent / "dist").glob("lamina-[0-9]*.zip")):
-        pytest.skip("no extension in dist: run `make extension`")
+    if not list((bench_names.BENCH.parent / "build/extension").glob("lamina-[0-9]*.zip")):
+        pytest.skip("no extension in build/extension: run `make build/stamps/extension`")
     bench_names.require_a_table(name)
