@@ -11,7 +11,7 @@ from .sentences import draw_sentence
 from .uv_map_field import draw_uv_map
 
 BACK_MATTERS = 0.05  # share of the largest thickness
-_MAIN = ("repose", "concavity")  # options that are not folded, with the amount and the wind
+_MAIN = ("repose",)  # options that are not folded, with the amount and the wind
 
 
 def draw(context, layout, name=FRONT):
@@ -29,16 +29,16 @@ def draw(context, layout, name=FRONT):
         if option.name in ("amount" if settings.form == "tau" else "grams", *_MAIN):
             _draw_option(column, settings, option)
     column.prop(settings, "wind")
-    row = layout.row(align=True)
     text = "Settle Again" if settings.told else "Settle Dust"
-    row.operator("lamina.dust_settle", text=text, icon="FORCE_FORCE")
-    row.prop(settings, "live", text="", toggle=True, icon="PAUSE" if settings.live else "PLAY")
-    if settings.told:
-        row.operator("lamina.dust_clear", text="", icon="TRASH")
+    layout.operator("lamina.dust_settle", text=text, icon="FORCE_FORCE")
     _draw_state(context, layout, obj, name)
     header, body = layout.panel("lamina_dust_more", default_closed=True)
     header.label(text="More")
     if body is not None:
+        row = body.row(align=True)
+        row.prop(settings, "live", toggle=True)
+        if settings.told:
+            row.operator("lamina.dust_clear", icon="TRASH")
         for name, heading in GROUPS:
             body.label(text=heading)
             _DRAWN[name](context, body, obj)
