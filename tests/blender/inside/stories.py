@@ -189,6 +189,35 @@ def places(panel):
     assert not bpy.context.object.active_material.lamina.layers[0].varying
 
 
+def rain(panel):
+    """One click puts drops over the cube, another one puddles; undo brings the drops back, and then no layers."""
+    with window.on(panel):
+        bpy.ops.lamina.preset_apply("INVOKE_DEFAULT", preset="rain-drops")
+    material = bpy.context.object.active_material
+    chosen = part("nodes.film_wiring").chosen
+    yield from until(lambda: chosen(material) == "DROPS")
+    yield from at_rest()
+    push("rain")  # Blender does so after a click, but not after a call
+    yield from window.still()
+    window.save(OUT / "rain.png", window.picture(panel))
+    with window.on(panel):
+        bpy.ops.lamina.place("INVOKE_DEFAULT", place="PUDDLES")
+    yield from until(lambda: chosen(bpy.context.object.active_material) == "PUDDLES")
+    yield from at_rest()
+    push("puddles")
+    while chosen(bpy.context.object.active_material) != "DROPS":
+        with window.on(panel):
+            bpy.ops.ed.undo()
+        check_images()
+        yield 0.5
+    while bpy.context.object.active_material.lamina.enabled:
+        with window.on(panel):
+            bpy.ops.ed.undo()
+        check_images()
+        yield 0.5
+    assert chosen(bpy.context.object.active_material) == ""
+
+
 def undo_after_update(panel):
     """Undo after updates have applied two changes of one bake: the image of that bake is in no undo step."""
     with window.on(panel):
