@@ -55,7 +55,8 @@ def _draw_source(context, layout, material, name, now):
     if now == place.SETTLED:
         settled_fields.draw(context, layout, name)
     elif wiring.source == "value":
-        column.prop(wiring.socket, "default_value", text=label)
+        if name == FRONT or film_wiring.node_of(material) is None:  # a pattern has its amount
+            column.prop(wiring.socket, "default_value", text=label)
     elif wiring.source == "attribute":
         column.prop(wiring.node, "attribute_name", text="Attribute")
         if not _has_attribute(context, wiring.name):
