@@ -8,7 +8,7 @@ import bpy
 from ..base import native
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import layer_list, stack_io
-from ..nodes import before, lateral_group, portal_graph, relightable_graph
+from ..nodes import before, lateral_group, portal_graph, relightable_graph, volume_graph
 from . import lateral_body, portal_reach, volume_bounces
 
 log = logging.getLogger(__name__)
@@ -38,11 +38,11 @@ class LateralJob(OfMaterial, Worker):
 def make(material, scene=None, quality=None, output=None):
     """Compute the material's light that travels sideways and build its node group. Blocks.
 
-    `output` is "RELIGHTABLE" or "PORTAL", by default the material's choice. Returns the computed
-    lamina.SubsurfaceInputs or lamina.PortalTables. `scene` gives the length of a Blender unit and gets the
-    bounces that a portal needs; the default is the context's scene. Raises lamina.StackError for media
-    without lengths, RefusedError and lamina.InteriorError for objects of the scene that do not fit,
-    SolveError and NativeMissingError; the material is then unchanged."""
+    `output` is "RELIGHTABLE", "PORTAL" or "VOLUME", by default the material's choice. Returns the computed
+    lamina.SubsurfaceInputs, lamina.PortalTables or volume_graph.Body. `scene` gives the length of a Blender
+    unit and gets the bounces that a volume needs; the default is the context's scene. Raises
+    lamina.StackError for media without lengths, RefusedError and lamina.InteriorError for objects of the
+    scene that do not fit, SolveError and NativeMissingError; the material is then unchanged."""
     output, layers = output or material.lamina.lateral, layer_list.mark(material)
     scene = scene or bpy.context.scene
     note = lateral_body.require(bpy.context, scene, material, output)
@@ -69,6 +69,9 @@ def _compute(output, material):
     def compute(stack, quality, progress=None, cancel=None):
         if output == "PORTAL":
             return lamina.portal_tables(stack, quality, progress, cancel, scatterings)
+        if output == "VOLUME":
+            interior, surface = native.part("interior.of_stack").interior_of_stack(stack)
+            return volume_graph.Body(interior.palette[0], surface)
         return lamina.subsurface_nodes(stack, release, quality=quality, progress=progress, cancel=cancel)
 
     return compute
@@ -94,7 +97,8 @@ def _apply(material, scene, output, layers, note, found, length):
     def draw(graph, socket, _more):
         if output == "PORTAL":
             return portal_graph.draw(graph, found, socket, f"Lamina Portal {material.name}")
-        return relightable_graph.draw(graph, found, socket)
+        draw_other = volume_graph.draw if output == "VOLUME" else relightable_graph.draw
+        return draw_other(graph, found, socket)
 
     lateral_group.build(material, output.capitalize(), draw, length)
     portal_reach.note(material.lamina.lateral_group, output, found)
@@ -102,6 +106,8 @@ def _apply(material, scene, output, layers, note, found, length):
         before.switch_correction_off(material)
         if found.first is not None:
             material.lamina.lateral_scatterings = found.first.count
+    elif output == "VOLUME":
+        material.lamina.lateral_scatterings = found.bounces
     before.restore_sampling(material)
     # An interior, whose nodes these replace, is no longer on show.
     interior = material.lamina.interior

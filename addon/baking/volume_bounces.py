@@ -7,40 +7,54 @@ scatterings is lost."""
 
 from ..nodes import node_group
 
+_WORDS = {
+    "volume_bounces": "volume bounces",
+    "max_bounces": "bounces in total",
+    "glossy_bounces": "glossy bounces",
+    "transmission_bounces": "transmission bounces",
+}
+
+
+AT_BOUNDARY = 32  # reflections and refractions of light in a body
+
 
 def needed(material):
-    """(volume bounces, bounces in total) that the lateral nodes of `material` need."""
+    """{setting of Cycles: number of bounces that the lateral nodes of `material` need}."""
     scatterings = material.lamina.lateral_scatterings
-    return max(scatterings - 1, 0), scatterings
+    found = {"volume_bounces": max(scatterings - 1, 0), "max_bounces": scatterings}
+    if material.lamina.lateral_shown == "VOLUME":
+        found |= {"glossy_bounces": AT_BOUNDARY, "transmission_bounces": AT_BOUNDARY}
+    return found
 
 
 def shortage(scene, material):
     """One sentence if the scene has fewer bounces than the material needs, otherwise ''. A material whose
     lateral volume is not linked needs none."""
-    volume, total = needed(material)
-    cycles = getattr(scene, "cycles", None)
-    if cycles is None or not _is_linked(material):
+    wanted = _missing(scene, material)
+    if not wanted:
         return ""
-    if cycles.volume_bounces >= volume and cycles.max_bounces >= total:
-        return ""
-    return (f"Too dark: the scene allows {cycles.volume_bounces} volume bounces and {cycles.max_bounces} in "
-            f"total, the material needs {volume} and {total} (Render > Light Paths)")
+    has = " and ".join(f"{getattr(scene.cycles, name)} {_WORDS[name]}" for name in wanted)
+    needs = " and ".join(str(count) for count in wanted.values())
+    return f"Too dark: the scene allows {has}, the material needs {needs} (Render > Light Paths)"
 
 
 def provide(scene, material):
     """Raise the scene's bounces to what the material needs. Returns one sentence on what was raised, or
     ''."""
-    if not shortage(scene, material) or not scene.is_editable:
-        return ""
-    volume, total = needed(material)
-    raised = []
-    wanted = {"volume_bounces": ("volume bounces", volume), "max_bounces": ("bounces", total)}
-    for name, (words, count) in wanted.items():
-        found = getattr(scene.cycles, name)
-        if found < count:
-            setattr(scene.cycles, name, count)
-            raised.append(f"{words} from {found} to {count}")
-    return f"Raised the scene's {' and '.join(raised)}"
+    wanted = _missing(scene, material) if scene.is_editable else {}
+    raised = [f"{_WORDS[name]} from {getattr(scene.cycles, name)} to {count}"
+              for name, count in wanted.items()]
+    for name, count in wanted.items():
+        setattr(scene.cycles, name, count)
+    return f"Raised the scene's {' and '.join(raised)}" if raised else ""
+
+
+def _missing(scene, material):
+    """What of `needed` the scene does not have."""
+    cycles = getattr(scene, "cycles", None)
+    if cycles is None or not _is_linked(material):
+        return {}
+    return {name: count for name, count in needed(material).items() if getattr(cycles, name) < count}
 
 
 def _is_linked(material):

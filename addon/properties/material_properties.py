@@ -44,6 +44,12 @@ LATERAL_OUTPUTS = (
         "A table of where light leaves, by Ray Portal closures: the whole profile, for closed meshes "
         "that are several times thicker than the mean exit distance",
     ),
+    (
+        "VOLUME",
+        "Volume",
+        "Cycles' volume rendering of one homogeneous medium: right for all closed shapes, also of deforming "
+        "meshes and instances, and noisy",
+    ),
 )
 
 

@@ -139,7 +139,7 @@ def test_bounces_of_the_volume(addon, milk, call, way):
     count = milk.lamina.lateral_scatterings
     assert count == 4 and (scene.cycles.volume_bounces, scene.cycles.max_bounces) == (3, 4)
     assert milk.lamina.lateral_report.endswith(
-        "Raised the scene's volume bounces from 0 to 3 and bounces from 2 to 4."
+        "Raised the scene's volume bounces from 0 to 3 and bounces in total from 2 to 4."
     )
     scene.cycles.volume_bounces, scene.cycles.max_bounces = 20, 30
     addon.baking.lateral_job.make(milk, quality="preview")
@@ -157,7 +157,7 @@ def test_too_few_bounces(addon, milk, call):
     assert call(bpy.ops.lamina.lateral_bounces, milk) == {"FINISHED"}
     assert scene.cycles.volume_bounces == 3 and bounces.shortage(scene, milk) == ""
     scene.cycles.max_bounces = 3
-    assert "3 in total" in bounces.shortage(scene, milk)
+    assert "3 bounces in total" in bounces.shortage(scene, milk)
     link = milk.node_tree.get_output_node("CYCLES").inputs["Volume"].links[0]
     milk.node_tree.links.remove(link)
     assert bounces.shortage(scene, milk) == ""
@@ -335,3 +335,25 @@ def test_relightable_refuses_bodies_that_light_crosses(milk, milk_ball, call):
     assert milk.lamina.lateral_report == before and milk.lamina.lateral_group is None
     milk.lamina.lateral = "PORTAL"  # the panel warns
     assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
+
+
+def test_a_body_as_a_volume(addon, lamina, milk, call):
+    """One medium below a boundary: Cycles' own closures, and the bounces that they need."""
+    scene, job = bpy.context.scene, addon.baking.lateral_job
+    milk.lamina.lateral = "VOLUME"
+    body = job.make(milk)
+    kinds = {node.type for node in milk.lamina.lateral_group.nodes}
+    assert {"VOLUME_SCATTER", "VOLUME_ABSORPTION"} <= kinds
+    assert ("BSDF_GLASS" in kinds) == (body.surface.ior != 1.0) and job.stale(milk) == ""
+    assert scene.cycles.volume_bounces == body.bounces - 1 and scene.cycles.glossy_bounces >= 32
+    scatter = next(node for node in milk.lamina.lateral_group.nodes if node.type == "VOLUME_SCATTER")
+    largest = max(*body.medium.sigma_s, *body.medium.sigma_a)
+    assert list(scatter.inputs["Color"].default_value)[:3] == pytest.approx([s / largest for s in body.medium.sigma_s])
+    milk.lamina.lateral = "RELIGHTABLE"
+    job.make(milk)
+    assert "VOLUME_SCATTER" not in {node.type for node in milk.lamina.lateral_group.nodes}
+    milk.lamina.lateral = "VOLUME"
+    addon.editing.layer_list.add_layer(milk).mode = "coefficients"
+    with pytest.raises(RuntimeError, match="must be one homogeneous medium"):
+        call(bpy.ops.lamina.lateral, milk)
+    assert "VOLUME_SCATTER" not in {node.type for node in milk.lamina.lateral_group.nodes}, "unchanged"
