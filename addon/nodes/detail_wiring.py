@@ -3,7 +3,7 @@
 painted mask to it."""
 
 from ..base import renders
-from . import detail_group, dust_detail, rest_coordinates, thickness
+from . import detail_group, dust_detail, dust_litter, rest_coordinates, thickness
 from .side_graph import BACK, FRONT
 
 WANTED = "lamina_detail"  # property of a material with an overlay: the next bake adds a node of detail
@@ -36,6 +36,8 @@ def add_detail(material):
     node = thickness.marked_node(tree, "ShaderNodeGroup", "detail", sockets[0].node, 1)
     node.node_tree = dust_detail.group()
     detail_group.set_sizes(node, dust_detail.SIZES)
+    for name, share in dust_litter.SHARES.items():
+        node.inputs[name].default_value = share if name != "Fibers" or _is_dust(material) else 0.0
     for name in (FRONT, BACK):
         for socket in thickness.group_sockets(material, name):
             if socket.is_linked:
@@ -44,6 +46,11 @@ def add_detail(material):
                 node.inputs[name].default_value = socket.default_value
             tree.links.new(node.outputs[name], socket)
     return node
+
+
+def _is_dust(material):
+    """True if the varying layer is called a dust: fibers lie in no snow or rust."""
+    return any(one.varying and "dust" in one.name.lower() for one in material.lamina.layers)
 
 
 def add_if_wanted(material):
