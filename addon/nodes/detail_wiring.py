@@ -56,7 +56,11 @@ def _is_dust(material):
 def add_if_wanted(material):
     """After a bake: add the node of detail if the material has WANTED, and remove WANTED."""
     if material.pop(WANTED, False) and thickness.has_input(material):
-        add_detail(material)
+        is_new = detail(material) is None
+        node = add_detail(material)
+        if is_new:
+            for name, strength in dust_detail.UNSETTLED.items():
+                node.inputs[name].default_value = strength
 
 
 def remove_detail(material):

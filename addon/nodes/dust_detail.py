@@ -17,6 +17,8 @@ NAME = "Lamina Dust Detail"
 MARK = detail_group.MARKS[0]
 VERSION = 4
 CLOUDS, GRAIN = 0.6, 0.5
+# Of a layer that is even and as thick as baked: only the thin places of the noise are seen.
+UNSETTLED = {"Clouds": 0.9, "Grain": 0.8}
 SIZES = {"Cloud Size": 0.05, "Grain Size": 0.0015, **dust_litter.SIZES}  # in metres
 
 # (name, subtype, default, least, most, description) of the settings.
