@@ -3,7 +3,7 @@
 painted mask to it."""
 
 from ..base import renders
-from . import detail_group, dust_detail, rest_coordinates, thickness
+from . import detail_group, dust_detail, dust_litter, rest_coordinates, thickness
 from .side_graph import BACK, FRONT
 
 # Property of a material with an overlay: the next bake adds a node of detail (True), or a film's pattern.
@@ -33,6 +33,8 @@ def add_detail(material):
     node = new_node(material, "detail", sockets[0].node)
     node.node_tree = dust_detail.group()
     detail_group.set_sizes(node, dust_detail.SIZES)
+    for name, share in dust_litter.SHARES.items():
+        node.inputs[name].default_value = share if name != "Fibers" or _is_dust(material) else 0.0
     insert(material, node, (FRONT, BACK))
     return node
 
@@ -71,12 +73,21 @@ def take_out(material, node, names):
                 target.default_value = given.default_value
 
 
+def _is_dust(material):
+    """True if the varying layer is called a dust: fibers lie in no snow or rust."""
+    return any(one.varying and "dust" in one.name.lower() for one in material.lamina.layers)
+
+
 def add_if_wanted(material):
     """After a bake: add the node of detail if the material has WANTED, and remove WANTED."""
     if isinstance(material.get(WANTED), str):
         return
     if material.pop(WANTED, False) and thickness.has_input(material):
-        add_detail(material)
+        is_new = detail(material) is None
+        node = add_detail(material)
+        if is_new:
+            for name, strength in dust_detail.UNSETTLED.items():
+                node.inputs[name].default_value = strength
 
 
 def remove_detail(material):

@@ -1,36 +1,42 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Detail of a layer's thickness: clouds, grain, and places that were wiped clean.
+"""Detail of a layer's thickness: clouds, grain, fibers and specks, and places that were wiped clean.
 
-A node group between the source of the thickness and the baked group multiplies the thickness by
-(1 + Clouds c) (1 + Grain g) (1 - Wiped), where c and g are noises with values in [-1, 1] and mean 0: the mean
-thickness over a surface is kept. All settings are inputs of the group, so that the viewport follows them
-without a bake, and the file renders without the add-on. The noises lie over rest_coordinates. The strength of
-all dust (dust_strength) is a factor as well.
+A node group between the source of the thickness T and the baked group gives
+(T (1 + Clouds c) (1 + Grain g) + litter) (1 - Wiped), where c and g are noises with values in [-1, 1] and
+mean 0: they keep the mean thickness over a surface. The litter is sparse and comes on top of this mean, see
+dust_litter. All settings are inputs of the group, so that the viewport follows them without a bake, and the
+file renders without the add-on. All detail lies over rest_coordinates. The strength of all dust
+(dust_strength) is a factor as well.
 """
 
-from . import detail_group, dust_strength, rest_coordinates
+from . import detail_group, dust_litter, dust_strength, rest_coordinates
 from .graph import Graph
 from .side_graph import BACK, FRONT
 
 NAME = "Lamina Dust Detail"
 MARK = detail_group.MARKS[0]
-VERSION = 3
+VERSION = 4
 CLOUDS, GRAIN = 0.6, 0.5
-SIZES = {"Cloud Size": 0.05, "Grain Size": 0.0015}  # in metres
+# Of a layer that is even and as thick as baked: only the thin places of the noise are seen.
+UNSETTLED = {"Clouds": 0.9, "Grain": 0.8}
+SIZES = {"Cloud Size": 0.05, "Grain Size": 0.0015, **dust_litter.SIZES}  # in metres
 
 # (name, subtype, default, least, most, description) of the settings.
 SETTINGS = (
     ("Clouds", "FACTOR", CLOUDS, 0.0, 1.0, "Strength of broad variation; the mean thickness stays"),
     ("Cloud Size", "DISTANCE", SIZES["Cloud Size"], 1e-5, 1e4, "Size of the broad variation in the world"),
     ("Grain", "FACTOR", GRAIN, 0.0, 1.0, "Strength of fine variation; the mean thickness stays"),
-    ("Grain Size", "DISTANCE", SIZES["Grain Size"], 1e-6, 1e4, "Size of the fine variation in the world"),
+    ("Grain Size", "DISTANCE", SIZES["Grain Size"], 1e-6, 1e4,
+     "Size of coarse grains in the world; fine ones are a quarter"),
+    *dust_litter.SETTINGS,
     ("Wiped", "FACTOR", 0.0, 0.0, 1.0, "Share of the layer that was wiped off"),
 )
 
-# Blender's fractal noise has mean 1/2 and a symmetric distribution; beyond these distances from the mean the
-# noise is cut.
-_SPREAD = {"Clouds": 0.22, "Grain": 0.16}
-_OCTAVES = {"Clouds": 3.0, "Grain": 1.0}
+# Of each noise: octaves beyond the first, the ratio of their sizes and of their strengths, and the distance
+# from the mean 1/2 where the noise is cut. Its distribution is symmetric, so that cuts keep the mean.
+_NOISES = {"Clouds": (3.0, 2.0, 0.5, 0.22), "Grain": (1.0, 4.0, 1.0, 0.12)}
+
+_AXES = ((0.36, 0.48, -0.8), (-0.8, 0.6, 0.0), (0.48, 0.64, 0.6))
 
 
 def group():
@@ -58,21 +64,36 @@ def _add_sockets(tree):
 def _draw(tree):
     _add_sockets(tree)
     graph = Graph(tree)
-    inputs, outputs = graph.node("NodeGroupInput", 0, 0), graph.node("NodeGroupOutput", 8, 0)
+    inputs, outputs = graph.node("NodeGroupInput", 0, 0), graph.node("NodeGroupOutput", 9, 0)
     place = rest_coordinates.draw(graph, 0, 6)
+    turned = _turned(graph, place)
     clouds = _varied(graph, inputs, place, "Clouds", "Cloud Size", 2)
-    grain = _varied(graph, inputs, place, "Grain", "Grain Size", 5)
+    grain = _varied(graph, inputs, turned, "Grain", "Grain Size", 5)
     left = graph.math("SUBTRACT", 4, 8, "not wiped", 1.0, inputs.outputs["Wiped"], clamp=True)
     both = graph.math("MULTIPLY", 5, 3, "clouds and grain", clouds, grain)
-    kept = graph.math("MULTIPLY", 6, 3, "kept", both, left)
+    most = graph.math("MAXIMUM", 1, 12, "amount", *(inputs.outputs[name] for name in (FRONT, BACK)))
+    litter = dust_litter.draw(graph, inputs, (place, turned), most, 12)
     strength = graph.node("ShaderNodeGroup", 6, 9, "Strength")
     strength.node_tree = dust_strength.group()
-    factor = graph.math("MULTIPLY", 6, 4, "factor", kept, strength.outputs[0])
-    graph.link(graph.math("MULTIPLY", 7, 0, FRONT, inputs.outputs[FRONT], factor), outputs.inputs[FRONT])
-    # A negative thickness of the back stands for that of the front, and must stay negative.
-    own = graph.math("MAXIMUM", 6, 1, "own", inputs.outputs[BACK], 0.0)
-    none = graph.math("MINIMUM", 6, 2, "as the front", inputs.outputs[BACK], 0.0)
-    graph.link(graph.math("MULTIPLY_ADD", 7, 1, BACK, own, factor, none), outputs.inputs[BACK])
+    shown = graph.math("MULTIPLY", 6, 4, "shown", left, strength.outputs[0])
+    for row, name in enumerate((FRONT, BACK)):
+        # A negative thickness of the back stands for that of the front, and must stay negative.
+        given, none = inputs.outputs[name], 0.0
+        if name == BACK:
+            given, none = (graph.math(how, 5, row + k, text, inputs.outputs[BACK], 0.0)
+                           for k, (how, text) in enumerate((("MAXIMUM", "own"), ("MINIMUM", "as the front"))))
+        lies = graph.math("MULTIPLY", 6, row, "litter lies here", given, 1.0 / dust_litter.LEAST, clamp=True)
+        sum = graph.math("MULTIPLY_ADD", 7, row, "with litter", lies, litter,
+                         graph.math("MULTIPLY", 6, row + 2, "varied", given, both))
+        graph.link(graph.math("MULTIPLY_ADD", 8, row, name, sum, shown, none), outputs.inputs[name])
+
+
+def _turned(graph, place):
+    """The socket of `place` in turned axes. The noise has edges along its axes, seen on faces across them."""
+    node = graph.node("ShaderNodeCombineXYZ", 3, 6, "turned")
+    for row, axis in enumerate(_AXES):
+        graph.link(graph.vector("DOT_PRODUCT", 2, 6 + row, "axis", place, axis), node.inputs[row])
+    return node.outputs[0]
 
 
 def _varied(graph, inputs, place, strength, size, row):
@@ -82,10 +103,12 @@ def _varied(graph, inputs, place, strength, size, row):
     noise.noise_dimensions = "3D"
     graph.link(place, noise.inputs["Vector"])
     graph.link(scale, noise.inputs["Scale"])
-    noise.inputs["Detail"].default_value = _OCTAVES[strength]
+    octaves, finer, weaker, cut = _NOISES[strength]
+    for name, value in (("Detail", octaves), ("Lacunarity", finer), ("Roughness", weaker)):
+        noise.inputs[name].default_value = value
     spread = graph.node("ShaderNodeMapRange", 3, row, "in [-1, 1]")
     spread.clamp = True
-    low, high = 0.5 - _SPREAD[strength], 0.5 + _SPREAD[strength]
+    low, high = 0.5 - cut, 0.5 + cut
     for name, value in (("From Min", low), ("From Max", high), ("To Min", -1.0), ("To Max", 1.0)):
         spread.inputs[name].default_value = value
     graph.link(noise.outputs[0], spread.inputs["Value"])

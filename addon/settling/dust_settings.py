@@ -16,13 +16,24 @@ _OTHERS = {"rna_type", "name", "stops", "live", "image", "told", "settled", "lar
 
 def text(settings):
     """All settings that change the dust, as JSON."""
-    names = [prop.identifier for prop in settings.bl_rna.properties if prop.identifier not in _OTHERS]
-    return json.dumps({name: getattr(settings, name) for name in names})
+    return json.dumps({prop.identifier: getattr(settings, prop.identifier) for prop in _properties(settings)})
 
 
 def is_outdated(settings):
-    """True if there is dust, settled with other settings. Files of earlier versions do not know."""
-    return bool(settings.told and settings.settled) and settings.settled != text(settings)
+    """True if there is dust, settled with other settings. Files of earlier versions do not know all of them;
+    others had their defaults."""
+    if not (settings.told and settings.settled):
+        return False
+    try:
+        settled = json.loads(settings.settled)
+    except ValueError:
+        return True  # not in full
+    return any(getattr(settings, prop.identifier) != settled.get(prop.identifier, prop.default)
+               for prop in _properties(settings))
+
+
+def _properties(settings):
+    return [prop for prop in settings.bl_rna.properties if prop.identifier not in _OTHERS]
 
 
 def numbers(settings, scene):

@@ -150,7 +150,8 @@ def _draw_options(column, settings, group):
     for option in OPTIONS:
         if option.group == group and option.name not in ("amount", "grams", *_MAIN):
             row = column.row()
-            row.active = option.name != "patch" or settings.coverage < 1.0
+            row.active = (settings.coverage < 1.0 if option.name == "patch"
+                          else option.name != "edge" or settings.rubbed > 0.0)
             _draw_option(row, settings, option)
 
 

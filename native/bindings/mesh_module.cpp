@@ -54,15 +54,12 @@ class Scene {
 
   py::tuple exposures(const Floats& positions, const Floats& normals, std::uint64_t first_number,
                       const ArrivalOptions& options, float reach) {
-    const PointSet points = points_of(positions, normals, first_number, options);
-    Floats exposures(positions.shape(0));
-    std::uint64_t rays = 0;
-    {
-      float* out = exposures.mutable_data();
-      const py::gil_scoped_release release;
-      rays = dust_exposures(*scene_, points, options, reach, out, pool_);
-    }
-    return py::make_tuple(exposures, rays);
+    return around(dust_exposures, points_of(positions, normals, first_number, options), options, reach);
+  }
+
+  py::tuple convexities(const Floats& positions, const Floats& normals, std::uint64_t first_number,
+                        const ArrivalOptions& options, float reach) {
+    return around(dust_convexities, points_of(positions, normals, first_number, options), options, reach);
   }
 
   py::tuple grains(const BoundFall& fall, const Vec3f& corner, const Vec3f& edge1, const Vec3f& edge2,
@@ -78,6 +75,19 @@ class Scene {
   std::size_t bytes() const { return scene_->bytes(); }
 
  private:
+  /// (values, rays traced) of a function of the rays around points.
+  py::tuple around(decltype(dust_exposures)& measure, const PointSet& points, const ArrivalOptions& options,
+                   float reach) {
+    Floats values(static_cast<py::ssize_t>(points.count));
+    std::uint64_t rays = 0;
+    {
+      float* out = values.mutable_data();
+      const py::gil_scoped_release release;
+      rays = measure(*scene_, points, options, reach, out, pool_);
+    }
+    return py::make_tuple(values, rays);
+  }
+
   static PointSet points_of(const Floats& positions, const Floats& normals, std::uint64_t first_number,
                             const ArrivalOptions& options) {
     require_triples(positions, "positions");
@@ -173,6 +183,8 @@ PYBIND11_MODULE(_mesh, module) {
            "(shares, rays traced); one share per point, or front and back")
       .def("exposures", &Scene::exposures, py::arg("positions").noconvert(), py::arg("normals").noconvert(),
            py::arg("first_number"), py::arg("options"), py::arg("reach"), "(exposures, rays traced)")
+      .def("convexities", &Scene::convexities, py::arg("positions").noconvert(), py::arg("normals").noconvert(),
+           py::arg("first_number"), py::arg("options"), py::arg("reach"), "(convexities, rays traced)")
       .def("grains", &Scene::grains, py::arg("fall"), py::arg("corner"), py::arg("edge1"), py::arg("edge2"),
            py::arg("count"), py::arg("seed"), "Counts of grains: (front, back, stopped by each mesh, missed)")
       .def_property_readonly("bytes", &Scene::bytes);

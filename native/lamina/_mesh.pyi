@@ -27,6 +27,10 @@ class Scene:
         """
         (shares, rays traced); one share per point, or front and back
         """
+    def convexities(self, positions: numpy.typing.NDArray[numpy.float32], normals: numpy.typing.NDArray[numpy.float32], first_number: typing.SupportsInt | typing.SupportsIndex, options: Options, reach: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
+        """
+        (convexities, rays traced)
+        """
     def exposures(self, positions: numpy.typing.NDArray[numpy.float32], normals: numpy.typing.NDArray[numpy.float32], first_number: typing.SupportsInt | typing.SupportsIndex, options: Options, reach: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
         """
         (exposures, rays traced)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "numeric/rng.hpp"
 #include "numeric/tangents.hpp"
@@ -208,6 +209,33 @@ std::uint64_t for_points(const PointSet& points, ThreadPool& pool, const auto& w
   return all_rays;
 }
 
+/// Calls take(ray) for the rays of a point into the hemisphere around `normal`, distributed by the cosine. They start
+/// `offset` along it, are of length 1, and end at `reach`.
+void for_hemisphere(const DiscPattern& pattern, const DiscTurn& turn, const Vec3f& position, const Vec3f& normal,
+                    float offset, float reach, const auto& take) {
+  const auto [a, b] = tangents_of(normal[0], normal[1], normal[2]);
+  for (std::size_t i = 0; i < pattern.size(); ++i) {
+    float x = 0.0F;
+    float y = 0.0F;
+    float square = 0.0F;
+    turned(pattern, turn, i, 1, &x, &y, &square);
+    const float sine = std::sqrt(square);
+    const float cosine = std::sqrt(1.0F - square);
+    MeshRay ray;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ray.origin[k] = position[k] + offset * normal[k];
+      ray.direction[k] = sine * (x * a[k] + y * b[k]) + cosine * normal[k];
+    }
+    ray.nearest = kNearest * offset;
+    ray.farthest = reach;
+    take(ray);
+  }
+}
+
+/// How much a face that a ray leaves a body through, with the normal `other`, is the other side of an edge of the face
+/// with `normal`: 1 up to the angle of an edge of 60 degrees, 0 for the opposite side of a sheet.
+float is_beside(const Vec3f& normal, const Vec3f& other) { return std::min(1.0F, 2.0F * (1.0F + dot(normal, other))); }
+
 bool is_zero(const Vec3f& v) { return v[0] == 0.0F && v[1] == 0.0F && v[2] == 0.0F; }
 
 }  // namespace
@@ -287,27 +315,45 @@ std::uint64_t dust_exposures(const MeshScene& scene, const PointSet& points, con
           return;
         }
         const DiscTurn turn(options.seed, number);
-        const auto [a, b] = tangents_of(normal[0], normal[1], normal[2]);
-        const float offset = offset_at(position, options.offset);
         std::size_t open = 0;
-        for (std::size_t i = 0; i < pattern.size(); ++i) {
-          float x = 0.0F;
-          float y = 0.0F;
-          float square = 0.0F;
-          turned(pattern, turn, i, 1, &x, &y, &square);
-          const float sine = std::sqrt(square);
-          const float cosine = std::sqrt(1.0F - square);
-          MeshRay ray;
-          for (std::size_t k = 0; k < 3; ++k) {
-            ray.origin[k] = position[k] + offset * normal[k];
-            ray.direction[k] = sine * (x * a[k] + y * b[k]) + cosine * normal[k];
-          }
-          ray.nearest = kNearest * offset;
-          ray.farthest = reach;
-          open += scene.occluded(ray) ? 0 : 1;
-        }
+        for_hemisphere(pattern, turn, position, normal, offset_at(position, options.offset), reach,
+                       [&](const MeshRay& ray) { open += scene.occluded(ray) ? 0 : 1; });
         rays += pattern.size();
         exposures[index] = static_cast<float>(open) / static_cast<float>(pattern.size());
+      });
+}
+
+std::uint64_t dust_convexities(const MeshScene& scene, const PointSet& points, const ArrivalOptions& options,
+                               float reach, float* convexities, ThreadPool& pool) {
+  const DiscPattern pattern(options.rays);
+  return for_points(
+      points, pool,
+      [&](const Vec3f& position, const Vec3f& normal, std::uint64_t number, std::size_t index, std::uint64_t& rays) {
+        convexities[index] = 0.0F;
+        if (is_zero(normal)) {
+          return;
+        }
+        const Vec3f inward{-normal[0], -normal[1], -normal[2]};
+        const DiscTurn turn(options.seed, number);
+        double sum = 0.0;
+        for_hemisphere(pattern, turn, position, inward, offset_at(position, options.offset), reach,
+                       [&](const MeshRay& ray) {
+                         const std::optional<SurfaceHit> hit = scene.first_surface(ray);
+                         if (!hit) {
+                           return;
+                         }
+                         Vec3f other{hit->normal[0], hit->normal[1], hit->normal[2]};
+                         const bool leaves = dot(other, {ray.direction[0], ray.direction[1], ray.direction[2]}) > 0.0F;
+                         if (!leaves && options.two_sided) {
+                           other = {-other[0], -other[1], -other[2]};
+                         }
+                         if (leaves || options.two_sided) {
+                           sum += is_beside(normal, other) * (1.0F - hit->distance / reach);
+                         }
+                       });
+        rays += pattern.size();
+        // Half of the rays leave at once at an edge of 90 degrees.
+        convexities[index] = static_cast<float>(std::min(1.0, 2.0 * sum / static_cast<double>(pattern.size())));
       });
 }
 

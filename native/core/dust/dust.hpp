@@ -63,6 +63,13 @@ std::uint64_t dust_arrivals(const MeshScene& scene, const Fall& fall, const Open
 std::uint64_t dust_exposures(const MeshScene& scene, const PointSet& points, const ArrivalOptions& options, float reach,
                              float* exposures, ThreadPool& pool);
 
+/// How convex the body is at each point, in [0, 1]: by rays into the body that leave it within the distance `reach`
+/// through another side. 1 at edges of 90 degrees and less, falling over `reach` beside them; 0 on flat faces, in
+/// concave corners, and where the normal is 0. With two_sided, normals of faces may be turned. Returns the number of
+/// rays traced.
+std::uint64_t dust_convexities(const MeshScene& scene, const PointSet& points, const ArrivalOptions& options,
+                               float reach, float* convexities, ThreadPool& pool);
+
 /// The parallelogram that grains pass through: corner + a edge1 + b edge2 with a, b in [0, 1], in a horizontal plane
 /// above part 0.
 struct GrainTarget {

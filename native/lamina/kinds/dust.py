@@ -80,6 +80,13 @@ OPTIONS = (
     DustOption("patch", 1e-12, 1e12, Panel(
         "Patch Size", "Size of those patches; 0 is a tenth of the object", 0.0, low=0.0, high=1e6, soft_high=1.0,
         subtype="DISTANCE"), unit="m", optional=True, group="stay"),
+    DustOption("rubbed", 0.0, 1.0, Panel(
+        "Rubbed Edges", "How much is rubbed off at convex edges. Needs a fine mesh, or dust in an image",
+        subtype="FACTOR"), help="share of the dust that is rubbed off at convex edges", group="stay"),
+    DustOption("edge", 1e-12, 1e12, Panel(
+        "Edge Width", "Distance from the edge up to which it is rubbed; 0 is a fiftieth of the object", 0.0, low=0.0,
+        high=1e6, soft_high=0.1, subtype="DISTANCE"), unit="m", optional=True,
+        help="width of rubbed edges in metres", group="stay"),
     DustOption("two_sided", 0, 1, Panel(
         "Two-Sided", "Dust lies on either side of a face: leaves, cloth. Each side shows its own"), switch=True,
         help="dust lies on either side of faces", group="stay"),
@@ -109,6 +116,10 @@ class Settling:
     reach: distance up to which neighbours shelter, > 0; None: 5 % of the diagonal of the surface's box.
     coverage: share of the surface, [0, 1], that keeps its dust, in soft-edged patches; elsewhere dust is wiped off.
     patch: size of those patches, > 0; None: 10 % of the diagonal.
+    rubbed: how much dust is rubbed off at convex edges, [0, 1]: a share rubbed * convexity, where convexity is 1 at an
+        edge of 90 degrees and falls to 0 over the distance `edge`, measured by rays into the body. Flat and concave
+        places keep their dust, and so do edges of open sheets.
+    edge: width of rubbed edges, > 0; None: 2 % of the diagonal.
     two_sided: dust lies on both sides of a face (leaves, cloth, unreliable normals). The result is the sum of both
         sides, and the back alone. Otherwise dust lies only on the side of the normal. Any face stops grains, from
         either side.
@@ -131,6 +142,8 @@ class Settling:
     reach: float | None = None
     coverage: float = 1.0
     patch: float | None = None
+    rubbed: float = 0.0
+    edge: float | None = None
     two_sided: bool = False
     rays: int = 256
 

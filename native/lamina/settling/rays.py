@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,7 +22,8 @@ CHUNK_RAYS = 1 << 21  # between two calls of `cancel`
 # Distance of ray origins from the surface, relative to its size: 100 times the rounding of single precision, and less
 # than 1 % of an edge in a mesh of a million faces.
 OFFSET = 2.0**-17
-_SHELTER_STREAM = 0x7368_656C_7465_7200  # a stream of random numbers of its own
+# Streams of random numbers.
+_SHELTER_STREAM, _EDGE_STREAM = 0x7368_656C_7465_7200, 0x6564_6765_0000_0000
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,28 +64,35 @@ class Starts:
 class Traced:
     """What the rays of n points found. shares: (n,) float32, the dust that arrives, relative to an open horizontal
     plane; two-sided (n, 2), on the front and on the back. exposures: (n,) float32, the share of open directions around
-    a point that dust slides off, 1 at others. rays: their number; seconds: the time they took."""
+    a point that dust slides off, 1 at others. convexities: (n,) float32, how close to a convex edge a dusty point is, 0
+    where no dust is rubbed off. rays: their number; seconds: the time they took."""
 
     shares: np.ndarray
     exposures: np.ndarray
+    convexities: np.ndarray
     rays: int
     seconds: float
 
     def part(self, first: int, last: int) -> Traced:
         """Without numbers of rays and seconds."""
-        return Traced(self.shares[first:last], self.exposures[first:last], 0, 0.0)
+        return Traced(self.shares[first:last], self.exposures[first:last], self.convexities[first:last], 0, 0.0)
 
     @staticmethod
     def joined(parts: Sequence[Traced]) -> Traced:
         """`parts` in the sequence of their points."""
-        return Traced(np.concatenate([part.shares for part in parts]),
-                      np.concatenate([part.exposures for part in parts]),
+        return Traced(*(np.concatenate([getattr(part, name) for part in parts])
+                        for name in ("shares", "exposures", "convexities")),
                       sum(part.rays for part in parts), sum(part.seconds for part in parts))
 
 
 def reach_of(settings: Settling, scale: float) -> float:
     """Distance in metres up to which neighbors shelter dust that slides; `scale`: of the surface's frame."""
     return 0.1 * scale if settings.reach is None else settings.reach
+
+
+def _edge_of(settings: Settling, scale: float) -> float:
+    """Distance in metres from an edge up to which dust is rubbed off."""
+    return 0.04 * scale if settings.edge is None else settings.edge
 
 
 class Rays:
@@ -99,6 +107,7 @@ class Rays:
         self._around = max(16, settings.rays // 4)  # rays of an exposure
         self._options = layer.Options(settings.rays, seed, settings.two_sided, OFFSET)
         self._sheltered = layer.Options(self._around, seed ^ _SHELTER_STREAM, False, OFFSET)
+        self._edges = layer.Options(self._around, seed ^ _EDGE_STREAM, settings.two_sided, OFFSET)
 
     def grains(self, window: Window) -> balance.Forward:
         """Grains traced from above."""
@@ -115,17 +124,31 @@ class Rays:
             found.append(self._chunk(starts.part(low, low + size), first + low))
             rays += found[-1].rays
         whole = Traced.joined(found)
-        return Traced(whole.shares, whole.exposures, whole.rays, clock.perf_counter() - started)
+        return replace(whole, seconds=clock.perf_counter() - started)
 
     def _chunk(self, starts: Starts, first: int) -> Traced:
         settings = self._place.settings
         shares, rays = self._scene.arrivals(self._core, starts.positions, starts.normals, first, self._options)
         arrives = shares.max(axis=1, initial=0.0) > 0.0 if settings.two_sided else shares > 0.0
-        sides = starts.slides * arrives
+        exposures, sheltering = self._exposures(starts, starts.slides * arrives, first)
+        sides = np.where(shares[:, 1] > shares[:, 0], -1, 1) if settings.two_sided else 1
+        convexities, rubbing = self._convexities(starts, sides * arrives, first)
+        return Traced(shares, exposures, convexities, rays + sheltering + rubbing, 0.0)
+
+    def _exposures(self, starts: Starts, sides: np.ndarray, first: int) -> tuple[np.ndarray, int]:
+        """(n,) exposures on the sides (n,), 1 or -1, at which dust slides; 1 at others, 0. And the number of rays."""
+        settings, scale = self._place.settings, self._place.frame.scale
         if settings.concavity == 0.0 or not sides.any():
-            return Traced(shares, np.ones(len(starts), np.float32), rays, 0.0)
-        reach = reach_of(settings, self._place.frame.scale) / self._place.frame.scale
+            return np.ones(len(starts), np.float32), 0
         # A point without a normal costs no rays, and has the exposure 1.
         normals = starts.normals * sides[:, None].astype(np.float32)
-        exposures, more = self._scene.exposures(starts.positions, normals, first, self._sheltered, reach)
-        return Traced(shares, exposures, rays + more, 0.0)
+        reach = reach_of(settings, scale) / scale
+        return self._scene.exposures(starts.positions, normals, first, self._sheltered, reach)
+
+    def _convexities(self, starts: Starts, sides: np.ndarray, first: int) -> tuple[np.ndarray, int]:
+        """(n,) convexities on the sides (n,), 1 or -1, that are dusty; 0 at others. And the number of rays."""
+        settings, scale = self._place.settings, self._place.frame.scale
+        if settings.rubbed == 0.0 or not sides.any():
+            return np.zeros(len(starts), np.float32), 0
+        normals = starts.normals * sides[:, None].astype(np.float32)
+        return self._scene.convexities(starts.positions, normals, first, self._edges, _edge_of(settings, scale) / scale)

@@ -72,6 +72,7 @@ class Sky:
         stays = stays + (1.0 - stays) * settings.concavity * (1.0 - traced.exposures.astype(np.float64))
         size = 0.2 * self.frame.scale if settings.patch is None else settings.patch
         left = patches(points.positions - self.frame.centre, settings.coverage, size, self._seed)
+        left = left * (1.0 - settings.rubbed * traced.convexities.astype(np.float64))
         return Laid(shares * settings.tau, stays, left, back_share)
 
 

@@ -8,6 +8,7 @@ from rendered_plane import add_plane, render
 
 LARGEST = 2.0
 SIDE = 48  # pixels of a picture of the detail
+STRENGTHS = ("Clouds", "Grain", "Fibers", "Specks")
 
 
 @pytest.fixture
@@ -46,8 +47,8 @@ def plane(width=2.0, cells=1):
     return thing
 
 
-def shown(material, socket, path):
-    """float (SIDE, SIDE): the values of a socket of the material's tree over the square."""
+def shown(material, socket, path, side=SIDE):
+    """float (side, side): the values of a socket of the material's tree over the square, at pixels' centers."""
     tree = material.node_tree
     emission = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(socket, emission.inputs["Color"])
@@ -56,7 +57,7 @@ def shown(material, socket, path):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.pixel_filter_type = 1, False, "BOX"
-    scene.render.resolution_x = scene.render.resolution_y = SIDE
+    scene.render.resolution_x = scene.render.resolution_y = side
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
     return render(path)[..., 0]
@@ -66,9 +67,10 @@ def shown(material, socket, path):
 def test_noise_varies_the_thickness_and_keeps_its_mean(dusty, add, tmp_path, strength):
     plane().data.materials.append(dusty)
     node = add(dusty)
-    for name in ("Clouds", "Grain"):
+    for name in STRENGTHS:
         node.inputs[name].default_value = 1.0 if name == strength else 0.0
-        node.inputs[f"{name[:-1] if name == 'Clouds' else name} Size"].default_value = 2.0 / SIDE
+    for size in ("Cloud Size", "Grain Size"):
+        node.inputs[size].default_value = 2.0 / SIDE
     node.inputs["Thickness"].default_value = 0.5
     found = shown(dusty, node.outputs["Thickness"], tmp_path / "detail.exr") / 0.5
     assert found.min() >= 0.0 and found.max() <= 2.0
@@ -86,7 +88,9 @@ def noise(dusty, add, tmp_path):
 
     def noise(size):
         node = add(dusty)
-        node.inputs["Grain"].default_value, node.inputs["Cloud Size"].default_value = 0.0, size
+        for name in ("Grain", "Fibers", "Specks"):
+            node.inputs[name].default_value = 0.0
+        node.inputs["Cloud Size"].default_value = size
         return shown(dusty, node.outputs["Thickness"], tmp_path / "noise.exr")
 
     return noise
@@ -134,7 +138,9 @@ def test_sizes_are_metres(dusty, add):
     bpy.context.scene.unit_settings.scale_length = 0.01
     node = add(dusty)
     bpy.context.scene.unit_settings.scale_length = 1.0
-    assert [node.inputs[name].default_value for name in ("Cloud Size", "Grain Size")] == pytest.approx([5.0, 0.15])
+    assert [node.inputs[f"{name} Size"].default_value for name in ("Cloud", "Grain", "Speck")] == pytest.approx(
+        [5.0, 0.15, 0.05])
+    assert node.inputs["Fiber Length"].default_value == pytest.approx(0.8)
 
 
 def test_rest_coordinates_are_stored_once(addon, dusty, add, call):
@@ -210,7 +216,7 @@ def test_white_strokes_remove_the_layer_there_only(addon, dusty, tmp_path, kept)
     stored, image = wiping.add_mask(square, dusty, kept)
     assert stored == kept
     node = detail.detail(dusty)
-    for name in ("Clouds", "Grain"):
+    for name in STRENGTHS:
         node.inputs[name].default_value = 0.0
     assert shown(dusty, node.outputs["Thickness"], tmp_path / "full.exr") == pytest.approx(LARGEST)
     if kept == "attribute":
@@ -268,6 +274,6 @@ def test_render_does_not_change_with_strengths_of_zero(addon, dusty, add, tmp_pa
     add_plane(dusty)
     before = render(tmp_path / "before.exr")
     node = add(dusty)
-    for name in ("Clouds", "Grain"):
+    for name in STRENGTHS:
         node.inputs[name].default_value = 0.0
     assert np.array_equal(render(tmp_path / "after.exr"), before)

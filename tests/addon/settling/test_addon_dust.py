@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where dust lands on Blender objects: amounts, roofs, transforms, modifiers, images and animated roofs."""
 
+import json
+
 import bpy
 import numpy as np
 import pytest
@@ -208,3 +210,27 @@ def test_dust_falls_over_the_frames_of_an_animation(dust, addon):
     with pytest.raises(addon.base.messages.RefusedError, match="100000 frames: at most 1000"):
         dust.settle(bpy.context, plate)
     assert scene.frame_current == 4
+
+
+def test_edges_are_rubbed_within_their_width(dust, addon):
+    """The width is in units of the scene. Dust of a file from before the setting is not out of date."""
+    obj = grid(cells=16, size=0.5)
+    solid = obj.modifiers.new("Solid", "SOLIDIFY")
+    solid.thickness = 0.4
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    dust.settle(bpy.context, obj)
+    plain = values(obj)
+    settings, outdated = obj.lamina_dust, addon.settling.dust_settings.is_outdated
+    settled = json.loads(settings.settled)
+    for name in ("rubbed", "edge"):
+        del settled[name]
+    settings.settled = json.dumps(settled)
+    assert not outdated(settings)
+    settings.rubbed, settings.edge = 1.0, 0.2
+    assert outdated(settings)
+    dust.settle(bpy.context, obj)
+    rubbed = values(obj)
+    far = np.array([0.5 - max(abs(vertex.co.x), abs(vertex.co.y)) for vertex in obj.data.vertices])
+    assert not outdated(settings)
+    assert rubbed[far > 0.21] == pytest.approx(plain[far > 0.21])
+    assert rubbed[far < 0.01].max() < 0.5 and (rubbed <= plain + 1e-6).all()
