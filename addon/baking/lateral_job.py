@@ -9,7 +9,7 @@ from ..base import native
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import layer_list, stack_io
 from ..nodes import before, lateral_group, portal_graph, relightable_graph, volume_graph
-from . import lateral_body, portal_reach, volume_bounces
+from . import body_thickness, lateral_body, volume_bounces
 
 log = logging.getLogger(__name__)
 
@@ -101,7 +101,7 @@ def _apply(material, scene, output, layers, note, found, length):
         return draw_other(graph, found, socket)
 
     lateral_group.build(material, output.capitalize(), draw, length)
-    portal_reach.note(material.lamina.lateral_group, output, found)
+    body_thickness.note(material.lamina.lateral_group, output, found)
     if output == "PORTAL":
         before.switch_correction_off(material)
         if found.first is not None:

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..baking import lateral_job, portal_reach, volume_bounces
+from ..baking import body_thickness, lateral_job, volume_bounces
 from ..editing import depth
 from ..nodes import node_group
 from ..properties.material_properties import DEPTHS
@@ -58,7 +58,8 @@ def _draw_soft(context, layout):
         draw_sentence(context, layout, sentence, "FILE_REFRESH")
     if material.lamina.lateral_report:
         draw_sentence(context, layout, material.lamina.lateral_report)
-    thin = portal_reach.too_thin(context.object, material, lateral_job.millimetre(context.scene))
+    millimetre = lateral_job.millimetre(context.scene)
+    thin = body_thickness.too_thin(context.object, material, context.evaluated_depsgraph_get(), millimetre)
     if thin:
         draw_sentence(context, layout, thin, "ERROR", alert=True)
     shortage = volume_bounces.shortage(context.scene, material)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from addon_helpers import detached, icosphere
+from addon_helpers import detached, icosphere, linked
 
 
 @pytest.fixture
@@ -193,6 +193,7 @@ def drawn(addon, material):
     preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
     region = SimpleNamespace(width=400.0)
     context = SimpleNamespace(
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
         object=None, material=material, scene=bpy.context.scene, region=region, preferences=preferences
     )
     addon.ui.depth_panel._draw_soft(context, Layout())
@@ -248,21 +249,29 @@ def test_the_operator_says_how_the_work_ended(addon, lamina, marble, end):
         assert (result, level, text) == ({"CANCELLED"}, "INFO", "Cancelled; the earlier nodes are kept")
 
 
-def test_a_thin_object_is_named(addon, lamina, marble):
-    """Where the portal's sources would lie outside the object, the panel says what to choose instead."""
+@pytest.mark.parametrize(("output", "off"), [("PORTAL", 76), ("RELIGHTABLE", 78)])
+def test_a_thin_object_is_named(addon, lamina, marble, output, off):
+    """By rays inwards: a ball is as thick as its diameter. A volume fits all objects."""
     slab = lamina.Medium(sigma_s=3.0, sigma_a=0.33, thickness=float("inf"))
     addon.editing.stack_io.assign_stack(marble, lamina.Stack([slab]))
-    job, reach = addon.baking.lateral_job, addon.baking.portal_reach
-    tables = job.make(marble, quality="preview", output="PORTAL")
-    millimetre = job.millimetre(bpy.context.scene)
-    shown = SimpleNamespace(type="MESH", name="Cup", dimensions=(0.1, 0.1, 4.0 * tables.distance[0] * millimetre))
-    assert reach.too_thin(shown, marble, millimetre) == ""
-    shown.dimensions = (0.1, 0.1, 1.5 * tables.distance[0] * millimetre)
-    told = reach.too_thin(shown, marble, millimetre)
-    assert told.startswith(f"Cup is {1.5 * tables.distance[0]:.3g} mm thick") and "Mean Distance" in told
-    job.make(marble, quality="preview", output="RELIGHTABLE")
-    assert reach.too_thin(shown, marble, millimetre) == ""
-    assert reach.too_thin(None, marble, millimetre) == ""
+    job, thickness = addon.baking.lateral_job, addon.baking.body_thickness
+    found, millimetre = job.make(marble, quality="preview", output=output), job.millimetre(bpy.context.scene)
+    way = float(max(found.distance)) * millimetre
+    ball = linked("Ball", icosphere("Ball", 0.5 * 8.0 * way))
+
+    def told():
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return thickness.too_thin(ball, marble, depsgraph, millimetre)
+
+    assert told() == ""
+    ball.scale = (0.5,) * 3
+    bpy.context.view_layer.update()
+    assert told().startswith(f"{ball.name} is ") and f"off by {off} %" in told() and "Volume" in told()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    assert thickness.thin_part(ball.evaluated_get(depsgraph)) == pytest.approx(4.0 * way, rel=0.2)
+    assert thickness.too_thin(None, marble, depsgraph, millimetre) == ""
+    job.make(marble, quality="preview", output="VOLUME")
+    assert told() == ""
 
 
 @pytest.fixture

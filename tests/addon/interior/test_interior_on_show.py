@@ -158,9 +158,9 @@ def test_a_portal_is_gone_with_its_warning(jobs, addon, layered, call):
     layered.scale = (0.1,) * 3
     bpy.context.view_layer.update()
     by_lateral(jobs, addon, layered, call)
-    assert any("too thin for Full Profile" in line for line in panel("lateral", layered))
+    assert any("thick in thin parts" in line for line in panel("lateral", layered))
     make(jobs, layered, "RELIGHTABLE")
-    assert not any("too thin for Full Profile" in line for line in panel("lateral", layered))
+    assert not any("thick in thin parts" in line for line in panel("lateral", layered))
 
 
 @pytest.mark.parametrize(("name", "words"), [("interior", "Relightable: "), ("lateral", "Subsurface")])
