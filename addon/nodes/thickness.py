@@ -30,6 +30,8 @@ _LABELS = {
     "image": "Thickness image",
     "uv": "Thickness UV map",
     "detail": "Dust detail",
+    "displacement": "Displacement by the layer",
+    "displacement sum": "With the material's own",
     "coverage attribute": "Coverage attribute",
     "coverage image": "Coverage image",
     "coverage uv": "Coverage UV map",
