@@ -13,7 +13,7 @@ from bpy.app.handlers import persistent
 from ..base import changes, handlers, messages, native, preferences
 from ..base.worker import OfMaterial, Place, Worker
 from ..editing import stack_io
-from ..nodes import detail_wiring, film_wiring, node_group, thickness
+from ..nodes import detail_wiring, displacement, film_wiring, node_group, thickness
 from ..stack_json import stack_check
 
 log = logging.getLogger(__name__)
@@ -102,6 +102,8 @@ def apply(material, lut, curves=None, in_place=False, coarse=False):
         node_group.build(material, lut)
         for name in missing:
             thickness.reconnect(material, name)
+    if not thickness.has_input(material):
+        displacement.remove(material)
     detail_wiring.add_if_wanted(material)
     film_wiring.follow(material)
     material.lamina.result.note(lut)

@@ -5,7 +5,7 @@ import hashlib
 import json
 
 from ..base import changes, preferences, renders
-from ..nodes import detail_wiring, dust_detail, node_group, thickness
+from ..nodes import detail_wiring, displacement, dust_detail, node_group, thickness
 from ..properties import migration
 from ..stack_json import stack_write
 from ..stack_json.stack_read import FIRST_NAMES
@@ -31,6 +31,7 @@ def add_stack(material):
 def remove_stack(material):
     """Take layers, node groups and their images away from `material`, and restore its nodes and links as they
     were before Lamina. Nodes that the artist has added stay."""
+    displacement.remove(material)
     node_group.remove(material)
     if material.node_tree is not None:
         thickness.remove_nodes(material.node_tree)

@@ -15,6 +15,7 @@ from .side_graph import BACK, FRONT
 
 NAME = "Lamina Dust Detail"
 MARK = detail_group.MARKS[0]
+HEIGHT = "Height"  # output: the thickness of the front without grain and litter
 VERSION = 4
 CLOUDS, GRAIN = 0.6, 0.5
 # Of a layer that is even and as thick as baked: only the thin places of the noise are seen.
@@ -58,6 +59,8 @@ def _add_sockets(tree):
                 socket = tree.interface.new_socket(name, in_out=in_out, socket_type="NodeSocketFloat")
                 if in_out == "INPUT":
                     socket.default_value = default
+    if (HEIGHT, "OUTPUT") not in have:
+        tree.interface.new_socket(HEIGHT, in_out="OUTPUT", socket_type="NodeSocketFloat")
     detail_group.add_settings(tree, SETTINGS)
 
 
@@ -83,8 +86,11 @@ def _draw(tree):
             given, none = (graph.math(how, 5, row + k, text, inputs.outputs[BACK], 0.0)
                            for k, (how, text) in enumerate((("MAXIMUM", "own"), ("MINIMUM", "as the front"))))
         lies = graph.math("MULTIPLY", 6, row, "litter lies here", given, 1.0 / dust_litter.LEAST, clamp=True)
-        sum = graph.math("MULTIPLY_ADD", 7, row, "with litter", lies, litter,
-                         graph.math("MULTIPLY", 6, row + 2, "varied", given, both))
+        varied = graph.math("MULTIPLY", 6, row + 2, "varied", given, both)
+        sum = graph.math("MULTIPLY_ADD", 7, row, "with litter", lies, litter, varied)
+        if name == FRONT:
+            smooth = graph.math("MULTIPLY", 7, 2, "smooth", given, clouds)
+            graph.link(graph.math("MULTIPLY", 8, 2, HEIGHT, smooth, shown), outputs.inputs[HEIGHT])
         graph.link(graph.math("MULTIPLY_ADD", 8, row, name, sum, shown, none), outputs.inputs[name])
 
 

@@ -31,6 +31,8 @@ _LABELS = {
     "uv": "Thickness UV map",
     "detail": "Dust detail",
     "film": "Film",
+    "displacement": "Displacement by the layer",
+    "displacement sum": "With the material's own",
     "coverage attribute": "Coverage attribute",
     "coverage image": "Coverage image",
     "coverage uv": "Coverage UV map",

@@ -49,6 +49,7 @@ CLASSES = (
     dust.LAMINA_OT_dust_objects_remove,
     place.LAMINA_OT_place,
     place.LAMINA_OT_dust_detail,
+    place.LAMINA_OT_displace,
     place.LAMINA_OT_dust_wipe,
     place.LAMINA_OT_film_paint,
     depth.LAMINA_OT_depth,

@@ -5,7 +5,7 @@ import bpy
 
 from ..base.messages import RefusedError
 from ..editing import layer_list
-from ..nodes import detail_wiring, rest_coordinates, thickness
+from ..nodes import detail_wiring, displacement, rest_coordinates, thickness
 from ..nodes.group_sockets import COVERAGE
 from ..scene import place
 from ..settling import dust_job, wiping
@@ -82,12 +82,43 @@ class LAMINA_OT_dust_detail(bpy.types.Operator):
     def execute(self, context):
         material, thing = common.material_of(context), context.object
         if self.remove:
+            displacement.remove(material)
             detail_wiring.remove_detail(material)
             return {"FINISHED"}
         if thing is not None:
             rest_coordinates.store(thing, again=True)
         try:
             detail_wiring.add_detail(material)
+        except RefusedError as error:
+            return common.refused(self, error)
+        return {"FINISHED"}
+
+
+class LAMINA_OT_displace(bpy.types.Operator):
+    bl_idname = "lamina.displace"
+    bl_label = "Displace"
+    bl_description = "Raise the surface by the varying layer: snow, mud, heavy dust. Needs a fine mesh"
+    bl_options = {"REGISTER", "UNDO"}
+
+    height: bpy.props.FloatProperty(
+        name="Height (mm)", description="Millimetres for the optical thickness 1",
+        default=1e3 * displacement.HEIGHT, min=0.0, soft_max=100.0,
+    )  # fmt: skip
+    remove: bpy.props.BoolProperty(
+        name="Remove", description="Restore the surface", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_thickness(cls, context)
+
+    def execute(self, context):
+        material = common.material_of(context)
+        if self.remove:
+            displacement.remove(material)
+            return {"FINISHED"}
+        try:
+            displacement.add(material, 1e-3 * self.height)
         except RefusedError as error:
             return common.refused(self, error)
         return {"FINISHED"}

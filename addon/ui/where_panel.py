@@ -4,7 +4,7 @@
 import bpy
 
 from ..editing import layer_list
-from ..nodes import detail_wiring, dust_detail, film_wiring, thickness
+from ..nodes import detail_wiring, displacement, dust_detail, film_wiring, thickness
 from ..nodes.film_pattern import PATTERNS
 from ..nodes.side_graph import FRONT
 from ..scene import place
@@ -89,6 +89,13 @@ def _draw_detail(layout, material):
     for name, *_rest in dust_detail.SETTINGS:
         if not node.inputs[name].is_linked and name != "Wiped":
             column.prop(node.inputs[name], "default_value", text=name)
+    raised = displacement.node(material)
+    if raised is None:
+        body.operator("lamina.displace", icon="MOD_DISPLACE")
+    else:
+        row = split(body.column(align=True))
+        row.prop(raised.inputs["Scale"], "default_value", text="Height of Thickness 1")
+        body.operator("lamina.displace", text="Remove Displacement", icon="X").remove = True
     body.operator("lamina.dust_detail", text="Remove Grain and Clouds", icon="X").remove = True
 
 

@@ -80,9 +80,10 @@ class Traced:
     @staticmethod
     def joined(parts: Sequence[Traced]) -> Traced:
         """`parts` in the sequence of their points."""
-        return Traced(*(np.concatenate([getattr(part, name) for part in parts])
-                        for name in ("shares", "exposures", "convexities")),
-                      sum(part.rays for part in parts), sum(part.seconds for part in parts))
+        shares, exposures, convexities = (np.concatenate([getattr(part, name) for part in parts])
+                                          for name in ("shares", "exposures", "convexities"))
+        return Traced(shares, exposures, convexities, sum(part.rays for part in parts),
+                      sum(part.seconds for part in parts))
 
 
 def reach_of(settings: Settling, scale: float) -> float:

@@ -82,6 +82,7 @@ def test_an_overlay_lies_over_a_principled_material(addon, lamina, preset):
     detail = addon.nodes.detail_wiring.detail
     assert (detail(material) is not None) == varies, "an even layer would look like clay"
     if varies:
+        assert detail(material).inputs["Clouds"].default_value == pytest.approx(0.9), "more than of settled dust"
         assert (detail(material).inputs["Fibers"].default_value > 0.0) == preset.endswith("-dust"), "only in dust"
         addon.nodes.detail_wiring.remove_detail(material)
         addon.baking.bake_job.bake_material(material, "preview")
