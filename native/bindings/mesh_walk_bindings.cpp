@@ -2,7 +2,10 @@
 // Bindings of solids, coefficient grids and walks inside solids, in the module lamina._mesh.
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 #include "mesh_bindings.hpp"
+#include "mesh_walk/photon_walks.hpp"
 #include "mesh_walk/point_walks.hpp"
 
 namespace {
@@ -190,6 +193,49 @@ py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary&
   return py::make_tuple(sums, squares, counts_of(results));
 }
 
+/// Numbers of positions by texel.
+using Numbers = py::array_t<std::int32_t, py::array::c_style>;
+
+std::unique_ptr<SurfaceTexels> surface_texels(const BoundSolid& solid, const Rows& uvs, const Numbers& numbers,
+                                              const Rows& positions, const Rows& normals) {
+  const auto faces = static_cast<py::ssize_t>(solid.solid->faces());
+  if (uvs.ndim() != 3 || uvs.shape(0) != faces || uvs.shape(1) != 3 || uvs.shape(2) != 2) {
+    throw py::value_error("uvs must have the shape (faces, 3, 2)");
+  }
+  if (numbers.ndim() != 2) {
+    throw py::value_error("numbers must have the shape (height, width)");
+  }
+  TexelImage image{static_cast<std::int32_t>(numbers.shape(1)),
+                   static_cast<std::int32_t>(numbers.shape(0)),
+                   {uvs.data(), uvs.data() + uvs.size()},
+                   {numbers.data(), numbers.data() + numbers.size()}};
+  std::vector<MeshWalk::Start> starts = points_of(positions, normals, std::nullopt, 0, 0, 0, 0).starts;
+  const auto count = static_cast<std::int32_t>(starts.size());
+  if (std::any_of(image.points.begin(), image.points.end(), [&](std::int32_t one) { return one >= count; })) {
+    throw py::value_error("numbers must be below the number of positions");
+  }
+  const py::gil_scoped_release release;
+  return std::make_unique<SurfaceTexels>(*solid.solid, std::move(image), std::move(starts));
+}
+
+py::tuple photons(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const PhotonSource& source,
+                  const SurfaceTexels& texels, std::uint64_t first, std::uint64_t count, std::uint64_t seed) {
+  const PhotonSums found = without_gil([&] {
+    return photons_to_texels(MeshWalk(*solid.solid, grid.grid, boundary), source, texels, {first, count, seed},
+                             solid.pool);
+  });
+  const auto points = static_cast<py::ssize_t>(found.sums.size());
+  Rows sums({points, py::ssize_t{3}});
+  Rows squares({points, py::ssize_t{3}});
+  double* sum = sums.mutable_data();
+  double* square = squares.mutable_data();
+  for (std::size_t k = 0; k < found.sums.size(); ++k) {
+    sum = std::copy(found.sums[k].begin(), found.sums[k].end(), sum);
+    square = std::copy(found.squares[k].begin(), found.squares[k].end(), square);
+  }
+  return py::make_tuple(sums, squares, counts_of(std::vector{found}));
+}
+
 }  // namespace
 
 void lamina::bind_mesh_walk(py::module_& module) {
@@ -274,4 +320,15 @@ void lamina::bind_mesh_walk(py::module_& module) {
              py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
              py::arg("seed"), py::arg("lamps"), py::arg("surroundings"),
              "(sums [point, lamp or last the surroundings, channel], squares, counts).");
+  py::class_<PhotonSource>(module, "PhotonSource", "Where the light of a lamp meets a solid.")
+      .def(py::init([](const BoundSolid& solid, const Lamp& lamp) { return PhotonSource(*solid.solid, lamp); }),
+           py::arg("solid"), py::arg("lamp"), py::keep_alive<1, 2>());
+  py::class_<SurfaceTexels>(module, "SurfaceTexels", "The parts of a surface below the texels of an image.")
+      .def(py::init(&surface_texels), py::arg("solid"), py::arg("uvs"), py::arg("numbers"), py::arg("positions"),
+           py::arg("normals"), py::keep_alive<1, 2>(),
+           "`numbers`: of each texel's position, -1 without one, rows from the bottom.")
+      .def_property_readonly("areas", [](const SurfaceTexels& self) { return self.areas(); }, "In mm^2, by position.");
+  module.def("photons_to_texels", &photons, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("source"),
+             py::arg("texels"), py::arg("first"), py::arg("count"), py::arg("seed"),
+             "(sums [position, channel], squares, counts [1, 5]) of samples [first, first + count).");
 }

@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Boundary', 'Fall', 'Grid', 'Lamp', 'Options', 'Scene', 'Solid', 'Surroundings', 'corner_points', 'texels', 'walk_to_exits', 'walk_to_lights']
+__all__: list[str] = ['Boundary', 'Fall', 'Grid', 'Lamp', 'Options', 'PhotonSource', 'Scene', 'Solid', 'SurfaceTexels', 'Surroundings', 'corner_points', 'photons_to_texels', 'texels', 'walk_to_exits', 'walk_to_lights']
 class Fall:
     """
     How grains fall: orthonormal directions, and the wind relative to the speed of the fall.
@@ -109,9 +109,32 @@ class Surroundings:
     @typing.overload
     def __init__(self, table: numpy.typing.NDArray[numpy.float32]) -> None:
         ...
+class PhotonSource:
+    """
+    Where the light of a lamp meets a solid.
+    """
+    def __init__(self, solid: Solid, lamp: Lamp) -> None:
+        ...
+class SurfaceTexels:
+    """
+    The parts of a surface below the texels of an image.
+    """
+    def __init__(self, solid: Solid, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], numbers: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        """
+        `numbers`: of each texel's position, -1 without one, rows from the bottom.
+        """
+    @property
+    def areas(self) -> list[float]:
+        """
+        In mm^2, by position.
+        """
 def corner_points(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], cosine: typing.SupportsFloat | typing.SupportsIndex, vertices: typing.SupportsInt | typing.SupportsIndex) -> tuple:
     """
     (point of each corner, vertex of each point, first corner of each point). The corners at a vertex share a point across edges where the cosine between the triangles' normals, or with three normals per triangle between the corners' own normals, is at least `cosine`.
+    """
+def photons_to_texels(solid: Solid, grid: Grid, boundary: Boundary, source: PhotonSource, texels: SurfaceTexels, first: typing.SupportsInt | typing.SupportsIndex, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+    """
+    (sums [position, channel], squares, counts [1, 5]) of samples [first, first + count).
     """
 def texels(uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, first_row: typing.SupportsInt | typing.SupportsIndex = 0, rows: typing.SupportsInt | typing.SupportsIndex | None = None) -> tuple:
     """

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,7 +21,8 @@ _PRODUCT = {(0, 0): 0, (0, 1): 1, (0, 2): 2, (1, 1): 3, (1, 2): 4, (2, 2): 5}
 class WalkCount:
     """The cost of the walks. `seconds`: total time, NaN for merged parts. `samples`: samples per point. `lost`: share
     of the light that misses the surface by rounding errors; this light is missing from the results. `collisions`:
-    scatterings and rejected collisions. `rays`: number of rays traced."""
+    scatterings and rejected collisions. `rays`: number of rays traced. `photons`: of each lamp, 0 where walks from the
+    points found the lamps."""
 
     seconds: float = field(compare=False)
     samples: int
@@ -28,6 +30,7 @@ class WalkCount:
     scatterings: int
     collisions: int
     rays: int
+    photons: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +74,18 @@ def light_estimate(sums, squares, counts, samples: int, lamps: tuple[AnyLamp, ..
     found = _mean(sums, squares, samples)
     return LightEstimate(Measured(found.value[:, :-1], found.stderr[:, :-1]),
                          Measured(found.value[:, -1], found.stderr[:, -1]), lamps, walk_count(counts, samples, seconds))
+
+
+def with_photons(sky: LightEstimate, arrays, photons: int, lamps: tuple[AnyLamp, ...]) -> LightEstimate:
+    """The estimate by walks without lamps, with the light of lamps from so many photons each. `arrays`: sums and
+    squares [point, lamp, channel], counts [lamp, 5]."""
+    sums, squares, counts = arrays
+    sent = walk_count(counts, photons, math.nan)
+    walked = sky.count
+    count = WalkCount(walked.seconds, walked.samples, max(walked.lost, sent.lost),
+                      walked.scatterings + sent.scatterings, walked.collisions + sent.collisions,
+                      walked.rays + sent.rays, photons)
+    return LightEstimate(_mean(sums, squares, photons), sky.sky, lamps, count)
 
 
 def walk_count(counts: np.ndarray, samples: int, seconds: float) -> WalkCount:

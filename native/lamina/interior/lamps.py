@@ -43,6 +43,11 @@ class Lamp:
     def in_core(self, layer, _centre):
         return layer.Lamp.distant(self.towards, math.cos(self.angle))
 
+    @property
+    def places(self) -> tuple:
+        """Some places of a lamp that is not far away, mm."""
+        return ()
+
 
 @dataclass(frozen=True)
 class PointLamp:
@@ -63,6 +68,10 @@ class PointLamp:
 
     def in_core(self, layer, centre):
         return layer.Lamp.sphere(_moved(self.position, centre), self.radius)
+
+    @property
+    def places(self) -> tuple:
+        return (self.position,)
 
 
 @dataclass(frozen=True)
@@ -92,6 +101,10 @@ class SpotLamp:
         return layer.Lamp.spot(_moved(self.position, centre), self.radius, self.direction, math.cos(0.5 * self.cone),
                                self.blend)
 
+    @property
+    def places(self) -> tuple:
+        return (self.position,)
+
 
 @dataclass(frozen=True)
 class AreaLamp:
@@ -117,6 +130,11 @@ class AreaLamp:
 
     def in_core(self, layer, centre):
         return layer.Lamp.area(_moved(self.position, centre), self.first, self.second, self.ellipse)
+
+    @property
+    def places(self) -> tuple:
+        middle, first, second = map(np.array, (self.position, self.first, self.second))
+        return (middle, *(middle + side * edge for edge in (first, second) for side in (-1.0, 1.0)))
 
 
 AnyLamp = Lamp | PointLamp | SpotLamp | AreaLamp

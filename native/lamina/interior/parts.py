@@ -20,21 +20,22 @@ from ..common.errors import ShardError, quoted
 from ..common.kept import kept
 from ..common.parts import checked_shard, in_sequence, share_of
 from ..common.progress import Progress, portion, silent
-from .estimates import COUNTS, ExitEstimate, LightEstimate, exit_estimate, light_estimate
+from .estimates import COUNTS, ExitEstimate, LightEstimate, exit_estimate, light_estimate, with_photons
 from .lamps import AnyLamp, Surroundings, from_json
 from .problem import Lights, Problem, Run, Samples, Surface, WalkPoints
 from .walk import Walker
 
 FORMAT, SCHEMA = "lamina-walks", 2
 WORK = "the walk in the mesh"
-_ARRAYS = {"exits": ("moments", "products", "counts"), "light": ("sums", "squares", "counts")}
+_ARRAYS = {"exits": ("moments", "products", "counts"), "light": ("sums", "squares", "counts"),
+           "photons": ("sums", "squares", "counts")}
 _JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "surroundings", "first", "samples", "seed")
 
 
 @dataclass(frozen=True, eq=False)
 class WalkPart:
-    """Part i of n of a run: the sums over the walks from its points. `job` describes the run; all parts of a run have
-    the same `job`."""
+    """Part i of n of a run: the sums over the walks from its points, or at all points over its photons. `job` describes
+    the run; all parts of a run have the same `job`."""
 
     job: dict
     shard: tuple[int, int]
@@ -60,7 +61,7 @@ class WalkPart:
                 raise Damaged
             _, arrays = load_archive(path, *_ARRAYS[job["kind"]])
             shard = checked_shard(header["shard"])
-            shapes = _shapes(job, len(share_of(shard, job["count"])))
+            shapes = _shapes(job, shard)
         except (Damaged, TypeError, ValueError, KeyError) as error:
             if isinstance(error, ShardError):
                 raise
@@ -138,17 +139,34 @@ def merge_walks(parts: Sequence[WalkPart]) -> ExitEstimate | LightEstimate:
     return merge_passes([parts])
 
 
-def merge_passes(passes: Sequence[Sequence[WalkPart]]) -> ExitEstimate | LightEstimate:
-    """The estimate from runs that differ only in their samples, each given by all its parts."""
-    joined = [_joined(parts) for parts in passes]
+def merge_passes(runs: Sequence[Sequence[WalkPart]]) -> ExitEstimate | LightEstimate:
+    """The estimate from runs that differ only in their samples, each given by all its parts. Of runs of photons and of
+    walks, the estimate of all lights."""
+    photons = [parts for parts in runs if isinstance(parts, Sequence) and parts and _of_photons(parts[0])]
+    found = _summary(*_added([parts for parts in runs if parts not in photons]), math.nan)
+    if not photons:
+        return found
+    job, arrays = _added(photons)
+    return with_photons(cast(LightEstimate, found), arrays, job["samples"] * job["count"], _lamps(job))
+
+
+def _of_photons(part: WalkPart) -> bool:
+    return isinstance(part, WalkPart) and part.job["kind"] == "photons"
+
+
+def _added(runs: Sequence[Sequence[WalkPart]]) -> tuple[dict, list[np.ndarray]]:
+    """(the description, the sums) of runs of one kind."""
+    joined = [_joined(parts) for parts in runs]
     job = {**joined[0][0], "samples": sum(job["samples"] for job, _ in joined)}
-    return _summary(job, [sum(arrays[1:], arrays[0]) for arrays in zip(*(found for _, found in joined), strict=True)],
-                    math.nan)
+    return job, [sum(arrays[1:], arrays[0]) for arrays in zip(*(found for _, found in joined), strict=True)]
 
 
 def part_of(walker: Walker, samples: Samples, shard: tuple[int, int], step: Progress = silent) -> WalkPart:
     """Part `shard` of the run of a walker with these samples."""
     job = walker.described(samples)
+    if samples.lamps:
+        sent = share_of(shard, samples.count * job["count"])
+        return WalkPart(job, shard, tuple(walker.photons(samples, step, sent)))
     points = share_of(shard, job["count"])
     walk = walker.exits if walker.problem.lights is None else walker.lights
     return WalkPart(job, shard, tuple(walk(samples, step, points)[:3]))  # no light is late
@@ -175,19 +193,28 @@ def _joined(parts: Sequence[WalkPart]) -> tuple[dict, list[np.ndarray]]:
         raise ShardError(f"parts = {quoted(parts)}: must be a list of at least one lamina.WalkPart")
     order = in_sequence([part.job for part in parts], [part.shard for part in parts],
                         [f"parts[{place}]" for place in range(len(parts))])
-    ordered = [parts[place].arrays for place in order]
-    return parts[0].job, [np.concatenate(arrays) for arrays in zip(*ordered, strict=True)]
+    together = zip(*(parts[place].arrays for place in order), strict=True)
+    if _of_photons(parts[0]):
+        return parts[0].job, [sum(arrays[1:], arrays[0]) for arrays in together]
+    return parts[0].job, [np.concatenate(arrays) for arrays in together]
 
 
 def _summary(job: dict, arrays: list[np.ndarray], seconds: float) -> ExitEstimate | LightEstimate:
     first, second, counts = arrays
     if job["kind"] == "exits":
         return exit_estimate(first, second, counts, job["samples"], seconds)
-    lamps = tuple(from_json(one) for one in job["lamps"])
-    return light_estimate(first, second, counts, job["samples"], lamps, seconds)
+    return light_estimate(first, second, counts, job["samples"], _lamps(job), seconds)
 
 
-def _shapes(job: dict, points: int) -> tuple:
+def _lamps(job: dict) -> tuple[AnyLamp, ...]:
+    return tuple(from_json(one) for one in job["lamps"])
+
+
+def _shapes(job: dict, shard: tuple[int, int]) -> tuple:
+    if job["kind"] == "photons":
+        lit = (job["count"], len(job["lamps"]), 3)
+        return lit, lit, (len(job["lamps"]), len(COUNTS))
+    points = len(share_of(shard, job["count"]))
     counts = (points, len(COUNTS))
     if job["kind"] == "exits":
         return (points, 3, 3), (points, 3, 6), counts

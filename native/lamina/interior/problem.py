@@ -110,23 +110,36 @@ class WalkPoints:
 
     @property
     def hash(self) -> str:
-        digest = hashlib.sha256()
-        for array in (self.positions, self.normals, self.views):
-            digest.update(b"-" if array is None else np.ascontiguousarray(array).data)
-        return digest.hexdigest()
+        return _hash_of(self.positions, self.normals, self.views)
+
+
+@dataclass(frozen=True, eq=False)
+class TexelImage:
+    """An image over a UV map. `uvs`: (triangles, 3, 2), of the given solid. `mask`: (height, width), rows from the
+    bottom, which texels have a point of a problem, in sequence."""
+
+    uvs: np.ndarray
+    mask: np.ndarray
+
+    @property
+    def hash(self) -> str:
+        return _hash_of(self.uvs, self.mask)
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
     """What is asked of the light in a body: `lights` shine on it, and light that leaves is wanted at `points`. Without
-    `lights`, light enters at the points, and the place where it leaves is wanted. `surface`: by default matched. Raises
-    ArgumentError; the solid is checked by the Walker."""
+    `lights`, light enters at the points, and the place where it leaves is wanted. `surface`: by default matched.
+    `image`: the points are those of its texels, to which photons bring the light of lamps, as means over directions and
+    the texels' surface; without it, walks from the points find the lamps. Raises ArgumentError; the solid is checked by
+    the Walker."""
 
     solid: Solid
     interior: Interior
     surface: Surface | None = None
     lights: Lights | None = None
     points: WalkPoints = WalkPoints()
+    image: TexelImage | None = None
 
     def __post_init__(self):
         check_kind(self.interior, "interior", Interior, "a lamina.Interior")
@@ -139,24 +152,39 @@ class Problem:
     def boundary(self) -> Surface:
         return Surface() if self.surface is None else self.surface
 
+    @property
+    def lit_by_walks(self) -> Lights:
+        """The sources that walks from the points find."""
+        lights = Lights() if self.lights is None else self.lights
+        return lights if self.image is None else Lights((), lights.surroundings)
+
     @functools.cached_property
     def described(self) -> dict:
-        """What walks depend on except for the solid and the samples; of given points."""
-        lights = Lights() if self.lights is None else self.lights
+        """What walks from the points depend on except for the solid and the samples; of given points."""
+        lights = self.lit_by_walks
         return {"kind": "exits" if self.lights is None else "light", "interior": self.interior.hash,
                 "points": self.points.hash, "count": len(self.points.positions),
                 "surface": [self.boundary.ior, self.boundary.alpha, self.boundary.distribution],
                 "lamps": [to_json(lamp) for lamp in lights.lamps],
                 "surroundings": None if lights.surroundings is None else lights.surroundings.hash}
 
+    @functools.cached_property
+    def described_photons(self) -> dict:
+        """The same of photons for the image."""
+        lamps, image = self.lights.lamps, self.image  # type: ignore[union-attr]  # photons have both
+        return {**self.described, "kind": "photons", "points": self.points.hash + image.hash,  # type: ignore[union-attr]
+                "lamps": [to_json(lamp) for lamp in lamps], "surroundings": None}
+
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples [first, first + count) of each point, with the random numbers of a seed. Raises ArgumentError."""
+    """Samples [first, first + count) of each point, with the random numbers of a seed. `lamps`: 0 for walks from the
+    points; otherwise the number of lamps of which each sends as many photons per point. Raises ArgumentError."""
 
     count: int
     seed: int = 0
     first: int = 0
+    lamps: int = 0
 
     def __post_init__(self):
         check_whole(self.count, "samples", 1, MOST_SAMPLES, "must be a whole number from 1 to 2^32")
@@ -187,6 +215,13 @@ class Run:
 
     def stepper(self, work: str) -> Progress:
         return stepper(work, self.progress, self.cancel)
+
+
+def _hash_of(*arrays: np.ndarray | None) -> str:
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(b"-" if array is None else np.ascontiguousarray(array).data)
+    return digest.hexdigest()
 
 
 def _rows(values, name: str) -> np.ndarray:

@@ -34,20 +34,29 @@ class Solid:
     def is_closed(self) -> bool:
         """False for an open mesh, such as a plane. Raises InteriorError where walk_in_mesh would for a closed one: if
         it is inside out or has no volume, and for any mesh that is empty or has inconsistent orientations."""
-        return not _examined(self)[2]
+        return not _examined(self)[1]
 
 
-def closed(solid: Solid) -> tuple[Mesh, np.ndarray]:
-    """(the repaired mesh, which of its triangles are opaque). Raises InteriorError if the mesh is empty or open, if the
-    mesh or a shell that bounds no cavity is inside out, if its faces have inconsistent orientations, or if `opaque`
-    does not fit."""
-    mesh, opaque, opening = _examined(solid)
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """A repaired mesh. `given`: (m,) int, the triangles of the Solid that its triangles were, -1 for those that fill
+    holes. `opaque`: (m,) bool."""
+
+    mesh: Mesh
+    given: np.ndarray
+    opaque: np.ndarray
+
+
+def closed(solid: Solid) -> Closed:
+    """The repaired mesh. Raises InteriorError if the mesh is empty or open, if the mesh or a shell that bounds no
+    cavity is inside out, if its faces have inconsistent orientations, or if `opaque` does not fit."""
+    found, opening = _examined(solid)
     if opening:
         raise InteriorError(opening)
-    return mesh, opaque
+    return found
 
 
-def _examined(solid: Solid) -> tuple[Mesh, np.ndarray, str]:
+def _examined(solid: Solid) -> tuple[Closed, str]:
     """As `closed`, and '' or the sentence about an open mesh, whose side is not examined."""
     if not isinstance(solid, Solid):
         raise InteriorError(f"solid = {type(solid).__name__}: must be a lamina.Solid")
@@ -68,10 +77,10 @@ def _examined(solid: Solid) -> tuple[Mesh, np.ndarray, str]:
     if solid.fill_holes and len(open_edges) and _ends_balance(open_edges, len(vertices)):
         vertices, triangles = _filled(vertices, triangles, open_edges)
         open_edges = _open_edges(triangles, len(vertices))
-    filling = np.zeros(len(triangles) - int(kept.sum()), bool)
-    examined = Mesh(vertices, triangles, name=solid.name), np.concatenate([opaque[kept], filling])
+    given = np.pad(np.flatnonzero(kept), (0, len(triangles) - int(kept.sum())), constant_values=-1)
+    examined = Closed(Mesh(vertices, triangles, name=solid.name), given, opaque[given] & (given >= 0))
     if len(open_edges):
-        return *examined, _opening(vertices, triangles, open_edges, name)
+        return examined, _opening(vertices, triangles, open_edges, name)
     corners = vertices[triangles] - 0.5 * (used.max(axis=0) + used.min(axis=0))
     volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
     volume = float(volumes.sum())
@@ -81,7 +90,7 @@ def _examined(solid: Solid) -> tuple[Mesh, np.ndarray, str]:
         raise InteriorError(f"{name} is inside out, with a volume of {volume:g} mm^3: flip its normals (in Blender: "
                             "Mesh > Normals > Recalculate Outside)")
     _refuse_turned_shells(corners, triangles, volumes, FLAT * size**3, name)
-    return *examined, ""
+    return examined, ""
 
 
 def _checked_opaque(opaque, count: int, name: str) -> np.ndarray:

@@ -7,7 +7,9 @@ import copy
 import functools
 import hashlib
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
@@ -15,11 +17,14 @@ from ..common.errors import InteriorError
 from ..common.progress import Progress, silent
 from ..settling import embree
 from .grid import Interior
-from .problem import Lights, Problem, Samples
+from .lamps import AnyLamp
+from .problem import Problem, Samples, TexelImage
 from .solid import closed
 
 CHUNK_WALKS = 1 << 12  # samples, of three walks each, between two calls of `cancel`
-OPEN, INWARD = 0, 2  # exposures of a point in the core; 1: inside another part of the mesh; 3: on an opaque face
+CHUNK_PHOTONS = 1 << 14  # the same of photons
+PHOTONS, LAMP = 1 << 63, 1 << 48  # in the numbers of samples, so that no others have the same random numbers
+OPEN, BURIED, INWARD = 0, 1, 2  # exposures of a point in the core; 3: on an opaque face
 OFF_SURFACE = 1e-4  # relative to the mesh's size: points farther off the surface are refused
 
 
@@ -29,7 +34,8 @@ class Walker:
     def __init__(self, problem: Problem, threads: int, step: Progress):
         layer = self._layer = embree.layer()
         step(0.0, "checking the mesh")
-        mesh, opaque = closed(problem.solid)
+        found = closed(problem.solid)
+        mesh, opaque, self._given = found.mesh, found.opaque, found.given
         self.problem = replace(problem, points=problem.points.on(problem.solid))
         digest = hashlib.sha256(np.ascontiguousarray(mesh.vertices).data)
         digest.update(np.ascontiguousarray(mesh.triangles).data)
@@ -57,6 +63,16 @@ class Walker:
         """A walker for the `chosen` of the points: indices or booleans."""
         return self._with(points=self.problem.points.only(chosen))
 
+    def lit_by_photons(self, image: TexelImage) -> Walker:
+        """A walker of the same problem with an image, whose lamps shine by photons."""
+        return self._with(image=image)
+
+    def encloses(self, lamps: Sequence[AnyLamp]) -> bool:
+        """Whether one of the lamps lies inside the solid."""
+        places = np.array([place for lamp in lamps for place in lamp.places]).reshape(-1, 3)
+        ups = np.tile([0.0, 0.0, 1.0], (len(places), 1))
+        return bool((self._solid.exposures(places - self._centre, ups) == BURIED).any())
+
     def matched(self, interior: Interior) -> Walker:
         """A walker in another interior, without a boundary or opaque faces and with light from all directions, as
         Cycles' random walk sees the mesh."""
@@ -66,7 +82,8 @@ class Walker:
 
     def described(self, samples: Samples) -> dict:
         """The description of a run, the same for all its parts."""
-        return {"solid": self._solid_hash, **self.problem.described, "first": samples.first, "samples": samples.count,
+        problem = self.problem.described_photons if samples.lamps else self.problem.described
+        return {"solid": self._solid_hash, **problem, "first": samples.first, "samples": samples.count,
                 "seed": samples.seed}
 
     def exits(self, samples: Samples, step: Progress, part: range | None = None,
@@ -77,13 +94,55 @@ class Walker:
 
     def lights(self, samples: Samples, step: Progress, part: range | None = None) -> list[np.ndarray]:
         """Tally light of lamps and surroundings: [sums, squares, counts] of all points, or of a `part`."""
-        lit = self.problem.lights or Lights()
+        lit = self.problem.lit_by_walks
         lamps = [lamp.in_core(self._layer, self._centre) for lamp in lit.lamps]
         around = () if lit.surroundings is None else (lit.surroundings.radiance,)
         return self._each(self._layer.walk_to_lights, samples, step, part, lamps, self._layer.Surroundings(*around))
 
+    def photons(self, samples: Samples, step: Progress, part: range | None = None) -> list[np.ndarray]:
+        """Tally photons: [sums, squares, counts by lamp] at all points. `part`: of the photons of each lamp, of which
+        there are as many as samples of all points."""
+        texels, sources = self._image_in_core
+        part = range(samples.count * len(self.problem.points.positions)) if part is None else part
+        first, sums = samples.first * len(self.problem.points.positions), []
+        for lamp, source in enumerate(sources):
+            found: list[np.ndarray] = []
+            for start in range(part.start, part.stop, CHUNK_PHOTONS):
+                done = lamp * len(part) + start - part.start
+                step(done / (len(sources) * len(part)), f"{done:,} photons")
+                count = min(CHUNK_PHOTONS, part.stop - start)
+                more = self._layer.photons_to_texels(self._solid, self._grid, self._boundary, source, texels,
+                                                     PHOTONS + lamp * LAMP + first + start, count, samples.seed)
+                found = [old + new for old, new in zip(found, more, strict=True)] if found else list(more)
+            sums.append(found)
+        values, squares, counts = zip(*sums, strict=True)
+        return [np.stack(values, axis=1), np.stack(squares, axis=1), np.concatenate(counts)]
+
+    @functools.cached_property
+    def texel_areas(self) -> np.ndarray:
+        """The area in mm^2 of the surface that each point of the image stands for, (n,)."""
+        return np.array(self._image_in_core[0].areas)
+
+    @functools.cached_property
+    def _image_in_core(self) -> tuple:
+        """The image, and where each lamp's light meets the solid."""
+        image, points = cast(TexelImage, self.problem.image), self.problem.points
+        uvs = np.where(self._given[:, None, None] >= 0, image.uvs[self._given], 0.0)
+        numbers = np.where(image.mask, np.cumsum(image.mask).reshape(image.mask.shape) - 1, -1)
+        texels = self._layer.SurfaceTexels(self._solid, np.ascontiguousarray(uvs, float),
+                                           numbers.astype(np.int32), points.positions - self._centre, points.normals)
+        return texels, [self._layer.PhotonSource(self._solid, lamp.in_core(self._layer, self._centre))
+                        for lamp in self.problem.lights.lamps]  # type: ignore[union-attr]  # an image has lamps
+
+    @property
+    def _boundary(self):
+        surface = self.problem.boundary
+        return self._layer.Boundary(surface.ior, surface.alpha, surface.distribution)
+
     def _with(self, **changes) -> Walker:
         other = copy.copy(self)
+        for name in ("_image_in_core", "texel_areas"):
+            other.__dict__.pop(name, None)
         other.problem = replace(self.problem, **changes)
         return other
 
@@ -92,11 +151,10 @@ class Walker:
         return self._solid.exposures(points.positions - self._centre, points.normals)
 
     def _each(self, call, samples: Samples, step: Progress, part: range | None, *more) -> list[np.ndarray]:
-        points, surface = self.problem.points, self.problem.boundary
+        points = self.problem.points
         part = range(len(points.positions)) if part is None else part
         self._require_on_surface(part)
         self._require_outward(part)
-        boundary = self._layer.Boundary(surface.ior, surface.alpha, surface.distribution)
         size = max(1, CHUNK_WALKS // samples.count)
         found = []
         for start in range(part.start, max(part.stop, part.start + 1), size):
@@ -107,7 +165,7 @@ class Walker:
                 walks = min(CHUNK_WALKS, samples.count - walk)
                 done = (start - part.start) * samples.count + walk
                 step(done / max(1, len(part) * samples.count), f"{done:,} walks")
-                more_sums = call(self._solid, self._grid, boundary, positions, here.normals, here.views, start,
+                more_sums = call(self._solid, self._grid, self._boundary, positions, here.normals, here.views, start,
                                  samples.first + walk, walks, samples.seed, *more)
                 sums = [old + new for old, new in zip(sums, more_sums, strict=True)] if sums else list(more_sums)
             found.append(sums)

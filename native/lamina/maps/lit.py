@@ -49,7 +49,9 @@ class LitImages:
         """Size and noise, as one sentence."""
         if self.done < 1.0:
             return preview_report("Lit", self.done, self.noise)
-        return (f"Lit: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, "
+        photons = self.estimate.count.photons
+        sent = f"{photons:,} photons of each lamp, " if photons else ""
+        return (f"Lit: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, {sent}"
                 f"standard error {100.0 * self.noise:.2g} %.")
 
 
@@ -64,9 +66,10 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
 
     `view`: direction to the eye, (3,), or `eye`: its position in mm, (3,). Points that face away are not in the mask;
     within the margin they have copies, beyond it they are black. By default the light is the cosine-weighted mean over
-    directions. The images have less noise than the estimates, see lamina.maps.smoothing. Other arguments and errors are
-    those of relightable_images; `noise` is that of the estimates and concerns the worst lamp or the sky. Lamps are
-    those of light_in_mesh."""
+    directions. In an image of that mean the light of lamps is by photons, as a mean over the texel's surface: each lamp
+    sends `samples` photons per point, or as many as `noise` asks for. The images have less noise than the estimates,
+    see lamina.maps.smoothing. Other arguments and errors are those of relightable_images; `noise` is that of the
+    estimates and concerns the worst lamp or the sky. Lamps are those of light_in_mesh."""
     problem = Problem(solid, interior, surface, Lights(lamps, surroundings))
     target = Target(uvs, size, normals, margin, folder, view, eye)
     run = Run(samples, noise, seed, threads, progress, cancel, spread)

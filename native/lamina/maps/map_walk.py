@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
 from collections.abc import Callable
@@ -15,11 +16,11 @@ from ..common.errors import ArgumentError, InteriorError
 from ..common.progress import Progress, portion, silent
 from ..interior.estimates import ExitEstimate, LightEstimate
 from ..interior.parts import WalkPart, elsewhere, merge_passes, part_of
-from ..interior.problem import Problem, Run, Samples, WalkPoints
+from ..interior.problem import Problem, Run, Samples, TexelImage, WalkPoints
 from ..interior.solid import Solid
 from ..interior.walk import Walker
 from .nearest import everywhere
-from .noise import TRIAL_SAMPLES, trial
+from .noise import trial
 from .part_folder import PartFolder, Pilot
 from .places import Places, places_of
 
@@ -100,48 +101,88 @@ def _walked(problem: Problem, target: Target, run: Run, shown: Callable[[MapWalk
     step = portion(whole, 0.0, share)
     places, points = target.points(problem.solid)
     walker = Walker(replace(problem, points=points), run.threads, portion(step, 0.0, 0.5 * SETTING_UP))
-    open_places = walker.is_open()
-    if not open_places.all():
-        if not open_places.any():
-            raise InteriorError("all points of the map lie inside other parts of the mesh or on opaque faces: must lie "
-                                "on its outside")
-        places, walker = places.only(open_places), walker.only(open_places)
-    described = walker.described(Samples(1, run.seed))
-    wanted = {"noise": run.noise} if run.samples is None else {"samples": run.samples}
-    wanted["previews"] = shown is not None
-    parts = PartFolder(target.folder, {**{key: described[key] for key in described if key != "samples"}, **wanted})
-    count, pilot = parts.samples or run.samples, Pilot()
-    if count is None:
+    places, walker = _open(places, walker)
+    places, walker = _with_photons(places, walker, target)
+    lamps = 0 if walker.problem.image is None else len(walker.problem.lights.lamps)  # type: ignore[union-attr]
+    parts = PartFolder(target.folder, _request(walker, run, lamps, shown))
+    counts, pilot = parts.samples or (run.samples and (run.samples, run.samples)), Pilot()
+    if not counts:
         few = trial(walker, run.seed, portion(step, 0.5 * SETTING_UP, SETTING_UP))
-        count = few.samples_for(run.noise)
+        counts = few.samples_for(run.noise)
         if run.spread is None:  # other machines have another speed
-            pilot = Pilot(few.seconds, TRIAL_SAMPLES * len(few.chosen) / described["count"],
-                          f" for a noise of {100.0 * run.noise:.2g} %")
+            pilot = Pilot(few.seconds, few.work, f" for a noise of {100.0 * run.noise:.2g} %")
         if shown is not None:
             first = everywhere(few, places.points)
-            shown(MapWalk(places, first, walker, Samples(count, run.seed), silent, began, 0.0))
-    parts.begin(count)
-    samples = Samples(count, run.seed)
-    passes = [Samples(last - first, run.seed, first) for first, last in _passes(count, shown)]
+            shown(MapWalk(places, first, walker, Samples(counts[0], run.seed), silent, began, 0.0))
+    parts.begin(counts)
+    whole_runs = [Samples(counts[0], run.seed)] + [Samples(counts[1], run.seed, 0, lamps)] * (lamps > 0)
+    passes = _passes(whole_runs, shown)
+    total = sum(one.count * max(1, one.lamps) for one in whole_runs)
 
     def passed(found: list[list[WalkPart]]) -> None:
-        if shown is not None:
-            ready = sum(one.count for one in passes[:len(found)]) / count
-            shown(MapWalk(places, merge_passes(found), walker, samples, silent, began, ready))
+        ended = list(itertools.accumulate(map(len, passes)))
+        if shown is not None and len(found) in ended:
+            ready = itertools.chain(*passes[:ended.index(len(found)) + 1])
+            share = sum(one.count * max(1, one.lamps) for one in ready) / total
+            shown(MapWalk(places, merge_passes(found), walker, whole_runs[0], silent, began, share))
 
     def here(part: tuple[Samples, tuple[int, int]], within: Progress) -> WalkPart:
         return part_of(walker, *part, within)
 
     done = parts.run(here if run.spread is None else elsewhere(walker.problem),
-                     {one: walker.described(one) for one in passes}, portion(step, SETTING_UP, 1.0), passed, pilot,
-                     run.spread)
-    return MapWalk(places, merge_passes(done), walker, samples, portion(whole, share, 1.0), began)
+                     {one: walker.described(one) for one in itertools.chain(*passes)},
+                     portion(step, SETTING_UP, 1.0), passed, pilot, run.spread)
+    return MapWalk(places, merge_passes(done), walker, whole_runs[0], portion(whole, share, 1.0), began)
 
 
-def _passes(samples: int, shown) -> list[tuple[int, int]]:
-    """(first sample, first sample of the next pass) for each pass. With previews, each pass doubles the number of
-    samples."""
-    ends = [samples]
-    while shown is not None and ends[0] >= 2 * LEAST_PASS:
-        ends.insert(0, ends[0] // 2)
-    return list(zip([0, *ends[:-1]], ends, strict=True))
+def _open(places: Places, walker: Walker) -> tuple[Places, Walker]:
+    """Only the places where light can enter. Raises InteriorError."""
+    found = walker.is_open()
+    if not found.any():
+        raise InteriorError("all points of the map lie inside other parts of the mesh or on opaque faces: must lie on "
+                            "its outside")
+    return (places, walker) if found.all() else (places.only(found), walker.only(found))
+
+
+def _with_photons(places: Places, walker: Walker, target: Target) -> tuple[Places, Walker]:
+    """The places and the walker of an image, with photons for its lamps, unless an eye is given, which photons rarely
+    meet, or a lamp inside sends no light through the surface."""
+    problem = walker.problem
+    if problem.lights is None or not problem.lights.lamps or target.uvs is None or problem.points.views is not None:
+        return places, walker
+    if problem.boundary.ior == 1.0 and walker.encloses(problem.lights.lamps):
+        return places, walker
+
+    def lit(seen: Places, among: Walker) -> tuple[Places, Walker]:
+        return seen, among.lit_by_photons(TexelImage(np.asarray(target.uvs, float), seen.mask))
+
+    found = lit(places, walker)
+    reached = found[1].texel_areas > 0.0  # a sliver may have less of a texel than rounding errors
+    if reached.all():
+        return found
+    return lit(places.only(reached), walker.only(reached)) if reached.any() else (places, walker)
+
+
+def _request(walker: Walker, run: Run, lamps: int, shown) -> dict:
+    """What identifies a run."""
+    found = walker.described(Samples(1, run.seed))
+    if lamps:
+        photons = walker.described(Samples(1, run.seed, 0, lamps))
+        found.update(points=photons["points"], lamps=photons["lamps"])
+    del found["samples"]
+    wanted = {"noise": run.noise} if run.samples is None else {"samples": run.samples}
+    return {**found, **wanted, "previews": shown is not None}
+
+
+def _passes(runs: list[Samples], shown) -> list[list[Samples]]:
+    """The runs in passes. With previews, each pass doubles the number of samples."""
+    halvings = 0
+    while shown is not None and max(one.count for one in runs) >> halvings >= 2 * LEAST_PASS:
+        halvings += 1
+    found, ended = [], [0] * len(runs)
+    for halving in range(halvings, -1, -1):
+        ends = [max(min(LEAST_PASS, one.count), one.count >> halving) for one in runs]
+        found.append([replace(one, first=first, count=last - first)
+                      for one, first, last in zip(runs, ended, ends, strict=True) if last > first])
+        ended = ends
+    return found

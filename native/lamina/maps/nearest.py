@@ -18,7 +18,8 @@ TURN = 0.25  # normals one radian apart count like this share of the mesh's size
 
 
 def everywhere(trial: Trial, points: Points) -> ExitEstimate | LightEstimate:
-    """The estimates of a trial at all points, each interpolated between the trial's nearest points."""
+    """The estimates of a trial at all points, each interpolated between the trial's nearest points. Light by photons is
+    first averaged over the points around each of the trial's."""
     size = float(np.linalg.norm(np.ptp(points.positions, axis=0)))
     lengths = np.linalg.norm(points.normals, axis=1, keepdims=True)
     found = np.concatenate([points.positions, TURN * size * points.normals / lengths], axis=1)
@@ -31,9 +32,23 @@ def everywhere(trial: Trial, points: Points) -> ExitEstimate | LightEstimate:
             return Measured(interpolated(values.value), interpolated(values.stderr))
         return np.einsum("pk,pk...->p...", weights, np.nan_to_num(values)[near])
 
-    fields = (one.name for one in dataclasses.fields(trial.estimate))
-    changed = {name: getattr(trial.estimate, name) for name in fields if name not in ("count", "lamps_used")}
-    return dataclasses.replace(trial.estimate, **{name: interpolated(value) for name, value in changed.items()})
+    estimate = trial.estimate
+    if trial.photons is not None:
+        around = near[np.arange(len(near)), weights.argmax(axis=1)]
+        lamps = _means(trial.photons.lamps, around, len(trial.chosen))
+        estimate = dataclasses.replace(trial.photons, lamps=lamps)
+    fields = (one.name for one in dataclasses.fields(estimate))
+    changed = {name: getattr(estimate, name) for name in fields if name not in ("count", "lamps_used")}
+    return dataclasses.replace(estimate, **{name: interpolated(value) for name, value in changed.items()})
+
+
+def _means(measured: Measured, group: np.ndarray, count: int) -> Measured:
+    """The mean of each group of points."""
+    value, variance = (np.zeros((count, *measured.value.shape[1:])) for _ in range(2))
+    np.add.at(value, group, measured.value)
+    np.add.at(variance, group, measured.stderr**2)
+    size = np.bincount(group, minlength=count).reshape(-1, *(1,) * (value.ndim - 1))
+    return Measured(value / size, np.sqrt(variance) / size)
 
 
 def nearest(places: np.ndarray, positions: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -6,11 +6,12 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
 from ..common.progress import Progress
-from ..interior.estimates import ExitEstimate, LightEstimate
+from ..interior.estimates import ExitEstimate, LightEstimate, with_photons
 from ..interior.parts import merge_walks, part_of
 from ..interior.problem import Samples
 from ..interior.walk import Walker
@@ -23,17 +24,27 @@ OTHER_SEED = 0x9E3779B97F4A7C15  # the trial must not share random numbers with 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Walks at few of the points of a map. `chosen`: their indices; `estimate`: at these points; `seconds`: that they
-    took."""
+    """Walks at few of the points of a map. `chosen`: their indices; `estimate`: at these points, where photons have the
+    light of the lamps at all points. `seconds` and `work`, in samples per point of the map: that both took."""
 
     chosen: np.ndarray
     estimate: ExitEstimate | LightEstimate
+    photons: LightEstimate | None
     seconds: float
+    work: float
 
-    def samples_for(self, noise: float) -> int:
-        """Walks per point, 16 to 2^20, for which `noise_of` the run is about `noise`."""
-        found = noise_of(self.estimate)
-        return int(min(max(LEAST_SAMPLES, math.ceil(TRIAL_SAMPLES * (found / noise) ** 2)), MOST_SAMPLES))
+    def samples_for(self, noise: float) -> tuple[int, int]:
+        """Walks and photons per point, 16 to 2^20, for which `noise_of` the run is about `noise`."""
+        walks = _samples_for(noise, noise_of(self.estimate), TRIAL_SAMPLES)
+        if self.photons is None:
+            return walks, walks
+        lamps = self.photons.lamps
+        return walks, _samples_for(noise, _of_worst_lamp(self.photons), self.photons.count.photons / len(lamps.value))
+
+
+def _samples_for(noise: float, found: float, samples: float) -> int:
+    """Samples for a wanted noise, if so many samples have another one."""
+    return int(min(max(LEAST_SAMPLES, math.ceil(samples * (found / noise) ** 2)), MOST_SAMPLES))
 
 
 def trial(walker: Walker, seed: int, step: Progress) -> Trial:
@@ -41,16 +52,27 @@ def trial(walker: Walker, seed: int, step: Progress) -> Trial:
     count = len(walker.problem.points.positions)
     chosen = np.unique(np.linspace(0, count - 1, min(count, TRIAL_POINTS)).astype(int))
     samples, began = Samples(TRIAL_SAMPLES, (seed ^ OTHER_SEED) % 2**64), time.perf_counter()
-    part = part_of(walker.only(chosen), samples, (1, 1), lambda fraction, _: step(fraction, "Noise"))
-    return Trial(chosen, merge_walks([part]), time.perf_counter() - began)
+    part = part_of(walker.only(chosen), samples, (1, 1), lambda fraction, _: step(0.5 * fraction, "Noise"))
+    found, photons, work = merge_walks([part]), None, TRIAL_SAMPLES * len(chosen) / count
+    if walker.problem.image is not None:
+        lamps = tuple(walker.problem.lights.lamps)  # type: ignore[union-attr]  # an image has lamps
+        sent = TRIAL_SAMPLES * len(chosen)
+        sums = walker.photons(Samples(1, samples.seed), lambda fraction, _: step(0.5 + 0.5 * fraction, "Noise"),
+                              range(sent))
+        photons, work = with_photons(cast(LightEstimate, found), sums, sent, lamps), work * (1 + len(lamps))
+    return Trial(chosen, found, photons, time.perf_counter() - began, work)
 
 
 def noise_of(estimate: ExitEstimate | LightEstimate) -> float:
     """The relative noise of a map: of the exit albedo, or of the light of the worst lamp or of the sky."""
     if isinstance(estimate, ExitEstimate):
         return relative_noise(estimate.albedo)
-    lamps = [Measured(estimate.lamps.value[:, k], estimate.lamps.stderr[:, k]) for k in range(len(estimate.lamps_used))]
-    return max(map(relative_noise, [*lamps, estimate.sky]))
+    return max(_of_worst_lamp(estimate), relative_noise(estimate.sky))
+
+
+def _of_worst_lamp(estimate: LightEstimate) -> float:
+    value, stderr = estimate.lamps.value, estimate.lamps.stderr
+    return max((relative_noise(Measured(value[:, k], stderr[:, k])) for k in range(value.shape[1])), default=0.0)
 
 
 def relative_noise(measured: Measured) -> float:

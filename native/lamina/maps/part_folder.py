@@ -19,10 +19,10 @@ from ..common.progress import Progress, portion, time_left
 from ..interior.parts import WalkPart
 from ..interior.problem import Samples
 
-FORMAT, SCHEMA = "lamina-run", 1
+FORMAT, SCHEMA = "lamina-run", 2
 MOST_PARTS = 4096
 SAMPLES_PER_PART = 1 << 15  # about a second of work without lamps
-
+LEAST_PARTS, MOST_BYTES = 8, 1 << 27  # of a pass of photons
 LEAST_SECONDS = 1.0  # of work, on which an estimate of the remaining time is based
 
 
@@ -51,8 +51,8 @@ class PartFolder:
             raise ArgumentError(f"folder = {path!r}: must be a path or None")
         self._path = None if path is None else Path(path)
         self._request = json.loads(json.dumps(request))
-        self.samples: int | None = None
-        """Walks per point of an earlier start of this run, or None."""
+        self.samples: tuple[int, int] | None = None
+        """Walks and photons per point of an earlier start of this run, or None."""
         if self._path is None:
             return
         self._path.mkdir(parents=True, exist_ok=True)
@@ -63,14 +63,15 @@ class PartFolder:
             if found["request"].get(key) != self._request.get(key):
                 raise ShardError(f"{self._path} holds the parts of another run, with a different {key}: choose another "
                                  "folder, or delete this one")
-        self.samples = found["samples"]
+        self.samples = found["samples"], found["photons"]
         for left in self._path.glob(".part-*-of-*.npz.*.part"):
             left.unlink(missing_ok=True)
 
-    def begin(self, samples: int) -> None:
-        """Note the number of samples of a new run."""
+    def begin(self, samples: tuple[int, int]) -> None:
+        """Note the numbers of walks and photons of a new run."""
         if self._path is not None and self.samples is None:
-            header = {"format": FORMAT, "schema": SCHEMA, "request": self._request, "samples": samples}
+            header = {"format": FORMAT, "schema": SCHEMA, "request": self._request, "samples": samples[0],
+                      "photons": samples[1]}
             text, path = json.dumps(header, indent=1, sort_keys=True) + "\n", self._path / "run.json"
             self._kept(lambda: write_atomically(path, lambda file: file.write(text.encode())), 0)
 
@@ -140,13 +141,16 @@ class PartFolder:
 
 
 def _shards(job: dict) -> list[tuple[int, int]]:
-    return shards_of(max(1, min(job["count"], MOST_PARTS, -(-job["count"] * job["samples"] // SAMPLES_PER_PART))))
+    most = min(job["count"], MOST_PARTS)
+    if job.get("kind") == "photons":  # each part has sums and squares, of 8 bytes and three channels, at all points
+        most = min(MOST_PARTS, max(LEAST_PARTS, MOST_BYTES // (48 * job["count"] * len(job["lamps"]))))
+    return shards_of(max(1, min(most, -(-job["count"] * job["samples"] // SAMPLES_PER_PART))))
 
 
 def _work(part: tuple[Samples, tuple[int, int]]) -> float:
     """Samples per point of the run."""
     samples, (_, count) = part
-    return samples.count / count
+    return samples.count * max(1, samples.lamps) / count
 
 
 def _name(number: int, count: int) -> str:
@@ -161,6 +165,6 @@ def _read(path: Path) -> dict | None:
         return None
     if not isinstance(found, dict) or found.get("format") != FORMAT or found.get("schema") != SCHEMA:
         return None
-    samples = found.get("samples")
-    whole = isinstance(samples, int) and not isinstance(samples, bool) and samples >= 1
+    counts = found.get("samples"), found.get("photons")
+    whole = all(isinstance(one, int) and not isinstance(one, bool) and one >= 1 for one in counts)
     return found if whole and isinstance(found.get("request"), dict) else None

@@ -110,7 +110,7 @@ def test_a_cavity_of_a_cavity_is_inside_out():
 ], ids=["cavity", "two", "body in a cavity", "cavity that opens", "overlap", "beside"])
 def test_shells_that_are_cavities_or_bodies(shells):
     solid = joined(sphere(1.0, 3), *shells)
-    assert len(closed(solid)[0].triangles) == len(solid.triangles)
+    assert len(closed(solid).mesh.triangles) == len(solid.triangles)
 
 
 @pytest.mark.parametrize(("error", "change", "words"), [

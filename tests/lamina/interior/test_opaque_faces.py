@@ -126,7 +126,8 @@ def test_repairs_keep_opaque_faces():
     """A triangle that collapses when vertices are merged comes first, and the last two are missing."""
     apart = np.vstack([CUBE.vertices, CUBE.vertices[0]])
     broken = lamina.Solid(apart, np.vstack([[0, 8, 1], CUBE.triangles[:-2]]), True, opaque=np.arange(11) % 3 == 1)
-    mesh, opaque = closed(broken)
+    found = closed(broken)
+    mesh, opaque = found.mesh, found.opaque
     middles = mesh.vertices[mesh.triangles].mean(axis=1)
     wanted = CUBE.vertices[broken.triangles[1:]].mean(axis=1)[broken.opaque[1:]]
     np.testing.assert_allclose(middles[opaque], wanted, atol=1e-12)

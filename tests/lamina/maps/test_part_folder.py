@@ -105,7 +105,7 @@ def test_full_disk(tmp_path, whole):
 @pytest.mark.parametrize(("change", "key"), [({"seed": 6}, "seed"), ({"samples": 3_300}, "samples"),
                                              ({"size": 9}, "count"), ({"noise": 0.5, "samples": None}, "noise")])
 def test_folder_of_another_run_is_refused(tmp_path, change, key):
-    header = {"format": "lamina-run", "schema": 1, "samples": 3_000}
+    header = {"format": "lamina-run", "schema": 2, "samples": 3_000, "photons": 3_000}
     with pytest.raises(lamina.Cancelled):  # writes the request alone
         lamina.relightable_images(SOLID, DARK, folder=tmp_path, cancel=lambda: (tmp_path / "run.json").exists(), **HOW)
     assert header.items() <= json.loads((tmp_path / "run.json").read_text()).items()

@@ -64,6 +64,7 @@ class MeshScene {
   /// without area do not count.
   std::optional<float> largest_cosine(const float place[3], const float direction[3], float within) const;
   std::size_t parts() const { return parts_.size(); }
+  const TrianglePart& part(std::size_t number) const { return parts_[number]; }
   /// Memory that Embree holds for the scene.
   std::size_t bytes() const;
 

@@ -17,7 +17,7 @@ void ExitSums::add(const ExitSums& other) {
   }
 }
 
-bool ExitTally::leaves(const Exit& exit) {
+bool ExitTally::leaves(const Meeting& exit) {
   const double r = start_.distance(exit.place);
   for (std::size_t c = 0; c < kChannels; ++c) {
     const double w = exit.weights[c] / kChannels;

@@ -35,7 +35,7 @@ class ExitTally final : public WalkListener {
   ExitTally(ExitSums& sums, const LateAfter& late_after) : sums_(sums), late_after_(late_after) {}
 
   void begin(const Place& start) { start_ = start; }
-  bool leaves(const Exit& exit) override;
+  bool leaves(const Meeting& exit) override;
   /// Ends a sample.
   void finish();
 

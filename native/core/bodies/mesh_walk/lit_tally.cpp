@@ -55,18 +55,17 @@ void LitTally::scatters(const Scattering& scattering, Rng& rng) {
   }
 }
 
-void LitTally::meets_boundary(const Place& place, const Ray& direction, const Ray& normal, const Weights& weights,
-                              Rng& rng) {
+void LitTally::meets_boundary(const Meeting& meeting, Rng& rng) {
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
     double share = 1.0;
     LampPoint point = last_ ? *aims_[k].point : LampPoint(rng);
     if (last_ && aims_[k].light) {
-      const double phase = last_->phases(last_->before.dot(direction))[last_->leader];
-      share = phase / (phase + aims_[k].light->density(direction));
+      const double phase = last_->phases(last_->before.dot(meeting.direction))[last_->leader];
+      share = phase / (phase + aims_[k].light->density(meeting.direction));
     }
-    const double radiance = entering(lamps_[k], point, place, direction, normal);
+    const double radiance = entering(lamps_[k], point, meeting.place, meeting.direction, meeting.normal);
     if (radiance > 0.0) {
-      add(k, weights, share * radiance);
+      add(k, meeting.weights, share * radiance);
     }
   }
   last_.reset();

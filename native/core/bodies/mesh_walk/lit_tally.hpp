@@ -38,11 +38,10 @@ class LitTally final : public WalkListener {
         found_(lamps.size() + 1),
         aims_(lamps.size()) {}
 
-  bool leaves(const Exit&) override { return true; }
+  bool leaves(const Meeting&) override { return true; }
   void escapes(const Ray& direction, const Weights& weights) override;
   void scatters(const Scattering& scattering, Rng& rng) override;
-  void meets_boundary(const Place& place, const Ray& direction, const Ray& normal, const Weights& weights,
-                      Rng& rng) override;
+  void meets_boundary(const Meeting& meeting, Rng& rng) override;
 
   void starts() override { last_.reset(); }
   /// Ends a sample.

@@ -54,11 +54,13 @@ void WalkCounts::add(const WalkCounts& other) {
 /// One path, led by one channel.
 class MeshWalk::Path {
  public:
-  Path(const MeshWalk& walk, std::size_t leader, const Rng& rng, WalkListener& listener, WalkCounts& counts)
+  Path(const MeshWalk& walk, std::size_t leader, bool serves_all, const Rng& rng, WalkListener& listener,
+       WalkCounts& counts)
       : solid_(walk.solid_),
         grid_(walk.grid_),
         boundary_(walk.boundary_),
         leader_(leader),
+        serves_all_(serves_all),
         rng_(rng),
         aside_(rng_.bits(), 0),
         listener_(listener),
@@ -67,6 +69,21 @@ class MeshWalk::Path {
   void run(const Start& start) {
     listener_.starts();
     if (!enter(start)) {
+      return;
+    }
+    while (fly() && survives_roulette()) {
+    }
+  }
+
+  void run(const Photon& photon) {
+    listener_.starts();
+    place_ = photon.place;
+    normal_ = photon.normal;
+    face_ = photon.face;
+    direction_ = photon.direction;
+    set_weights(photon.weight);
+    meet_boundary();
+    if (direction_.dot(normal_) > 0.0 && !follow_outside()) {
       return;
     }
     while (fly() && survives_roulette()) {
@@ -83,6 +100,7 @@ class MeshWalk::Path {
     if (const auto face = face_at(solid_, start.place, normal); face && face->normal.dot(normal) > 0.0) {
       place_ = start.place.moved(normal, kStartReach * solid_.size() - face->distance);
       normal_ = face->normal;
+      face_ = face->face;
       if (face->is_opaque) {
         return false;
       }
@@ -115,14 +133,18 @@ class MeshWalk::Path {
     if (const double along = direction_.dot(normal_); along > 0.0) {
       direction_ = mirrored_at(normal_, direction_, along);
     }
-    if (grid_.is_grey()) {
+    set_weights(weight);
+    return true;
+  }
+
+  void set_weights(double weight) {
+    if (serves_all_) {
       weights_.fill(weight);
       densities_.fill(1.0);
     } else {
       weights_[leader_] = kChannels * weight;
       densities_[leader_] = kChannels;
     }
-    return true;
   }
 
   Ray about(const Ray& normal) {
@@ -135,7 +157,7 @@ class MeshWalk::Path {
 
   /// Moves to the next scattering, or to the surface and refracts or reflects there. Returns false if the walk ends.
   bool fly() {
-    BrickFlight flight(grid_, place_, direction_, grid_.is_grey() ? kChannels : leader_);
+    BrickFlight flight(grid_, place_, direction_, serves_all_ ? kChannels : leader_);
     SurfaceSearch surface(solid_, place_, direction_, shells_, on_surface_);
     // Numbers of this flight's own, so that paths of other leaders stay in step after a different number of collisions.
     Rng chances(rng_.bits(), 0);
@@ -243,6 +265,7 @@ class MeshWalk::Path {
     }
     place_ = place_.moved(direction_, crossing.distance);
     normal_ = crossing.normal;
+    face_ = crossing.face;
     on_surface_ = true;
     shells_ = 1;
     meet_boundary();
@@ -251,13 +274,13 @@ class MeshWalk::Path {
 
   void meet_boundary() {
     if (boundary_.kind() != SurfaceBoundary::Kind::kMatched) {
-      listener_.meets_boundary(place_, direction_, normal_, weights_, aside_);
+      listener_.meets_boundary({place_, normal_, face_, direction_, weights_, scatterings_}, aside_);
     }
     turn(boundary_.meet(direction_, normal_, rng_));
   }
 
   bool leave(const Ray& normal) {
-    return listener_.leaves({place_, normal, direction_, weights_, scatterings_}) && follow_outside();
+    return listener_.leaves({place_, normal, face_, direction_, weights_, scatterings_}) && follow_outside();
   }
 
   /// Follows light outside. Returns true if the light enters the solid again.
@@ -274,6 +297,7 @@ class MeshWalk::Path {
       }
       place_ = place_.moved(direction_, crossing->distance);
       normal_ = crossing->normal;
+      face_ = crossing->face;
       shells_ = 1;
       meet_boundary();
       if (direction_.dot(normal_) <= 0.0) {
@@ -310,6 +334,7 @@ class MeshWalk::Path {
   const CoefficientGrid& grid_;
   const SurfaceBoundary& boundary_;
   std::size_t leader_;
+  bool serves_all_;  ///< channels, not the leader only
   Rng rng_;
   Rng aside_;  ///< for roulette and the listener, which need numbers at other times in other channels
   WalkListener& listener_;
@@ -318,6 +343,7 @@ class MeshWalk::Path {
   Place place_;
   Ray direction_;
   Ray normal_;  ///< normal of the face that was hit last
+  std::uint32_t face_ = 0;
   Weights weights_ = {};
   Weights densities_ = {};  ///< of the path, if each of the channels that it serves led it, relative to the mean of all
   std::uint64_t scatterings_ = 0;
@@ -326,89 +352,22 @@ class MeshWalk::Path {
 };
 
 void MeshWalk::run(const Start& start, Rng& rng, WalkListener& listener, WalkCounts& counts) const {
+  const bool grey = grid_.is_grey();
   for (std::size_t leader = 0; leader < kChannels; ++leader) {
     // In a grey grid equal numbers would give three equal paths, of which each serves all channels.
-    Path(*this, leader, grid_.is_grey() ? Rng(rng.bits(), leader) : rng, listener, counts).run(start);
+    Path(*this, leader, grey, grey ? Rng(rng.bits(), leader) : rng, listener, counts).run(start);
   }
 }
 
-/// Continues a flight from `from` to the distance `end`, and multiplies `shares` by the transmittance. False if no
-/// light is left.
-bool MeshWalk::pass(BrickFlight& flight, const Place& from, const Ray& direction, double end, Rng& rng,
-                    Weights& shares) const {
-  for (;;) {
-    const double at = flight.advance(-std::log(rng.uniform()), end);
-    if (at == kInfinity) {
-      return true;
-    }
-    const CoefficientGrid::Sample sample = grid_.at(from.moved(direction, at), rng);
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      shares[c] *= 1.0 - static_cast<double>(sample.extinction[c]) / flight.majorant();
-    }
-    const double before = mean_of(shares);
-    double after = before;
-    if (!survives(after, rng)) {
-      return false;
-    }
-    for (double& share : shares) {
-      share *= after / before;
-    }
-  }
+void MeshWalk::shine(const Photon& photon, std::size_t leader, Rng& rng, WalkListener& listener,
+                     WalkCounts& counts) const {
+  Path(*this, leader, true, Rng(rng.bits(), leader), listener, counts).run(photon);
 }
 
-Weights MeshWalk::transmittance(const Place& from, const Ray& direction, double farthest, int shells, Rng& rng,
-                                WalkCounts& counts) const {
-  Weights shares = {1.0, 1.0, 1.0};
-  BrickFlight flight(grid_, from, direction, kChannels);
-  SurfaceSearch surface(solid_, from, direction, shells, false);
-  for (;;) {
-    ++counts.rays;
-    const auto out = surface.leaving(farthest);
-    const double end = out ? out->distance : farthest;
-    if (end < kInfinity && !pass(flight, from, direction, end, rng, shares)) {
-      return {};
-    }
-    if (!out) {
-      return shares;
-    }
-    if (out->is_opaque) {
-      return {};
-    }
-    ++counts.rays;
-    const auto in = surface.entering(farthest);
-    if (!in) {
-      return shares;
-    }
-    if (in->is_opaque) {
-      return {};
-    }
-    flight.skip_to(in->distance);
-  }
-}
-
-std::optional<Emergence> MeshWalk::emergence(const Place& from, const Ray& direction, int shells, Rng& rng,
-                                             WalkCounts& counts) const {
-  ++counts.rays;
-  const auto out = SurfaceSearch(solid_, from, direction, shells, false).leaving(kInfinity);
-  if (!out || out->is_opaque) {
-    return std::nullopt;
-  }
-  Weights shares = {1.0, 1.0, 1.0};
-  BrickFlight flight(grid_, from, direction, kChannels);
-  if (!pass(flight, from, direction, out->distance, rng, shares)) {
-    return std::nullopt;
-  }
-  return Emergence{from.moved(direction, out->distance), out->normal, shares};
-}
-
-std::optional<Ray> MeshWalk::normal_towards(const Place& from, const Ray& direction, double farthest,
-                                            int shells) const {
-  const auto out = SurfaceSearch(solid_, from, direction, shells, false).leaving(farthest);
-  return out && !out->is_opaque ? std::optional(out->normal) : std::nullopt;
-}
-
-bool MeshWalk::is_visible(const Place& from, const Ray& direction, double farthest) const {
-  return !SurfaceSearch(solid_, from, direction, 1, true).entering(farthest);
+bool is_buried(const Solid& solid, const Place& place, const Ray& normal) {
+  const Place outside = place.moved(normal, kStartReach * solid.size());
+  // A ray that leaves a part without entering it starts inside that part.
+  return SurfaceSearch(solid, outside, normal, 0, false).shells_on_the_way() < 0;
 }
 
 Exposure exposure(const Solid& solid, const Place& place, const Ray& normal) {
@@ -416,12 +375,10 @@ Exposure exposure(const Solid& solid, const Place& place, const Ray& normal) {
   if (solid.largest_cosine(place, normal, reach) < kTurned) {
     return Exposure::kInward;
   }
-  const auto face = face_at(solid, place, normal);
-  const Place outside = place.moved(normal, reach);
-  // A ray that leaves a part without entering it starts inside that part.
-  if (SurfaceSearch(solid, outside, normal, 0, false).shells_on_the_way() < 0) {
+  if (is_buried(solid, place, normal)) {
     return Exposure::kBuried;
   }
+  const auto face = face_at(solid, place, normal);
   return face && face->is_opaque ? Exposure::kOpaque : Exposure::kOpen;
 }
 

@@ -15,11 +15,12 @@
 
 namespace lamina {
 
-/// The intersection of a ray and the surface: the distance in mm, the outward normal, and whether the face absorbs all
-/// light that meets it, from either side.
+/// The intersection of a ray and the surface: the distance in mm, the outward normal, the number of the face, and
+/// whether the face absorbs all light that meets it, from either side.
 struct Crossing {
   double distance;
   Ray normal;
+  std::uint32_t face;
   bool is_opaque;
 };
 
@@ -58,8 +59,19 @@ class Solid {
     if (!hit) {
       return std::nullopt;
     }
-    return Crossing{
-        hit->distance, {hit->normal[0], hit->normal[1], hit->normal[2]}, !opaque_.empty() && opaque_[hit->face]};
+    return Crossing{hit->distance, {hit->normal[0], hit->normal[1], hit->normal[2]}, hit->face, is_opaque(hit->face)};
+  }
+
+  std::size_t faces() const { return scene_.part(0).triangles.size() / 3; }
+  bool is_opaque(std::size_t face) const { return !opaque_.empty() && opaque_[face]; }
+  /// The corners of a face, counter-clockwise seen from outside.
+  std::array<Place, 3> corners(std::size_t face) const {
+    const TrianglePart& part = scene_.part(0);
+    const auto corner = [&](std::size_t k) {
+      const float* at = part.vertices.data() + std::size_t{3} * part.triangles[3 * face + k];
+      return Place{at[0], at[1], at[2]};
+    };
+    return {corner(0), corner(1), corner(2)};
   }
 
   /// True if a position lies in the mesh's bounding box, with a margin for rounding.
@@ -73,6 +85,8 @@ class Solid {
     }
     return true;
   }
+  const std::array<double, 3>& low() const { return low_; }
+  const std::array<double, 3>& high() const { return high_; }
   /// The diagonal of the mesh's bounding box in mm.
   double size() const { return size_; }
   std::size_t bytes() const { return scene_.bytes() + distance_.bytes(); }

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh_walk/photon_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "mesh_walk/surface_search.hpp"
+
+namespace lamina {
+
+namespace {
+
+constexpr double kEverywhere = 0.05;  // share of photons drawn evenly by area, where the estimates may be wrong
+constexpr int kTried = 4;             // positions on each face
+
+struct Face {
+  Place corner;
+  Ray first, second, normal;
+  double area;
+
+  Face(const Solid& solid, std::size_t number) {
+    const auto [a, b, c] = solid.corners(number);
+    corner = a;
+    first = {b.x - a.x, b.y - a.y, b.z - a.z};
+    second = {c.x - a.x, c.y - a.y, c.z - a.z};
+    normal = {first.y * second.z - first.z * second.y, first.z * second.x - first.x * second.z,
+              first.x * second.y - first.y * second.x};
+    const double twice = std::sqrt(normal.dot(normal));
+    area = 0.5 * twice;
+    normal = twice > 0.0 ? Ray{normal.x / twice, normal.y / twice, normal.z / twice} : Ray{0.0, 0.0, 0.0};
+  }
+  Place at(double u, double v) const {
+    const double root = std::sqrt(u);
+    return corner.moved(first, root * (1.0 - v)).moved(second, root * v);
+  }
+};
+
+/// The flux per area.
+double arriving(const LampLight& light, const Ray& normal) {
+  return light.irradiance * std::max(0.0, light.towards.dot(normal));
+}
+
+}  // namespace
+
+PhotonSource::PhotonSource(const Solid& solid, Lamp lamp) : solid_(solid), lamp_(std::move(lamp)) {
+  const std::size_t count = solid.faces();
+  std::vector<double> fluxes(count);
+  std::vector<double> areas(count);
+  double area = 0.0;
+  for (std::size_t face = 0; face < count; ++face) {
+    const Face here(solid, face);
+    Rng rng(face, 0);
+    for (int k = 0; k < kTried; ++k) {
+      const Place place = here.at(rng.uniform(), rng.uniform());
+      fluxes[face] += arriving(lamp_.light(place, LampPoint(rng)), here.normal) * here.area / kTried;
+    }
+    areas[face] = here.area;
+    flux_ += fluxes[face];
+    area += here.area;
+  }
+  double sum = 0.0;
+  for (std::size_t face = 0; face < count; ++face) {
+    sum += flux_ > 0.0 ? (1.0 - kEverywhere) * fluxes[face] / flux_ + kEverywhere * areas[face] / area
+                       : areas[face] / area;
+    up_to_.push_back(sum);
+  }
+  if (flux_ == 0.0) {
+    flux_ = area;
+  }
+}
+
+std::optional<MeshWalk::Photon> PhotonSource::photon(Rng& rng, WalkCounts& counts) const {
+  const double drawn = rng.uniform() * up_to_.back();
+  const std::size_t face = std::min<std::size_t>(
+      static_cast<std::size_t>(std::upper_bound(up_to_.begin(), up_to_.end(), drawn) - up_to_.begin()),
+      up_to_.size() - 1);
+  const double probability = (up_to_[face] - (face > 0 ? up_to_[face - 1] : 0.0)) / up_to_.back();
+  const Face here(solid_, face);
+  const Place place = here.at(rng.uniform(), rng.uniform());
+  const LampLight light = lamp_.light(place, LampPoint(rng));
+  const double flux = arriving(light, here.normal) * here.area;
+  if (flux == 0.0 || solid_.is_opaque(face)) {
+    return std::nullopt;
+  }
+  ++counts.rays;
+  // Light that meets another face first is drawn there. A face inside another part of the mesh gets none.
+  const double away = std::min(light.distance, 2.0 * solid_.size());
+  const auto first = SurfaceSearch(solid_, place.moved(light.towards, away), -light.towards, 0, false).entering(away);
+  if (first && first->distance < away - 1e-4 * solid_.size()) {
+    return std::nullopt;
+  }
+  return MeshWalk::Photon{place, here.normal, static_cast<std::uint32_t>(face), -light.towards,
+                          flux / (probability * flux_)};
+}
+
+}  // namespace lamina
