@@ -118,6 +118,18 @@ def test_a_white_body_returns_the_light_that_enters(surface, entering):
     np.testing.assert_allclose(flux, 2.0 * entering, rtol=4.0 / np.sqrt(sent))
 
 
+def test_a_lamp_close_to_a_large_face_makes_no_more_noise():
+    """Patches of a face are drawn in proportion to their light: if whole faces were drawn, the noise of the near lamp
+    would be three times that of the far one."""
+    solid, uvs, across = of_voxels({(0, 0, 0)})
+    noises = []
+    for height in (2.0, 0.1):
+        lamp = PointLamp([0.5, 0.5, 1.0 + height], 0.01)
+        value, stderr = radiance(walker_of(solid, uvs, 8 * across, PLAIN, Surface(1.4, 0.3), [lamp]), 40, 1)
+        noises.append(np.sqrt((stderr**2).mean()) / value.mean())
+    assert noises[1] < 1.3 * noises[0]
+
+
 def test_a_texel_at_a_border_stands_for_its_surroundings():
     """A ball whose triangles lie apart in the image: no surface is counted twice, and little is left out."""
     ball = sphere(1.0, 1)

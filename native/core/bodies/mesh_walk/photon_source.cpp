@@ -11,8 +11,10 @@ namespace lamina {
 
 namespace {
 
-constexpr double kEverywhere = 0.05;  // share of photons drawn evenly by area, where the estimates may be wrong
-constexpr int kTried = 4;             // positions on each face
+constexpr double kEverywhere = 0.05;     // share of photons drawn evenly by area, where the estimates may be wrong
+constexpr int kTried = 4;                // positions on each patch
+constexpr double kLongest = 1.0 / 24.0;  // side of a patch, relative to the solid's size
+constexpr double kMostSides = 64.0;      // of a face
 
 struct Face {
   Place corner;
@@ -30,9 +32,16 @@ struct Face {
     area = 0.5 * twice;
     normal = twice > 0.0 ? Ray{normal.x / twice, normal.y / twice, normal.z / twice} : Ray{0.0, 0.0, 0.0};
   }
-  Place at(double u, double v) const {
-    const double root = std::sqrt(u);
+  /// A uniform position of part `number` of side * side parts of one area.
+  Place at(std::uint32_t number, std::uint32_t side, Rng& rng) const {
+    const double root = std::sqrt((number / side + rng.uniform()) / side);
+    const double v = (number % side + rng.uniform()) / side;
     return corner.moved(first, root * (1.0 - v)).moved(second, root * v);
+  }
+  /// Columns and rows so that the parts of the face are not larger than patches should be.
+  std::uint32_t side(double size) const {
+    const double longest = std::sqrt(std::max(first.dot(first), second.dot(second)));
+    return static_cast<std::uint32_t>(std::clamp(std::ceil(longest / (kLongest * size)), 1.0, kMostSides));
   }
 };
 
@@ -44,25 +53,29 @@ double arriving(const LampLight& light, const Ray& normal) {
 }  // namespace
 
 PhotonSource::PhotonSource(const Solid& solid, Lamp lamp) : solid_(solid), lamp_(std::move(lamp)) {
-  const std::size_t count = solid.faces();
-  std::vector<double> fluxes(count);
-  std::vector<double> areas(count);
+  std::vector<double> fluxes;
+  std::vector<double> areas;
   double area = 0.0;
-  for (std::size_t face = 0; face < count; ++face) {
+  for (std::size_t face = 0; face < solid.faces(); ++face) {
     const Face here(solid, face);
     Rng rng(face, 0);
-    for (int k = 0; k < kTried; ++k) {
-      const Place place = here.at(rng.uniform(), rng.uniform());
-      fluxes[face] += arriving(lamp_.light(place, LampPoint(rng)), here.normal) * here.area / kTried;
+    const std::uint32_t side = here.side(solid.size());
+    for (std::uint32_t number = 0; number < side * side; ++number) {
+      areas.push_back(here.area / (side * side));
+      fluxes.push_back(0.0);
+      for (int k = 0; k < kTried; ++k) {
+        const Place place = here.at(number, side, rng);
+        fluxes.back() += arriving(lamp_.light(place, LampPoint(rng)), here.normal) * areas.back() / kTried;
+      }
+      patches_.push_back({static_cast<std::uint32_t>(face), number, side});
+      flux_ += fluxes.back();
     }
-    areas[face] = here.area;
-    flux_ += fluxes[face];
     area += here.area;
   }
   double sum = 0.0;
-  for (std::size_t face = 0; face < count; ++face) {
-    sum += flux_ > 0.0 ? (1.0 - kEverywhere) * fluxes[face] / flux_ + kEverywhere * areas[face] / area
-                       : areas[face] / area;
+  for (std::size_t patch = 0; patch < patches_.size(); ++patch) {
+    sum += flux_ > 0.0 ? (1.0 - kEverywhere) * fluxes[patch] / flux_ + kEverywhere * areas[patch] / area
+                       : areas[patch] / area;
     up_to_.push_back(sum);
   }
   if (flux_ == 0.0) {
@@ -72,14 +85,15 @@ PhotonSource::PhotonSource(const Solid& solid, Lamp lamp) : solid_(solid), lamp_
 
 std::optional<MeshWalk::Photon> PhotonSource::photon(Rng& rng, WalkCounts& counts) const {
   const double drawn = rng.uniform() * up_to_.back();
-  const std::size_t face = std::min<std::size_t>(
+  const std::size_t chosen = std::min<std::size_t>(
       static_cast<std::size_t>(std::upper_bound(up_to_.begin(), up_to_.end(), drawn) - up_to_.begin()),
       up_to_.size() - 1);
-  const double probability = (up_to_[face] - (face > 0 ? up_to_[face - 1] : 0.0)) / up_to_.back();
+  const double probability = (up_to_[chosen] - (chosen > 0 ? up_to_[chosen - 1] : 0.0)) / up_to_.back();
+  const auto& [face, number, side] = patches_[chosen];
   const Face here(solid_, face);
-  const Place place = here.at(rng.uniform(), rng.uniform());
+  const Place place = here.at(number, side, rng);
   const LampLight light = lamp_.light(place, LampPoint(rng));
-  const double flux = arriving(light, here.normal) * here.area;
+  const double flux = arriving(light, here.normal) * here.area / (side * side);
   if (flux == 0.0 || solid_.is_opaque(face)) {
     return std::nullopt;
   }
@@ -90,8 +104,7 @@ std::optional<MeshWalk::Photon> PhotonSource::photon(Rng& rng, WalkCounts& count
   if (first && first->distance < away - 1e-4 * solid_.size()) {
     return std::nullopt;
   }
-  return MeshWalk::Photon{place, here.normal, static_cast<std::uint32_t>(face), -light.towards,
-                          flux / (probability * flux_)};
+  return MeshWalk::Photon{place, here.normal, face, -light.towards, flux / (probability * flux_)};
 }
 
 }  // namespace lamina

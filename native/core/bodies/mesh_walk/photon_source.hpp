@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where the light of a lamp meets a solid.
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -9,8 +10,8 @@
 
 namespace lamina {
 
-/// Draws photons of a lamp where they meet a solid from outside. Faces are drawn with probabilities that are about
-/// proportional to the flux on them, without shadows.
+/// Draws photons of a lamp where they meet a solid from outside. Faces, and patches of large faces, are drawn with
+/// probabilities that are about proportional to the flux on them, without shadows.
 class PhotonSource {
  public:
   PhotonSource(const Solid& solid, Lamp lamp);
@@ -21,10 +22,18 @@ class PhotonSource {
   std::optional<MeshWalk::Photon> photon(Rng& rng, WalkCounts& counts) const;
 
  private:
+  /// Part `number` of side * side parts of a face, all of one area.
+  struct Patch {
+    std::uint32_t face;
+    std::uint32_t number;
+    std::uint32_t side;
+  };
+
   const Solid& solid_;
   Lamp lamp_;
   double flux_ = 0.0;
-  std::vector<double> up_to_;  ///< sums of probabilities
+  std::vector<Patch> patches_;
+  std::vector<double> up_to_;  ///< sums of the patches' probabilities
 };
 
 }  // namespace lamina
