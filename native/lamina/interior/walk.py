@@ -134,14 +134,14 @@ class Walker:
         return texels, [self._layer.PhotonSource(self._solid, lamp.in_core(self._layer, self._centre))
                         for lamp in self.problem.lights.lamps]  # type: ignore[union-attr]  # an image has lamps
 
-    @property
+    @functools.cached_property
     def _boundary(self):
         surface = self.problem.boundary
         return self._layer.Boundary(surface.ior, surface.alpha, surface.distribution)
 
     def _with(self, **changes) -> Walker:
         other = copy.copy(self)
-        for name in ("_image_in_core", "texel_areas"):
+        for name in ("_boundary", "_image_in_core", "texel_areas"):  # depend on the problem
             other.__dict__.pop(name, None)
         other.problem = replace(self.problem, **changes)
         return other
