@@ -33,8 +33,8 @@ constexpr float kNearest = 0.25F;
 float dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Low-discrepancy points of the unit disc: uniform azimuths, and multiples of the golden ratio for the squared radius.
-/// Each point of the surface rotates them by a random angle and shift (Cranley and Patterson 1976). The first quarter of
-/// them, each fourth azimuth, is such a pattern too.
+/// Each point of the surface rotates them by a random angle and shift (Cranley and Patterson 1976). The first quarter
+/// of them, each fourth azimuth, is such a pattern too.
 struct DiscPattern {
   std::vector<float> cosine, sine, square;
 

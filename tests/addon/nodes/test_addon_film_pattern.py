@@ -130,7 +130,7 @@ def test_a_pattern_leaves_with_its_film_and_comes_back(addon, wet, wiring):
                                               ("fingerprints", "PRINTS")])
 def test_presets_bring_their_pattern(addon, lamina, wiring, preset, kind):
     material = bpy.data.materials.new("Plastic")
-    material.use_nodes = True
+    addon.nodes.node_tree.of(material)
     addon.editing.presets.apply(material, preset)
     material.lamina.quality = "preview"
     addon.baking.bake_job.bake_material(material)
