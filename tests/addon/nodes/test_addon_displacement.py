@@ -8,7 +8,6 @@ from rendered_plane import render
 from test_addon_dust_detail import plane
 
 SIDE = 16
-FAR = 2.0  # height of the camera
 
 
 @pytest.fixture
@@ -35,30 +34,25 @@ def displace(addon):
 
 
 def heights(path):
-    """float (SIDE, SIDE): z of the surface, by the depth under the camera from above."""
+    """float (SIDE, SIDE): z of the surface, which emits it while it is rendered from above."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.use_denoising = 1, False
+    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.pixel_filter_type = 1, False, "BOX"
     scene.render.resolution_x = scene.render.resolution_y = SIDE
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    scene.view_layers[0].use_pass_z = True
-    scene.use_nodes = True
-    tree = scene.node_tree if hasattr(scene, "node_tree") else _compositing(scene)
-    tree.nodes.clear()
-    layers = tree.nodes.new("CompositorNodeRLayers")
-    if hasattr(scene, "node_tree"):
-        tree.links.new(layers.outputs["Depth"], tree.nodes.new("CompositorNodeComposite").inputs[0])
-    else:
-        tree.links.new(layers.outputs["Depth"], tree.nodes.new("NodeGroupOutput").inputs[0])
-    return FAR - render(path)[..., 0]
-
-
-def _compositing(scene):
-    tree = bpy.data.node_groups.new("Depth", "CompositorNodeTree")
-    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-    scene.compositing_node_group = tree
-    return tree
+    tree = scene.objects["Square"].active_material.node_tree
+    surface = tree.get_output_node("CYCLES").inputs["Surface"]
+    before = surface.links[0].from_socket
+    place, parts, light = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "SeparateXYZ", "Emission"))
+    tree.links.new(place.outputs["Position"], parts.inputs[0])
+    tree.links.new(parts.outputs["Z"], light.inputs["Color"])
+    tree.links.new(light.outputs[0], surface)
+    found = render(path)[..., 0]
+    for node in (place, parts, light):
+        tree.nodes.remove(node)
+    tree.links.new(before, surface)
+    return found
 
 
 def state(material):

@@ -58,7 +58,7 @@ def test_the_file_is_what_the_stack_says(id):
 
 def test_overlays_are_layers_for_any_base():
     overlays = [entry.stack for entry in presets.entries() if entry.category == "Overlays"]
-    assert len(overlays) == 17 and all(stack.base is None and stack.layers for stack in overlays)
+    assert len(overlays) == 20 and all(stack.base is None and stack.layers for stack in overlays)
     for stack in overlays:
         films = [layer for layer in stack.layers if isinstance(layer, Interface)]
         # What can settle varies. The layers change the light, and the material below is still seen.
