@@ -294,7 +294,8 @@ def beside_previews(panel):
     """The interior is computed, and dust settles, while the material's ball is rendered by Cycles."""
     material = layered(panel)
     unfold_ball()
-    bpy.context.object.lamina_dust.rays = 65536  # a settling of many seconds, which the story cancels
+    dust = bpy.context.object.lamina_dust  # a settling of many seconds, which the story cancels
+    dust.target, dust.size, dust.rays = "image", 2048, 65536
     interior = part("interior.interior_job"), bpy.ops.lamina.interior, "INTERIOR"
     dust = part("settling.dust_job"), bpy.ops.lamina.dust_settle, "DUST"
     for number, (job, start, work) in enumerate((interior, dust) * 2):
