@@ -13,8 +13,6 @@ _WORDS = {
     "glossy_bounces": "glossy bounces",
     "transmission_bounces": "transmission bounces",
 }
-
-
 AT_BOUNDARY = 32  # reflections and refractions of light in a body
 
 

@@ -4,6 +4,8 @@ with its last user."""
 
 import bpy
 
+from . import group_sockets
+
 # Properties of the groups, with their versions.
 MARKS = ("lamina_dust_detail", "lamina_drops", "lamina_puddles", "lamina_prints")
 
@@ -32,16 +34,25 @@ def set_sizes(node, sizes):
         node.inputs[name].default_value = size / unit
 
 
+def add_input(tree, name, kind, description="", **values):
+    """Add an input of this kind with the property `values`, unless the tree has one of that name."""
+    if name not in group_sockets.named(tree, "INPUT"):
+        socket = tree.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
+        for key, value in values.items():
+            setattr(socket, key, value)
+
+
+def add_output(tree, name, kind):
+    """Add an output of this kind, unless the tree has one of that name."""
+    if name not in group_sockets.named(tree, "OUTPUT"):
+        tree.interface.new_socket(name, in_out="OUTPUT", socket_type=kind)
+
+
 def add_settings(tree, settings):
     """Add the missing inputs of (name, subtype, default, least, most, description)."""
-    sockets = [item for item in tree.interface.items_tree if item.item_type == "SOCKET"]
-    have = {socket.name for socket in sockets if socket.in_out == "INPUT"}
     for name, subtype, default, least, most, description in settings:
-        if name not in have:
-            socket = tree.interface.new_socket(
-                name, in_out="INPUT", socket_type="NodeSocketFloat", description=description)
-            socket.subtype, socket.default_value = subtype, default
-            socket.min_value, socket.max_value = least, most
+        add_input(tree, name, "NodeSocketFloat", description, subtype=subtype, default_value=default,
+                  min_value=least, max_value=most)
 
 
 def remove_unused():

@@ -9,7 +9,7 @@ file renders without the add-on. All detail lies over rest_coordinates. The stre
 (dust_strength) is a factor as well.
 """
 
-from . import detail_group, dust_litter, dust_strength, rest_coordinates
+from . import detail_group, dust_litter, dust_strength, rest_coordinates, texture_graph
 from .graph import Graph
 from .side_graph import BACK, FRONT
 
@@ -52,15 +52,10 @@ def remove_unused():
 
 
 def _add_sockets(tree):
-    have = {(item.name, item.in_out) for item in tree.interface.items_tree if item.item_type == "SOCKET"}
     for name, default in ((FRONT, 0.0), (BACK, -1.0)):
-        for in_out in ("INPUT", "OUTPUT"):
-            if (name, in_out) not in have:
-                socket = tree.interface.new_socket(name, in_out=in_out, socket_type="NodeSocketFloat")
-                if in_out == "INPUT":
-                    socket.default_value = default
-    if (HEIGHT, "OUTPUT") not in have:
-        tree.interface.new_socket(HEIGHT, in_out="OUTPUT", socket_type="NodeSocketFloat")
+        detail_group.add_input(tree, name, "NodeSocketFloat", default_value=default)
+    for name in (FRONT, BACK, HEIGHT):
+        detail_group.add_output(tree, name, "NodeSocketFloat")
     detail_group.add_settings(tree, SETTINGS)
 
 
@@ -105,18 +100,8 @@ def _turned(graph, place):
 def _varied(graph, inputs, place, strength, size, row):
     """The socket of 1 + strength x noise."""
     scale = graph.math("DIVIDE", 1, row, "per unit", 1.0, inputs.outputs[size])
-    noise = graph.node("ShaderNodeTexNoise", 2, row, strength)
-    noise.noise_dimensions = "3D"
-    graph.link(place, noise.inputs["Vector"])
-    graph.link(scale, noise.inputs["Scale"])
     octaves, finer, weaker, cut = _NOISES[strength]
-    for name, value in (("Detail", octaves), ("Lacunarity", finer), ("Roughness", weaker)):
-        noise.inputs[name].default_value = value
-    spread = graph.node("ShaderNodeMapRange", 3, row, "in [-1, 1]")
-    spread.clamp = True
-    low, high = 0.5 - cut, 0.5 + cut
-    for name, value in (("From Min", low), ("From Max", high), ("To Min", -1.0), ("To Max", 1.0)):
-        spread.inputs[name].default_value = value
-    graph.link(noise.outputs[0], spread.inputs["Value"])
-    return graph.math("MULTIPLY_ADD", 4, row, "1 + strength noise", spread.outputs["Result"],
-                      inputs.outputs[strength], 1.0)
+    noise = texture_graph.noise(graph, 2, row, strength, place, scale, octaves)
+    noise.inputs["Lacunarity"].default_value, noise.inputs["Roughness"].default_value = finer, weaker
+    varied = texture_graph.ramp(graph, 3, row, "in [-1, 1]", noise.outputs[0], 0.5 - cut, 0.5 + cut)
+    return graph.math("MULTIPLY_ADD", 4, row, "1 + strength noise", varied, inputs.outputs[strength], 1.0)

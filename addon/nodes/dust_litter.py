@@ -9,6 +9,8 @@ the amount of dust, and the limit falls, so that clean ground has neither.
 
 import math
 
+from . import texture_graph
+
 SIZES = {"Fiber Length": 0.008, "Speck Size": 0.0005}  # in metres
 SHARES = {"Fibers": 0.5, "Specks": 0.4}  # of a new node
 LEAST = 0.02  # optical thickness of dust from which litter is seen in full
@@ -49,23 +51,16 @@ def _plane(graph, place, row):
     # Weights, at most 1 for the steps below: on faces at 45 degrees no two sides are equally near.
     weighted = graph.vector("MULTIPLY", 3, row, "weighted", normal, (0.94, 0.97, 1.0))
     near = graph.vector("ABSOLUTE", 4, row, "near", weighted)
-    along = _parts(graph, near, 5, row)
+    along = texture_graph.parts(graph, 5, row, near)
     most = graph.math("MAXIMUM", 5, row + 1, "x or y", *along[:2])
     most = graph.math("MAXIMUM", 6, row, "nearest", most, along[2])
     below = graph.math("SUBTRACT", 7, row, "just below", most, 1.0 + 1e-5)
     side = graph.vector("FLOOR", 9, row, "side", graph.vector(
         "SUBTRACT", 8, row, "1 at the nearest", near, below))
     # The sides across x and y have z in place of x or y.
-    height = _parts(graph, place, 5, row + 3)[2]
+    height = texture_graph.parts(graph, 5, row + 3, place)[2]
     turned = graph.vector("SUBTRACT", 6, row + 3, "to z", height, place)
     return graph.vector("MULTIPLY_ADD", 10, row, "plane", side, turned, place)
-
-
-def _parts(graph, vector, column, row):
-    """The sockets of the three parts of a vector or color."""
-    node = graph.node("ShaderNodeSeparateXYZ", column, row, "parts")
-    graph.link(vector, node.inputs[0])
-    return tuple(node.outputs)
 
 
 def _if_any(graph, wanted, value, column, row):
@@ -82,7 +77,7 @@ def _fibers(graph, inputs, plane, share, row):
     cells.voronoi_dimensions, cells.feature, cells.distance = "2D", "F1", "EUCLIDEAN"
     cells.inputs["Scale"].default_value = cells.inputs["Randomness"].default_value = 1.0
     graph.link(lengths, cells.inputs["Vector"])
-    turn, bend, chance = _parts(graph, cells.outputs["Color"], 4, row)
+    turn, bend, chance = texture_graph.parts(graph, 4, row, cells.outputs["Color"])
     present = graph.math("LESS_THAN", 6, row + 2, "is there", chance, graph.math(
         "MULTIPLY", 5, row + 2, "wanted here", wanted, share))
     away = graph.vector("SUBTRACT", 5, row, "from the middle", lengths, cells.outputs["Position"])
@@ -90,7 +85,7 @@ def _fibers(graph, inputs, plane, share, row):
     rotated.rotation_type = "Z_AXIS"
     graph.link(away, rotated.inputs["Vector"])
     graph.link(graph.math("MULTIPLY", 6, row + 1, "any way", turn, 2.0 * math.pi), rotated.inputs["Angle"])
-    along, across, _ = _parts(graph, rotated.outputs[0], 8, row)
+    along, across, _ = texture_graph.parts(graph, 8, row, rotated.outputs[0])
     phase = graph.math("MULTIPLY", 8, row + 1, "phase", bend, 41.0)
     wave = graph.math("SINE", 10, row, "wave", graph.math("MULTIPLY_ADD", 9, row, "phase", along, 5.5, phase))
     high = graph.math("MULTIPLY", 9, row + 1, "height", bend, -0.16)
@@ -107,12 +102,8 @@ def _fibers(graph, inputs, plane, share, row):
 def _specks(graph, inputs, place, share, row):
     """1 in the middle of specks, 0 beside them."""
     wanted = inputs.outputs["Specks"]
-    noise = graph.node("ShaderNodeTexNoise", 3, row, "specks")
-    noise.noise_dimensions = "3D"
-    graph.link(place, noise.inputs["Vector"])
-    graph.link(graph.math("DIVIDE", 2, row, "per unit", 1.0 / _APART, inputs.outputs["Speck Size"]),
-               noise.inputs["Scale"])
-    noise.inputs["Detail"].default_value = 0.0
+    scale = graph.math("DIVIDE", 2, row, "per unit", 1.0 / _APART, inputs.outputs["Speck Size"])
+    noise = texture_graph.noise(graph, 3, row, "specks", place, scale, 0.0)
     here = graph.math("POWER", 5, row + 1, "wanted here", graph.math(
         "MULTIPLY", 4, row + 1, "share", wanted, share), _ROOT)
     above = graph.math("MULTIPLY_ADD", 6, row + 1, "below 1", here, _LIMIT, -1.0)

@@ -7,10 +7,10 @@ settings are inputs of the group, so that the viewport follows them without a ba
 without the add-on. The patterns lie over rest_coordinates.
 """
 
-from math import cos, pi, radians
+from math import cos, e, pi, radians
 from typing import NamedTuple
 
-from . import closure_graph, detail_group, rest_coordinates
+from . import closure_graph, detail_group, rest_coordinates, texture_graph
 from .graph import Graph
 from .group_sockets import COVERAGE
 
@@ -29,16 +29,20 @@ _RIDGES = 32.0  # in the length of a fingerprint
 class Pattern(NamedTuple):
     """A kind of pattern.
 
-    settings: of detail_group.add_settings. sizes: {setting: metres}. draw(graph, inputs, place, normal,
-    share): draws the nodes, and returns the sockets of the coverage and of the normal; the second is None if
-    the film follows the surface."""
+    settings: of detail_group.add_settings. draw(graph, inputs, place, normal, share): draws the nodes, and
+    returns the sockets of the coverage and of the normal; the second is None if the film follows the
+    surface."""
 
     mark: str
     version: int
     name: str
     settings: tuple
-    sizes: dict
     draw: callable
+
+    @property
+    def sizes(self):
+        """{setting: metres} of the settings that are lengths."""
+        return {name: default for name, subtype, default, *_ in self.settings if subtype == "DISTANCE"}
 
     def group(self):
         """The node group, made or drawn anew if the file has none of this version."""
@@ -60,16 +64,11 @@ class Pattern(NamedTuple):
 
 
 def _add_sockets(tree):
-    have = {(item.name, item.in_out) for item in tree.interface.items_tree if item.item_type == "SOCKET"}
-    for in_out in ("INPUT", "OUTPUT"):
-        for name, kind in ((COVERAGE, "NodeSocketFloat"), (NORMAL, "NodeSocketVector")):
-            if (name, in_out) not in have:
-                socket = tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
-                if in_out == "INPUT" and name == COVERAGE:
-                    socket.subtype, socket.default_value = "FACTOR", 1.0
-                    socket.min_value, socket.max_value = 0.0, 1.0
-                elif in_out == "INPUT":
-                    socket.hide_value = True
+    share = {"subtype": "FACTOR", "default_value": 1.0, "min_value": 0.0, "max_value": 1.0}
+    detail_group.add_input(tree, COVERAGE, "NodeSocketFloat", **share)
+    detail_group.add_input(tree, NORMAL, "NodeSocketVector", hide_value=True)
+    detail_group.add_output(tree, COVERAGE, "NodeSocketFloat")
+    detail_group.add_output(tree, NORMAL, "NodeSocketVector")
 
 
 def _drops(graph, inputs, place, normal, share):
@@ -77,14 +76,14 @@ def _drops(graph, inputs, place, normal, share):
     size = inputs.outputs["Drop Size"]
     bare = graph.math("SUBTRACT", 5, 3, "1 - share", 1.0, graph.math("MINIMUM", 4.6, 3, "", share, 0.999))
     # Balls of the radius r about n points in a unit of volume leave the share exp(-4 pi r^3 n / 3).
-    log = graph.math("LOGARITHM", 6, 3, "log", bare, 2.718281828459045)
+    log = graph.math("LOGARITHM", 6, 3, "log", bare, e)
     cube = graph.math("MULTIPLY", 7, 3, "r^3", log, -0.5 * 3.0 / (4.0 * pi))
     radius = graph.math("POWER", 8, 3, "r", graph.math("MAXIMUM", 7.5, 3, "", cube, 0.0), 1.0 / 3.0)
     masks, heights = [], []
     for row, part in ((5, 1.0), (12, _SMALL)):
         cell = graph.math("MULTIPLY", 4, row, "cell", size, part)
         scale = graph.math("DIVIDE", 5, row, "per unit", 1.0, cell)
-        points = _voronoi(graph, 6, row, place, scale)
+        points = texture_graph.points(graph, 6, row, place, scale)
         above = graph.math("SUBTRACT", 9, row, "r - d", radius, points.outputs["Distance"])
         edge = graph.math("MULTIPLY_ADD", 9, row + 1, "edge", radius, _DROP_EDGE, 1e-6)
         masks.append(graph.math("DIVIDE", 10, row, "drop", above, edge, clamp=True))
@@ -103,7 +102,7 @@ def _puddles(graph, inputs, place, normal, share):
     """Noise above a threshold, on places that are nearly level; water is level."""
     scale = graph.math("DIVIDE", 3, 8, "per unit", 1.0, inputs.outputs["Puddle Size"])
     noise = _noise(graph, 4, 8, place, scale, 3.0)
-    value = _map(graph, 5, 8, noise, 0.5 - _SPREAD, 0.5 + _SPREAD)
+    value = texture_graph.ramp(graph, 5, 8, "in [-1, 1]", noise, 0.5 - _SPREAD, 0.5 + _SPREAD)
     least = graph.math("COSINE", 4, 12, "least cosine", inputs.outputs["Steepest"])
     upright = graph.vector("DOT_PRODUCT", 4, 11, "cosine of the slope", normal, (0.0, 0.0, 1.0))
     above = graph.math("SUBTRACT", 5, 11, "above", upright, least)
@@ -111,7 +110,7 @@ def _puddles(graph, inputs, place, normal, share):
     share = graph.math("MULTIPLY", 7, 3, "share of level places", share, level)
     share = graph.math("MINIMUM", 8, 3, "", graph.math("MAXIMUM", 7.5, 3, "", share, _LEAST), 1.0 - _LEAST)
     odds = graph.math("DIVIDE", 9, 3, "odds", share, graph.math("SUBTRACT", 8, 4, "1 - share", 1.0, share))
-    log = graph.math("LOGARITHM", 10, 3, "log", odds, 2.718281828459045)
+    log = graph.math("LOGARITHM", 10, 3, "log", odds, e)
     depth = graph.math("MULTIPLY_ADD", 11, 3, "depth", log, _LOGISTIC, value)
     edge = graph.math("MULTIPLY_ADD", 12, 3, "edge", depth, 1.0 / _PUDDLE_EDGE, 0.5, clamp=True)
     tilted = graph.mix("VECTOR", 13, 5, "level water", edge, normal, (0.0, 0.0, 1.0))
@@ -122,7 +121,7 @@ def _prints(graph, inputs, place, normal, share):
     """Ridges in an ellipse about a random point, turned at random in the plane of the surface."""
     size = inputs.outputs["Print Size"]
     cell = graph.math("MULTIPLY", 4, 5, "cell", size, 1.4)
-    points = _voronoi(graph, 6, 5, place, graph.math("DIVIDE", 5, 5, "per unit", 1.0, cell))
+    points = texture_graph.points(graph, 6, 5, place, graph.math("DIVIDE", 5, 5, "per unit", 1.0, cell))
     local = graph.vector("SUBTRACT", 7, 5, "from the point", place, points.outputs["Position"])
     local = graph.scale(7.5, 6, "in sizes", local, graph.math("DIVIDE", 5, 6, "", 1.0, size))
     turned = graph.vector("SUBTRACT", 7, 8, "random axis", points.outputs["Color"], (0.5, 0.5, 0.5))
@@ -131,47 +130,23 @@ def _prints(graph, inputs, place, normal, share):
     x = graph.vector("DOT_PRODUCT", 9, 8, "x", local, along)
     y = graph.vector("DOT_PRODUCT", 9, 9, "y", local, across)
     wide = _length(graph, 10, 5, graph.math("MULTIPLY", 9.6, 5, "", x, 1.4), y)
-    inside = _map(graph, 11, 5, wide, 0.5, 0.4, 0.0)
+    inside = texture_graph.ramp(graph, 11, 5, "inside", wide, 0.5, 0.4, 0.0)
     bent = _noise(graph, 4, 12, place, graph.math("DIVIDE", 3, 12, "per unit", 2.5, size), 1.0)
     core = _length(graph, 10, 9, x, graph.math("ADD", 9.6, 9, "", y, 0.12))
     phase = graph.math("MULTIPLY_ADD", 11, 9, "", bent, 0.35, core)
     wave = graph.math("SINE", 12, 9, "ridges", graph.math("MULTIPLY", 11.6, 9, "", phase, 2.0 * pi * _RIDGES))
     ridges = graph.math("MULTIPLY_ADD", 13, 9, "ridges", wave, 2.0, 0.6, clamp=True)
     pores = _noise(graph, 4, 14, place, graph.math("DIVIDE", 3, 14, "per unit", 12.0, size), 2.0)
-    pressed = _map(graph, 5, 14, pores, 0.4, 0.5, 0.0)
-    chance = graph.node("ShaderNodeSeparateColor", 8, 3, "chance")
-    graph.link(points.outputs["Color"], chance.inputs[0])
-    is_there = graph.math("LESS_THAN", 9, 3, "is there", chance.outputs[0], share)
+    pressed = texture_graph.ramp(graph, 5, 14, "pressed", pores, 0.4, 0.5, 0.0)
+    chance = texture_graph.parts(graph, 8, 3, points.outputs["Color"])[0]
+    is_there = graph.math("LESS_THAN", 9, 3, "is there", chance, share)
     there = graph.math("MULTIPLY", 12, 4, "in the ellipse", is_there, inside)
     there = graph.math("MULTIPLY", 13, 4, "pressed", there, pressed)
     return graph.math("MULTIPLY", 14, 4, "print", there, ridges), None
 
 
-def _voronoi(graph, column, row, place, scale):
-    node = graph.node("ShaderNodeTexVoronoi", column, row, "random points")
-    node.voronoi_dimensions = "3D"
-    graph.link(place, node.inputs["Vector"])
-    graph.link(scale, node.inputs["Scale"])
-    return node
-
-
-def _noise(graph, column, row, place, scale, octaves):
-    node = graph.node("ShaderNodeTexNoise", column, row, "noise")
-    node.noise_dimensions = "3D"
-    graph.link(place, node.inputs["Vector"])
-    graph.link(scale, node.inputs["Scale"])
-    node.inputs["Detail"].default_value = octaves
-    return node.outputs[0]
-
-
-def _map(graph, column, row, value, first, last, to=-1.0):
-    """`to` at `first` and below, 1 at `last` and above."""
-    node = graph.node("ShaderNodeMapRange", column, row, "cut")
-    node.clamp = True
-    graph.link(value, node.inputs["Value"])
-    for name, number in (("From Min", first), ("From Max", last), ("To Min", to), ("To Max", 1.0)):
-        node.inputs[name].default_value = number
-    return node.outputs["Result"]
+def _noise(graph, column, row, place, scale, detail):
+    return texture_graph.noise(graph, column, row, "noise", place, scale, detail).outputs[0]
 
 
 def _length(graph, column, row, x, y):
@@ -201,16 +176,16 @@ PATTERNS = {
         _amount(0.35),
         _size("Drop Size", 0.006, "Distance between large drops, in the world"),
         ("Height", "FACTOR", 0.35, 0.0, 1.0, "Half the slope of a drop at its edge; 0 is flat"),
-    ), {"Drop Size": 0.006}, _drops),
+    ), _drops),
     "PUDDLES": Pattern("lamina_puddles", 1, "Puddles", (
         _amount(0.4),
         _size("Puddle Size", 0.3, "Size of the puddles in the world"),
         ("Steepest", "ANGLE", radians(12.0), 0.0, 0.5 * pi, "Slope from which no water stays"),
-    ), {"Puddle Size": 0.3}, _puddles),
+    ), _puddles),
     "PRINTS": Pattern("lamina_prints", 1, "Fingerprints", (
         _amount(0.4, "Share of random places that have a print, where the film's coverage is 1"),
         _size("Print Size", 0.018, "Length of a fingerprint in the world"),
-    ), {"Print Size": 0.018}, _prints),
+    ), _prints),
 }
 
 

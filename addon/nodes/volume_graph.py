@@ -6,7 +6,6 @@ from math import ceil, log
 from typing import NamedTuple
 
 from . import mix_shader
-from .portal_volume import rgb
 
 MOST = 1024  # volume bounces of Cycles, at most
 _LOST = 0.002  # of the light of a body without end, by paths that end after the bounces
@@ -30,7 +29,7 @@ class Body(NamedTuple):
     @property
     def report(self):
         """One or two sentences on noise."""
-        text = f"Cycles follows up to {self.bounces} scatterings: right for all shapes, with their noise."
+        text = f"Cycles follows up to {self.bounces} scatterings. This is right for closed bodies, and noisy."
         if self.surface.ior == 1.0:
             return text
         return f"{text} Suns and small lamps shine through the boundary by chance only: use Exact for them."
@@ -56,11 +55,11 @@ def _volume(graph, medium, length):
     largest = max(*medium.sigma_s, *medium.sigma_a, 1e-12)
     density = graph.math("DIVIDE", 0, 3, "in Blender units", largest, length)
     scatter = graph.node("ShaderNodeVolumeScatter", 1, 2, "scattered")
-    scatter.inputs["Color"].default_value = (*(value / largest for value in rgb(medium.sigma_s)), 1.0)
+    scatter.inputs["Color"].default_value = (*(value / largest for value in medium.sigma_s), 1.0)
     scatter.inputs["Anisotropy"].default_value = medium.g
     absorb = graph.node("ShaderNodeVolumeAbsorption", 1, 4, "absorbed")
     # The closure absorbs its density times (1 - colour).
-    absorb.inputs["Color"].default_value = (*(1.0 - value / largest for value in rgb(medium.sigma_a)), 1.0)
+    absorb.inputs["Color"].default_value = (*(1.0 - value / largest for value in medium.sigma_a), 1.0)
     for node in (scatter, absorb):
         graph.link(density, node.inputs["Density"])
     return mix_shader.added(graph, 2, 3, "the volume", scatter.outputs[0], absorb.outputs[0])

@@ -150,8 +150,8 @@ def _draw_options(column, settings, group):
     for option in OPTIONS:
         if option.group == group and option.name not in ("amount", "grams", *_MAIN):
             row = column.row()
-            row.active = (settings.coverage < 1.0 if option.name == "patch"
-                          else option.name != "edge" or settings.rubbed > 0.0)
+            used = {"patch": settings.coverage < 1.0, "edge": settings.rubbed > 0.0}
+            row.active = used.get(option.name, True)
             _draw_option(row, settings, option)
 
 

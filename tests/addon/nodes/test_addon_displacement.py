@@ -4,10 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from rendered_plane import render
-from test_addon_dust_detail import plane
-
-SIDE = 16
+from test_addon_dust_detail import plane, shown
 
 
 @pytest.fixture
@@ -34,24 +31,14 @@ def displace(addon):
 
 
 def heights(path):
-    """float (SIDE, SIDE): z of the surface, which emits it while it is rendered from above."""
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.pixel_filter_type = 1, False, "BOX"
-    scene.render.resolution_x = scene.render.resolution_y = SIDE
-    scene.render.resolution_percentage = 100
-    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    tree = scene.objects["Square"].active_material.node_tree
-    surface = tree.get_output_node("CYCLES").inputs["Surface"]
-    before = surface.links[0].from_socket
-    place, parts, light = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "SeparateXYZ", "Emission"))
+    """float (height, width): z of the surface, rendered from above."""
+    material = bpy.context.scene.objects["Square"].active_material
+    tree = material.node_tree
+    place, parts = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(place.outputs["Position"], parts.inputs[0])
-    tree.links.new(parts.outputs["Z"], light.inputs["Color"])
-    tree.links.new(light.outputs[0], surface)
-    found = render(path)[..., 0]
-    for node in (place, parts, light):
+    found = shown(material, parts.outputs["Z"], path)
+    for node in (place, parts):
         tree.nodes.remove(node)
-    tree.links.new(before, surface)
     return found
 
 

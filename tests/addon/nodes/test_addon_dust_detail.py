@@ -52,15 +52,19 @@ def shown(material, socket, path, side=SIDE):
     tree = material.node_tree
     emission = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(socket, emission.inputs["Color"])
-    output = tree.get_output_node("CYCLES")
-    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    surface = tree.get_output_node("CYCLES").inputs["Surface"]
+    before = surface.links[0].from_socket
+    tree.links.new(emission.outputs[0], surface)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.pixel_filter_type = 1, False, "BOX"
     scene.render.resolution_x = scene.render.resolution_y = side
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    return render(path)[..., 0]
+    found = render(path)[..., 0]
+    tree.nodes.remove(emission)
+    tree.links.new(before, surface)
+    return found
 
 
 @pytest.mark.parametrize("strength", ["Clouds", "Grain"])
