@@ -52,7 +52,7 @@ class MaterialJob(OfMaterial, Job):
 
     def __init__(self, material, quality, threads, stack=None, **more):
         self.uid, self.quality = material.session_uid, quality
-        more.setdefault("basis", material.lamina.basis)
+        more["basis"] = preferences.table_basis(more.get("basis") or material.lamina.basis)
         super().__init__(stack or stack_io.to_stack(material), quality, threads, **more)
 
     def apply(self, material):
@@ -75,7 +75,7 @@ def bake_material(material, quality=None, threads=None, progress=None, cancel=No
         progress=progress,
         cancel=cancel,
         threads=threads,
-        basis=basis or material.lamina.basis,
+        basis=preferences.table_basis(basis or material.lamina.basis),
     )
     apply(material, lut, curves_of(stack, lut, threads))
     return lut
@@ -168,7 +168,8 @@ def difference(material, quality=None, basis=None):
     settings, result = material.lamina, material.lamina.result
     # Older files do not name a basis; theirs is the standard one.
     baked_basis = result.basis or "standard"
-    wanted_quality, wanted_basis = quality or settings.quality, basis or settings.basis
+    wanted_quality = quality or settings.quality
+    wanted_basis = preferences.table_basis(basis or settings.basis)
     pairs = (("quality", result.quality, wanted_quality), ("fit", baked_basis, wanted_basis))
     return ", ".join(
         f"{name} {baked.capitalize()} instead of {wanted.capitalize()}"

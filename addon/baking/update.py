@@ -83,8 +83,8 @@ class UpdateJob(bake_job.MaterialJob):
 def first_settings(material):
     """(quality, basis) of the bake after a click: quick ones where `refine` follows."""
     if _can_follow(material) and not bpy.app.background:
-        return QUALITY, BASIS
-    return material.lamina.quality, material.lamina.basis
+        return QUALITY, preferences.table_basis(BASIS)
+    return material.lamina.quality, preferences.table_basis(material.lamina.basis)
 
 
 def mark(material):
@@ -206,7 +206,7 @@ def _start_next():
 
 def _kept(material):
     """The closures of the earlier bake, unless they are too many to be quick."""
-    is_few = material.lamina.result.basis in ("", BASIS)
+    is_few = material.lamina.result.basis in ("", preferences.table_basis(BASIS))
     return node_group.closures(material) if is_few else None
 
 

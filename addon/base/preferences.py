@@ -75,6 +75,12 @@ def default_basis():
     return _value("default_basis", "standard")
 
 
+def table_basis(basis):
+    """The basis of lamina.bake for a material's fit. From Blender 5.0 on, Cycles samples lobes that move with
+    the view rightly."""
+    return "moving" if basis == "standard" and bpy.app.version >= (5, 0) else basis
+
+
 def _value(name, default):
     """The user's preference, or the default where the add-on runs without preferences."""
     entry = bpy.context.preferences.addons.get(package.NAME)

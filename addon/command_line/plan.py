@@ -2,7 +2,7 @@
 """What a batch is to do with one material of the open file."""
 
 from ..baking import bake_job
-from ..base import messages, native
+from ..base import messages, native, preferences
 from ..editing import over_material, stack_io
 from . import words
 from .finished_tables import Wanted
@@ -20,7 +20,7 @@ class Plan:
     def __init__(self, material, stack, arguments):
         self.material, self.name = material, material.name
         self.quality = arguments.quality or material.lamina.quality
-        self.basis = arguments.basis or material.lamina.basis
+        self.basis = preferences.table_basis(arguments.basis or material.lamina.basis)
         self.wanted, self.error, self.reason = None, None, ""
         self.is_fresh = self.has_changed = False
         self.lost = []
@@ -48,7 +48,7 @@ class Plan:
             raise messages.RefusedError("has no Lamina layers (give --stack JSON)")
         # New layers come with settings of their own.
         self.quality = arguments.quality or material.lamina.quality
-        self.basis = arguments.basis or material.lamina.basis
+        self.basis = preferences.table_basis(arguments.basis or material.lamina.basis)
         self.has_changed = not self._was_enabled or stack_io.to_dict(material) != self._before
         self.wanted = Wanted(stack_io.to_stack(material), self.quality, self.basis)
         if words.state_of(material, self.quality, self.basis) != "fresh":

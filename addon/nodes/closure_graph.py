@@ -15,7 +15,17 @@ import numpy as np
 
 from ..base import native
 from ..base.messages import RefusedError
-from ..kinds.table import BASE, BASE_WEIGHT, PRINCIPLED, TAU_BEND, THROWN_BACK, Strip, is_covered, strips_of
+from ..kinds.table import (
+    BASE,
+    BASE_WEIGHT,
+    PRINCIPLED,
+    SHAPE,
+    TAU_BEND,
+    THROWN_BACK,
+    Strip,
+    is_covered,
+    strips_of,
+)
 from . import (
     covered_graph,
     eevee_graph,
@@ -50,7 +60,7 @@ def used_closures(lut):
     """Indices of the closures with a weight above 0 anywhere; at least one, so that the group has a
     shader."""
     used = np.flatnonzero(np.any(np.asarray(lut.weights) != 0.0, axis=(0, 2, 3, 4)))
-    lobes = [index for index, strip in enumerate(strips_of(lut.header)) if strip.closure]
+    lobes = [index for index, strip in enumerate(strips_of(lut.header)) if strip.is_weight]
     return [int(index) for index in used if int(index) in lobes] or lobes[:1]
 
 
@@ -153,6 +163,7 @@ def draw(graph, table, image, recipe_of):
 
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
     widths = covered_graph.Widths(graph, inputs)
+    shapes = _Shapes(graph, read, directions)
     totals = {}
     for line, (same, recipe) in enumerate(zip(sums, recipes, strict=True)):
         closure = same[0].closure
@@ -163,7 +174,7 @@ def draw(graph, table, image, recipe_of):
             albedo = native.part("baking.table.real_time").shown_as_diffuse(closure)
             weight = eevee_graph.scaled(graph, line, chooser, weight, albedo)
         name, metal = (closure, False) if covered else (same[0].name, same[0].metal)
-        shader = _closure(graph, line, name, recipe, weight, directions, widths)
+        shader = _closure(graph, line, name, recipe, weight, directions, widths, shapes)
         if metal in totals:
             shader = mix_shader.added(graph, 12, line, "", totals[metal], shader)
         totals[metal] = shader
@@ -355,7 +366,25 @@ class _Directions:
         return self.graph.vector("CROSS_PRODUCT", 1.4, 9.6, "aside", self.known["I"], ASIDE)
 
 
-def _closure(graph, line, name, recipe, weight, directions, widths):
+class _Shapes:
+    """The sockets of closures that move with the view, whose values are read from a strip of the table."""
+
+    def __init__(self, graph, read, directions):
+        self._graph, self._read, self._directions = graph, read, directions
+
+    def link(self, node, closure, line):
+        """Roughness, Anisotropy, and the normal N + k I."""
+        graph, of = self._graph, self._directions.of
+        place = line + 0.5
+        shape = self._read(Strip(closure, SHAPE), 7, place, f"shape {closure}")
+        roughness, anisotropy, tilt = graph.separate(8.6, place, "roughness, anisotropy, k", shape)
+        graph.link(roughness, node.inputs["Roughness"])
+        graph.link(anisotropy, node.inputs["Anisotropy"])
+        towards = graph.scale(9.2, place, "k I", of("I"), tilt)
+        graph.link(graph.vector("ADD", 9.8, place, "N + k I", of("N"), towards), node.inputs["Normal"])
+
+
+def _closure(graph, line, name, recipe, weight, directions, widths, shapes):
     try:
         node = graph.node(recipe.type, 10.6, line, name)
         for key, value in recipe.enums.items():
@@ -364,7 +393,7 @@ def _closure(graph, line, name, recipe, weight, directions, widths):
             node.inputs[key].default_value = value
         graph.link(weight, node.inputs[recipe.weight_input])
         # An unlinked socket means the plain N, unless the group was given a normal: always link it.
-        if recipe.normal_input in node.inputs:
+        if recipe.normal_input in node.inputs and not recipe.moves:
             graph.link(directions.of(recipe.normal), node.inputs[recipe.normal_input])
         for key, wanted in recipe.vectors.items():
             graph.link(directions.of(wanted), node.inputs[key])
@@ -374,6 +403,8 @@ def _closure(graph, line, name, recipe, weight, directions, widths):
             graph.link(directions.of_cosine(*parameters), node.inputs[key])
         for key, (factor, power) in recipe.of_width.items():
             graph.link(widths.of(recipe.width, factor, power), node.inputs[key])
+        if recipe.moves:
+            shapes.link(node, name, line)
         for socket in node.inputs:
             socket.hide = not socket.is_linked  # a folded node grows with every visible socket
     except (KeyError, TypeError, RuntimeError) as error:

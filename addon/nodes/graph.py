@@ -61,6 +61,12 @@ class Graph:
         self.set(node.inputs["Scale"], factor)
         return node.outputs["Vector"]
 
+    def separate(self, column, row, label, color):
+        """The three channels of a color: sockets."""
+        node = self.node("ShaderNodeSeparateColor", column, row, label)
+        self.link(color, node.inputs[0])
+        return node.outputs[:3]
+
     def mix(self, kind, column, row, label, share, first, second):
         """`first` at the share 0, `second` at 1. `kind`: "RGBA", "VECTOR" or "FLOAT". Returns the output
         socket. Cycles leaves the node out if the share is a fixed 0."""

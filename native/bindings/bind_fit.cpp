@@ -6,6 +6,7 @@
 
 #include "bindings.hpp"
 #include "fit/closure_fit.hpp"
+#include "fit/moving_fit.hpp"
 #include "numeric/thread_pool.hpp"
 
 namespace py = pybind11;
@@ -96,6 +97,70 @@ class ClosureTable {
   std::vector<ColumnGram> grams_;
 };
 
+/// The lobe of one point of `shapes` [point, 3] (roughness, anisotropy, tilt) at its view.
+MovingLobe moving_lobe(const Array& shapes, const Array& mu_o, py::ssize_t point) {
+  const double* shape = shapes.data(point, 0);
+  return {{shape[0], shape[1], shape[2]}, *mu_o.data(point)};
+}
+
+void require_points(const Array& shapes, const Array& mu_o) {
+  require(shapes.ndim() == 2 && shapes.shape(1) == 3 && mu_o.ndim() == 1 && mu_o.shape(0) == shapes.shape(0),
+          "shapes must be [point, 3] and mu_o [point]");
+}
+
+/// Values [point, light] of lobes with `shapes` [point, 3] at views `mu_o` [point].
+py::array_t<double> moving_values(const Array& shapes, const Array& mu_o, const LightDirections& light) {
+  require_points(shapes, mu_o);
+  py::array_t<double> values({shapes.shape(0), static_cast<py::ssize_t>(light.x.size())});
+  for (py::ssize_t k = 0; k < shapes.shape(0); ++k)
+    moving_lobe(shapes, mu_o, k).values(light, Eigen::Map<Eigen::VectorXd>(values.mutable_data(k, 0), light.x.size()));
+  return values;
+}
+
+/// Directional albedos [point] of the same lobes.
+py::array_t<double> moving_albedos(const Array& shapes, const Array& mu_o) {
+  require_points(shapes, mu_o);
+  py::array_t<double> albedos(shapes.shape(0));
+  for (py::ssize_t k = 0; k < shapes.shape(0); ++k) *albedos.mutable_data(k) = moving_lobe(shapes, mu_o, k).albedo();
+  return albedos;
+}
+
+/// Shapes [row, view, lobe, 3] for `slices` [row, channel, view, light] with broad closures [view, closure, light].
+py::array_t<double> fit_moving(const Array& slices, const Array& broad, const Eigen::VectorXd& mu_o,
+                               const LightDirections& light, const Eigen::VectorXd& solid_angle,
+                               const MovingFitOptions& options, ThreadPool& pool) {
+  require(slices.ndim() == 4 && broad.ndim() == 3 && slices.shape(2) == broad.shape(0) &&
+              slices.shape(3) == broad.shape(2) && slices.shape(3) == solid_angle.size(),
+          "slices and broad closures must have the same views and lights");
+  const auto views = static_cast<std::size_t>(slices.shape(2));
+  std::vector<std::vector<ViewSlices>> rows(static_cast<std::size_t>(slices.shape(0)));
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    for (std::size_t v = 0; v < views; ++v) {
+      ViewSlices seen{mu_o[static_cast<Eigen::Index>(v)], {}, {}};
+      const auto view = static_cast<py::ssize_t>(v);
+      seen.broad = Eigen::Map<const RowMajor>(broad.data(view, 0, 0), broad.shape(1), broad.shape(2)).transpose();
+      seen.slices.resize(slices.shape(3), slices.shape(1));
+      for (py::ssize_t c = 0; c < slices.shape(1); ++c)
+        seen.slices.col(c) =
+            Eigen::Map<const Eigen::VectorXd>(slices.data(static_cast<py::ssize_t>(row), c, view, 0), slices.shape(3));
+      rows[row].push_back(std::move(seen));
+    }
+  std::vector<std::vector<LobeShapes>> found;
+  {
+    const py::gil_scoped_release release;
+    found = fit_moving_lobes(rows, light, solid_angle, options,
+                             [&](std::size_t count, const auto& body) { pool.run(count, body); });
+  }
+  py::array_t<double> result(
+      {slices.shape(0), slices.shape(2), static_cast<py::ssize_t>(options.lobes), static_cast<py::ssize_t>(3)});
+  double* out = result.mutable_data();
+  for (const auto& row : found)
+    for (const auto& shapes : row)
+      for (const LobeShape& shape : shapes)
+        for (const double value : {shape.roughness, shape.anisotropy, shape.tilt}) *out++ = value;
+  return result;
+}
+
 }  // namespace
 
 void lamina::bind_fit(py::module_& module) {
@@ -127,4 +192,16 @@ void lamina::bind_fit(py::module_& module) {
       .def("select", &ClosureTable::select, py::arg("targets"), py::arg("options"), py::arg("candidates"),
            py::arg("fixed"), py::arg("pool"), py::call_guard<py::gil_scoped_release>())
       .def("fit", &ClosureTable::fit, py::arg("targets"), py::arg("chosen"), py::arg("pool"));
+
+  py::class_<MovingFitOptions>(module, "MovingFitOptions")
+      .def(py::init<>())
+      .def_readwrite("lobes", &MovingFitOptions::lobes)
+      .def_readwrite("stiffness", &MovingFitOptions::stiffness)
+      .def_readwrite("iterations", &MovingFitOptions::iterations);
+  py::class_<LightDirections>(module, "LightDirections")
+      .def(py::init<const Eigen::VectorXd&, const Eigen::VectorXd&>(), py::arg("mu"), py::arg("dphi"));
+  module.def("moving_values", &moving_values, py::arg("shapes"), py::arg("mu_o"), py::arg("light"));
+  module.def("moving_albedos", &moving_albedos, py::arg("shapes"), py::arg("mu_o"));
+  module.def("fit_moving", &fit_moving, py::arg("slices"), py::arg("broad"), py::arg("mu_o"), py::arg("light"),
+             py::arg("solid_angle"), py::arg("options"), py::arg("pool"));
 }

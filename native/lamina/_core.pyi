@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'NextEvent', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -305,6 +305,30 @@ class ClosureTable:
         ...
     def targets(self, slices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> list[SliceTarget]:
         ...
+class MovingFitOptions:
+    def __init__(self) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        ...
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def lobes(self) -> int:
+        ...
+    @lobes.setter
+    def lobes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def stiffness(self) -> float:
+        ...
+    @stiffness.setter
+    def stiffness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class LightDirections:
+    def __init__(self, mu: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
 class Walk:
     pass
 class WalkTarget:
@@ -445,6 +469,8 @@ def count_sublayers(stack: Stack, tolerance: typing.SupportsFloat | typing.Suppo
     """
     The number of layers of the stack as it is solved.
     """
+def fit_moving(slices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], broad: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], light: LightDirections, solid_angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: MovingFitOptions, pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+    ...
 def guided_transfer_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex) -> Walk:
     """
     A photon walk guided by the adjoint internal field of a coarse solution.
@@ -461,6 +487,10 @@ def lateral_flux(stack: MeasuredStack, mu: typing.SupportsFloat | typing.Support
     """
     (reflected, transmitted) at one lateral frequency and a given resolution; truncated peaks count as unscattered.
     """
+def moving_albedos(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    ...
+def moving_values(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], light: LightDirections) -> numpy.typing.NDArray[numpy.float64]:
+    ...
 def photon_walk(stack: Stack, depth_knots: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]], mu_i: typing.SupportsFloat | typing.SupportsIndex) -> LateralWalk:
     ...
 def plane_scattering_walk(stack: Stack, depth_knots: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]], mu_i: typing.SupportsFloat | typing.SupportsIndex) -> LateralWalk:

@@ -16,7 +16,8 @@ import pytest
 
 import lamina
 from lamina import lobes
-from lamina.kinds.table import BASE, THROWN_BACK
+from lamina.closures import moving_lobes
+from lamina.kinds.table import BASE, SHAPE, THROWN_BACK
 
 OTHER = {"top": "bottom", "bottom": "top"}
 BLACK = 1e-6  # share of a slice's largest value; darker values are not compared
@@ -155,8 +156,14 @@ class Sample:
         strips = dict(zip(self.lut.closures, strips, strict=True))
         thrown_back = strips.pop(THROWN_BACK, None)
         total = 0.0
+        shapes = {name: strips.pop(SHAPE + name) for name in list(strips) if moving_lobes.is_moving(name)}
         for name, weight in strips.items():
             if name == "transparent" or name.startswith("mirror:"):
+                continue
+            if name in shapes:
+                if kind == "reflection":
+                    moved = moving_lobes.values(shapes[name][:, None], self.views.mu[:, None], lights.mu, lights.dphi)
+                    total = total + weight[:, None, :] * moved[..., None]
                 continue
             if name.startswith(BASE):
                 weight = weight * self.colour / (1.0 - np.array(self.colour) * thrown_back)
@@ -246,11 +253,11 @@ def made(stacks, samples_of, names):
         bpy.data.materials.remove(sample.material)
 
 
-def make_sample(addon, name, stack, views, quality="final"):
+def make_sample(addon, name, stack, views, quality="final", basis=None):
     """The stack passes through the panel's properties, the bake and the node group, as for a user."""
     material = bpy.data.materials.new(name)
     addon.editing.stack_io.assign_stack(material, stack)
-    lut = addon.baking.bake_job.bake_material(material, quality)
+    lut = addon.baking.bake_job.bake_material(material, quality, basis=basis)
     assert lut.header["stack_hash"] == stack.hash
     return Sample(name, material, lut, lamina.solve(stack), views)
 

@@ -36,6 +36,7 @@ class NodeRecipe:
     by (offset, factor, power): their value is offset + factor * mu_o ** power, clamped to [0, 1].
     `width`, (scale, least), belongs to a closure that follows the roughness of the base: its width is
     following_lobes.width. `of_width` are sockets by (factor, power): their value is factor * width ** power, at most 1.
+    `moves`: the table holds Roughness, Anisotropy and the tilt k of the normal, which is N + k I: see moving_lobes.
     """
 
     type: str
@@ -49,6 +50,7 @@ class NodeRecipe:
     of_cosine: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     width: tuple[float, float] | None = None
     of_width: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    moves: bool = False
 
 
 @dataclass(frozen=True)

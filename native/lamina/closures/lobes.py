@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..common.errors import quoted
-from . import following_lobes
+from . import following_lobes, moving_lobes
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, halo, mirror
 from .through_lobes import through
@@ -219,6 +219,7 @@ _MADE: dict[str, Callable[..., Lobe]] = {
     "beckmann": lambda alpha: beckmann(math.sqrt(alpha), name=f"beckmann:{alpha:g}"),
     "fresnel_ggx": lambda ior, alpha: fresnel_ggx(ior, math.sqrt(alpha), name=f"fresnel_ggx:{ior:g}:{alpha:g}"),
     "halo": lambda alpha: halo(alpha, name=f"halo:{alpha:g}"),
+    "moving": moving_lobes.lobe,
     following_lobes.GGX: lambda scale, least: _following(
         following_lobes.ggx(scale, least), scale, least, {"Roughness": (1.0, 0.5)}),
     following_lobes.TOON: lambda scale, least, lean, size, smooth: _following(
@@ -237,7 +238,7 @@ def _following(name: str, scale: float, least: float, of_width: dict) -> Lobe:
 @functools.lru_cache(maxsize=512)
 def by_id(lobe_id: str) -> Lobe:
     """The lobe with this id: one of the dictionary, or one made for a stack, such as "ggx:0.1" (alpha), "beckmann:0.1",
-    "halo:0.1", "fresnel_ggx:1.5:0.1" (index, alpha), "toon:0.3:0.05:0.2" (lean, size, smooth), or one of
+    "halo:0.1", "moving:0", "fresnel_ggx:1.5:0.1" (index, alpha), "toon:0.3:0.05:0.2" (lean, size, smooth), or one of
     following_lobes. Raises KeyError for an unknown id."""
     if lobe_id in _BY_ID:
         return _BY_ID[lobe_id]

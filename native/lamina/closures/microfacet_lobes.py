@@ -50,16 +50,21 @@ def _ggx_density(alpha_x, alpha_y):
     return density
 
 
+def widths(roughness, anisotropy):
+    """(alpha in the plane of incidence, alpha across) of a Glossy BSDF with these values of its sockets, if its tangent
+    is the incoming direction."""
+    alpha, squeeze = roughness**2, 1.0 - np.abs(anisotropy)
+    narrow, wide = alpha * squeeze, np.minimum(1.0, alpha / squeeze)  # Cycles clamps alpha to 1
+    return np.where(anisotropy > 0.0, narrow, wide), np.where(anisotropy > 0.0, wide, narrow)
+
+
 def ggx(roughness: float, anisotropy: float = 0.0, name: str = "") -> Lobe:
     """Glossy BSDF, distribution GGX (never Multiscatter), without Fresnel.
 
     Positive `anisotropy` makes it narrow in the plane of incidence and wide across it: the tangent is
     the incoming direction, so the lobe turns with the viewer.
     """
-    alpha = roughness**2
-    squeeze = 1.0 - abs(anisotropy)
-    narrow, wide = alpha * squeeze, min(1.0, alpha / squeeze)  # Cycles clamps alpha to 1
-    alpha_x, alpha_y = (narrow, wide) if anisotropy > 0 else (wide, narrow)
+    alpha_x, alpha_y = widths(roughness, anisotropy)
 
     def evaluate(mu_o, mu_i, dphi):
         return _ggx_reflection(Geometry(mu_o, mu_i, dphi), alpha_x, alpha_y)

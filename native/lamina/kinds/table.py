@@ -22,15 +22,18 @@ DARK, FIRST, AGAIN = "dark/", "first/", "again/"
 # has the sockets' values; and the share of trapped light that a metal keeps in.
 THROWN_BACK, BASE_WEIGHT, PRINCIPLED, TRAPPED = "base/thrown back", "base/weight", "principled", "metal/trapped"
 
+# The role of strips that hold the shape of a closure "moving:N" in place of R G B, see closures.moving_lobes.
+SHAPE = "shape/"
+
 _WITHOUT_CLOSURE = (THROWN_BACK, BASE_WEIGHT, PRINCIPLED)
 _METAL = "metal/"
 
 
 @dataclass(frozen=True)
 class Strip:
-    """What one strip of a table holds. `closure`: the id of the closure whose weights it holds, or "" for a role
-    without a closure. `metal`: it belongs to a base of metallic 1, if metallic is an input; the other strips are then
-    for metallic 0."""
+    """What one strip of a table holds. `closure`: the id of the closure whose weights or shapes it holds, or "" for a
+    role without a closure. `metal`: it belongs to a base of metallic 1, if metallic is an input; the other strips are
+    then for metallic 0."""
 
     closure: str = ""
     role: str = OWN
@@ -42,7 +45,7 @@ class Strip:
         if name == TRAPPED:
             return cls(role=TRAPPED)
         rest = name.removeprefix(_METAL)
-        roles = _WITHOUT_CLOSURE if rest in _WITHOUT_CLOSURE else (BASE, DARK, FIRST, AGAIN)
+        roles = _WITHOUT_CLOSURE if rest in _WITHOUT_CLOSURE else (BASE, DARK, FIRST, AGAIN, SHAPE)
         role = next((role for role in roles if rest.startswith(role)), OWN)
         return cls(rest.removeprefix(role), role, name != rest)
 
@@ -50,6 +53,11 @@ class Strip:
     def name(self) -> str:
         """The name in the header of a table."""
         return _METAL * self.metal + self.role + self.closure
+
+    @property
+    def is_weight(self) -> bool:
+        """True if it holds the weights of a closure."""
+        return bool(self.closure) and self.role != SHAPE
 
 
 def strips_of(header: dict) -> list[Strip]:

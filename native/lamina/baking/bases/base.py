@@ -48,8 +48,8 @@ class BakedBase(ABC):
 
     def weights(self, parts: Sequence[Part]) -> np.ndarray:
         """The table, float32 [side, strip, row, column, R G B], with the rows between the solved ones."""
-        every = np.moveaxis(np.concatenate([self._all_rows(part) for part in parts], axis=1), 3, 4)
-        return np.ascontiguousarray(np.broadcast_to(every, (*every.shape[:4], 3)), np.float32)
+        every = [np.moveaxis(self._all_rows(part), 3, 4) for part in parts]
+        return np.concatenate([np.broadcast_to(one, (*one.shape[:4], 3)) for one in every], axis=1, dtype=np.float32)
 
     def _all_rows(self, part: Part) -> np.ndarray:
         """Weights [side, strip, row, channel, column] of all rows."""

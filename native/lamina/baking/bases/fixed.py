@@ -38,7 +38,7 @@ class Fixed(BakedBase):
 
     @staticmethod
     def most_strips(stack: Stack, limits: Basis) -> int:
-        strips = limits.reflected[2] + 1  # and the mirror
+        strips = limits.reflected[2] + limits.moving + 1  # and the mirror
         if stack.varying is not None:
             strips += limits.reflected[0]  # closures of the row without the varying layer
         return strips if stack.base is not None else 2 * (strips + limits.transmitted[2] + 1)  # the unscattered light
@@ -49,7 +49,7 @@ class Fixed(BakedBase):
         self.seen = self._slices()
 
         # Choose closures and fit their weights, for each kind of light
-        self.fit = StackFit(stack, self.solved, grid, self.pool, self.search)
+        self.fit = StackFit(stack, self.solved, grid, self.pool, self.search, self.limits.moving)
         limits = {"reflection": self.limits.reflected, "transmission": self.limits.transmitted}
         self.fitted = {}
         for number, (kind, wanted) in enumerate(self.seen.items()):
@@ -64,7 +64,7 @@ class Fixed(BakedBase):
         parts = []
         for kind, wanted in self.seen.items():
             fitted = self.fitted[kind] = folded(self.fitted[kind], wanted, grid, self.solved.is_sheet)
-            parts.append(Part.of(fitted.closures, fitted.weights))
+            parts += [Part.of(fitted.closures, fitted.weights), *Part.shapes_of(fitted)]
             if np.any(wanted.direct):
                 name = narrow_lobes.mirror(stack) if kind == "reflection" else "transparent"
                 parts.append(Part.single(Strip(name), wanted.direct))

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import collections
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ... import _core
 from ...closures import lobes
@@ -21,17 +21,21 @@ class Basis:
     """Largest numbers of closures in a table: (for lobes of rough boundaries, for other light, for both together); of
     a Principled base, beside the BSDF: (for a fixed color; for a color as an input: for the light over black, for the
     light that the color adds to a dielectric, and to a metal); of a Principled base below an interface: (for diffuse
-    light of the base, for all its light)."""
+    light of the base, for all its light). `moving`: the number of lobes that may move with the view, which Blender 5.0
+    and newer sample rightly."""
 
     reflected: tuple[int, int, int]
     transmitted: tuple[int, int, int]
     textured_base: tuple[int, int, int]
     principled: tuple[int, int, int, int]
     covered: tuple[int, int]
+    moving: int = 0
 
 
+_STANDARD = Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (5, 3, 2, 4), (2, 9))
 CLOSURE_BASES = {
-    "standard": Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (5, 3, 2, 4), (2, 9)),
+    "standard": _STANDARD,
+    "moving": replace(_STANDARD, moving=2),
     "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (14, 9, 6, 6), (4, 18)),
 }
 # Effort of the search for closures: see mixture.Effort.
@@ -76,7 +80,7 @@ def given_strips(names: Sequence[str] | None) -> list[Strip]:
         raise ArgumentError("closures = []: must hold a lobe id, or be None for a choice by the bake")
     # Unscattered light, mirrors and what is no closure are always in the table
     strips = [strip for strip in map(Strip.of, names)
-              if strip.closure not in ("", "transparent") and not strip.closure.startswith("mirror:")]
+              if strip.is_weight and strip.closure != "transparent" and not strip.closure.startswith("mirror:")]
     counts: collections.Counter[str] = collections.Counter()
     for strip in strips:
         try:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...closures.closure_table import LightGrid, only
-from .mixture import Mixture, reweighted
+from ...closures.closure_table import LightGrid
+from .mixture import Mixture, albedos_of, reweighted
 from .slices import Slices
 
 # Cycles' CLOSURE_WEIGHT_CUTOFF is 1e-5. Between a texel with a weight and one without, interpolation passes through all
@@ -24,7 +24,7 @@ def folded(mixture: Mixture, wanted: Slices, grid: LightGrid, mixed: bool,
     shown = mixture.weights * (1.0 if factor is None else factor[:, None])
     if not np.any(_too_small(shown)):
         return mixture
-    albedo = only(grid, mixed, tuple(mixture.closures)).albedo.T[None, :, None, None, :]
+    albedo = albedos_of(mixture, grid, mixed)[:, :, :, None]
     weights, shown = mixture.weights.copy(), shown.copy()
     for _ in mixture.closures:
         small = _too_small(shown)

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...closures import following_lobes, lobes
+from ...closures import following_lobes, lobes, moving_lobes
 from ...closures.axes import column_angles
 from ...closures.closure_table import column_albedos
 from ...common.arguments import broadcast, check_choice, check_number, cosines, finite_array
 from ...common.errors import ArgumentError
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.fields import channel
-from ...kinds.table import COLUMNS, PRINCIPLED, TAU_BEND, Strip, strips_of
+from ...kinds.table import COLUMNS, PRINCIPLED, SHAPE, TAU_BEND, Strip, strips_of
 from ...material.stack import Stack
 from ...solver.solve import ScatteringFunction, solve
 from .strip_factors import strip_factors
@@ -112,6 +112,11 @@ class FittedFunction:
         texels = np.broadcast_to(self._texels, (sides, *self._texels.shape[1:]))
         return self._weights(lambda index: texels[:, index])
 
+    def shapes_at_texels(self, sides: int) -> dict[str, np.ndarray]:
+        """Shapes of the closures that move with the view at all texels, [side, row, column, 3]."""
+        texels = np.broadcast_to(self._texels, (sides, *self._texels.shape[1:]))
+        return self._shapes(lambda index: texels[:, index])
+
     def shown(self, closure: str) -> str:
         """The id of a closure of `at_texels` with its width at this roughness; of microfacets too narrow for the
         light grid of a bake, that of a mirror with this width."""
@@ -125,13 +130,21 @@ class FittedFunction:
         own_facets = following_lobes.is_sharp(closure, 0.0, LEAST_ALPHA)
         return closure.startswith("mirror:") or (own_facets and self._inputs.roughness**2 < LEAST_ALPHA)
 
-    def _at(self, mu_o: np.ndarray, tau: np.ndarray, viewer: str) -> dict[str, np.ndarray]:
-        """Weights, (points, 3), of the closures for these views."""
+    def _at(self, mu_o: np.ndarray, tau: np.ndarray,
+            viewer: str) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """(weights, shapes), each (points, 3), of the closures for these views."""
         side = min(self._sides.index(viewer) if viewer in self._sides else 0, len(self._sides) - 1)
         column = np.arccos(np.clip(mu_o, 0.0, 1.0)) / column_angles()[-1] * (COLUMNS - 1)
         row = _row(tau, self._tau)
 
-        return self._weights(lambda index: _interpolated(self._texels[side, index], row, column))
+        def texels(index: int) -> np.ndarray:
+            return _interpolated(self._texels[side, index], row, column)
+
+        return self._weights(texels), self._shapes(texels)
+
+    def _shapes(self, texels: Callable[[int], np.ndarray]) -> dict[str, np.ndarray]:
+        """The shapes of the closures that move with the view, see closures.moving_lobes."""
+        return {strip.closure: texels(index) for index, strip in enumerate(self._strips) if strip.role == SHAPE}
 
     def _weights(self, texels: Callable[[int], np.ndarray]) -> dict[str, np.ndarray]:
         """The weight of each closure (a lobe's id, "transparent", "mirror:ALPHA" or PRINCIPLED) as the node group
@@ -142,7 +155,7 @@ class FittedFunction:
                                 self._inputs.metallic)
         weights: dict[str, np.ndarray] = {}
         for index, strip in enumerate(strips):
-            if strip.closure:
+            if strip.is_weight:
                 weight = texels(index) * factors.get((strip.role, strip.metal), 1.0)
                 weights[strip.closure] = weights[strip.closure] + weight if strip.closure in weights else weight
         return weights | ({PRINCIPLED: texels(strips.index(own))} if own in strips else {})
@@ -156,9 +169,13 @@ class FittedFunction:
         arrays = broadcast(given, names)
         o, i, azimuth, taus = (np.asarray(array, float).ravel() for array in arrays)
         found = np.zeros((o.size, 3))
-        for closure, weight in self._at(o, taus, viewer).items():
+        weights, shapes = self._at(o, taus, viewer)
+        for closure, weight in weights.items():
             name = self.shown(closure)
-            if name == PRINCIPLED:
+            if name in shapes:
+                if kind == "reflection":
+                    found += weight * moving_lobes.values(shapes[name], o, i, azimuth)[:, None]
+            elif name == PRINCIPLED:
                 if kind == "reflection":
                     found += weight * bare(self.base).brdf(o, i, azimuth) * i[:, None]
             elif (lobe := finite_lobe(name)) is not None and lobe.side == kind:
@@ -172,9 +189,13 @@ class FittedFunction:
         o, taus = (np.asarray(array, float).ravel() for array in arrays)
         spread, direct = np.zeros((2, o.size, 3))
         angle = np.arccos(o)
-        for closure, weight in self._at(o, taus, side).items():
+        weights, shapes = self._at(o, taus, side)
+        for closure, weight in weights.items():
             name = self.shown(closure)
-            if name == PRINCIPLED:
+            if name in shapes:
+                if kind == "reflection":
+                    spread += weight * moving_lobes.albedos(shapes[name], o)[:, None]
+            elif name == PRINCIPLED:
                 if kind == "reflection":
                     scattered, mirrored = bare(self.base).reflectance(o, parts=True)
                     spread += weight * scattered

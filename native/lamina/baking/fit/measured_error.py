@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ... import _core
+from ...closures import moving_lobes
 from ...closures.closure_table import LightGrid, column_albedos, sampled, view_cosines
 from ...common.progress import silent
 from ...kinds.bases import PrincipledBase
@@ -16,7 +17,7 @@ from ...kinds.table import PRINCIPLED
 from ...material.stack import Stack
 from ...solver.solve import thread_pool
 from .fitted_function import FittedFunction, finite_lobe
-from .mixture import norms, relative
+from .mixture import norms, relative, weighted
 from .slices import Slices, SolvedRows, evaluated, solve_rows
 
 # From this width of its facets on, the attenuated lobe of a Principled base is compared with the lobe itself too. The
@@ -48,13 +49,22 @@ class Gauge:
         return {name: np.moveaxis(weight[:, solved.rows, ::self.stride, :self.channels], -1, 2)
                 for name, weight in function.at_texels(len(solved.sides)).items()}
 
+    def shapes(self, function: FittedFunction, solved: SolvedRows) -> dict[str, np.ndarray]:
+        """Shapes of the closures that move with the view at the solved rows, by id, [side, row, column, 3]."""
+        return {name: shape[:, solved.rows, ::self.stride]
+                for name, shape in function.shapes_at_texels(len(solved.sides)).items()}
+
 
 def slice_errors(function: FittedFunction, solved: SolvedRows, wanted: Slices, kind: str, gauge: Gauge,
                  whole: np.ndarray) -> np.ndarray:
     """Errors of the slices `wanted` of one kind of light, relative to the norms `whole`: [side, row, channel, column],
     nan where a slice is black."""
     closures = gauge.closures(function, solved)
-    values = _sum(function, closures, kind, gauge) - wanted.values
+    shapes = gauge.shapes(function, solved)
+    values = -wanted.values
+    for name, shape in shapes.items():
+        values = values + weighted(closures.pop(name), shape, gauge.grid, gauge.stride)
+    values = values + _sum(function, closures, kind, gauge)
     if PRINCIPLED in closures:
         base = function.base
         assert isinstance(base, PrincipledBase)
@@ -67,6 +77,9 @@ def albedo_errors(function: FittedFunction, solved: SolvedRows, wanted: Slices, 
     where a slice is black."""
     closures = gauge.closures(function, solved)
     total = np.zeros_like(next(iter(closures.values())))
+    for name, shape in gauge.shapes(function, solved).items():
+        moving = moving_lobes.albedos(shape, view_cosines()[::gauge.stride])
+        total += closures.pop(name) * moving[:, :, None]
     own = closures.pop(PRINCIPLED, None)
     if own is not None:
         base = function.base

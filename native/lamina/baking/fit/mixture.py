@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ... import _core
-from ...closures import lobes
-from ...closures.closure_table import Closures, LightGrid, only, with_more
+from ...closures import lobes, moving_lobes
+from ...closures.closure_table import Closures, LightGrid, only, view_cosines, with_more
 from ...common.progress import Progress, portion
-from ...kinds.table import OWN, Strip
+from ...kinds.table import OWN, SHAPE, Strip
 from .slices import Slices, batches
 
 # The objective's factor for a Principled BSDF, which renders slower and noisier than the other closures.
@@ -49,12 +49,15 @@ class Effort:
 @dataclass(frozen=True)
 class Mixture:
     """Closures, their `weights` [side, closure, row, channel, column], and the errors of the fit, [side, row, channel,
-    column]: `errors`, relative to each slice's norm and nan where the slice is black; `albedo_errors`, relative."""
+    column]: `errors`, relative to each slice's norm and nan where the slice is black; `albedo_errors`, relative.
+    `shapes` [side, lobe, row, 3, column]: of the first closures, those that move with the view, see
+    closures.moving_lobes; None without them."""
 
     closures: list[str]
     weights: np.ndarray
     errors: np.ndarray
     albedo_errors: np.ndarray
+    shapes: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,14 @@ class Part:
     def of(cls, closures: Sequence[str], weights: np.ndarray, role: str = OWN, metal: bool = False) -> Part:
         """The weights of these closures."""
         return cls([Strip(name, role, metal) for name in closures], weights)
+
+    @classmethod
+    def shapes_of(cls, mixture: Mixture) -> list[Part]:
+        """The strips for the shapes of its closures that move with the view, if it has any."""
+        if mixture.shapes is None:
+            return []
+        names = mixture.closures[:mixture.shapes.shape[1]]
+        return [cls([Strip(name, SHAPE) for name in names], mixture.shapes)]
 
     @classmethod
     def single(cls, strip: Strip, values: np.ndarray) -> Part:
@@ -201,15 +212,41 @@ def _fit_lobes(wanted: Slices, choice: _Choice, own: list[str]) -> _Fitted:
 def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid,
                mixed: bool) -> Mixture:
     """The mixture with other weights and their errors. The albedo errors of the fit are kept."""
-    fitted = _Fitted(only(grid, mixed, tuple(mixture.closures)), weights)
+    changed = replace(mixture, weights=weights)
     whole = norms(wanted.values, grid)
-    errors = norms(wanted.values - fitted.values(), grid) / np.where(whole > 0.0, whole, 1.0)
-    return replace(mixture, weights=weights, errors=np.where(wanted.albedo > 0.0, errors, np.nan))
+    errors = norms(wanted.values - values_of(changed, grid, mixed), grid) / np.where(whole > 0.0, whole, 1.0)
+    return replace(changed, errors=np.where(wanted.albedo > 0.0, errors, np.nan))
 
 
-def values_of(mixture: Mixture, grid: LightGrid) -> np.ndarray:
-    """The values of a mixture over a base, [side, row, channel, column, light]."""
-    return _Fitted(only(grid, False, tuple(mixture.closures)), mixture.weights).values()
+def values_of(mixture: Mixture, grid: LightGrid, mixed: bool = False) -> np.ndarray:
+    """The values of a mixture, [side, row, channel, column, light]."""
+    moving = 0 if mixture.shapes is None else mixture.shapes.shape[1]
+    fixed = mixture.closures[moving:]
+    parts = [_Fitted(only(grid, mixed, tuple(fixed)), mixture.weights[:, moving:]).values()] if fixed else []
+    if mixture.shapes is not None:
+        parts += [weighted(mixture.weights[:, lobe], np.moveaxis(mixture.shapes[:, lobe], 2, 3), grid)
+                  for lobe in range(moving)]
+    return sum(parts[1:], parts[0])
+
+
+def weighted(weights: np.ndarray, shapes: np.ndarray, grid: LightGrid, stride: int = 1) -> np.ndarray:
+    """The values of a lobe that moves with the view, [side, row, channel, column, light], for weights [side, row,
+    channel, column] and shapes [side, row, column, 3] at every `stride`-th view."""
+    mu_o = view_cosines()[::stride]
+    lobes = np.stack([[moving_lobes.sampled(row, mu_o, grid.mu, grid.dphi) for row in side] for side in shapes])
+    return weights[..., None] * lobes[:, :, None]
+
+
+def albedos_of(mixture: Mixture, grid: LightGrid, mixed: bool) -> np.ndarray:
+    """Directional albedos of the closures of unit weight, [side, closure, row, column]; axes may have the size 1."""
+    moving = 0 if mixture.shapes is None else mixture.shapes.shape[1]
+    parts = []
+    if fixed := mixture.closures[moving:]:
+        parts.append(only(grid, mixed, tuple(fixed)).albedo.T[None, :, None])
+    if mixture.shapes is not None:
+        parts.insert(0, moving_lobes.albedos(np.moveaxis(mixture.shapes, 3, 4), view_cosines()))
+        parts = [np.broadcast_to(part, (*parts[0].shape[:1], part.shape[1], *parts[0].shape[2:])) for part in parts]
+    return np.concatenate(parts, axis=1)
 
 
 class _Fitted:

@@ -23,6 +23,8 @@ from ...solver.solve import ScatteringFunction, solve_with_mirrors
 
 SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
 PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
+# Errors are reported for view cosines from here on; closer to grazing, closures are extrapolated.
+STATED_COSINE = 0.05
 # Rows between two calls of `step`; enough to keep all threads busy.
 ROWS_AT_ONCE = 4
 

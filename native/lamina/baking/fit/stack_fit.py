@@ -12,18 +12,25 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ...closures import narrow_lobes
+from ...closures import moving_lobes, narrow_lobes
 from ...closures.closure_table import LightGrid
 from ...common.progress import Progress, portion
 from ...material.stack import Stack
 from .mixture import Effort, Mixture, mix
+from .moving_fit import MovingFit, score
 from .slices import Slices, SolvedRows
+
+# Moving lobes are used where they lower the objective below this share, and where the mean error of fixed closures is
+# above ACCURATE_ENOUGH.
+CLEARLY, ACCURATE_ENOUGH = 0.9, 0.01
 
 
 class StackFit:
-    """Fits of one stack. `search`: the effort of the search for closures, see mixture.Effort."""
+    """Fits of one stack. `search`: the effort of the search for closures, see mixture.Effort. `moving`: the number of
+    lobes that may move with the view, see moving_fit; they are used where they fit clearly better."""
 
-    def __init__(self, stack: Stack, solved: SolvedRows, grid: LightGrid, pool, search: dict):
+    def __init__(self, stack: Stack, solved: SolvedRows, grid: LightGrid, pool, search: dict, moving: int = 0):
+        self._moving = 0 if solved.is_sheet else moving
         self._solved, self._grid, self._pool, self._search = solved, grid, pool, search
         self._varies = stack.varying is not None
         self._made = narrow_lobes.closures(stack)
@@ -37,6 +44,20 @@ class StackFit:
         stack's boundaries. With `given` closures, row 0 has its own choice only if that choice is among them."""
         effort = Effort(*counts, **self._search)
         made, made_clean = (self._made, self._made_clean) if at_boundaries else ([], [])
+        moves = any(map(moving_lobes.is_moving, given))
+        if at_boundaries and self._moving and (moves or not given):
+            fit = MovingFit(self._moving, made, self._grid, effort, self._pool)
+            moving = fit(wanted, given, portion(step, 0.0, 0.5))
+            if moves:
+                return moving
+            fixed = self._fixed(kind, wanted, effort, given, portion(step, 0.5, 1.0), made, made_clean)
+            is_accurate = float(np.nanmean(fixed.errors)) < ACCURATE_ENOUGH
+            return fixed if is_accurate or score(moving) > CLEARLY * score(fixed) else moving
+        return self._fixed(kind, wanted, effort, given, step, made, made_clean)
+
+    def _fixed(self, kind: str, wanted: Slices, effort: Effort, given: list[str], step: Progress, made: list[str],
+               made_clean: list[str]) -> Mixture:
+        """The mixture of closures that do not move."""
 
         def fitted(wanted: Slices, step: Progress, **options) -> Mixture:
             return mix(kind, wanted, self._grid, effort, self._pool, step, mixed=self._solved.is_sheet, **options)

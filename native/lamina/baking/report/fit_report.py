@@ -8,10 +8,7 @@ import numpy as np
 from ...closures.closure_table import view_cosines
 from ..fit.between_rows import linear
 from ..fit.mixture import Mixture
-from ..fit.slices import SolvedRows
-
-# Errors are reported for view cosines from here on; closer to grazing, closures are extrapolated.
-STATED_COSINE = 0.05
+from ..fit.slices import STATED_COSINE, SolvedRows
 
 
 def stated() -> np.ndarray:

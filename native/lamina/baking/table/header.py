@@ -10,16 +10,17 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ... import _core
-from ...closures import lobes
+from ...closures import lobes, moving_lobes
 from ...common.errors import quoted
 from ...kinds.bases import PrincipledBase
-from ...kinds.table import COLUMNS, PRINCIPLED, TAU_BEND, THROWN_BACK, Strip, is_covered, strips_of
+from ...kinds.table import COLUMNS, OWN, PRINCIPLED, SHAPE, TAU_BEND, THROWN_BACK, Strip, is_covered, strips_of
 from ...material.stack import Stack
 from ..fit.slices import SolvedRows
 
 SCHEMA = 1
 COVERED_SCHEMA = 2  # of tables that also hold the stack without the film of its varying interface
 
+MOST_TILT = 10.0  # k of a closure that moves with the view
 _MISSING = object()
 _TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
 _NUMBERS = "a list of numbers from 0"
@@ -132,6 +133,10 @@ def _problem_of_closures(header: dict) -> str:
         except (AttributeError, KeyError):
             return f"closure {quoted(name)}: this version of Lamina does not know it"
     strips = strips_of(header)
+    for strip in strips:
+        other = Strip(strip.closure, OWN if strip.role == SHAPE else SHAPE)
+        if moving_lobes.is_moving(strip.closure) and other not in strips:
+            return f"closure {quoted(strip.name)}: {quoted(other.name)} is missing"
     if Strip(role=PRINCIPLED) in strips or is_covered(strips):
         for field in PrincipledBase.fields:
             if not _is_numbers(_at(header, f"stack.base.{field.name}")):
@@ -163,8 +168,12 @@ def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
     shape = (len(sides), len(header["closures"]), rows, COLUMNS, 3)
     if weights.dtype != np.float32 or weights.shape != shape or not weights.size:
         return f"weights are {weights.dtype} {weights.shape}: the header says float32 {shape}"
-    if not np.all(np.isfinite(weights)) or weights.min(initial=0.0) < 0.0:
+    is_shape = np.array([strip.role == SHAPE for strip in strips_of(header)])
+    if not np.all(np.isfinite(weights)) or weights[:, ~is_shape].min(initial=0.0) < 0.0:
         return "weights are negative or not finite"
+    roughness, anisotropy, tilt = np.moveaxis(weights[:, is_shape], -1, 0)
+    if np.any((roughness <= 0.0) | (roughness > 1.0) | (np.abs(anisotropy) >= 1.0) | (np.abs(tilt) > MOST_TILT)):
+        return "the shape of a closure is out of range"
     return ""
 
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...closures import lobes
+from ...closures import lobes, moving_lobes
 from ...closures.closure_table import column_albedos, view_cosines
-from ...kinds.table import Strip, is_covered, strips_of
+from ...kinds.table import SHAPE, Strip, is_covered, strips_of
 from .lut import Lut
 
 DIFFUSE, GLOSSY, MIRROR = "diffuse", "glossy", "mirror"
@@ -48,21 +48,45 @@ def few_closures(lut: Lut) -> RealTimeTable:
     every = strips_of(lut.header)
     members: dict[Strip, list[int]] = {}
     for index, strip in enumerate([] if is_covered(every) else every):
-        if strip.closure:
-            kind, _ = kind_of(strip.closure)
+        if strip.is_weight:
+            kind = _moving_kind(lut, index) if moving_lobes.is_moving(strip.closure) else kind_of(strip.closure)[0]
             members.setdefault(replace(strip, closure=kind), []).append(index)
     sides, _, rows, columns, _ = lut.weights.shape
     texels = np.zeros((sides, len(members), rows, columns, 4), np.float32)
     for place, group in enumerate(members.values()):
         total, height = np.zeros((sides, rows, columns, 3)), np.zeros((sides, rows, columns))
-        widths = [kind_of(every[index].closure)[1] for index in group]
-        for index, width in zip(group, widths, strict=True):
-            light = lut.weights[:, index] * _albedo(every[index].closure)[:, None]
+        widths = []
+        for index in group:
+            width, albedo = _lobe(lut, index)
+            light = lut.weights[:, index] * albedo[..., None]
             total += light
             height += light.mean(axis=-1) / width**2
+            widths.append(np.mean(width))
         texels[:, place, ..., :3] = total
         texels[:, place, ..., 3] = _roughness(total.mean(axis=-1), height, float(np.mean(widths)))
     return _with_grey_transparency(list(members), texels)
+
+
+def _lobe(lut: Lut, index: int) -> tuple[np.ndarray | float, np.ndarray]:
+    """(width alpha, directional albedo) of the closure of one strip: of one that moves with the view, [side, row,
+    column]."""
+    closure = strips_of(lut.header)[index].closure
+    if not moving_lobes.is_moving(closure):
+        return kind_of(closure)[1], _albedo(closure)
+    shapes = lut.weights[:, strips_of(lut.header).index(Strip(closure, SHAPE))]
+    return shapes[..., 0].astype(float) ** 2, moving_lobes.albedos(shapes, view_cosines())
+
+
+def _moving_kind(lut: Lut, index: int) -> str:
+    """The kind of a lobe that moves with the view, by its mean width where it has light."""
+    width, albedo = _lobe(lut, index)
+    light = lut.weights[:, index].mean(axis=-1) * albedo
+    return _kind(float(np.average(width, weights=light)) if np.any(light) else WIDEST)
+
+
+def _kind(alpha: float) -> str:
+    """The kind of a reflected lobe of width alpha."""
+    return MIRROR if alpha < NARROWEST else GLOSSY if alpha < WIDEST else DIFFUSE
 
 
 def _with_grey_transparency(strips: list[Strip], texels: np.ndarray) -> RealTimeTable:
@@ -106,7 +130,7 @@ def kind_of(closure: str) -> tuple[str, float]:
         alpha = _as_high(closure)
     else:
         return DIFFUSE, WIDEST
-    return (MIRROR if alpha < NARROWEST else GLOSSY if alpha < WIDEST else DIFFUSE), alpha
+    return _kind(alpha), alpha
 
 
 def shown_as_diffuse(closure: str) -> float:

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit/moving_fit.hpp"
+
+#include "numeric/nnls.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+namespace lamina {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Unknowns of one lobe: ln alpha; half the logarithm of alpha_x / alpha_y; k.
+constexpr Index kUnknowns = 3;
+constexpr double kLeastLogAlpha = -4.6;  // alpha .01
+constexpr double kMostSqueeze = 3.0;
+constexpr double kMostTilt = 0.6;  // radians
+constexpr double kStep = 1e-3;     // of a difference quotient
+constexpr double kFixed = 1e3;     // stiffness of an unknown that stays
+constexpr int kMostLobes = 3;
+// Of the penalty, relative to that of the first row: between rows, and between views of a row that follows another.
+constexpr double kBetweenRows = 0.8;
+constexpr double kFollowing = 4.0;
+constexpr int kSweeps = 3;
+constexpr int kStartIterations = 30;
+// Most change of an unknown from row to row, so that all views of a row stay near the same minimum.
+constexpr double kMostChange = 0.12;
+// Widths of lobes along the normal, to begin with.
+constexpr double kLeastWidth = 0.01;
+constexpr double kMostWidth = 0.7;
+constexpr std::size_t kWidths = 14;
+constexpr std::size_t kStarts = 4;  // sets of widths that are tried
+// Weight of the squared relative error of the albedo against the squared relative L2 error.
+constexpr double kAlbedoWeight = 10.0;
+
+LobeShape shape_of(const double* p) {
+  const double squeeze = std::exp(-std::abs(p[1]));
+  const double alpha = std::exp(p[0]);
+  return {std::sqrt(std::min(alpha, 1.0)), p[1] < 0.0 ? 1.0 - squeeze : squeeze - 1.0, p[2]};
+}
+
+// The largest |k| whose tilt is at most kMostTilt.
+double most_k(double mu_o) {
+  const double sine = std::sqrt(std::max(1e-6, 1.0 - mu_o * mu_o));
+  const double tangent = std::tan(kMostTilt);
+  const double left = sine - tangent * mu_o;
+  return left > 0.3 * sine ? std::min(tangent / left, 3.0) : 3.0;
+}
+
+class ViewFit {
+ public:
+  ViewFit(const ViewSlices& view, const LightDirections& light, const VectorXd& solid_angle, int lobes)
+      : view_(view), light_(light), lobes_(lobes), root_(solid_angle.cwiseSqrt()) {
+    const Index broad = view.broad.cols();
+    basis_.resize(solid_angle.size(), broad + lobes);
+    basis_.leftCols(broad) = root_.asDiagonal() * view.broad;
+    targets_ = root_.asDiagonal() * view.slices;
+    norms_ = targets_.colwise().norm();
+    for (Index c = 0; c < norms_.size(); ++c)
+      if (norms_[c] > 0.0) targets_.col(c) /= norms_[c];
+    albedo_ = (targets_.transpose() * root_).eval();
+  }
+
+  // What the best weights leave of each channel's slice, relative to the slice: [light and albedo, channel] as one
+  // vector.
+  VectorXd residual(const VectorXd& p) {
+    const Index lights = root_.size();
+    const Index broad = view_.broad.cols();
+    for (int k = 0; k < lobes_; ++k) {
+      const MovingLobe lobe(shape_of(p.data() + k * kUnknowns), view_.mu_o);
+      lobe.values(light_, value_);
+      basis_.col(broad + k) = root_.cwiseProduct(value_);
+    }
+    const Index count = basis_.cols();
+    MatrixXd gram = basis_.transpose() * basis_;
+    const VectorXd scale = gram.diagonal().cwiseSqrt().cwiseMax(1e-300);
+    const VectorXd reach = (basis_.transpose() * root_).cwiseQuotient(scale);
+    gram = scale.cwiseInverse().asDiagonal() * gram * scale.cwiseInverse().asDiagonal();
+    MatrixXd right = scale.cwiseInverse().asDiagonal() * (basis_.transpose() * targets_);
+    VectorXd left((lights + 1) * targets_.cols());
+    for (Index c = 0; c < targets_.cols(); ++c) {
+      const double weight = albedo_[c] > 0.0 ? kAlbedoWeight / (albedo_[c] * albedo_[c]) : 0.0;
+      SmallMatrix matrix = gram + weight * reach * reach.transpose();
+      SmallVector rhs = right.col(c) + weight * albedo_[c] * reach;
+      SmallVector x = SmallVector::Zero(count);
+      ActiveSet(matrix, rhs).solve(x);
+      left.segment(c * (lights + 1), lights) = targets_.col(c) - basis_ * x.cwiseQuotient(SmallVector(scale));
+      left[c * (lights + 1) + lights] = std::sqrt(weight) * (albedo_[c] - reach.dot(x));
+    }
+    return left;
+  }
+
+  // Minimises the residual and the distance to `prior`, from `p` on. `stiffness`: for each unknown.
+  VectorXd minimise(VectorXd p, const VectorXd& prior, const VectorXd& stiffness, int iterations,
+                    const VectorXd* centre) {
+    clamp(p, centre);
+    VectorXd left = residual(p);
+    double objective = left.squaredNorm() + stiffness.cwiseProduct(p - prior).squaredNorm();
+    double damping = 1e-2;
+    for (int pass = 0; pass < iterations; ++pass) {
+      MatrixXd slope(left.size(), p.size());
+      for (Index k = 0; k < p.size(); ++k) {
+        VectorXd q = p;
+        q[k] += q[k] > 0.0 ? -kStep : kStep;
+        slope.col(k) = (residual(q) - left) / (q[k] - p[k]);
+      }
+      const MatrixXd normal = slope.transpose() * slope + MatrixXd(stiffness.cwiseProduct(stiffness).asDiagonal());
+      const VectorXd down = slope.transpose() * left + stiffness.cwiseProduct(stiffness).cwiseProduct(p - prior);
+      const double before = objective;
+      for (int trial = 0; trial < 5; ++trial) {
+        MatrixXd damped = normal;
+        damped.diagonal() += damping * (normal.diagonal().array() + 1e-6).matrix();
+        VectorXd q = p - damped.ldlt().solve(down).cwiseMin(1.0).cwiseMax(-1.0);
+        clamp(q, centre);
+        const VectorXd tried = residual(q);
+        const double reached = tried.squaredNorm() + stiffness.cwiseProduct(q - prior).squaredNorm();
+        if (reached < objective) {
+          p = q;
+          left = tried;
+          objective = reached;
+          damping = std::max(damping * 0.2, 1e-6);
+          break;
+        }
+        damping *= 6.0;
+      }
+      if (!(objective < before * (1.0 - 1e-3))) break;
+    }
+    reached_ = objective;
+    return p;
+  }
+
+  // The objective that `minimise` reached.
+  [[nodiscard]] double reached() const { return reached_; }
+
+  // The best of all sets of widths on a ladder, best first, as unknowns. `gain`: by how much the first lowers the
+  // squared residual of the broad closures alone.
+  std::vector<VectorXd> widths(double& gain) {
+    std::vector<std::size_t> rung(static_cast<std::size_t>(lobes_));
+    std::iota(rung.begin(), rung.end(), 0);
+    std::vector<std::pair<double, VectorXd>> found;
+    for (bool is_last = false; !is_last;) {
+      VectorXd p = VectorXd::Zero(lobes_ * kUnknowns);
+      for (int k = 0; k < lobes_; ++k)
+        p[k * kUnknowns] = std::log(kLeastWidth) + std::log(kMostWidth / kLeastWidth) *
+                                                       static_cast<double>(rung[static_cast<std::size_t>(k)]) /
+                                                       (kWidths - 1);
+      found.emplace_back(residual(p).squaredNorm(), p);
+      is_last = !next(rung);
+    }
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    gain = ViewFit(view_, light_, root_.cwiseAbs2(), 0).residual({}).squaredNorm() - found.front().first;
+    found.resize(std::min<std::size_t>(found.size(), kStarts));
+    std::vector<VectorXd> best;
+    for (auto& [reached, p] : found) best.push_back(std::move(p));
+    return best;
+  }
+
+ private:
+  // The next set of ascending rungs of the ladder; false after the last one.
+  static bool next(std::vector<std::size_t>& rung) {
+    const std::size_t count = rung.size();
+    for (std::size_t k = count; k-- > 0;) {
+      if (rung[k] == kWidths - count + k) continue;
+      ++rung[k];
+      for (std::size_t j = k + 1; j < count; ++j) rung[j] = rung[j - 1] + 1;
+      return true;
+    }
+    return false;
+  }
+
+  void clamp(VectorXd& p, const VectorXd* centre) const {
+    if (centre != nullptr)
+      p = p.cwiseMax((centre->array() - kMostChange).matrix()).cwiseMin((centre->array() + kMostChange).matrix());
+    const double most = most_k(view_.mu_o);
+    for (int k = 0; k < lobes_; ++k) {
+      double* mine = p.data() + k * kUnknowns;
+      mine[0] = std::clamp(mine[0], kLeastLogAlpha, -1e-3);
+      // Neither width above 1
+      mine[1] = std::clamp(mine[1], std::max(-kMostSqueeze, mine[0]), std::min(kMostSqueeze, -mine[0]));
+      mine[2] = std::clamp(mine[2], -std::min(most, 0.45), most);
+    }
+  }
+
+  const ViewSlices& view_;
+  const LightDirections& light_;
+  int lobes_;
+  VectorXd root_;
+  MatrixXd basis_;    // times the root of the solid angle
+  MatrixXd targets_;  // of norm 1
+  VectorXd norms_;
+  VectorXd albedo_;
+  double reached_ = 0.0;
+  VectorXd value_ = VectorXd(root_.size());
+};
+
+struct RowFit {
+  std::vector<VectorXd> unknowns;  // of each view
+  double objective = 0.0;          // sum over the views
+};
+
+void one_by_one(std::size_t count, const std::function<void(std::size_t)>& body) {
+  for (std::size_t k = 0; k < count; ++k) body(k);
+}
+
+// The views of one row. `start`: shapes of the neighbouring row, or those of the view `first` alone.
+RowFit fit_row(std::span<const ViewSlices> views, const LightDirections& light, const VectorXd& solid_angle,
+               const MovingFitOptions& options, std::span<const VectorXd> start, std::size_t first,
+               const ForEach& for_each) {
+  const Index size = options.lobes * kUnknowns;
+  const bool follows_row = start.size() == views.size();
+  std::vector<VectorXd> found(views.size());
+  const auto fit_view = [&](std::size_t v, const VectorXd& prior) {
+    VectorXd stiff = VectorXd::Constant(size, options.stiffness * (follows_row ? kBetweenRows : 1.0));
+    VectorXd from = prior;
+    if (v == 0)  // round about the normal, where a tilt has no effect
+      for (int k = 0; k < options.lobes; ++k) {
+        from[k * kUnknowns + 1] = 0.0;
+        stiff[k * kUnknowns + 1] = stiff[k * kUnknowns + 2] = kFixed;
+      }
+    found[v] = ViewFit(views[v], light, solid_angle, options.lobes)
+                   .minimise(from, from, stiff, options.iterations, follows_row ? &from : nullptr);
+  };
+  if (follows_row) {
+    for_each(views.size(), [&](std::size_t v) { fit_view(v, start[v]); });
+  } else {
+    found[first] = start[0];
+    for (std::size_t v = first + 1; v < views.size(); ++v) fit_view(v, found[v - 1]);
+    for (std::size_t v = first; v-- > 0;) fit_view(v, found[v + 1]);
+  }
+
+  // Towards the mean of the neighbours
+  const VectorXd stiff = VectorXd::Constant(size, options.stiffness * (follows_row ? kFollowing : 1.0));
+  std::vector<VectorXd> smooth = found;
+  VectorXd objective = VectorXd::Zero(static_cast<Index>(views.size()));
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    found = smooth;
+    for_each(views.size() - 1, [&](std::size_t k) {
+      const std::size_t v = k + 1;
+      const VectorXd prior = v + 1 < views.size() ? VectorXd(0.5 * (found[v - 1] + found[v + 1])) : found[v - 1];
+      ViewFit fit(views[v], light, solid_angle, options.lobes);
+      smooth[v] = fit.minimise(found[v], prior, stiff, options.iterations / 2, follows_row ? &start[v] : nullptr);
+      double least = fit.reached();
+      // A neighbour may have found a lower minimum
+      for (const std::size_t other : {v - 1, v + 1}) {
+        if (follows_row || other >= views.size()) continue;
+        const VectorXd theirs = fit.minimise(found[other], prior, stiff, options.iterations, nullptr);
+        if (fit.reached() < least) {
+          least = fit.reached();
+          smooth[v] = theirs;
+        }
+      }
+      objective[static_cast<Index>(v)] = least;
+    });
+  }
+  // At the normal, k continues that of the next view
+  for (int k = 0; k < options.lobes && views.size() > 1; ++k)
+    smooth[0][k * kUnknowns + 2] = smooth[1][k * kUnknowns + 2];
+  return {smooth, objective.sum()};
+}
+
+}  // namespace
+
+std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vector<ViewSlices>> rows,
+                                                      const LightDirections& light, const VectorXd& solid_angle,
+                                                      const MovingFitOptions& options, const ForEach& for_each) {
+  if (options.lobes < 1 || options.lobes > kMostLobes || rows.empty())
+    throw std::invalid_argument("fit_moving_lobes: number of lobes or rows out of range");
+  // Begin with the row that lobes improve most, at an oblique view, with the best of several starts
+  const std::size_t oblique = rows.front().size() * 2 / 3;
+  std::vector<std::vector<VectorXd>> widths(rows.size());
+  VectorXd gain(static_cast<Index>(rows.size()));
+  for_each(rows.size(), [&](std::size_t row) {
+    ViewFit fit(rows[row][oblique], light, solid_angle, options.lobes);
+    widths[row] = fit.widths(gain[static_cast<Index>(row)]);
+  });
+  Index best = 0;
+  gain.maxCoeff(&best);
+  const auto first = static_cast<std::size_t>(best);
+  std::vector<RowFit> tried(widths[first].size());
+  for_each(tried.size(), [&](std::size_t k) {
+    ViewFit view(rows[first][oblique], light, solid_angle, options.lobes);
+    const VectorXd free = VectorXd::Zero(widths[first][k].size());
+    const VectorXd start = view.minimise(widths[first][k], widths[first][k], free, kStartIterations, nullptr);
+    tried[k] = fit_row(rows[first], light, solid_angle, options, std::span(&start, 1), oblique, one_by_one);
+  });
+  std::vector<std::vector<VectorXd>> found(rows.size());
+  found[first] = std::min_element(tried.begin(), tried.end(), [](const RowFit& a, const RowFit& b) {
+                   return a.objective < b.objective;
+                 })->unknowns;
+  const auto fit = [&](std::size_t row, std::span<const VectorXd> start) {
+    found[row] = fit_row(rows[row], light, solid_angle, options, start, oblique, for_each).unknowns;
+  };
+  for (std::size_t row = first + 1; row < rows.size(); ++row) fit(row, found[row - 1]);
+  for (std::size_t row = first; row-- > 0;) fit(row, found[row + 1]);
+
+  std::vector<std::vector<LobeShapes>> shapes(rows.size());
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    for (const VectorXd& p : found[row]) {
+      LobeShapes& view = shapes[row].emplace_back();
+      for (int k = 0; k < options.lobes; ++k) view.push_back(shape_of(p.data() + k * kUnknowns));
+    }
+  return shapes;
+}
+
+}  // namespace lamina

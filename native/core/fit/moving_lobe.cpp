@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit/moving_lobe.hpp"
+
+#include "numeric/quadrature.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lamina {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+namespace {
+// Of an albedo: nodes on each axis of the disk of visible normals; steps and halvings of the search for horizons.
+constexpr int kNodes = 24;
+constexpr int kScan = 20;
+constexpr int kBisections = 20;
+}  // namespace
+
+LightDirections::LightDirections(const Eigen::Ref<const Eigen::VectorXd>& mu,
+                                 const Eigen::Ref<const Eigen::VectorXd>& dphi)
+    : x(mu.size() * dphi.size()), y(x.size()), z(x.size()) {
+  for (Index i = 0; i < mu.size(); ++i) {
+    const double sine = std::sqrt(std::max(0.0, 1.0 - mu[i] * mu[i]));
+    for (Index j = 0; j < dphi.size(); ++j) {
+      const Index k = i * dphi.size() + j;
+      x[k] = -sine * std::cos(dphi[j]);
+      y[k] = -sine * std::sin(dphi[j]);
+      z[k] = mu[i];
+    }
+  }
+}
+
+MovingLobe::MovingLobe(const LobeShape& shape, double mu_o) {
+  const double alpha = shape.roughness * shape.roughness;
+  const double squeeze = 1.0 - std::abs(shape.anisotropy);
+  const double narrow = alpha * squeeze;
+  const double wide = std::min(1.0, alpha / squeeze);  // Cycles clamps alpha to 1
+  alpha_x_ = shape.anisotropy > 0.0 ? narrow : wide;
+  alpha_y_ = shape.anisotropy > 0.0 ? wide : narrow;
+  const double sin_o = std::sqrt(std::max(0.0, 1.0 - mu_o * mu_o));
+  const double normal_x = shape.tilt * sin_o;
+  const double normal_z = 1.0 + shape.tilt * mu_o;
+  const double length = std::hypot(normal_x, normal_z);
+  sin_tilt_ = normal_x / length;
+  cos_tilt_ = normal_z / length;
+  view_x_ = sin_o * cos_tilt_ - mu_o * sin_tilt_;
+  view_z_ = std::max(sin_o * sin_tilt_ + mu_o * cos_tilt_, 1e-6);
+  lambda_view_ = lambda(view_x_, 0.0, view_z_);
+}
+
+double MovingLobe::lambda(double x, double y, double z) const {
+  const double across = alpha_x_ * x * alpha_x_ * x + alpha_y_ * y * alpha_y_ * y;
+  return 0.5 * (std::sqrt(1.0 + across / (z * z)) - 1.0);
+}
+
+void MovingLobe::values(const LightDirections& light, Eigen::Ref<Eigen::VectorXd> out) const {
+  // The light in the frame of the tilted normal
+  const ArrayXd x = light.x * cos_tilt_ - light.z * sin_tilt_;
+  const ArrayXd z = light.x * sin_tilt_ + light.z * cos_tilt_;
+  const ArrayXd y2 = light.y.square();
+  const ArrayXd above = z.max(1e-9);
+  const ArrayXd slope2 = ((alpha_x_ * x).square() + alpha_y_ * alpha_y_ * y2) / above.square();
+  const ArrayXd masking = 1.0 + lambda_view_ + 0.5 * ((1.0 + slope2).sqrt() - 1.0);
+  // GGX's distribution at the half vector
+  const ArrayXd half_x = view_x_ + x;
+  const ArrayXd half_z = view_z_ + above;
+  const ArrayXd length2 = half_x.square() + y2 + half_z.square();
+  const ArrayXd stretched = (half_x / alpha_x_).square() + y2 / (alpha_y_ * alpha_y_) + half_z.square();
+  const double scale = 1.0 / (4.0 * view_z_ * std::numbers::pi * alpha_x_ * alpha_y_);
+  out = (z > 0.0).select(scale * (length2 / stretched).square() / masking, 0.0).matrix();
+}
+
+double MovingLobe::reflected(const Chord& chord, double along) const {
+  const double t2 = (1.0 - chord.lift) * chord.half + chord.lift * chord.half * along;
+  const double upright = std::sqrt(std::max(0.0, 1.0 - chord.t1 * chord.t1 - t2 * t2));
+  // t2 points along (-stretched_z, 0, stretched_x)
+  double normal_x = alpha_x_ * (upright * chord.stretched_x - t2 * chord.stretched_z);
+  double normal_y = alpha_y_ * chord.t1;
+  double normal_z = std::max(upright * chord.stretched_z + t2 * chord.stretched_x, 1e-12);
+  const double norm = std::sqrt(normal_x * normal_x + normal_y * normal_y + normal_z * normal_z);
+  normal_x /= norm;
+  normal_y /= norm;
+  normal_z /= norm;
+  const double twice = 2.0 * (view_x_ * normal_x + view_z_ * normal_z);
+  const double x = twice * normal_x - view_x_;
+  const double z = twice * normal_z - view_z_;
+  const double above = std::min(z, z * cos_tilt_ - x * sin_tilt_);
+  if (!(above > 0.0)) return above;
+  return (1.0 + lambda_view_) / (1.0 + lambda_view_ + lambda(x, twice * normal_y, z));
+}
+
+double MovingLobe::albedo() const {
+  // The view stretched to the hemisphere of facets of width 1, and a frame about it: t1 along y, t2 in the plane of
+  // incidence. Normals are spread evenly over a disk; by symmetry, over one half
+  static const Quadrature rule(kNodes, -1.0, 1.0);
+  const double length = std::hypot(alpha_x_ * view_x_, view_z_);
+  const double stretched_z = view_z_ / length;
+  double sum = 0.0;
+  for (Index i = 0; i < kNodes; ++i) {
+    const double angle = 0.25 * std::numbers::pi * (1.0 + rule.mu[i]);
+    const Chord chord{std::sin(angle), std::cos(angle), alpha_x_ * view_x_ / length, stretched_z,
+                      0.5 * (1.0 + stretched_z)};
+    // The part of the chord whose light is above both horizons
+    double first = 2.0;
+    double last = -2.0;
+    for (int k = 0; k <= kScan; ++k) {
+      const double along = 2.0 * k / kScan - 1.0;
+      if (reflected(chord, along) > 0.0) {
+        first = std::min(first, along);
+        last = std::max(last, along);
+      }
+    }
+    if (first > last) continue;
+    first = edge(chord, first, std::max(-1.0, first - 2.0 / kScan));
+    last = edge(chord, last, std::min(1.0, last + 2.0 / kScan));
+    double line = 0.0;
+    for (Index k = 0; k < kNodes; ++k)
+      line +=
+          rule.weight[k] * std::max(0.0, reflected(chord, 0.5 * (first + last) + 0.5 * (last - first) * rule.mu[k]));
+    // dt1 = chord d(asin t1); the integral over the half disk of area pi / 2
+    sum += 0.25 * std::numbers::pi * rule.weight[i] * chord.half * chord.half * 0.5 * (last - first) * line;
+  }
+  return sum * 2.0 / std::numbers::pi;
+}
+
+double MovingLobe::edge(const Chord& chord, double inside, double outside) const {
+  if (reflected(chord, outside) > 0.0) return outside;
+  for (int k = 0; k < kBisections; ++k) {
+    const double middle = 0.5 * (inside + outside);
+    (reflected(chord, middle) > 0.0 ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+}  // namespace lamina

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mixtures with lobes that move with the view, beside a few fixed closures.
+
+A lobe seen through a refracting boundary or an absorbing layer changes its width, its anisotropy and its direction with
+the view. A closure of one width cannot follow, however many there are. The shapes of the moving lobes are fitted first,
+beside a few broad closures. All other closures are then chosen for the whole material, and all weights are fitted."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ... import _core
+from ...closures import closure_table, lobes, moving_lobes
+from ...closures.closure_table import LightGrid, view_cosines
+from ...common.progress import Progress
+from ...kinds.table import TAU_ROWS
+from .mixture import ACCURATE, Effort, Mixture, selection
+from .slices import STATED_COSINE, Slices, batches
+
+# Broad closures beside the lobes while their shapes are fitted.
+BROAD = ("diffuse", "toon_03_06", "ggx_1", "diffuse_tiltm15")
+# Columns and rows where shapes are fitted; they are linear between. Shapes change fastest at grazing views and in thin
+# layers. Beyond the last view whose errors are reported, they stay as they are.
+COLUMN_KNOTS = (*range(0, 48, 4), *range(48, 61, 2))
+ROW_KNOTS = (0, 1, 2, 3, *range(4, TAU_ROWS, 2))
+# Weight of the squared distance to the neighbours' shapes (in ln alpha, half the logarithm of the ratio of the widths,
+# and k) against squared relative errors, as a root.
+STIFFNESS = 0.05
+# Numbers of fixed closures that are tried. The first is taken whose objective is at most ENOUGH times the last one's.
+FIXED, ENOUGH = (2, 4, 6), 1.1
+# Cones for tilted lobes have edges, and moving lobes replace them.
+CONE = "toon:"
+# Weight of the worst slice's squared error against the mean of all, as in a choice of closures.
+WORST_SHARE = 0.05
+
+
+@dataclass(frozen=True)
+class MovingFit:
+    """Fits for a stack on an opaque base with `count` moving lobes. `made`: closures made for the stack's boundaries;
+    `effort`: of the choice."""
+
+    count: int
+    made: Sequence[str]
+    grid: LightGrid
+    effort: Effort
+    pool: _core.ThreadPool
+
+    def __call__(self, wanted: Slices, given: Sequence[str], step: Progress) -> Mixture:
+        """The mixture of all rows. `given`: closures of an earlier table; without a moving one, a choice is made."""
+        step(0.0, "Fitting lobes that move with the view")
+        fit = _Fit(self, wanted, self._shapes(wanted))
+        step(0.5, "Choosing closures")
+        own = [name for name in given if not moving_lobes.is_moving(name)]
+        if len(own) < len(given) and all(":" not in name or name in self.made for name in own):
+            return fit.mixture(own)
+        dictionary = [lobe.id for lobe in lobes.DICTIONARY if lobe.side == "reflection"]
+        return fit.mixture(fit.chosen([*dictionary, *(name for name in self.made if not name.startswith(CONE))]))
+
+    def _shapes(self, wanted: Slices) -> np.ndarray:
+        """Shapes of all rows and columns, [row, column, lobe, 3]."""
+        count, columns, grid = wanted.albedo.shape[1], np.array(COLUMN_KNOTS), self.grid
+        rows = sorted({row for row in ROW_KNOTS if row < count} | {count - 1})
+        options = _core.MovingFitOptions()
+        options.lobes, options.stiffness = self.count, STIFFNESS
+        found = _core.fit_moving(
+            np.ascontiguousarray(wanted.values[0][rows][:, :, columns]),
+            np.ascontiguousarray(closure_table.sampled(BROAD, grid, 1)[columns]), view_cosines()[columns],
+            _core.LightDirections(grid.mu, grid.dphi), grid.solid_angle, options, self.pool)
+        return _between(_between(found, columns, view_cosines().size, 1), np.array(rows), count, 0)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """The slices of one stack and the shapes [row, column, lobe, 3] of the moving lobes."""
+
+    how: MovingFit
+    wanted: Slices
+    shapes: np.ndarray
+
+    @functools.cached_property
+    def albedos(self) -> np.ndarray:
+        """Directional albedos of the moving lobes, [row, column, lobe]."""
+        return moving_lobes.albedos(self.shapes, view_cosines()[:, None])
+
+    def chosen(self, candidates: Sequence[str]) -> list[str]:
+        """Fixed closures for the whole material."""
+        effort = self.how.effort
+        count = self.shapes.shape[0]
+        rows = sorted({*range(0, count, effort.row_stride), count - 1})
+        table = self._table(candidates, rows, effort.column_stride)
+        targets = [target for target in self._targets(table, rows, effort.column_stride) if target.norm2 > 0.0]
+        names = [*moving_lobes.ids(self.how.count), *candidates]
+        if not targets:
+            return [*candidates[:1]]
+        found = []
+        for number in FIXED:
+            options = selection(names, self.how.count + number, effort.overshoot, effort.exchanges, ACCURATE)
+            choice = table.select(targets, options, list(range(len(names))), list(range(self.how.count)),
+                                  self.how.pool)
+            found.append((choice.mean_error**2 + WORST_SHARE * choice.worst_error**2, choice.closures))
+        kept = next(closures for score, closures in found if score <= ENOUGH * found[-1][0])
+        return [names[k] for k in kept if k >= self.how.count]
+
+    def mixture(self, names: Sequence[str]) -> Mixture:
+        """The fit of all slices with these fixed closures."""
+        wanted, rows = self.wanted, self.shapes.shape[0]
+        weights, errors = [], []
+        for part in batches(rows):
+            some = list(range(rows))[part]
+            table = self._table(names, some, 1)
+            every = list(range(self.how.count + len(names)))
+            fitted, left = table.fit(self._targets(table, some, 1), every, self.how.pool)
+            shape = wanted.albedo.shape[2], len(some), wanted.albedo.shape[3]
+            weights.append(np.moveaxis(fitted.reshape(*shape, -1), (1, 3), (1, 0)))
+            errors.append(left.reshape(shape).swapaxes(0, 1))
+        black = wanted.albedo <= 0.0
+        joined = np.concatenate(weights, axis=1)[None]
+        joined = np.where(black[:, None], 0.0, joined)
+        kept = joined.astype(np.float32)
+        reached = np.einsum("krxc,rck->rxc", kept[0, :self.how.count], self.albedos)
+        if names:
+            reached = reached + np.einsum("krxc,ck->rxc", kept[0, self.how.count:],
+                                          closure_table.column_albedos(tuple(names)))
+        lost = np.abs(reached - wanted.albedo) / np.maximum(wanted.albedo, 1e-12) * ~black
+        return Mixture([*moving_lobes.ids(self.how.count), *names], joined,
+                       np.where(black, np.nan, np.concatenate(errors)[None]), lost,
+                       np.moveaxis(self.shapes, (0, 1, 2, 3), (1, 3, 0, 2))[None])
+
+    def _table(self, names: Sequence[str], rows: Sequence[int], stride: int) -> _core.ClosureTable:
+        """The core's table of the moving lobes and of fixed closures. Its columns are those of all rows, one row after
+        the other."""
+        grid, mu_o = self.how.grid, view_cosines()[::stride]
+        known = closure_table.sampled(names, grid, stride) if names else np.zeros((mu_o.size, 0, grid.solid_angle.size))
+        whole = closure_table.column_albedos(tuple(names), stride) if names else np.zeros((mu_o.size, 0))
+        values, albedo = [], []
+        for row in rows:
+            mine = self.shapes[row, ::stride]
+            moving = [moving_lobes.sampled(mine[:, lobe], mu_o, grid.mu, grid.dphi) for lobe in range(self.how.count)]
+            values.append(np.concatenate([np.stack(moving, axis=1), known], axis=1))
+            albedo.append(np.concatenate([self.albedos[row, ::stride], whole], axis=1))
+        return _core.ClosureTable(np.concatenate(values), grid.solid_angle, np.concatenate(albedo))
+
+    def _targets(self, table: _core.ClosureTable, rows: Sequence[int], stride: int):
+        """The core's targets, [channel, row, column]."""
+        values = self.wanted.values[0][list(rows)][:, :, ::stride].swapaxes(0, 1)
+        albedo = self.wanted.albedo[0][list(rows)][:, :, ::stride].swapaxes(0, 1)
+        channels = albedo.shape[0]
+        return table.targets(np.ascontiguousarray(values).reshape(channels, -1, values.shape[-1]),
+                             np.ascontiguousarray(albedo).reshape(channels, -1), self.how.pool)
+
+
+def score(mixture: Mixture) -> float:
+    """The objective of a choice at the views whose errors are reported: the mean squared error of the slices, and a
+    share of the worst one."""
+    errors = mixture.errors[..., view_cosines() >= STATED_COSINE]
+    squared = errors[np.isfinite(errors)] ** 2
+    return float(squared.mean() + WORST_SHARE * squared.max()) if squared.size else 0.0
+
+
+def _between(values: np.ndarray, known: np.ndarray, count: int, axis: int) -> np.ndarray:
+    """Values at 0 ... count - 1 along an axis, linear between those at `known` places and constant after the
+    last."""
+    if len(known) == 1:
+        return np.repeat(values, count, axis)
+    wanted = np.minimum(np.arange(count), known[-1])
+    after = np.clip(np.searchsorted(known, wanted), 1, None)
+    share = (wanted - known[after - 1]) / (known[after] - known[after - 1])
+    share = share.reshape([-1 if k == axis else 1 for k in range(values.ndim)])
+    return (1.0 - share) * values.take(after - 1, axis) + share * values.take(after, axis)
