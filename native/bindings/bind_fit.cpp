@@ -126,9 +126,10 @@ py::array_t<double> moving_albedos(const Array& shapes, const Array& mu_o) {
 }
 
 /// Shapes [row, view, lobe, 3] for `slices` [row, channel, view, light] with broad closures [view, closure, light].
+/// `first_row` [view, lobe, 3]: known shapes of row 0, or empty.
 py::array_t<double> fit_moving(const Array& slices, const Array& broad, const Eigen::VectorXd& mu_o,
                                const LightDirections& light, const Eigen::VectorXd& solid_angle,
-                               const MovingFitOptions& options, ThreadPool& pool) {
+                               const MovingFitOptions& options, const Array& first_row, ThreadPool& pool) {
   require(slices.ndim() == 4 && broad.ndim() == 3 && slices.shape(2) == broad.shape(0) &&
               slices.shape(3) == broad.shape(2) && slices.shape(3) == solid_angle.size(),
           "slices and broad closures must have the same views and lights");
@@ -145,11 +146,19 @@ py::array_t<double> fit_moving(const Array& slices, const Array& broad, const Ei
             Eigen::Map<const Eigen::VectorXd>(slices.data(static_cast<py::ssize_t>(row), c, view, 0), slices.shape(3));
       rows[row].push_back(std::move(seen));
     }
+  std::vector<LobeShapes> known;
+  for (py::ssize_t v = 0; first_row.ndim() == 3 && v < first_row.shape(0); ++v) {
+    LobeShapes& view = known.emplace_back();
+    for (py::ssize_t k = 0; k < first_row.shape(1); ++k) {
+      const double* shape = first_row.data(v, k, 0);
+      view.push_back({shape[0], shape[1], shape[2]});
+    }
+  }
   std::vector<std::vector<LobeShapes>> found;
   {
     const py::gil_scoped_release release;
-    found = fit_moving_lobes(rows, light, solid_angle, options,
-                             [&](std::size_t count, const auto& body) { pool.run(count, body); });
+    found = fit_moving_lobes(
+        rows, light, solid_angle, options, [&](std::size_t count, const auto& body) { pool.run(count, body); }, known);
   }
   py::array_t<double> result(
       {slices.shape(0), slices.shape(2), static_cast<py::ssize_t>(options.lobes), static_cast<py::ssize_t>(3)});
@@ -203,5 +212,5 @@ void lamina::bind_fit(py::module_& module) {
   module.def("moving_values", &moving_values, py::arg("shapes"), py::arg("mu_o"), py::arg("light"));
   module.def("moving_albedos", &moving_albedos, py::arg("shapes"), py::arg("mu_o"));
   module.def("fit_moving", &fit_moving, py::arg("slices"), py::arg("broad"), py::arg("mu_o"), py::arg("light"),
-             py::arg("solid_angle"), py::arg("options"), py::arg("pool"));
+             py::arg("solid_angle"), py::arg("options"), py::arg("first_row"), py::arg("pool"));
 }

@@ -469,7 +469,7 @@ def count_sublayers(stack: Stack, tolerance: typing.SupportsFloat | typing.Suppo
     """
     The number of layers of the stack as it is solved.
     """
-def fit_moving(slices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], broad: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], light: LightDirections, solid_angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: MovingFitOptions, pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+def fit_moving(slices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], broad: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], light: LightDirections, solid_angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: MovingFitOptions, first_row: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
     ...
 def guided_transfer_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex) -> Walk:
     """

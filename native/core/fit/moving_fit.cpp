@@ -24,6 +24,7 @@ using Eigen::VectorXd;
 constexpr Index kUnknowns = 3;
 constexpr double kLeastLogAlpha = -4.6;  // alpha .01
 constexpr double kMostSqueeze = 3.0;
+constexpr double kMostAway = 0.5;  // of -k, as a share of the view cosine
 constexpr double kMostTilt = 0.6;  // radians
 constexpr double kStep = 1e-3;     // of a difference quotient
 constexpr double kFixed = 1e3;     // stiffness of an unknown that stays
@@ -47,6 +48,17 @@ LobeShape shape_of(const double* p) {
   const double squeeze = std::exp(-std::abs(p[1]));
   const double alpha = std::exp(p[0]);
   return {std::sqrt(std::min(alpha, 1.0)), p[1] < 0.0 ? 1.0 - squeeze : squeeze - 1.0, p[2]};
+}
+
+VectorXd unknowns_of(const LobeShapes& shapes) {
+  VectorXd p(static_cast<Index>(shapes.size()) * kUnknowns);
+  double* out = p.data();
+  for (const LobeShape& shape : shapes) {
+    *out++ = 2.0 * std::log(shape.roughness);
+    *out++ = shape.anisotropy > 0.0 ? std::log(1.0 - shape.anisotropy) : -std::log(1.0 + shape.anisotropy);
+    *out++ = shape.tilt;
+  }
+  return p;
 }
 
 // The largest |k| whose tilt is at most kMostTilt.
@@ -187,7 +199,8 @@ class ViewFit {
       mine[0] = std::clamp(mine[0], kLeastLogAlpha, -1e-3);
       // Neither width above 1
       mine[1] = std::clamp(mine[1], std::max(-kMostSqueeze, mine[0]), std::min(kMostSqueeze, -mine[0]));
-      mine[2] = std::clamp(mine[2], -std::min(most, 0.45), most);
+      // The tilted normal faces the viewer
+      mine[2] = std::clamp(mine[2], -kMostAway * view_.mu_o, most);
     }
   }
 
@@ -268,15 +281,10 @@ RowFit fit_row(std::span<const ViewSlices> views, const LightDirections& light, 
   return {smooth, objective.sum()};
 }
 
-}  // namespace
-
-std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vector<ViewSlices>> rows,
-                                                      const LightDirections& light, const VectorXd& solid_angle,
-                                                      const MovingFitOptions& options, const ForEach& for_each) {
-  if (options.lobes < 1 || options.lobes > kMostLobes || rows.empty())
-    throw std::invalid_argument("fit_moving_lobes: number of lobes or rows out of range");
-  // Begin with the row that lobes improve most, at an oblique view, with the best of several starts
-  const std::size_t oblique = rows.front().size() * 2 / 3;
+// Fits of the row that lobes improve most, `first`: from several starts at the oblique view.
+std::vector<RowFit> fit_best_row(std::span<const std::vector<ViewSlices>> rows, const LightDirections& light,
+                                 const VectorXd& solid_angle, const MovingFitOptions& options, std::size_t oblique,
+                                 const ForEach& for_each, std::size_t& first) {
   std::vector<std::vector<VectorXd>> widths(rows.size());
   VectorXd gain(static_cast<Index>(rows.size()));
   for_each(rows.size(), [&](std::size_t row) {
@@ -285,7 +293,7 @@ std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vecto
   });
   Index best = 0;
   gain.maxCoeff(&best);
-  const auto first = static_cast<std::size_t>(best);
+  first = static_cast<std::size_t>(best);
   std::vector<RowFit> tried(widths[first].size());
   for_each(tried.size(), [&](std::size_t k) {
     ViewFit view(rows[first][oblique], light, solid_angle, options.lobes);
@@ -293,13 +301,31 @@ std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vecto
     const VectorXd start = view.minimise(widths[first][k], widths[first][k], free, kStartIterations, nullptr);
     tried[k] = fit_row(rows[first], light, solid_angle, options, std::span(&start, 1), oblique, one_by_one);
   });
+  return tried;
+}
+
+}  // namespace
+
+std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vector<ViewSlices>> rows,
+                                                      const LightDirections& light, const VectorXd& solid_angle,
+                                                      const MovingFitOptions& options, const ForEach& for_each,
+                                                      std::span<const LobeShapes> first_row) {
+  if (options.lobes < 1 || options.lobes > kMostLobes || rows.empty())
+    throw std::invalid_argument("fit_moving_lobes: number of lobes or rows out of range");
+  const std::size_t oblique = rows.front().size() * 2 / 3;
   std::vector<std::vector<VectorXd>> found(rows.size());
-  found[first] = std::min_element(tried.begin(), tried.end(), [](const RowFit& a, const RowFit& b) {
-                   return a.objective < b.objective;
-                 })->unknowns;
   const auto fit = [&](std::size_t row, std::span<const VectorXd> start) {
     found[row] = fit_row(rows[row], light, solid_angle, options, start, oblique, for_each).unknowns;
   };
+  std::size_t first = 0;
+  if (first_row.empty()) {
+    std::vector<RowFit> tried = fit_best_row(rows, light, solid_angle, options, oblique, for_each, first);
+    found[first] = std::min_element(tried.begin(), tried.end(), [](const RowFit& a, const RowFit& b) {
+                     return a.objective < b.objective;
+                   })->unknowns;
+  } else {
+    for (const LobeShapes& view : first_row) found[0].push_back(unknowns_of(view));
+  }
   for (std::size_t row = first + 1; row < rows.size(); ++row) fit(row, found[row - 1]);
   for (std::size_t row = first; row-- > 0;) fit(row, found[row + 1]);
 

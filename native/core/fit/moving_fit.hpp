@@ -35,11 +35,10 @@ using ForEach = std::function<void(std::size_t count, const std::function<void(s
 
 /// Shapes [row][view] for rows of similar stacks, each with views in order from the normal outwards. The fit begins
 /// with the row that lobes improve most. Its views begin with the shapes of the view before; those of the other rows
-/// with the shapes of the neighbouring row.
-[[nodiscard]] std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vector<ViewSlices>> rows,
-                                                                    const LightDirections& light,
-                                                                    const Eigen::VectorXd& solid_angle,
-                                                                    const MovingFitOptions& options,
-                                                                    const ForEach& for_each);
+/// with the shapes of the neighbouring row. `first_row`: known shapes of the first row, with which the fit begins, or
+/// none.
+[[nodiscard]] std::vector<std::vector<LobeShapes>> fit_moving_lobes(
+    std::span<const std::vector<ViewSlices>> rows, const LightDirections& light, const Eigen::VectorXd& solid_angle,
+    const MovingFitOptions& options, const ForEach& for_each, std::span<const LobeShapes> first_row = {});
 
 }  // namespace lamina

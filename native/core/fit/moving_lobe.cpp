@@ -47,8 +47,8 @@ MovingLobe::MovingLobe(const LobeShape& shape, double mu_o) {
   sin_tilt_ = normal_x / length;
   cos_tilt_ = normal_z / length;
   view_x_ = sin_o * cos_tilt_ - mu_o * sin_tilt_;
-  view_z_ = std::max(sin_o * sin_tilt_ + mu_o * cos_tilt_, 1e-6);
-  lambda_view_ = lambda(view_x_, 0.0, view_z_);
+  view_z_ = sin_o * sin_tilt_ + mu_o * cos_tilt_;
+  lambda_view_ = view_z_ > 0.0 ? lambda(view_x_, 0.0, view_z_) : 0.0;
 }
 
 double MovingLobe::lambda(double x, double y, double z) const {
@@ -57,6 +57,10 @@ double MovingLobe::lambda(double x, double y, double z) const {
 }
 
 void MovingLobe::values(const LightDirections& light, Eigen::Ref<Eigen::VectorXd> out) const {
+  if (!(view_z_ > 0.0)) {
+    out.setZero();
+    return;
+  }
   // The light in the frame of the tilted normal
   const ArrayXd x = light.x * cos_tilt_ - light.z * sin_tilt_;
   const ArrayXd z = light.x * sin_tilt_ + light.z * cos_tilt_;
@@ -93,6 +97,7 @@ double MovingLobe::reflected(const Chord& chord, double along) const {
 }
 
 double MovingLobe::albedo() const {
+  if (!(view_z_ > 0.0)) return 0.0;
   // The view stretched to the hemisphere of facets of width 1, and a frame about it: t1 along y, t2 in the plane of
   // incidence. Normals are spread evenly over a disk; by symmetry, over one half
   static const Quadrature rule(kNodes, -1.0, 1.0);

@@ -28,7 +28,7 @@ class MovingLobe {
  public:
   MovingLobe(const LobeShape& shape, double mu_o);
 
-  /// f * |cos theta_i| in 1/sr for each direction; 0 below the tilted horizon.
+  /// f * |cos theta_i| in 1/sr for each direction; 0 below the tilted horizon, and if the viewer is below it.
   void values(const LightDirections& light, Eigen::Ref<Eigen::VectorXd> out) const;
 
   /// The directional albedo, the integral of `values` over the light above the surface, by a quadrature over visible

@@ -23,8 +23,8 @@ def add(commands) -> None:
     command.add_argument("-o", "--output", required=True, metavar="OUT", help="the table to write (.npz)")
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
     command.add_argument("--basis", choices=tuple(CLOSURE_BASES), default="standard",
-                         help="standard: few closures, about as quick to render as a Principled BSDF; accurate: "
-                              "some twenty")
+                         help="standard: few closures, about as quick to render as a Principled BSDF; moving: some of "
+                              "them follow the view, for Blender 5.0 and newer; accurate: some twenty")
     add_threads(command)
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
     command.set_defaults(run=_bake)

@@ -50,7 +50,9 @@ def values(shape: np.ndarray, mu_o, mu_i, dphi) -> np.ndarray:
     turned = copy.copy(g)  # in the frame of the tilted normal
     turned.sin_o, turned.mu_o = g.sin_o * cosine - g.mu_o * sine, g.sin_o * sine + g.mu_o * cosine
     turned.light_x, turned.mu_i = g.light_x * cosine - g.mu_i * sine, np.maximum(height, 1e-9)
-    return np.where(height > 0.0, _ggx_reflection(turned, *widths(roughness, anisotropy)), 0.0)
+    seen = turned.mu_o > 0.0
+    turned.mu_o = np.maximum(turned.mu_o, 1e-9)
+    return np.where((height > 0.0) & seen, _ggx_reflection(turned, *widths(roughness, anisotropy)), 0.0)
 
 
 def albedos(shape: np.ndarray, mu_o: np.ndarray) -> np.ndarray:

@@ -32,6 +32,8 @@ ROW_KNOTS = (0, 1, 2, 3, *range(4, TAU_ROWS, 2))
 STIFFNESS = 0.05
 # Numbers of fixed closures that are tried. The first is taken whose objective is at most ENOUGH times the last one's.
 FIXED, ENOUGH = (2, 4, 6), 1.1
+# Least number beside the closures of the clean stack.
+BESIDE = 2
 # Cones for tilted lobes have edges, and moving lobes replace them.
 CONE = "toon:"
 # Weight of the worst slice's squared error against the mean of all, as in a choice of closures.
@@ -49,19 +51,22 @@ class MovingFit:
     effort: Effort
     pool: _core.ThreadPool
 
-    def __call__(self, wanted: Slices, given: Sequence[str], step: Progress) -> Mixture:
-        """The mixture of all rows. `given`: closures of an earlier table; without a moving one, a choice is made."""
+    def __call__(self, wanted: Slices, given: Sequence[str], step: Progress, clean: Mixture | None = None) -> Mixture:
+        """The mixture of all rows. `given`: closures of an earlier table; without a moving one, a choice is made.
+        `clean`: the mixture of row 0 alone, whose closures are part of the choice, and whose shapes row 0 has."""
         step(0.0, "Fitting lobes that move with the view")
-        fit = _Fit(self, wanted, self._shapes(wanted))
+        fit = _Fit(self, wanted, self._shapes(wanted, None if clean is None else clean.shapes))
         step(0.5, "Choosing closures")
         own = [name for name in given if not moving_lobes.is_moving(name)]
         if len(own) < len(given) and all(":" not in name or name in self.made for name in own):
             return fit.mixture(own)
         dictionary = [lobe.id for lobe in lobes.DICTIONARY if lobe.side == "reflection"]
-        return fit.mixture(fit.chosen([*dictionary, *(name for name in self.made if not name.startswith(CONE))]))
+        fixed = [] if clean is None else [name for name in clean.closures if not moving_lobes.is_moving(name)]
+        made = [name for name in self.made if not name.startswith(CONE)]
+        return fit.mixture(fit.chosen(list(dict.fromkeys([*fixed, *dictionary, *made])), len(fixed)))
 
-    def _shapes(self, wanted: Slices) -> np.ndarray:
-        """Shapes of all rows and columns, [row, column, lobe, 3]."""
+    def _shapes(self, wanted: Slices, clean: np.ndarray | None) -> np.ndarray:
+        """Shapes of all rows and columns, [row, column, lobe, 3]; `clean`: those of row 0, see Mixture.shapes."""
         count, columns, grid = wanted.albedo.shape[1], np.array(COLUMN_KNOTS), self.grid
         rows = sorted({row for row in ROW_KNOTS if row < count} | {count - 1})
         options = _core.MovingFitOptions()
@@ -69,7 +74,9 @@ class MovingFit:
         found = _core.fit_moving(
             np.ascontiguousarray(wanted.values[0][rows][:, :, columns]),
             np.ascontiguousarray(closure_table.sampled(BROAD, grid, 1)[columns]), view_cosines()[columns],
-            _core.LightDirections(grid.mu, grid.dphi), grid.solid_angle, options, self.pool)
+            _core.LightDirections(grid.mu, grid.dphi), grid.solid_angle, options,
+            np.empty(0) if clean is None else np.ascontiguousarray(np.moveaxis(clean[0, :, 0], 2, 0)[columns]),
+            self.pool)
         return _between(_between(found, columns, view_cosines().size, 1), np.array(rows), count, 0)
 
 
@@ -86,11 +93,11 @@ class _Fit:
         """Directional albedos of the moving lobes, [row, column, lobe]."""
         return moving_lobes.albedos(self.shapes, view_cosines()[:, None])
 
-    def chosen(self, candidates: Sequence[str]) -> list[str]:
-        """Fixed closures for the whole material."""
+    def chosen(self, candidates: Sequence[str], taken: int) -> list[str]:
+        """Fixed closures for the whole material. The first `taken` candidates are part of the choice."""
         effort = self.how.effort
-        count = self.shapes.shape[0]
-        rows = sorted({*range(0, count, effort.row_stride), count - 1})
+        last = self.shapes.shape[0] - 1
+        rows = sorted({*range(0, last, effort.row_stride), last})
         table = self._table(candidates, rows, effort.column_stride)
         targets = [target for target in self._targets(table, rows, effort.column_stride) if target.norm2 > 0.0]
         names = [*moving_lobes.ids(self.how.count), *candidates]
@@ -98,8 +105,9 @@ class _Fit:
             return [*candidates[:1]]
         found = []
         for number in FIXED:
-            options = selection(names, self.how.count + number, effort.overshoot, effort.exchanges, ACCURATE)
-            choice = table.select(targets, options, list(range(len(names))), list(range(self.how.count)),
+            count = self.how.count + max(number, taken + BESIDE)
+            options = selection(names, count, effort.overshoot, effort.exchanges, ACCURATE)
+            choice = table.select(targets, options, list(range(len(names))), list(range(self.how.count + taken)),
                                   self.how.pool)
             found.append((choice.mean_error**2 + WORST_SHARE * choice.worst_error**2, choice.closures))
         kept = next(closures for score, closures in found if score <= ENOUGH * found[-1][0])

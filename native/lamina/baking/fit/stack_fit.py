@@ -44,29 +44,42 @@ class StackFit:
         stack's boundaries. With `given` closures, row 0 has its own choice only if that choice is among them."""
         effort = Effort(*counts, **self._search)
         made, made_clean = (self._made, self._made_clean) if at_boundaries else ([], [])
-        moves = any(map(moving_lobes.is_moving, given))
-        if at_boundaries and self._moving and (moves or not given):
-            fit = MovingFit(self._moving, made, self._grid, effort, self._pool)
-            moving = fit(wanted, given, portion(step, 0.0, 0.5))
-            if moves:
+        may_move = at_boundaries and self._moving > 0
+
+        def best(wanted: Slices, made: list[str], given: list[str], step: Progress,
+                 clean: Mixture | None = None) -> Mixture:
+            moving, is_taken = None, False
+            if may_move:
+                moving, is_taken = self._moving_mixture(wanted, effort, made, given, step, clean)
+            if moving is not None and is_taken:
                 return moving
-            fixed = self._fixed(kind, wanted, effort, given, portion(step, 0.5, 1.0), made, made_clean)
-            is_accurate = float(np.nanmean(fixed.errors)) < ACCURATE_ENOUGH
-            return fixed if is_accurate or score(moving) > CLEARLY * score(fixed) else moving
-        return self._fixed(kind, wanted, effort, given, step, made, made_clean)
-
-    def _fixed(self, kind: str, wanted: Slices, effort: Effort, given: list[str], step: Progress, made: list[str],
-               made_clean: list[str]) -> Mixture:
-        """The mixture of closures that do not move."""
-
-        def fitted(wanted: Slices, step: Progress, **options) -> Mixture:
-            return mix(kind, wanted, self._grid, effort, self._pool, step, mixed=self._solved.is_sheet, **options)
+            part = step if moving is None else portion(step, 0.5, 1.0)
+            fixed = mix(kind, wanted, self._grid, effort, self._pool, part, mixed=self._solved.is_sheet, made=made,
+                        given=given, fixed=[] if clean is None else clean.closures)
+            if moving is None or _mean(fixed) < ACCURATE_ENOUGH or score(moving) > CLEARLY * score(fixed):
+                return fixed
+            return moving
 
         if not self._varies or not np.any(wanted.albedo[:, 0]):
-            return fitted(wanted, step, made=made, given=given)
-        clean = fitted(wanted.each(lambda part: part[:, :1]), portion(step, 0.0, 0.3), made=made_clean)
-        whole = fitted(wanted, portion(step, 0.3, 1.0), made=made, given=given, fixed=clean.closures)
-        return _with_first_row(whole, clean, given)
+            return best(wanted, made, given, step)
+        clean = best(wanted.each(lambda part: part[:, :1]), made_clean, [], portion(step, 0.0, 0.3))
+        return _with_first_row(best(wanted, made, given, portion(step, 0.3, 1.0), clean), clean, given)
+
+    def _moving_mixture(self, wanted: Slices, effort: Effort, made: list[str], given: list[str], step: Progress,
+                        clean: Mixture | None) -> tuple[Mixture | None, bool]:
+        """(a mixture with moving lobes, whether it is taken in any case); no mixture where `given` closures are fixed.
+        `clean`: the mixture of row 0 alone."""
+        moves = any(map(moving_lobes.is_moving, given)) or (clean is not None and clean.shapes is not None)
+        if given and not moves:
+            return None, False
+        fit = MovingFit(self._moving, made, self._grid, effort, self._pool)
+        return fit(wanted, given, portion(step, 0.0, 0.5), clean), moves
+
+
+def _mean(mixture: Mixture) -> float:
+    """The mean error of the slices that are not black; 0 if all are."""
+    errors = mixture.errors[np.isfinite(mixture.errors)]
+    return float(errors.mean()) if errors.size else 0.0
 
 
 def _with_first_row(whole: Mixture, clean: Mixture, given: Sequence[str]) -> Mixture:
@@ -82,4 +95,7 @@ def _with_first_row(whole: Mixture, clean: Mixture, given: Sequence[str]) -> Mix
     weights[:, [names.index(name) for name in clean.closures], 0] = clean.weights[:, :, 0]
     errors, albedo_errors = (np.concatenate([first, every[:, 1:]], axis=1) for first, every in (
         (clean.errors, whole.errors), (clean.albedo_errors, whole.albedo_errors)))
-    return Mixture(names, weights, errors, albedo_errors)
+    shapes = whole.shapes
+    if shapes is not None and clean.shapes is not None:
+        shapes = np.concatenate([clean.shapes, shapes[:, :, 1:]], axis=2)
+    return Mixture(names, weights, errors, albedo_errors, shapes)
