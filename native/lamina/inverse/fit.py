@@ -5,32 +5,37 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from ..common.arguments import check_kind, check_whole
+from ..common.arguments import check_kind
 from ..common.errors import ArgumentError, quoted
 from ..common.extras import require
 from ..common.progress import Progress, stepper
 from .measurements import Measurement
 from .model import Model
-from .result import Fit, judged
+from .result import Fit, is_surprising, judged
 from .template import Template
 
-# A search ends when a correction by checked solves moves no parameter by this many standard errors.
-SETTLED, MOST_ROUNDS, MOST_STEPS = 0.02, 6, 100
+# A fit ends when a correction by checked solves moves the parameters by fewer standard errors than this.
+SETTLED = 0.02
+# Searches of so many steps, each followed by so many corrections with the derivatives of the search.
+MOST_SEARCHES, MOST_STEPS, MOST_CORRECTIONS = 3, 100, 5
+STARTS = 30  # points among which a second search finds its start
 
 
-def fit(measurements: Measurement | Sequence[Measurement], template: Template, starts: int = 1, threads: int = 0,
+def fit(measurements: Measurement | Sequence[Measurement], template: Template, threads: int = 0,
         progress: Progress | None = None, cancel: Callable[[], bool] | None = None) -> Fit:
     """The free parameters of `template` for which the stack agrees best with `measurements`, by least squares of the
     differences over their standard errors.
 
     Each measurement is a Brdf, Btdf, Reflectance, Transmittance or Profile of lamina.measurements, with as many
-    channels as the template has. `starts`: number of points from which the search may begin, 1 to 10000: the template's
-    starting values, and others spread over the ranges; the search begins at the best. `threads` 0 uses every hardware
-    thread; the result does not depend on it. `progress(fraction, text)` is called with a share that only rises, 0 to 1.
-    `cancel()` is called often; Cancelled is raised if it returns true.
+    channels as the template has. The search begins at the starting values of the template. Where its end does not
+    describe the data, it begins again at the best of many points that are spread over the ranges, and the better of
+    both ends is returned. `threads` 0 uses every hardware thread; the result does not depend on it.
+    `progress(fraction, text)` is called with a share that only rises, 0 to 1. `cancel()` is called often; Cancelled is
+    raised if it returns true.
 
     Raises ArgumentError for arguments that do not fit together, StackError for parameters that make no stack,
     SolveError as lamina.solve does, and ExtraMissing without scipy.
@@ -41,11 +46,16 @@ def fit(measurements: Measurement | Sequence[Measurement], template: Template, s
     began = time.perf_counter()
     measurements = _checked(measurements)
     check_kind(template, "template", Template, "a lamina.Template")
-    starts = check_whole(starts, "starts", 1, 10000)
     model = Model(measurements, template, threads, stepper("the fit", progress, cancel))
     model.begin()
-    x, settled = _settled(optimize.least_squares, model, _best_start(model, starts))
-    found = judged(model, x, settled, time.perf_counter() - began)
+    end = _settled(optimize.least_squares, model, model.start)
+    if is_surprising(model, end.chi_squared):
+        other = _settled(optimize.least_squares, model, _best_start(model))
+        if other.chi_squared < end.chi_squared:
+            end = other
+        else:
+            model.correct(end.x)
+    found = judged(model, end.x, end.settled, time.perf_counter() - began)
     model.step(1.0, "Fitted")
     return found
 
@@ -60,30 +70,40 @@ def _checked(given) -> list[Measurement]:
     return list(measurements)
 
 
-def _best_start(model: Model, starts: int) -> np.ndarray:
-    """The best of some starting points: the template's, and those of a sequence that fills the ranges evenly (Roberts
-    2018)."""
-    points = [model.start]
-    if starts > 1:
-        root = 2.0
-        for _ in range(60):
-            root = (1.0 + root) ** (1.0 / (len(model.start) + 1.0))
-        steps = root ** -np.arange(1.0, len(model.start) + 1.0)
-        shares = (0.5 + np.outer(np.arange(1, starts), steps)) % 1.0
-        points += list(model.low + shares * (model.high - model.low))
+class _End(NamedTuple):
+    """Where a search ended: the parameters, chi-squared, and whether it came to its end."""
+
+    x: np.ndarray
+    chi_squared: float
+    settled: bool
+
+
+def _best_start(model: Model) -> np.ndarray:
+    """The best of STARTS points of a sequence that fills the ranges evenly (Roberts 2018)."""
+    root = 2.0
+    for _ in range(60):
+        root = (1.0 + root) ** (1.0 / (len(model.start) + 1.0))
+    steps = root ** -np.arange(1.0, len(model.start) + 1.0)
+    shares = (0.5 + np.outer(np.arange(STARTS), steps)) % 1.0
+    points = list(model.low + shares * (model.high - model.low))
     return min(points, key=lambda point: float(np.sum(model.residuals(point)**2)))
 
 
-def _settled(least_squares: Callable, model: Model, x: np.ndarray) -> tuple[np.ndarray, bool]:
-    """The best parameters near `x`, and whether the search came to its end."""
-    for _ in range(MOST_ROUNDS):
+def _settled(least_squares: Callable, model: Model, x: np.ndarray) -> _End:
+    """The best parameters that a search finds from `x`, with the corrections of the model."""
+    for _ in range(MOST_SEARCHES):
         found = least_squares(model.residuals, x, model.jacobian, (model.low, model.high), method="trf", x_scale="jac",
-                              ftol=1e-6, xtol=1e-7, gtol=1e-12, max_nfev=MOST_STEPS)
+                              ftol=1e-4, xtol=1e-7, gtol=1e-12, max_nfev=MOST_STEPS)
         x = found.x
-        model.correct(x)
-        # The step that the corrected values ask for, in standard errors, away from the ends of ranges
-        jacobian = found.jac[:, found.active_mask == 0]
-        step = np.linalg.lstsq(jacobian, model.residuals(x), rcond=None)[0]
-        if found.status > 0 and np.linalg.norm(jacobian @ step) < SETTLED:
-            return x, True
-    return x, False
+        inside = found.active_mask == 0
+        jacobian = found.jac[:, inside]
+        for _ in range(MOST_CORRECTIONS):
+            model.correct(x)
+            away = model.residuals(x)
+            end = _End(x, float(away @ away), found.status > 0)
+            step = np.linalg.lstsq(jacobian, -away, rcond=None)[0]
+            if np.linalg.norm(jacobian @ step) < SETTLED:
+                return end
+            x = x.copy()
+            x[inside] = np.clip(x[inside] + step, model.low[inside], model.high[inside])
+    return end._replace(settled=False)

@@ -39,7 +39,7 @@ class Solver:
 
     def expected(self, measurement: Any, stack: Stack, index: int) -> np.ndarray:
         """What a Measurement would find in one channel of a stack, flat."""
-        light = (Beams if measurement.needs_lengths else Directions)(self, stack, index)
+        light = (BeamLight if measurement.needs_lengths else DirectionLight)(self, stack, index)
         return self.kept((light.key, id(measurement)), lambda: measurement.expected(light))
 
     def kept(self, key: tuple, make: Callable):
@@ -55,7 +55,7 @@ class Solver:
         return or_solve_error(lambda: interruptible(self.pool, call, self._ask))
 
 
-class Directions:
+class DirectionLight:
     """The solution of one channel: light by directions, without lengths."""
 
     def __init__(self, solver: Solver, stack: Stack, index: int):
@@ -101,7 +101,7 @@ class Directions:
             self._stack.require_air_below()
 
 
-class Beams:
+class BeamLight:
     """The responses of one channel to pencil beams, by distance."""
 
     def __init__(self, solver: Solver, stack: Stack, index: int):

@@ -13,7 +13,7 @@ import numpy as np
 from ..common.arguments import broadcast, check_choice, cosines, finite_array
 from ..common.errors import ArgumentError, quoted
 from ..solver.solve import path_of, side_of
-from .light import Beams, Directions
+from .light import BeamLight, DirectionLight
 
 DIFFUSE = "diffuse"
 PARTS = ("total", "scattered", "direct")
@@ -50,7 +50,8 @@ class Measurement:
         raise NotImplementedError
 
     def expected(self, light) -> np.ndarray:
-        """The values of one channel of a stack, flat. `light`: Beams for those that need lengths, else Directions."""
+        """The values of one channel of a stack, flat. `light`: a BeamLight for those that need lengths, else a
+        DirectionLight."""
         raise NotImplementedError
 
     @property
@@ -145,7 +146,7 @@ class Brdf(Measurement):
     def places(self):
         return self.mu_o.shape
 
-    def expected(self, light: Directions):
+    def expected(self, light: DirectionLight):
         return light.points(side_of(self.side), path_of(self.path), self.mu_o, self.mu_i, self.dphi)
 
 
@@ -188,7 +189,7 @@ class Reflectance(Measurement):
     def places(self):
         return () if isinstance(self.mu_i, str) else self.mu_i.shape
 
-    def expected(self, light: Directions):
+    def expected(self, light: DirectionLight):
         scattered, direct = light.fluxes(side_of(self.side), path_of(self.path), self.mu_i)
         return {"total": scattered + direct, "scattered": scattered, "direct": direct}[self.part]
 
@@ -233,5 +234,5 @@ class Profile(Measurement):
     def places(self):
         return self.r.shape
 
-    def expected(self, light: Beams):
+    def expected(self, light: BeamLight):
         return light.profile(path_of(self.path), float(self.mu_i), self.r)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,10 +15,9 @@ from .light import Solver
 from .measurements import Measurement
 from .template import Template, named
 
-# Steps of differences, relative to the parameter's size: during the search, and for the final errors.
-STEP, LAST_STEP = 1e-4, 1e-3
-# Beams are solved anew at each step, with errors of up to 1e-3.
-BEAM_STEP = 2e-2
+# Steps of differences, relative to the parameter's size; larger ones for beams, whose lateral frequencies are chosen
+# anew for each step.
+STEP, BEAM_STEP = 1e-4, 1e-2
 # Nodes of the search relative to those that a checked solve chooses, and the least number.
 FEW, LEAST_NODES = 0.375, 8
 # The relative part of sigma is taken of at least this share of the measured value.
@@ -98,25 +96,12 @@ class Model:
         assert self._last is not None
         base = self._last[1]
         columns = []
-        for index, size in enumerate(self._steps(x, STEP)):
+        for index, size in enumerate(self._steps(x)):
             moved = x.copy()
             moved[index] += size if x[index] + size <= self.high[index] else -size
             columns.append(self._differences(self.expected(moved), base) / (moved[index] - x[index]))
         self._done += 0.15 * (1.0 - self._done)
         self.step(self._done, self._text)
-        return np.stack(columns, axis=-1)
-
-    def final_jacobian(self, x: np.ndarray) -> np.ndarray:
-        """The same by central differences of larger steps, one-sided at the ends of ranges."""
-        columns = []
-        for index, size in enumerate(self._steps(x, LAST_STEP)):
-            ends = []
-            for end in (x[index] - size, x[index] + size):
-                moved = x.copy()
-                moved[index] = min(max(end, self.low[index]), self.high[index])
-                ends.append((moved[index], self.expected(moved)))
-            (below, first), (above, last) = ends
-            columns.append(self._differences(last, first) / (above - below))
         return np.stack(columns, axis=-1)
 
     def begin(self) -> None:
@@ -140,12 +125,11 @@ class Model:
         return np.concatenate([((a - b) / sigma).ravel() for a, b, sigma in
                                zip(first, second, self.sigmas, strict=True)])
 
-    def _steps(self, x: np.ndarray, share: float) -> np.ndarray:
+    def _steps(self, x: np.ndarray) -> np.ndarray:
         """Steps of the parameters. Near the end of a range they are smaller: there, functions of a parameter may be as
         steep as a root."""
         span = self.high - self.low
         size = np.maximum(np.abs(x), 1e-2 * span)
         room = np.maximum(np.minimum(x - self.low, self.high - x), 1e-3 * span)
-        if any(one.needs_lengths for one in self.measurements):
-            share = math.sqrt(share * BEAM_STEP)
+        share = BEAM_STEP if any(one.needs_lengths for one in self.measurements) else STEP
         return share * np.minimum(size, room)

@@ -30,8 +30,9 @@ class Fit:
     values, errors: the parameters and their standard errors by name, in the units of the quantities. Errors are those
         of a linear model at the best values; infinite for a parameter that the data do not determine.
     correlations: shape (parameters, parameters), in the order of `names`.
-    residuals: (measured - fitted) / sigma of each measurement, shapes (places, channels).
-    fitted: the fitted values of each measurement, in the same shapes.
+    fitted: the fitted values of each measurement, shapes (places, channels).
+    sigmas: standard errors of the measured values in the same shapes, their relative part that of the fitted values.
+    residuals: (measured - fitted) / sigma.
     chi_squared, degrees: the sum of squared residuals, and the number of values less that of parameters.
     probability: that values of this template with this noise give so large a chi-squared or a larger one; NaN without
         degrees of freedom.
@@ -45,8 +46,9 @@ class Fit:
     values: dict[str, float]
     errors: dict[str, float]
     correlations: np.ndarray
-    residuals: list[np.ndarray]
     fitted: list[np.ndarray]
+    sigmas: list[np.ndarray]
+    residuals: list[np.ndarray]
     chi_squared: float
     degrees: int
     probability: float
@@ -66,28 +68,35 @@ class Fit:
 
 def judged(model: Model, x: np.ndarray, settled: bool, seconds: float) -> Fit:
     """The result at the best parameters `x`."""
-    residuals = -model.residuals(x)
+    away = model.residuals(x)
     fitted = model.expected(x)
-    covariance, weakest = _covariance(model.final_jacobian(x), model.high - model.low)
+    covariance, weakest = _covariance(model.jacobian(x), model.high - model.low)
     errors = np.sqrt(np.diag(covariance))
     finite = np.where(np.isfinite(errors) & (errors > 0.0), errors, 1.0)
     correlations = np.where(np.isfinite(covariance), covariance, 0.0) / np.outer(finite, finite)
     np.fill_diagonal(correlations, 1.0)
-    chi_squared, degrees = float(residuals @ residuals), model.count - len(x)
-    probability = math.nan
-    if degrees > 0:
-        probability = float(require("scipy.special", "lamina.fit").gammaincc(0.5 * degrees, 0.5 * chi_squared))
-    splits = np.cumsum([one.values.size for one in model.measurements])[:-1]
+    chi_squared, degrees = float(away @ away), model.count - len(x)
+    probability = _probability(chi_squared, degrees) if degrees > 0 else math.nan
     remarks = [*([] if settled else ["The search has not come to an end: start elsewhere, or free fewer parameters."]),
                *_ends(model, x), *_unclear(model, errors, correlations, weakest),
                *_test(chi_squared, degrees, probability)]
     return Fit(tuple(model.names), dict(zip(model.names, x.tolist(), strict=True)),
-               dict(zip(model.names, errors.tolist(), strict=True)), correlations,
-               [part.reshape(one.values.shape) for part, one in
-                zip(np.split(residuals, splits), model.measurements, strict=True)],
-               fitted, chi_squared, degrees, probability,
+               dict(zip(model.names, errors.tolist(), strict=True)), correlations, fitted, list(model.sigmas),
+               [(one.values - found) / sigma for one, found, sigma in
+                zip(model.measurements, fitted, model.sigmas, strict=True)],
+               chi_squared, degrees, probability,
                model.template.filled(dict(zip(model.parameters.values(), x.tolist(), strict=True))),
                tuple(remarks), list(model.measurements), model.solver.solves, seconds)
+
+
+def is_surprising(model: Model, chi_squared: float) -> bool:
+    """True if so large a chi-squared has no chance with the right template at its best parameters."""
+    return _probability(chi_squared, max(model.count - len(model.start), 1)) < WRONG
+
+
+def _probability(chi_squared: float, degrees: int) -> float:
+    """That chi-squared is so large or larger by chance."""
+    return float(require("scipy.special", "lamina.fit").gammaincc(0.5 * degrees, 0.5 * chi_squared))
 
 
 def _covariance(jacobian: np.ndarray, span: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
