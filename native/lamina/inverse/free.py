@@ -36,10 +36,11 @@ class Linear:
 
     def __add__(self, other):
         other = other if isinstance(other, Linear) else Sum({}, _coefficient(other))
+        _check_channels([*self.terms.values(), self.constant, *other.terms.values(), other.constant])
         terms = dict(self.terms)
         for free, coefficient in other.terms.items():
             terms[free] = terms.get(free, 0.0) + coefficient
-        return Sum(terms, _same_channels([self.constant + 0.0, other.constant, *terms.values()]))
+        return Sum(terms, self.constant + other.constant)
 
     def __mul__(self, other):
         if isinstance(other, Linear):
@@ -123,9 +124,8 @@ def _coefficient(given) -> float | np.ndarray:
     return finite_list(given, "coefficients")
 
 
-def _same_channels(values: list) -> float | np.ndarray:
-    """The first of the values. Raises ArgumentError if the arrays differ in length."""
+def _check_channels(values: list) -> None:
+    """Raises ArgumentError if the arrays among the values differ in length."""
     counts = {len(value) for value in values if isinstance(value, np.ndarray)}
     if len(counts) > 1:
         raise ArgumentError(f"coefficients have {quoted(sorted(counts))} channels: must have equal numbers")
-    return values[0] if not counts else values[0] + np.zeros(counts.pop())
