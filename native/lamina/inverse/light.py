@@ -9,9 +9,12 @@ from typing import Any
 import numpy as np
 
 from .. import _core
+from ..common.errors import StackError
 from ..common.interruptible import interruptible
+from ..kinds.bases import LEAST_ALPHA, PrincipledBase
 from ..lateral.measured import measured_layers, measured_stack
 from ..material.stack import Stack
+from ..solver.sharp_facets import has_sharp_facets
 from ..solver.solve import core_stack, or_solve_error, thread_pool, tolerance_of
 
 QUALITY = "final"
@@ -61,6 +64,9 @@ class DirectionLight:
     def __init__(self, solver: Solver, stack: Stack, index: int):
         self._solver = solver
         self._stack = stack
+        if isinstance(stack.base, PrincipledBase) and has_sharp_facets(stack, stack):
+            raise StackError(f"base.roughness = {stack.base.roughness:g}: must be 0, or at least {LEAST_ALPHA**0.5:.3g} "
+                             "in a fit")
         self.key, self._layers, self._base = core_stack(stack, index)
 
     def points(self, side, path, *places: np.ndarray) -> np.ndarray:

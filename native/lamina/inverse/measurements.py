@@ -62,7 +62,7 @@ class Measurement:
     def label(self) -> str:
         """The measurement in a few words."""
         count = math.prod(self.values.shape)
-        return f"{count} {'value' if count == 1 else 'values'} of {type(self).__name__}"
+        return f"{type(self).__name__}, {count} {'value' if count == 1 else 'values'}"
 
     def _check(self) -> None:
         """Checks values and errors, and gives them the shape (places, channels). Raises ArgumentError."""

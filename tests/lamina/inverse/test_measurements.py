@@ -13,7 +13,7 @@ def test_shapes_and_errors():
     assert one.values.shape == one.sigma.shape == (2, 3) and one.channels == 3 and one.mu_i.shape == (2,)
     assert one.relative.tolist() == [[0.1] * 3, [0.2] * 3]
     by_place = Reflectance(values=[0.1, 0.2], sigma=[0.01, 0.02], mu_i=[0.5, 1.0])
-    assert by_place.sigma.tolist() == [[0.01], [0.02]] and by_place.label == "2 values of Reflectance"
+    assert by_place.sigma.tolist() == [[0.01], [0.02]] and by_place.label == "Reflectance, 2 values"
     diffuse = Transmittance(values=[0.1, 0.2, 0.3], sigma=[0.01, 0.02, 0.03], mu_i="diffuse")
     assert diffuse.values.shape == (1, 3) and diffuse.sigma.tolist() == [[0.01, 0.02, 0.03]]
     noise = Reflectance(values=[-0.001, 1.001], sigma=0.001, mu_i=[0.5, 1.0])  # dark and white, with noise

@@ -28,8 +28,8 @@ def test_fitted():
         lengths = [segment[1][1] - segment[0][1] for segment in bars.get_segments()]
         assert lengths == pytest.approx(2.0 * fit.sigmas[number][:, channel])
     assert fit.sigmas[1] == pytest.approx(0.1 * fit.fitted[1])
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["9 values of Reflectance",
-                                                                         "9 values of Transmittance"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["Reflectance, 9 values",
+                                                                         "Transmittance, 9 values"]
     with pytest.raises(lamina.ArgumentError, match="fit = 1: must be what lamina.fit returned"):
         plot.fitted(1)
     matplotlib.pyplot.close("all")
