@@ -39,8 +39,8 @@ def fit(measurements: Measurement | Sequence[Measurement], template: Template, t
 
     Raises ArgumentError for arguments that do not fit together, StackError for parameters that make no stack,
     SolveError as lamina.solve does, and ExtraMissing without scipy.
-    Method: trust region reflective (Branch, Coleman and Li 1999), with differences in place of derivatives: the stacks
-    in which one parameter differs are solved channel by channel, and channels that are equal share one solution. The
+    Method: dogleg steps in rectangular trust regions (Voglis and Lagaris 2004), with differences as derivatives: the
+    stacks in which one parameter differs are solved channel by channel, and equal channels share one solution. The
     search uses few nodes, and is corrected by checked solves until it stays."""
     optimize = require("scipy.optimize", "lamina.fit")
     began = time.perf_counter()
@@ -92,8 +92,8 @@ def _best_start(model: Model) -> np.ndarray:
 def _settled(least_squares: Callable, model: Model, x: np.ndarray) -> _End:
     """The best parameters that a search finds from `x`, with the corrections of the model."""
     for _ in range(MOST_SEARCHES):
-        found = least_squares(model.residuals, x, model.jacobian, (model.low, model.high), method="trf", x_scale="jac",
-                              ftol=1e-4, xtol=1e-7, gtol=1e-12, max_nfev=MOST_STEPS)
+        found = least_squares(model.residuals, x, model.jacobian, (model.low, model.high), method="dogbox",
+                              x_scale="jac", ftol=1e-4, xtol=1e-7, gtol=1e-12, max_nfev=MOST_STEPS)
         x = found.x
         inside = found.active_mask == 0
         jacobian = found.jac[:, inside]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -65,8 +66,8 @@ class DirectionLight:
         self._solver = solver
         self._stack = stack
         if isinstance(stack.base, PrincipledBase) and has_sharp_facets(stack, stack):
-            raise StackError(f"base.roughness = {stack.base.roughness:g}: must be 0, or at least {LEAST_ALPHA**0.5:.3g} "
-                             "in a fit")
+            least = math.ceil(1e3 * math.sqrt(LEAST_ALPHA)) / 1e3
+            raise StackError(f"base.roughness = {stack.base.roughness:g}: must be 0, or at least {least:g} in a fit")
         self.key, self._layers, self._base = core_stack(stack, index)
 
     def points(self, side, path, *places: np.ndarray) -> np.ndarray:
