@@ -36,10 +36,12 @@ class Solver:
         self.most_nodes = 0  # of the solutions that were made without fixed nodes
         self._ask = ask
         self._kept: dict = {}
+        self._before: dict = {}
 
     def forget(self) -> None:
-        """Gives the memory of solutions and values back."""
-        self._kept.clear()
+        """Gives the memory of solutions and values back, except of those since the last call: the core shares the rough
+        boundaries of solutions that are alive."""
+        self._before, self._kept = self._kept, {}
 
     def expected(self, measurement: Any, stack: Stack, index: int) -> np.ndarray:
         """What a Measurement would find in one channel of a stack, flat."""

@@ -74,11 +74,24 @@ class Model:
 
     def expected(self, x: np.ndarray) -> list[np.ndarray]:
         """What each measurement would find, shapes (places, channels)."""
-        return [found + correction for found, correction in zip(self._solved(x), self._corrections, strict=True)]
+        return self._corrected([x])[0]
 
-    def _solved(self, x: np.ndarray) -> list[np.ndarray]:
-        return [np.stack([self.solver.expected(one, stack, c) for c in range(stack.channels)], axis=-1)
-                for one, stack in zip(self.measurements, self.stacks(x), strict=True)]
+    def _corrected(self, points: list[np.ndarray]) -> list[list[np.ndarray]]:
+        """What each measurement would find, for several sets of parameters."""
+        return [[found + correction for found, correction in zip(one, self._corrections, strict=True)]
+                for one in self._solved(points)]
+
+    def _solved(self, points: list[np.ndarray]) -> list[list[np.ndarray]]:
+        """The same without corrections. One measurement after the other: the core keeps the lobes of rough boundaries
+        for the last list of directions."""
+        stacks = [self.stacks(x) for x in points]
+        found: list[list[np.ndarray]] = [[] for _ in points]
+        for number, one in enumerate(self.measurements):
+            for index, all_stacks in enumerate(stacks):
+                stack = all_stacks[number]
+                channels = [self.solver.expected(one, stack, c) for c in range(stack.channels)]
+                found[index].append(np.stack(channels, axis=-1))
+        return found
 
     def residuals(self, x: np.ndarray) -> np.ndarray:
         """(expected - measured) / sigma of all values, flat."""
@@ -95,26 +108,27 @@ class Model:
         self.residuals(x)
         assert self._last is not None
         base = self._last[1]
-        columns = []
+        points = []
         for index, size in enumerate(self._steps(x)):
-            moved = x.copy()
-            moved[index] += size if x[index] + size <= self.high[index] else -size
-            columns.append(self._differences(self.expected(moved), base) / (moved[index] - x[index]))
+            points.append(x.copy())
+            points[-1][index] += size if x[index] + size <= self.high[index] else -size
+        columns = [self._differences(found, base) / (point[index] - x[index])
+                   for index, (point, found) in enumerate(zip(points, self._corrected(points), strict=True))]
         self._done += 0.15 * (1.0 - self._done)
         self.step(self._done, self._text)
         return np.stack(columns, axis=-1)
 
     def begin(self) -> None:
         """Chooses the number of nodes for the search, from a checked solve of the starting values."""
-        self._solved(self.start)
+        self._solved([self.start])
         self.solver.nodes = max(LEAST_NODES, int(FEW * self.solver.most_nodes))
 
     def correct(self, x: np.ndarray) -> None:
         """Corrects the values by a checked solve at `x`, and takes the relative part of sigma of the corrected ones:
         taken of noisy values, it would favour the lower ones."""
-        rough = self._solved(x)
+        rough = self._solved([x])[0]
         self.solver.nodes, few = None, self.solver.nodes
-        exact = self._solved(x)
+        exact = self._solved([x])[0]
         self.solver.nodes = few
         self._corrections = [right - wrong for right, wrong in zip(exact, rough, strict=True)]
         self.sigmas = [np.hypot(one.sigma, one.relative * np.maximum(np.abs(found), LEAST_SHARE * np.abs(one.values)))
