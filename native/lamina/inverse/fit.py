@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -22,7 +23,8 @@ from .template import Template
 SETTLED = 0.02
 # Searches of so many steps, each followed by so many corrections with the derivatives of the search.
 MOST_SEARCHES, MOST_STEPS, MOST_CORRECTIONS = 3, 100, 5
-STARTS = 30  # points among which a second search finds its start
+# A second search starts from one of so many points. Ranges with so large a ratio of their ends are filled by decades.
+STARTS, MANY = 30, 30.0
 
 
 def fit(measurements: Measurement | Sequence[Measurement], template: Template, threads: int = 0,
@@ -39,18 +41,19 @@ def fit(measurements: Measurement | Sequence[Measurement], template: Template, t
 
     Raises ArgumentError for arguments that do not fit together, StackError for parameters that make no stack,
     SolveError as lamina.solve does, and ExtraMissing without scipy.
-    Method: dogleg steps in rectangular trust regions (Voglis and Lagaris 2004), with differences as derivatives: the
-    stacks in which one parameter differs are solved channel by channel, and equal channels share one solution. The
-    search uses few nodes, and is corrected by checked solves until it stays."""
+    Method: dogleg steps in rectangular trust regions (Voglis and Lagaris 2004), and for the second search, which must
+    not stay in corners, reflective ones (Branch, Coleman and Li 1999), with differences as derivatives: the stacks in
+    which one parameter differs are solved channel by channel, and equal channels share one solution. The search uses
+    few nodes, and is corrected by checked solves until it stays."""
     optimize = require("scipy.optimize", "lamina.fit")
     began = time.perf_counter()
     measurements = _checked(measurements)
     check_kind(template, "template", Template, "a lamina.Template")
     model = Model(measurements, template, threads, stepper("the fit", progress, cancel))
     model.begin()
-    end = _settled(optimize.least_squares, model, model.start)
+    end = _settled(optimize.least_squares, model, model.start, "dogbox")
     if is_surprising(model, end.chi_squared):
-        other = _settled(optimize.least_squares, model, _best_start(model))
+        other = _settled(optimize.least_squares, model, _best_start(model), "trf")
         if other.chi_squared < end.chi_squared:
             end = other
         else:
@@ -79,31 +82,46 @@ class _End(NamedTuple):
 
 
 def _best_start(model: Model) -> np.ndarray:
-    """The best of STARTS points of a sequence that fills the ranges evenly (Roberts 2018)."""
+    """The best of STARTS points of a sequence that fills the ranges evenly (Roberts 2018), long ones by decades."""
     root = 2.0
     for _ in range(60):
         root = (1.0 + root) ** (1.0 / (len(model.start) + 1.0))
     steps = root ** -np.arange(1.0, len(model.start) + 1.0)
     shares = (0.5 + np.outer(np.arange(STARTS), steps)) % 1.0
-    points = list(model.low + shares * (model.high - model.low))
+    low, high = model.low, model.high
+    decades = (low > 0.0) & (high > MANY * low)
+    points = low + shares * (high - low)
+    points[:, decades] = low[decades] * (high[decades] / low[decades])**shares[:, decades]
+    model.begin()
     return min(points, key=lambda point: float(np.sum(model.residuals(point)**2)))
 
 
-def _settled(least_squares: Callable, model: Model, x: np.ndarray) -> _End:
-    """The best parameters that a search finds from `x`, with the corrections of the model."""
+def _settled(least_squares: Callable, model: Model, x: np.ndarray, method: str) -> _End:
+    """The best parameters that a search finds from `x`, with the corrections of the model. `method`: of SciPy's."""
+    best = _End(x, math.inf, False)
     for _ in range(MOST_SEARCHES):
-        found = least_squares(model.residuals, x, model.jacobian, (model.low, model.high), method="dogbox",
+        found = least_squares(model.residuals, x, model.jacobian, (model.low, model.high), method=method,
                               x_scale="jac", ftol=1e-4, xtol=1e-7, gtol=1e-12, max_nfev=MOST_STEPS)
         x = found.x
-        inside = found.active_mask == 0
-        jacobian = found.jac[:, inside]
         for _ in range(MOST_CORRECTIONS):
             model.correct(x)
             away = model.residuals(x)
-            end = _End(x, float(away @ away), found.status > 0)
-            step = np.linalg.lstsq(jacobian, -away, rcond=None)[0]
-            if np.linalg.norm(jacobian @ step) < SETTLED:
-                return end
-            x = x.copy()
-            x[inside] = np.clip(x[inside] + step, model.low[inside], model.high[inside])
-    return end._replace(settled=False)
+            if not away @ away < best.chi_squared:
+                model.correct(best.x)
+                return best
+            best = _End(x, float(away @ away), found.status > 0)
+            step, size = _step(found.jac, away, np.where(found.active_mask == 0, model.high - model.low, 0.0))
+            if size < SETTLED:
+                return best
+            x = np.clip(x + step, model.low, model.high)
+    model.correct(best.x)
+    return best._replace(settled=False)
+
+
+def _step(jacobian: np.ndarray, away: np.ndarray, span: np.ndarray) -> tuple[np.ndarray, float]:
+    """(the step to the least squares of a linear model, its size in standard errors) along the directions that the data
+    determine better than the ranges `span` do. Parameters of span 0 stay."""
+    columns, sizes, rows = np.linalg.svd(jacobian * span, full_matrices=False)
+    clear = sizes > 1.0
+    amounts = columns.T[clear] @ away
+    return -span * (rows[clear].T @ (amounts / sizes[clear])), float(np.linalg.norm(amounts))

@@ -45,8 +45,8 @@ class Model:
         self._done, self._text = 0.0, "Begins"
         self._last: tuple[bytes, list[np.ndarray]] | None = None
         self._check_channels()
-        self.sigmas = [np.hypot(one.sigma, one.relative * np.abs(one.values)) for one in measurements]
-        self._corrections = [np.zeros_like(one.values) for one in measurements]
+        self.sigmas: list[np.ndarray] = []
+        self._corrections: list[np.ndarray] = []
         self.count = sum(one.values.size for one in measurements)
         if self.count < len(self.start):
             raise ArgumentError(f"measurements hold {self.count} value(s): must hold at least as many as the template "
@@ -119,7 +119,11 @@ class Model:
         return np.stack(columns, axis=-1)
 
     def begin(self) -> None:
-        """Chooses the number of nodes for the search, from a checked solve of the starting values."""
+        """Makes ready for a search: chooses the number of nodes, from a checked solve of the starting values, and takes
+        the relative part of sigma of the measured values."""
+        self.sigmas = [np.hypot(one.sigma, one.relative * np.abs(one.values)) for one in self.measurements]
+        self._corrections = [np.zeros_like(one.values) for one in self.measurements]
+        self._last, self.solver.nodes = None, None
         self._solved([self.start])
         self.solver.nodes = max(LEAST_NODES, int(FEW * self.solver.most_nodes))
 

@@ -22,7 +22,7 @@ AT_END = 1e-4  # of a range
 WRONG, TOO_GOOD = 1e-3, 1.0 - 1e-3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fit:
     """What lamina.fit found.
 
@@ -57,6 +57,9 @@ class Fit:
     measurements: list[Measurement]
     solves: int
     seconds: float
+
+    def __repr__(self) -> str:
+        return f"<Fit: {len(self.names)} parameters, chi-squared {self.chi_squared:.4g} at {self.degrees} degrees>"
 
     def __str__(self) -> str:
         width = max(map(len, self.names))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fits of noisy values with known truth: standard errors, chi-squared, and what the data cannot tell."""
 
+import pickle
 import sys
 
 import numpy as np
@@ -92,6 +93,36 @@ def test_what_the_data_cannot_tell():
     assert fit.errors["albedo"] < 0.01 < 10.0 < fit.errors["tau"]
 
 
+def test_open_directions_do_not_lead_the_search_away():
+    """A half-space below an optical thickness of 3: a correction along the direction that its values leave open once
+    ended in a corner of the ranges."""
+    def layers(tau, albedo, g):
+        return [Medium(albedo=1.0, tau=tau, phase=HenyeyGreenstein(0.5)),
+                Medium(albedo=albedo, tau=1.0, phase=HenyeyGreenstein(g))]
+    rng = np.random.default_rng(4)
+    solved = lamina.solve(Stack(layers(2.434, 0.884, -0.099), lamina.HalfSpace(albedo=0.972)))
+    mu_o, mu_i, dphi = rng.uniform(0.1, 1.0, 30), rng.uniform(0.1, 1.0, 30), rng.uniform(0.0, np.pi, 30)
+    values = solved.brdf(mu_o, mu_i, dphi)[:, 0] * (1.0 + 0.02 * rng.standard_normal(30))
+    fit = lamina.fit(
+        Brdf(values=values, relative=0.02, mu_o=mu_o, mu_i=mu_i, dphi=dphi),
+        Template(layers(Free(0.556, 0.05, 30.0), Free(0.59, 0.1, 1.0), Free(0.567, -0.9, 0.96)),
+                 lamina.HalfSpace(albedo=Free(0.936, 0.1, 1.0))))
+    assert fit.probability > LEVEL
+    assert any("cannot tell" in one or "do not determine" in one or "hardly tell" in one for one in fit.remarks)
+
+
+def test_a_second_search_leaves_a_bad_start():
+    """Ranges of many decades, from a start at which the unscattered light says nothing."""
+    solved = lamina.solve(Stack([Medium(sigma_s=5.0, sigma_a=0.1, thickness=1.0, phase=HenyeyGreenstein(0.9))]))
+    measured = [Reflectance(values=solved.reflectance(1.0), relative=1e-3, mu_i=1.0),
+                Transmittance(values=solved.transmittance(1.0), relative=1e-3, mu_i=1.0),
+                Transmittance(values=solved.transmittance(1.0, parts=True)[1], relative=1e-3, mu_i=1.0, part="direct")]
+    fit = lamina.fit(measured, Template([Medium(
+        sigma_s=Free(190.0, 0.01, 200.0, "s"), sigma_a=Free(15.0, 0.0, 20.0, "a"), thickness=1.0,
+        phase=HenyeyGreenstein(Free(-0.4, -0.5, 0.95, "g")))]))
+    assert list(fit.values.values()) == pytest.approx([0.9, 5.0, 0.1], rel=2e-3), fit
+
+
 def test_the_end_of_a_range_is_named():
     solved = lamina.solve(Stack(slab(0.9, 0.0, 1.0)))
     mu = np.array([0.2, 0.5, 0.9])
@@ -169,6 +200,18 @@ def test_facets_that_the_solver_takes_as_mirrors_are_refused():
     template = Template([], lamina.PrincipledBase(color=Free(0.5, 0.0, 1.0), roughness=0.1))
     with pytest.raises(lamina.StackError, match="base.roughness = 0.1: must be 0, or at least 0.174 in a fit"):
         lamina.fit(measured, template)
+
+
+def test_profiles_need_lengths():
+    with pytest.raises(lamina.StackError, match=r"layers\[0\]: has no lengths"):
+        lamina.fit(Profile(values=[0.1] * 3, sigma=0.1, r=[1.0, 2.0, 3.0]), free_slab())
+
+
+def test_results_can_be_pickled():
+    _, measured = noisy_case(3, count=20)
+    fit = lamina.fit(measured, free_slab())
+    again = pickle.loads(pickle.dumps(fit))
+    assert again.values == fit.values and again.stack == fit.stack and repr(again) == repr(fit)
 
 
 @pytest.mark.parametrize(("given", "template", "message"), [
