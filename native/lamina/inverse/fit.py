@@ -23,8 +23,9 @@ from .template import Template
 SETTLED = 0.02
 # Searches of so many steps, each followed by so many corrections with the derivatives of the search.
 MOST_SEARCHES, MOST_STEPS, MOST_CORRECTIONS = 3, 100, 5
-# A second search starts from one of so many points. Ranges with so large a ratio of their ends are filled by decades.
-STARTS, MANY = 30, 30.0
+# Where a search fails, others start from the best of so many points. Ranges with so large a ratio of their ends are
+# filled by decades.
+STARTS, TRIES, MANY = 30, 3, 30.0
 
 
 def fit(measurements: Measurement | Sequence[Measurement], template: Template, threads: int = 0,
@@ -34,14 +35,14 @@ def fit(measurements: Measurement | Sequence[Measurement], template: Template, t
 
     Each measurement is a Brdf, Btdf, Reflectance, Transmittance or Profile of lamina.measurements, with as many
     channels as the template has. The search begins at the starting values of the template. Where its end does not
-    describe the data, it begins again at the best of many points that are spread over the ranges, and the better of
-    both ends is returned. `threads` 0 uses every hardware thread; the result does not depend on it.
+    describe the data, it begins again at the best of many points that are spread over the ranges, up to three times,
+    and the best end is returned. `threads` 0 uses every hardware thread; the result does not depend on it.
     `progress(fraction, text)` is called with a share that only rises, 0 to 1. `cancel()` is called often; Cancelled is
     raised if it returns true.
 
     Raises ArgumentError for arguments that do not fit together, StackError for parameters that make no stack,
     SolveError as lamina.solve does, and ExtraMissing without scipy.
-    Method: dogleg steps in rectangular trust regions (Voglis and Lagaris 2004), and for the second search, which must
+    Method: dogleg steps in rectangular trust regions (Voglis and Lagaris 2004), and for later searches, which must
     not stay in corners, reflective ones (Branch, Coleman and Li 1999), with differences as derivatives: the stacks in
     which one parameter differs are solved channel by channel, and equal channels share one solution. The search uses
     few nodes, and is corrected by checked solves until it stays."""
@@ -53,11 +54,12 @@ def fit(measurements: Measurement | Sequence[Measurement], template: Template, t
     model.begin()
     end = _settled(optimize.least_squares, model, model.start, "dogbox")
     if is_surprising(model, end.chi_squared):
-        other = _settled(optimize.least_squares, model, _best_start(model), "trf")
-        if other.chi_squared < end.chi_squared:
-            end = other
-        else:
-            model.correct(end.x)
+        for start in _best_starts(model):
+            other = _settled(optimize.least_squares, model, start, "trf")
+            end = min(end, other, key=lambda one: one.chi_squared)
+            if not is_surprising(model, end.chi_squared):
+                break
+        model.correct(end.x)
     found = judged(model, end.x, end.settled, time.perf_counter() - began)
     model.step(1.0, "Fitted")
     return found
@@ -81,7 +83,7 @@ class _End(NamedTuple):
     settled: bool
 
 
-def _best_start(model: Model) -> np.ndarray:
+def _best_starts(model: Model) -> list[np.ndarray]:
     """The best of STARTS points of a sequence that fills the ranges evenly (Roberts 2018), long ones by decades."""
     root = 2.0
     for _ in range(60):
@@ -93,7 +95,7 @@ def _best_start(model: Model) -> np.ndarray:
     points = low + shares * (high - low)
     points[:, decades] = low[decades] * (high[decades] / low[decades])**shares[:, decades]
     model.begin()
-    return min(points, key=lambda point: float(np.sum(model.residuals(point)**2)))
+    return sorted(points, key=lambda point: float(np.sum(model.residuals(point)**2)))[:TRIES]
 
 
 def _settled(least_squares: Callable, model: Model, x: np.ndarray, method: str) -> _End:
