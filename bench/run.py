@@ -56,6 +56,8 @@ BENCHES = {
               "Walks on the standard slab to .1 % standard error, wall clock, 2 threads, against Mitsuba"),
     "searchlight": (in_this_process("searchlight_bench"), {"photons": 1 << 16, "stacks": 1},
                     "Searchlight against photons at equal error in rings, CPU time of one thread"),
+    "inverse": (in_this_process("inverse_bench"), {"cases": 2, "repeats": 1},
+                "Fits to measurements, wall clock, all threads, against SciPy over lamina.solve"),
     "bake": (in_this_process("bake_bench"), {"repeats": 1, "stacks": 1}, "Bake, wall clock, all threads"),
     "fit": (in_this_process("fit_bench"), {"qualities": ("preview",), "bases": ("standard",), "stacks": 3},
             "Closure fit, relative L2 errors of the slices"),

@@ -82,6 +82,16 @@ def searchlight(rows):
                       f"{plain(row['photons, CPU-s to this error'])} s", plain(row["times sooner"])] for row in rows])
 
 
+def inverse(rows):
+    names = ("albedo", "g", "tau")
+    return markdown(["fit", "seconds", "worst", "SciPy over `lamina.solve`", "times sooner",
+                     "truth within 2 errors: albedo, g, thickness"],
+                    [[row["name"], f"{row['seconds']:.2g} s", f"{row['worst']:.2g} s",
+                      f"{row['SciPy over lamina.solve']:.2g} s", plain(row["times sooner"]),
+                      ", ".join(percent(row[f"within 2 errors, {name}"], 1) for name in names)
+                      if "within 2 errors, g" in row else "-"] for row in rows])
+
+
 def _millions(row, key):
     return f"{row[key] / 1e6:.1f} M" if key in row else "-"
 
@@ -141,8 +151,9 @@ def render(report):
                       percent(row["noise"], 1), f"{row['time_to_equal_noise_over_principled']:.2f}"] for row in rows])
 
 
-TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "searchlight": searchlight, "voxels": voxels,
-          "frames": frames, "portal": portal, "bake": bake, "fit": fit, "dust": dust, "render": render}
+TABLES = {"solver": solver, "doubling": doubling, "walks": walks, "searchlight": searchlight, "inverse": inverse,
+          "voxels": voxels, "frames": frames, "portal": portal, "bake": bake, "fit": fit, "dust": dust,
+          "render": render}
 
 
 def main():

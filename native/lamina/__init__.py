@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
-from . import _core, colours, distributed, dust, export, lobes, metals, plot, ply, presets, rgl
+from . import _core, colours, distributed, dust, export, lobes, measurements, metals, plot, ply, presets, rgl
 from .baking.bake import bake
 from .baking.table.lut import Lut
 from .common.errors import (
@@ -12,6 +12,7 @@ from .common.errors import (
     ExportError,
     InteriorError,
     LutError,
+    MeasurementError,
     ShardError,
     SolveError,
     StackError,
@@ -27,6 +28,10 @@ from .interior.of_stack import interior_of_stack
 from .interior.parts import WalkPart, light_in_mesh, merge_walks, walk_in_mesh, walk_part
 from .interior.problem import Surface
 from .interior.solid import Solid
+from .inverse.fit import fit
+from .inverse.free import Free
+from .inverse.result import Fit
+from .inverse.template import Template
 from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
@@ -61,6 +66,8 @@ __all__ = [
     "ExitEstimate",
     "ExportError",
     "ExtraMissing",
+    "Fit",
+    "Free",
     "Interface",
     "Interior",
     "InteriorError",
@@ -71,6 +78,7 @@ __all__ = [
     "Lut",
     "Marble",
     "LutError",
+    "MeasurementError",
     "Medium",
     "Mixture",
     "PointLamp",
@@ -91,6 +99,7 @@ __all__ = [
     "Surface",
     "Surroundings",
     "Tabulated",
+    "Template",
     "UnknownName",
     "WalkPart",
     "bake",
@@ -100,11 +109,13 @@ __all__ = [
     "estimate",
     "estimate_searchlight",
     "export",
+    "fit",
     "interior_of_stack",
     "light_in_mesh",
     "lit_images",
     "lobes",
     "marble",
+    "measurements",
     "merge_walks",
     "metals",
     "plot",

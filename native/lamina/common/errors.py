@@ -8,8 +8,8 @@ import difflib
 from ..kinds.errors import LONGEST, DustError, StackError, clipped, quoted
 
 __all__ = ["ArgumentError", "Cancelled", "DustError", "DustUnavailable", "ExportError", "InteriorError", "LutError",
-           "MeshFileError", "ShardError", "SolveError", "StackError", "UnknownName", "clipped", "quoted", "similar",
-           "unknown"]
+           "MeasurementError", "MeshFileError", "ShardError", "SolveError", "StackError", "UnknownName", "clipped",
+           "quoted", "similar", "unknown"]
 
 
 class ArgumentError(ValueError):
@@ -39,6 +39,10 @@ class LutError(ValueError):
 
 class ExportError(ValueError):
     """An exported scattering function that cannot be read: truncated, foreign, or of a newer schema."""
+
+
+class MeasurementError(ValueError):
+    """A file of measurements that cannot be read: of an unknown format, truncated, or with values that cannot be."""
 
 
 class SolveError(RuntimeError):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import os
-import struct
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy as np
 from ..common.arguments import check_callable, check_whole, finite_list
 from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, quoted
+from ..common.tensor_file import write_tensors
 from ..material.any_stack import AnyStack
 from ..solver.solve import ScatteringFunction, solve
 
@@ -25,8 +25,6 @@ GRAZING = math.radians(89.9)
 # Nodes in theta_o and dphi of the product grid from which the half vectors are interpolated. The azimuths are denser
 # about the mirror direction and back towards the light: dphi = pi (1 - cos(pi t)) / 2, with t uniform.
 TABLE = (128, 61)
-# Type numbers of the tensor file.
-_TYPES = {"uint8": 1, "float32": 10}
 
 
 def incident_angles(count: int) -> np.ndarray:
@@ -75,7 +73,7 @@ def save_bsdf(solved: ScatteringFunction | AnyStack, path: str | os.PathLike, si
     else:
         ascending = np.argsort(spectral)
         fields["wavelengths"], fields["spectra"] = spectral[ascending], values[None, :, ascending]
-    write_atomically(path, lambda file: _write_tensors(file, fields))
+    write_atomically(path, lambda file: write_tensors(file, fields))
     return mirrored
 
 
@@ -173,22 +171,3 @@ def _describe(solved: ScatteringFunction, mirrored: float, spectral: np.ndarray 
     if solved.stack.base is None:
         parts.append("without transmission")
     return ", ".join(parts)
-
-
-def _write_tensors(file, fields: dict[str, np.ndarray]) -> None:
-    """The tensor file of RGL, version 1.0: a table of named arrays, then the arrays, little-endian."""
-    arrays = {name: np.ascontiguousarray(value, None if value.dtype == np.uint8 else "<f4")
-              for name, value in fields.items()}
-    entries = {name: (name.encode(), array) for name, array in arrays.items()}
-    position = 18 + sum(2 + len(label) + 2 + 1 + 8 + 8 * array.ndim for label, array in entries.values())
-    places = []
-    file.write(b"tensor_file\0" + struct.pack("<BBI", 1, 0, len(entries)))
-    for label, array in entries.values():
-        position += -position % 8
-        places.append(position)
-        file.write(struct.pack("<H", len(label)) + label)
-        file.write(struct.pack(f"<HBQ{array.ndim}Q", array.ndim, _TYPES[array.dtype.name], position, *array.shape))
-        position += array.nbytes
-    for place, (_, array) in zip(places, entries.values(), strict=True):
-        file.write(bytes(place - file.tell()))
-        file.write(array.tobytes())

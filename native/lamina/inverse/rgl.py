@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measured materials of RGL (.bsdf), at the nodes of their grids: Dupuy and Jakob 2018, "An Adaptive Parameterization
+for Efficient Material Acquisition and Rendering"."""
+
+from __future__ import annotations
+
+import math
+import os
+
+import numpy as np
+
+from ..common.arguments import finite_list
+from ..common.errors import ArgumentError, MeasurementError, quoted
+from ..common.tensor_file import NoTensors, read_tensors
+from .directions import Directions
+
+NEEDED = ("phi_i", "theta_i", "ndf", "sigma", "vndf", "jacobian")
+
+
+def read_rgl(path: str | os.PathLike, wavelengths=None) -> Directions:
+    """The directions of all nodes. `wavelengths` in nm, between which the file's are interpolated; None for all of a
+    spectral file, or for red, green and blue. Raises MeasurementError, ArgumentError and OSError."""
+    try:
+        fields = read_tensors(path)
+    except NoTensors as reason:
+        raise MeasurementError(f"{path}: must be a .bsdf file of RGL: {reason}") from None
+    missing = [name for name in NEEDED if name not in fields]
+    if missing or not ("rgb" in fields or {"spectra", "wavelengths"} <= set(fields)):
+        raise MeasurementError(f"{path}: has no {quoted((missing or ['rgb'])[0])}: must be a .bsdf file of RGL")
+    if len(fields["phi_i"]) > 2:
+        raise MeasurementError(f"{path}: holds an anisotropic material: must be isotropic like all layers")
+    try:
+        values = _channels(fields, wavelengths)
+        return _directions(fields, values)
+    except (IndexError, ZeroDivisionError):
+        raise MeasurementError(f"{path}: the arrays have shapes that do not fit together") from None
+
+
+def _channels(fields: dict[str, np.ndarray], wavelengths) -> np.ndarray:
+    """Values [theta_i, v, u, channel]."""
+    if "spectra" not in fields:
+        if wavelengths is not None:
+            raise ArgumentError(f"wavelengths = {quoted(wavelengths)}: the file has none, its channels are red, green "
+                                "and blue")
+        return np.moveaxis(fields["rgb"][0].astype(float), 1, -1)
+    spectra, known = np.moveaxis(fields["spectra"][0].astype(float), 1, -1), fields["wavelengths"].astype(float)
+    if wavelengths is None:
+        return spectra
+    wanted = finite_list(wavelengths, "wavelengths")
+    outside = (wanted < known.min()) | (wanted > known.max())
+    if np.any(outside):
+        raise ArgumentError(f"wavelengths hold {wanted[outside][0]:g}: must lie in [{known.min():g}, {known.max():g}] "
+                            "nm, the range of the file")
+    above = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
+    share = (wanted - known[above - 1]) / (known[above] - known[above - 1])
+    return spectra[..., above - 1] * (1.0 - share) + spectra[..., above] * share
+
+
+def _directions(fields: dict[str, np.ndarray], values: np.ndarray) -> Directions:
+    theta_i = fields["theta_i"].astype(float)
+    ndf, sigma = fields["ndf"].astype(float), fields["sigma"].astype(float)
+    rows, columns = values.shape[1:3]
+    u, v = (axis.ravel() for axis in np.meshgrid(np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows)))
+    parts = []
+    for index, theta in enumerate(theta_i):
+        warped = warp(fields["vndf"][0, index].astype(float), u, v)
+        theta_m, phi_m = 0.5 * math.pi * warped[0]**2, (2.0 * warped[1] - 1.0) * math.pi
+        m = np.stack([np.sin(theta_m) * np.cos(phi_m), np.sin(theta_m) * np.sin(phi_m), np.cos(theta_m)], axis=-1)
+        wi = np.broadcast_to([math.sin(theta), 0.0, math.cos(theta)], m.shape)
+        wo = 2.0 * np.sum(m * wi, axis=-1, keepdims=True) * m - wi
+        weighted = values[index].reshape(len(u), -1)  # f cos(theta_o), except for the jacobian
+        if fields["jacobian"][0]:
+            area = bilinear(sigma, math.sqrt(2.0 * theta / math.pi), 0.5)
+            weighted = weighted * (bilinear(ndf, *warped) / (4.0 * area))[:, None]
+        cosine = np.maximum(wo[:, 2:], 1e-9)
+        parts.append(Directions.of_vectors(wi, wo, weighted / cosine))
+    return Directions(*(np.concatenate([getattr(part, name) for part in parts])
+                        for name in ("mu_o", "mu_i", "dphi", "values")))
+
+
+def warp(density: np.ndarray, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where points (u, v) of the unit square go that shall have a density which is bilinear between the values
+    `density` [row, column]: first the row by the integral over columns, then the column in it."""
+    rows, columns = density.shape
+    along = np.zeros_like(density)  # integral over the columns, in cells
+    along[:, 1:] = np.cumsum(0.5 * (density[:, 1:] + density[:, :-1]), axis=1)
+    whole = along[:, -1]
+    across = np.concatenate([[0.0], np.cumsum(0.5 * (whole[1:] + whole[:-1]))])
+    row, y = _inverted(across, whole, v * across[-1])
+    line = along[row] * (1.0 - y[:, None]) + along[row + 1] * y[:, None]
+    height = density[row] * (1.0 - y[:, None]) + density[row + 1] * y[:, None]
+    target = u * line[:, -1]
+    column = np.clip(np.sum(line <= target[:, None], axis=1) - 1, 0, columns - 2)
+    each = np.arange(len(u))
+    x = _share(height[each, column], height[each, column + 1], target - line[each, column])
+    return (column + x) / (columns - 1.0), (row + y) / (rows - 1.0)
+
+
+def _inverted(integral: np.ndarray, density: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(cell, place in it) at which the integral of a piecewise linear density reaches `target`."""
+    cell = np.clip(np.searchsorted(integral, target, side="right") - 1, 0, len(integral) - 2)
+    return cell, _share(density[cell], density[cell + 1], target - integral[cell])
+
+
+def _share(first: np.ndarray, last: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """The share of a cell over which a density from `first` to `last` has this area."""
+    root = np.sqrt(np.maximum(first**2 + 2.0 * area * (last - first), 0.0))
+    return np.clip(2.0 * area / np.maximum(first + root, 1e-300), 0.0, 1.0)
+
+
+def bilinear(table: np.ndarray, x, y) -> np.ndarray:
+    """A table [row, column] at places (x, y) of the unit square."""
+    x, y = (np.clip(np.asarray(place) * (size - 1.0), 0.0, size - 1.0)
+            for place, size in zip((x, y), table.shape[::-1], strict=True))
+    i, j = (np.minimum(place.astype(int), max(size - 2, 0)) for place, size in zip((x, y), table.shape[::-1],
+                                                                                 strict=True))
+    right, below = np.minimum(i + 1, table.shape[1] - 1), np.minimum(j + 1, table.shape[0] - 1)
+    x, y = x - i, y - j
+    return ((table[j, i] * (1.0 - x) + table[j, right] * x) * (1.0 - y)
+            + (table[below, i] * (1.0 - x) + table[below, right] * x) * y)
