@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from baked_samples import FURNACE_ERROR, INTERPOLATION, MIXTURE_RMS, PROMISE_FACTOR
 
+from lamina.closures import moving_lobes
+
 ROOT = Path(__file__).resolve().parents[2]
 STACKS = json.loads((ROOT / "tests/data/gonio_stacks.json").read_text())
 NAMES = ["thin", "thick", "bright", "dark", "forward", "forward, off a row", "backward"]
@@ -71,9 +73,11 @@ def test_radiance_is_the_exact_function_within_the_promised_error(sample, readin
     """The mean error over slices for 24 lights, without an allowance for the small number of lights."""
     for kind, side in sample.parts:
         raw, whole = _errors(sample, readings, kind, side)
-        promised = VIEWS.mean(sample.promised(kind, side))
-        assert VIEWS.mean(raw) <= PROMISE_FACTOR * promised, (kind, side)
-        assert VIEWS.mean(whole) <= PROMISE_FACTOR * promised, (kind, side)
+        allowed = PROMISE_FACTOR * VIEWS.mean(sample.promised(kind, side))
+        if any(map(moving_lobes.is_moving, sample.lut.closures)):  # shapes between two columns
+            allowed = np.hypot(allowed, INTERPOLATION)
+        assert VIEWS.mean(raw) <= allowed, (kind, side)
+        assert VIEWS.mean(whole) <= allowed, (kind, side)
 
 
 @pytest.mark.parametrize("kind", ["reflection", "transmission"])
