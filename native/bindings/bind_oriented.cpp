@@ -19,8 +19,7 @@ void lamina::bind_oriented(py::module_& module) {
           [](const OrientedSolution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
              const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, const Eigen::VectorXd& phi_o,
              ThreadPool& pool) -> Eigen::VectorXd {
-            const std::vector<double> values =
-                evaluate_oriented(solution, side, path, {mu_o, mu_i, dphi, phi_o}, pool);
+            const std::vector<double> values = evaluate_oriented(solution, side, path, {mu_o, mu_i, dphi, phi_o}, pool);
             return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
           },
           py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("phi_o"),
@@ -39,6 +38,6 @@ void lamina::bind_oriented(py::module_& module) {
       [](const Stack& stack, double tolerance, int nodes, int orders, int fineness, ThreadPool& pool) {
         return OrientedSolution(stack, tolerance, {nodes, orders, fineness}, pool);
       },
-      py::arg("stack"), py::arg("tolerance"), py::arg("nodes"), py::arg("orders"), py::arg("fineness"),
-      py::arg("pool"), unlocked, "As solve_oriented, at a given resolution.");
+      py::arg("stack"), py::arg("tolerance"), py::arg("nodes"), py::arg("orders"), py::arg("fineness"), py::arg("pool"),
+      unlocked, "As solve_oriented, at a given resolution.");
 }

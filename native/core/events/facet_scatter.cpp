@@ -106,8 +106,7 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
   constexpr std::size_t kAzimuths = 8;
   const bool oriented = facets_.is_oriented();
   const std::size_t azimuths = oriented ? kAzimuths : 1;
-  const auto& facets =
-      oriented ? all_visible_facets(facets_.distribution) : visible_facets(facets_.distribution);
+  const auto& facets = oriented ? all_visible_facets(facets_.distribution) : visible_facets(facets_.distribution);
   Loss loss;
   loss.waves.assign(azimuths, {});
   for (int knot = 0; knot <= Loss::kKnots; ++knot) {
@@ -115,7 +114,7 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
     const double mu = std::max(kGrazing, root * root);
     for (std::size_t j = 0; j < azimuths; ++j) {
       const double turn = oriented ? 0.5 * pi * (static_cast<double>(j) + 0.5) / kAzimuths : 0.0;
-      const double one = loss_at(facets, below, mu, facets_.angle + turn);
+      const double one = loss_at(facets, below, mu, oriented ? facets_.angle + turn : 0.0);
       loss.largest = std::max(loss.largest, one);
       for (std::size_t k = 0; k < azimuths; ++k) {
         const double part = (k == 0 ? 1.0 : 2.0) / static_cast<double>(azimuths);

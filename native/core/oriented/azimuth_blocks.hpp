@@ -20,7 +20,9 @@ struct AzimuthBlocks {
   AzimuthBlocks(int orders, bool mirrored);
 
   Eigen::Index count() const { return 2 * orders - 1; }
-  int order_of(Eigen::Index function) const { return static_cast<int>(function < orders ? function : function - orders + 1); }
+  int order_of(Eigen::Index function) const {
+    return static_cast<int>(function < orders ? function : function - orders + 1);
+  }
   bool is_sine(Eigen::Index function) const { return function >= orders; }
   /// All functions at the azimuth with this cosine and sine.
   Eigen::VectorXd at(double cosine, double sine) const;

@@ -37,11 +37,12 @@ std::vector<Deltas> deltas_of(const OrientedSolution& solution, const std::vecto
     } else if (std::holds_alternative<Interface>(stack.layers[layer])) {
       if (solution.surface(layer) == nullptr) {
         const ScatteringFunction s = smooth_interface(gaps[layer], gaps[layer + 1]);
-        here = {s.reflect_above.delta.tail(targets), s.transmit.delta.tail(targets), s.reflect_below.delta.tail(targets)};
+        here = {s.reflect_above.delta.tail(targets), s.transmit.delta.tail(targets),
+                s.reflect_below.delta.tail(targets)};
       }
     } else {
-      here.transmit = direct_transmissions(gaps[layer].mu.tail(targets),
-                                           solution.media().scatterers()[scatterer++].medium.tau);
+      here.transmit =
+          direct_transmissions(gaps[layer].mu.tail(targets), solution.media().scatterers()[scatterer++].medium.tau);
     }
     own.push_back(std::move(here));
   }
@@ -67,8 +68,7 @@ BeamSet::BeamSet(const OrientedSolution& solution, std::vector<Beam> beams, Thre
   scattered_ = solution.dark(static_cast<Index>(beams_.size()));
   lost_.assign(solution.stack().layers.size() + 1, std::vector<std::array<double, 2>>(beams_.size()));
   for (std::size_t k = 0; k < solution.media().scatterers().size(); ++k) {
-    media_.emplace_back(solution.media(), k, gaps_[solution.media().scatterers()[k].layer],
-                        solution.azimuths().orders);
+    media_.emplace_back(solution.media(), k, gaps_[solution.media().scatterers()[k].layer], solution.azimuths().orders);
   }
   pool.run(beams_.size(), [&](std::size_t beam) {
     for (std::size_t layer = 0; layer <= solution.stack().layers.size(); ++layer) {

@@ -26,14 +26,16 @@ struct Beam {
 Deltas specular_light(const OrientedSolution& solution, const Eigen::VectorXd& mu);
 
 /// Some directions outside a stack. Rough surfaces and media scatter the light of each for the first time, where its
-/// specular path meets them; by reciprocity the same numbers hold for light that is scattered into it for the last time.
+/// specular path meets them; by reciprocity the same numbers hold for light that is scattered into it for the last
+/// time.
 class BeamSet {
  public:
   BeamSet(const OrientedSolution& solution, std::vector<Beam> beams, ThreadPool& pool);
 
   /// The light of the beams after its first scattering, a column for each beam.
   const GapLight& scattered() const { return scattered_; }
-  /// Light that one layer scatters from a beam into another, in 1/sr: once by facets, or any number of times by a medium.
+  /// Light that one layer scatters from a beam into another, in 1/sr: once by facets, or any number of times by a
+  /// medium.
   double by_one_layer(std::size_t out, std::size_t in) const;
 
  private:

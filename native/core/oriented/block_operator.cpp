@@ -43,8 +43,7 @@ MatrixXd BlockOperator::apply(const MatrixXd& columns, Index rows, bool transpos
     const Index in = transposed ? out_ : in_;
     const Index common = std::min({out, in, diagonal_.size()});
     for (Index f = 0; f < rows / out; ++f) {
-      result.middleRows(f * out, common) =
-          diagonal_.head(common).asDiagonal() * columns.middleRows(f * in, common);
+      result.middleRows(f * out, common) = diagonal_.head(common).asDiagonal() * columns.middleRows(f * in, common);
     }
   } else if (form_ == Form::kIsotropic) {
     for (std::size_t f = 0; f < order_of_.size(); ++f) {

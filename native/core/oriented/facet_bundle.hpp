@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "matter/microfacet.hpp"
+#include "numeric/quadrature.hpp"
 
 namespace lamina {
 
@@ -39,28 +40,29 @@ struct FacetOptics {
   double reflectance(double cosine) const;
 };
 
+/// Cosines on either side of a boundary at which functions of the scattered light are not smooth.
+struct FacetEnds {
+  std::vector<double> here;
+  std::vector<double> beyond;
+};
+
 /// A quadrature over the facets that a ray sees. Slopes are scaled by the widths, so that facets of any width are those
-/// of width 1 seen from another direction. The weights of all facets sum up to 1.
+/// of width 1 seen from another direction. Facets lie on circles, which are divided where the scattered light meets one
+/// of the ends, and where total reflection begins.
 class FacetBundle {
  public:
-  /// `fineness`: number of circles of facets about the ray; twice as many facets lie on each.
+  /// `fineness`: number of circles, at least 3; twice as many facets lie on each.
   FacetBundle(const Facets& facets, int fineness);
 
   /// The rays of light that travels along `in`; returns the share that facets do not hide. A metal's share is that of
   /// facets that reflect everything. Replaces the contents of both lists.
-  double scatter(const Heading& in, const FacetOptics& optics, RayList& reflected, RayList& transmitted) const;
+  double scatter(const Heading& in, const FacetOptics& optics, const FacetEnds& ends, RayList& reflected,
+                 RayList& transmitted) const;
 
  private:
-  struct Normal {
-    double x;
-    double y;
-    double z;
-    double weight;
-  };
-  std::vector<Normal> normals(double x, double y, double z) const;
-
   Facets facets_;
   int circles_;
+  std::vector<Quadrature> panels_;  // by number of facets
 };
 
 /// Single scattering in closed form: radiance along `out` divided by the square of the index there, for unit irradiance

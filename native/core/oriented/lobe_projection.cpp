@@ -10,12 +10,26 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-VectorXd common_sines(const Directions& directions) {
-  return directions.ior * (1.0 - directions.mu.head(directions.live).array().square()).max(0.0).sqrt();
+Eigen::ArrayXd PoleFactor::at(std::size_t kind, const Eigen::ArrayXd& common_sines) {
+  constexpr double kWidth = 0.2;  // of the region about the normal, as n sin(theta)
+  const Eigen::ArrayXd even = common_sines.square() / (common_sines.square() + kWidth * kWidth);
+  switch (kind) {
+    case 0:
+      return Eigen::ArrayXd::Ones(common_sines.size());
+    case 1:
+      return common_sines;
+    case 2:
+      return even;
+    default:
+      return common_sines * even;
+  }
 }
 
-LobeProjection::LobeProjection(const DirectionSet& set, double ior, int orders)
-    : ior_(ior), azimuths_(orders, true) {
+VectorXd PoleFactor::on(std::size_t kind, const Directions& directions) {
+  return at(kind, directions.ior * (1.0 - directions.mu.head(directions.live).array().square()).max(0.0).sqrt());
+}
+
+LobeProjection::LobeProjection(const DirectionSet& set, double ior, int orders) : ior_(ior), azimuths_(orders, true) {
   Index first = 0;
   for (const DirectionSet::Range& range : set.ranges()) {
     if (range.ior <= ior) {
@@ -25,7 +39,9 @@ LobeProjection::LobeProjection(const DirectionSet& set, double ior, int orders)
   }
   const Directions nodes = set.in_medium(ior, VectorXd());
   inverse_common_ = (ior * nodes.scale).cwiseInverse();
-  sines_ = common_sines(nodes);
+  for (std::size_t kind = 0; kind < PoleFactor::kKinds; ++kind) {
+    inverse_factors_[kind] = PoleFactor::on(kind, nodes).cwiseInverse();
+  }
 }
 
 /// The range of nodes for a ray, and its cosine in the medium of that range.
@@ -74,7 +90,6 @@ MatrixXd LobeProjection::sum(const RayList& rays) const {
     }
     waves.col(0) = share;
     if (orders > 1) {
-      // Odd orders carry the sine of the ray; those before them are kept without it.
       waves.col(1) = std::numbers::sqrt2 * share * cosine;
       waves.col(orders) = std::numbers::sqrt2 * share * sine;
       for (int m = 2; m < orders; ++m) {
@@ -84,16 +99,20 @@ MatrixXd LobeProjection::sum(const RayList& rays) const {
         waves.col(m) = 2.0 * cosine * waves.col(m - 1).array() - before(m, std::numbers::sqrt2);
         waves.col(orders - 1 + m) = 2.0 * cosine * waves.col(orders - 2 + m).array() - before(orders - 1 + m, 0.0);
       }
-      for (int m = 1; m < orders; m += 2) {
-        waves.col(m).array() *= across;
-        waves.col(orders - 1 + m).array() *= across;
+      std::array<Eigen::ArrayXd, PoleFactor::kKinds> factors;
+      for (std::size_t kind = 1; kind < factors.size(); ++kind) {
+        factors[kind] = PoleFactor::at(kind, across);
+      }
+      for (int m = 1; m < orders; ++m) {
+        waves.col(m).array() *= factors[PoleFactor::kind_of(m)];
+        waves.col(orders - 1 + m).array() *= factors[PoleFactor::kind_of(m)];
       }
     }
     result.middleRows(parts_[p].first, nodes.mu.size()).noalias() = cardinals * waves;
   }
-  for (int m = 1; m < orders; m += 2) {
-    result.col(m).array() /= sines_.array();
-    result.col(orders - 1 + m).array() /= sines_.array();
+  for (int m = 1; m < orders; ++m) {
+    result.col(m).array() *= inverse_factors_[PoleFactor::kind_of(m)].array();
+    result.col(orders - 1 + m).array() *= inverse_factors_[PoleFactor::kind_of(m)].array();
   }
   return inverse_common_.asDiagonal() * result;
 }

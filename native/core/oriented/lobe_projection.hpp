@@ -2,6 +2,7 @@
 // Sums bundles of rays onto the directions of a solve with coupled azimuths.
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "operators/directions.hpp"
@@ -10,9 +11,17 @@
 
 namespace lamina {
 
-/// n sin(theta) of the live nodes of a medium. Odd functions of the azimuth are in proportion to it near the normal, and
-/// only then polynomials in the cosine.
-Eigen::VectorXd common_sines(const Directions& directions);
+/// How light of an azimuth order vanishes at the normal, by n sin(theta): a factor beside which the light is smooth in
+/// the cosine. Rays that pass close to the normal then meet functions of the azimuth that are smooth there too.
+class PoleFactor {
+ public:
+  static constexpr std::size_t kKinds = 4;
+  /// Order 0, order 1, other even and other odd orders.
+  static std::size_t kind_of(int order) { return static_cast<std::size_t>(order < 2 ? order : 2 + order % 2); }
+  static Eigen::ArrayXd at(std::size_t kind, const Eigen::ArrayXd& common_sines);
+  /// At the live nodes of a medium.
+  static Eigen::VectorXd on(std::size_t kind, const Directions& directions);
+};
 
 /// Distributes rays in one medium over its nodes, by the polynomials through them, and over functions of the azimuth.
 /// Energy and all resolved moments of the rays are kept.
@@ -35,7 +44,7 @@ class LobeProjection {
   double ior_;
   AzimuthBlocks azimuths_;
   Eigen::VectorXd inverse_common_;
-  Eigen::VectorXd sines_;
+  std::array<Eigen::VectorXd, PoleFactor::kKinds> inverse_factors_;
 };
 
 }  // namespace lamina

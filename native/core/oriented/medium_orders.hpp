@@ -19,7 +19,7 @@ struct MediumOnNodes {
 
 /// A medium between targets and nodes, by order.
 struct MediumOnTargets {
-  OrderMatrices reflect;   ///< [live node, target], all scattering
+  OrderMatrices reflect;  ///< [live node, target], all scattering
   OrderMatrices transmit;
   OrderMatrices reflect_between;  ///< [target, target], multiple scattering only
   OrderMatrices transmit_between;

@@ -90,8 +90,8 @@ std::vector<double> evaluate_oriented(const OrientedSolution& solution, Side sid
       const auto start = static_cast<Index>(backwards ? out[k] : in[k]);
       const auto end = static_cast<Index>(backwards ? in[k] : out[k]);
       const Index problem = std::lower_bound(starts.begin(), starts.end(), start) - starts.begin();
-      values[first + k] = std::max(0.0, set.by_one_layer(out[k], in[k]) +
-                                            last_scattered(set.scattered(), end, light, problem) / pi);
+      values[first + k] =
+          std::max(0.0, set.by_one_layer(out[k], in[k]) + last_scattered(set.scattered(), end, light, problem) / pi);
     });
     first = last;
   }
@@ -148,7 +148,9 @@ Fluxes oriented_diffuse_fluxes(const OrientedSolution& solution, Side side, Thre
   const double whole = common.squaredNorm();
   const Deltas specular = specular_light(solution, outside.mu);
   const Eigen::ArrayXd shares = common.array().square() / whole;
-  const auto mean = [&](const Eigen::ArrayXd& part) -> VectorXd { return VectorXd::Constant(1, (shares * part).sum()); };
+  const auto mean = [&](const Eigen::ArrayXd& part) -> VectorXd {
+    return VectorXd::Constant(1, (shares * part).sum());
+  };
   Fluxes all{VectorXd::Zero(1), VectorXd::Zero(1), VectorXd::Zero(1), VectorXd::Zero(1)};
   all.mirrored = mean(below ? specular.reflect_below : specular.reflect_above);
   all.reflected = leaving(solution, light, !below) / whole - all.mirrored;

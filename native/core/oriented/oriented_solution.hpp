@@ -14,7 +14,7 @@ namespace lamina {
 struct OrientedResolution {
   int nodes = 24;
   int orders = 32;    ///< of azimuth functions
-  int fineness = 48;  ///< see FacetBundle
+  int fineness = 64;  ///< see FacetBundle
 };
 
 /// The resolution for a relative error `tolerance`. Throws std::runtime_error for facets that are too narrow.
@@ -29,16 +29,16 @@ struct GapLight {
 
 /// One channel of a stack whose rough boundaries couple azimuths, with all orders of reflection between its layers.
 ///
-/// Gap k lies above layer k, the last one above the base. The solver for isotropic stacks gives the media, without rough
-/// boundaries; the facets are operators of their own. The light of a direction outside follows specular paths to the
-/// layers that first scatter it into the nodes, and leaves likewise: see evaluate_oriented.
+/// Gap k lies above layer k, the last one above the base. The solver for isotropic stacks gives the media, without
+/// rough boundaries; the facets are operators of their own. The light of a direction outside follows specular paths to
+/// the layers that first scatter it into the nodes, and leaves likewise: see evaluate_oriented.
 class OrientedSolution {
  public:
   /// Throws std::runtime_error if the stack cannot be resolved. The base must be reciprocal.
   OrientedSolution(const Stack& stack, double tolerance, const OrientedResolution& resolution, ThreadPool& pool);
 
   const Stack& stack() const { return stack_; }
-  /// The media, between smooth boundaries on a black base.
+  /// The media, between smooth boundaries.
   const Solution& media() const { return media_; }
   const AzimuthBlocks& azimuths() const { return azimuths_; }
   const SolveChecks& checks() const { return checks_; }
@@ -67,10 +67,12 @@ class OrientedSolution {
   AzimuthBlocks azimuths_;
   std::vector<Directions> gaps_;
   std::vector<std::shared_ptr<const OrientedSurface>> surfaces_;  // by layer, then the base
+  std::shared_ptr<OrientedSurface> base_surface_;                 // the last of them, of this solution alone
   std::vector<std::vector<BlockLayer>> layers_;                   // [block][layer]
-  std::vector<BlockOperator> base_;                               // [block]
-  /// [block][layer]: Q = B (1 - R' B)^-1 with the layer's R' and the reflection B of all that lies below it.
-  std::vector<std::vector<Eigen::MatrixXd>> between_;
+  std::vector<BlockOperator> base_;                               // [block]; empty once it is joined
+  /// [block][layer]: Q = B (1 - R' B)^-1 with the layer's R' and the reflection B of all that lies below it. Single
+  /// precision halves most of the memory of a solution.
+  std::vector<std::vector<Eigen::MatrixXf>> between_;
   SolveChecks checks_;
 };
 

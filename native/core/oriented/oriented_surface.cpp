@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "oriented/oriented_surface.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -85,9 +85,13 @@ OrientedSurface::Lobes OrientedSurface::lobes(Face from, ThreadPool& pool) const
   const DirectionSet fine = set_.finer_by(kFiner);
   const Directions in = fine.in_medium(nodes.ior, VectorXd());
   const MatrixXd carry = set_.carry_to(fine).topLeftCorner(in.live, nodes.live);
-  const MatrixXd carry_odd =
-      common_sines(in).asDiagonal() * carry * common_sines(nodes).cwiseInverse().asDiagonal();
+  std::array<MatrixXd, PoleFactor::kKinds> carries;
+  for (std::size_t kind = 0; kind < carries.size(); ++kind) {
+    carries[kind] =
+        PoleFactor::on(kind, in).asDiagonal() * carry * PoleFactor::on(kind, nodes).cwiseInverse().asDiagonal();
+  }
   const VectorXd incoming = in.ior * in.scale;
+  const FacetEnds ends = ends_of(from);
   // A quarter of the azimuths is enough by symmetry.
   const Index azimuths = (own_.orders + 1) / 2;
   MatrixXd waves(azimuths, own_.count());
@@ -112,7 +116,7 @@ OrientedSurface::Lobes OrientedSurface::lobes(Face from, ThreadPool& pool) const
     VectorXd lost(azimuths);
     for (Index j = 0; j < azimuths; ++j) {
       const Heading heading = Heading::of(in.mu[static_cast<Index>(i)], phi[static_cast<std::size_t>(j)]);
-      lost[j] = 1.0 - bundle_.scatter(heading, optics_of(from), reflected, transmitted);
+      lost[j] = 1.0 - bundle_.scatter(heading, optics_of(from), ends, reflected, transmitted);
       const auto keep = [&](std::vector<MatrixXd>& all, const MatrixXd& values) {
         for (std::size_t b = 0; b < blocks; ++b) {
           all[b].conservativeResize(values.rows() * static_cast<Index>(own_.functions[b].size()), azimuths);
@@ -140,7 +144,6 @@ OrientedSurface::Lobes OrientedSurface::lobes(Face from, ThreadPool& pool) const
   result.transmitted.resize(is_opaque() ? 0 : blocks);
   pool.run(blocks, [&](std::size_t b) {
     const Index functions = static_cast<Index>(own_.functions[b].size());
-    const MatrixXd& carried = b % 2 == 0 ? carry : carry_odd;
     const auto gather = [&](MatrixXd& whole, const auto& of, Index rows) {
       whole.resize(rows * functions, nodes.live * functions);
       MatrixXd columns(rows * functions, in.live);
@@ -148,14 +151,16 @@ OrientedSurface::Lobes OrientedSurface::lobes(Face from, ThreadPool& pool) const
         for (Index i = 0; i < in.live; ++i) {
           columns.col(i) = of(sums[static_cast<std::size_t>(i)])[b].col(f);
         }
-        whole.middleCols(f * nodes.live, nodes.live).noalias() = columns * carried;
+        const int order = own_.order_of(own_.functions[b][static_cast<std::size_t>(f)]);
+        whole.middleCols(f * nodes.live, nodes.live).noalias() = columns * carries[PoleFactor::kind_of(order)];
       }
     };
-    gather(result.reflected[b], [](const Sums& one) -> const std::vector<MatrixXd>& { return one.reflected; },
-           nodes.live);
+    gather(
+        result.reflected[b], [](const Sums& one) -> const std::vector<MatrixXd>& { return one.reflected; }, nodes.live);
     if (!is_opaque()) {
-      gather(result.transmitted[b], [](const Sums& one) -> const std::vector<MatrixXd>& { return one.transmitted; },
-             others.live);
+      gather(
+          result.transmitted[b], [](const Sums& one) -> const std::vector<MatrixXd>& { return one.transmitted; },
+          others.live);
     }
   });
   const Index functions = static_cast<Index>(own_.functions[0].size());
@@ -171,14 +176,17 @@ OrientedSurface::Lobes OrientedSurface::lobes(Face from, ThreadPool& pool) const
 void OrientedSurface::merge(const Lobes& above, const Lobes& below, const AzimuthBlocks& azimuths) {
   const Index n = above_.live;
   const Index m = below_.live;
+  std::vector<Modes> over;
+  std::vector<Modes> under;
+  for (std::size_t kind = 0; kind < PoleFactor::kKinds; ++kind) {
+    over.emplace_back(set_, above_, PoleFactor::on(kind, above_));
+    under.emplace_back(set_, below_, PoleFactor::on(kind, below_));
+  }
   for (std::size_t b = 0; b < azimuths.functions.size(); ++b) {
-    const bool odd = b % 2 == 1;
-    const auto modes = [&](const Directions& nodes) {
-      return odd ? Modes(set_, nodes, common_sines(nodes)) : Modes(set_, nodes);
-    };
-    const Modes over = modes(above_);
-    const Modes under = modes(below_);
     const Index functions = static_cast<Index>(azimuths.functions[b].size());
+    const auto kind_of = [&](Index f) {
+      return PoleFactor::kind_of(azimuths.order_of(azimuths.functions[b][static_cast<std::size_t>(f)]));
+    };
     Block block;
     block.reflect_above.resize(n * functions, n * functions);
     if (!is_opaque()) {
@@ -187,9 +195,11 @@ void OrientedSurface::merge(const Lobes& above, const Lobes& below, const Azimut
     }
     for (Index f = 0; f < functions; ++f) {
       for (Index g = 0; g < functions; ++g) {
-        const auto reflection = [&](MatrixXd& to, const MatrixXd& rays, const Modes& own, Index size) {
+        const std::size_t out = kind_of(f);
+        const std::size_t in = kind_of(g);
+        const auto reflection = [&](MatrixXd& to, const MatrixXd& rays, const std::vector<Modes>& own, Index size) {
           if (g <= f) {
-            const MatrixXd one = merged(part(rays, f, g, size, size), part(rays, g, f, size, size), own, own);
+            const MatrixXd one = merged(part(rays, f, g, size, size), part(rays, g, f, size, size), own[out], own[in]);
             part(to, f, g, size, size) = one;
             part(to, g, f, size, size) = one.transpose();
           }
@@ -197,8 +207,8 @@ void OrientedSurface::merge(const Lobes& above, const Lobes& below, const Azimut
         reflection(block.reflect_above, above.reflected[b], over, n);
         if (!is_opaque()) {
           reflection(block.reflect_below, below.reflected[b], under, m);
-          part(block.transmit, f, g, m, n) =
-              merged(part(above.transmitted[b], f, g, m, n), part(below.transmitted[b], g, f, n, m), under, over);
+          part(block.transmit, f, g, m, n) = merged(part(above.transmitted[b], f, g, m, n),
+                                                    part(below.transmitted[b], g, f, n, m), under[out], over[in]);
         }
       }
     }
@@ -237,14 +247,14 @@ void OrientedSurface::restore_flux(const Lobes& above, const Lobes& below) {
   const VectorXd over = common(Face::kTop);
   const VectorXd under = common(Face::kBottom);
   Block& mean = blocks_.front();
-  VectorXd missing_above = above.reflected[0].topRows(over.size()).transpose() * over -
-                           mean.reflect_above.leftCols(over.size()) * over;
+  VectorXd missing_above =
+      above.reflected[0].topRows(over.size()).transpose() * over - mean.reflect_above.leftCols(over.size()) * over;
   if (!is_opaque()) {
     missing_above += (above.transmitted[0] - mean.transmit).topRows(under.size()).transpose() * under;
     VectorXd missing_below = below.reflected[0].topRows(under.size()).transpose() * under -
                              mean.reflect_below.leftCols(under.size()) * under;
-    missing_below += below.transmitted[0].topRows(over.size()).transpose() * over -
-                     mean.transmit.leftCols(over.size()) * over;
+    missing_below +=
+        below.transmitted[0].topRows(over.size()).transpose() * over - mean.transmit.leftCols(over.size()) * over;
     restore(mean.reflect_below, missing_below, under);
   }
   restore(mean.reflect_above, missing_above, over);
@@ -339,7 +349,7 @@ OrientedSurface::Column OrientedSurface::column(Face from, const Heading& in) co
   RayList reflected;
   RayList transmitted;
   Column column;
-  column.lost = 1.0 - bundle_.scatter(turned(in, -angle_), optics_of(from), reflected, transmitted);
+  column.lost = 1.0 - bundle_.scatter(turned(in, -angle_), optics_of(from), ends_of(from), reflected, transmitted);
   const RayList& up = from == Face::kTop ? reflected : transmitted;
   const RayList& down = from == Face::kTop ? transmitted : reflected;
   const double returned = share_ * column.lost;

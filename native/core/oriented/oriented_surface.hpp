@@ -29,6 +29,8 @@ class OrientedSurface {
     Eigen::MatrixXd reflect_below;
   };
   const Block& block(std::size_t index) const { return blocks_[index]; }
+  /// Frees the memory of the blocks.
+  void forget_blocks() { blocks_.clear(); }
   bool is_opaque() const { return optics_.metal.has_value(); }
 
   /// A single direction of light that arrives at one face: how it scatters into the nodes above and below, [live node,
@@ -58,6 +60,10 @@ class OrientedSurface {
 
   const FacetOptics& optics_of(Face from) const { return from == Face::kTop ? optics_ : turned_optics_; }
   const Directions& nodes_of(Face face) const { return face == Face::kTop ? above_ : below_; }
+  FacetEnds ends_of(Face from) const {
+    return from == Face::kTop ? FacetEnds{set_.ends(above_.ior), set_.ends(below_.ior)}
+                              : FacetEnds{set_.ends(below_.ior), set_.ends(above_.ior)};
+  }
   Eigen::VectorXd common(Face face) const { return nodes_of(face).ior * nodes_of(face).scale; }
 
   Facets facets_;  ///< with the tangent along the x axis
@@ -72,7 +78,7 @@ class OrientedSurface {
   LobeProjection to_above_;
   LobeProjection to_below_;
   std::vector<Block> blocks_;
-  double share_ = 0.0;  ///< of the product of two losses in the compensation
+  double share_ = 0.0;          ///< of the product of two losses in the compensation
   Eigen::MatrixXd lost_above_;  ///< [live node, function]
   Eigen::MatrixXd lost_below_;
 };

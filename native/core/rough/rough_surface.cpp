@@ -73,27 +73,13 @@ MatrixXd merged_keeping_flux(const MatrixXd& one, const Modes& modes, const Dire
   return reflection;
 }
 
-/// Cosines in a medium where ranges of nodes end.
-std::vector<double> ends(const DirectionSet& set, double ior) {
-  std::vector<double> cosines{0.0};
-  for (const DirectionSet::Range& range : set.ranges()) {
-    const double own = range.nodes.high();
-    const double cosine = refracted_cosine(own, range.ior, ior);
-    // The end of a range in a denser medium is the beginning of the next range, of a less dense medium.
-    if (range.ior <= ior && cosine > 0.0 && cosine < 1.0) {
-      cosines.push_back(cosine);
-    }
-  }
-  return cosines;
-}
-
 FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int orders, double fineness) {
   constexpr double kPerOrder = 1.2;
   double degree = kPerOrder * orders;
   for (const DirectionSet::Range& range : set.ranges()) {
     degree = std::max(degree, fineness * static_cast<double>(range.nodes.mu.size()));
   }
-  return {static_cast<int>(degree), ends(set, ior), beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
+  return {static_cast<int>(degree), set.ends(ior), beyond > 0.0 ? set.ends(beyond) : std::vector<double>()};
 }
 
 /// Writes one part of an operator: its block on live nodes, and the columns and rows of targets. `arriving`: light that
@@ -177,11 +163,11 @@ RoughSurface::Operators RoughSurface::on(const Directions& above, const Directio
 
 std::vector<FacetRays> RoughSurface::rays_on(const DirectionSet& set, int degree) const {
   std::vector<FacetRays> rays;
-  const std::vector<double> above = ends(set, ior_above_);
+  const std::vector<double> above = set.ends(ior_above_);
   if (base_) {
     rays.emplace_back(facets_, reflectance_, FacetRays::Pieces{degree, above, {}});
   } else {
-    const std::vector<double> below = ends(set, ior_below_);
+    const std::vector<double> below = set.ends(ior_below_);
     rays.emplace_back(facets_, ior_below_ / ior_above_, FacetRays::Pieces{degree, above, below});
     rays.emplace_back(facets_, ior_above_ / ior_below_, FacetRays::Pieces{degree, below, above});
   }

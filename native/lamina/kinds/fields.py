@@ -103,7 +103,7 @@ class Rare:
 
     def check(self, value, path: str) -> float | None:
         """The value as a float, or the usual value. Raises StackError, naming `path`."""
-        return self.usual if value == self.usual else cast(float, self.field.check(value, path))
+        return None if value is None and self.usual is None else cast(float, self.field.check(value, path))
 
 
 @dataclass(frozen=True)

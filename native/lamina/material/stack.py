@@ -191,7 +191,7 @@ class Stack:
     def require_isotropic(self, user: str) -> None:
         """Raises StackError for anisotropic facets, which `user` does not take."""
         for surface, path in ((self.base, "base"), *((layer, f"layers[{i}]") for i, layer in enumerate(self.layers))):
-            if is_oriented(surface):
+            if isinstance(surface, Interface | Conductor) and is_oriented(surface):
                 raise StackError(f"{path}.alpha_v = {surface.alpha_v:g}: must be left out for {user}; only "
                                  "lamina.solve and lamina.estimate take anisotropic facets")
 

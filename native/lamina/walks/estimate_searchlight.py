@@ -128,6 +128,7 @@ def run_beams(stack: Stack, query: SearchlightQuery, seed: int, chunks: range, b
     """For each channel the tallies (above, below, count, events) of the `chunks` of a run of `blocks` blocks; above and
     below are (within, within_squares, moments, products). Also the flux of `mirrored` and of `unscattered` light, and
     `endless`: true for a conservative half-space. Raises as estimate_searchlight does."""
+    stack.require_isotropic("a searchlight")
     require_millimetres(stack)
 
     def problem(index):

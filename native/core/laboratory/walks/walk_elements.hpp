@@ -13,8 +13,8 @@ namespace lamina {
 
 /// The quantity that a walk estimates: BRDF or BTDF (1/sr, as evaluate_points, without specular and unscattered light)
 /// for a pair of cosines in air and an azimuth; or with `flux` the hemispherical reflectance or transmittance of a beam
-/// at mu_i, with specular and unscattered light. `phi`: the azimuth, from the x axis of the stack, of the outgoing light,
-/// with `flux` of the beam. Walks turn the stack, so that light comes in along the x axis.
+/// at mu_i, with specular and unscattered light. `phi`: the azimuth, from the x axis of the stack, of the outgoing
+/// light, with `flux` of the beam. Walks turn the stack, so that light comes in along the x axis.
 struct WalkTarget {
   Side side = Side::kTop;
   Path path = Path::kReflect;
@@ -47,8 +47,9 @@ struct WalkElements {
   std::vector<Element> elements;
   std::vector<double> ior;  ///< above each element, and below the last
 
-  /// The stack as walks to `target` meet it: from its side, and turned. With `ended` an infinite conservative medium is replaced by a very thick one on a perfect reflector, so that walks
-  /// end. Throws std::invalid_argument for light from below onto a base.
+  /// The stack as walks to `target` meet it: from its side, and turned. With `ended` an infinite conservative medium is
+  /// replaced by a very thick one on a perfect reflector, so that walks end. Throws std::invalid_argument for light
+  /// from below onto a base.
   WalkElements(const Stack& stack, const WalkTarget& target, bool ended = true);
 };
 
