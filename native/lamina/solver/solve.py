@@ -336,8 +336,9 @@ class ScatteringFunction:
 
     def _evaluate(self, path, mu_o, mu_i, dphi, phi_o, side: str) -> np.ndarray:
         self._check_below(path, side)
-        arrays = broadcast([_cosines(mu_o, "mu_o"), _cosines(mu_i, "mu_i"), finite_array(dphi, "dphi"),
-                            finite_array(phi_o, "phi_o")], ("mu_o", "mu_i", "dphi", "phi_o"))
+        names = ("mu_o", "mu_i", "dphi", "phi_o")
+        arrays = broadcast([_cosines(mu_o, "mu_o"), _cosines(mu_i, "mu_i"), finite_array(dphi, "dphi")], names[:3])
+        arrays = broadcast([*arrays, finite_array(phi_o, "phi_o")], names)
         flat = [_flat(array) for array in arrays[:4 if self._oriented else 3]]
         values = self._by_channel(lambda s: s.points(side_of(side), path, *flat, self._pool))
         return values.reshape(*arrays[0].shape, len(self._channels))

@@ -137,7 +137,7 @@ def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, 
     run. Raises as estimate does."""
     query.check(stack)
     stack.require_walked_base()
-    if method in METHODS and method != "transfer":
+    if method in ("adding", "scattering"):
         stack.require_isotropic(f"method {method!r}")
 
     def walked(layers, base, within):
