@@ -10,7 +10,7 @@ from measure import BATCHES, MOST_SECONDS
 import lamina
 from lamina import _core
 from lamina.material.millimetres import depth_knots
-from lamina.solver.solve import core_stack
+from lamina.solver.core_stack import core_stack
 from lamina.walks.estimate_searchlight import WALKS
 from lamina.walks.searchlight_moments import DISTANCE, FIRST_FREQUENCY, WEIGHT, SideMoments
 

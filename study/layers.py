@@ -9,7 +9,7 @@ from walks import BASELINE
 
 import lamina
 from lamina import _core
-from lamina.solver.solve import core_stack
+from lamina.solver.core_stack import core_stack
 
 
 def _medium(albedo, tau, g):

@@ -49,6 +49,7 @@ def base(base):
         fields = (*form, *fields)
     for field in fields:
         values[field.prop] = _number(field, base, "base")
+    _refuse_rare(cls, base, "base")
     values |= _options(cls, base, "base")
     if cls.has_phase:
         values |= phases.values(base.get("phase"), "base.phase")
@@ -59,7 +60,16 @@ def _interface(layer, where):
     ior = _triple(layer["ior"], f"{where}.ior")
     values = {"ior": ior[0], "ior_per_channel": len(set(ior)) > 1, "ior_rgb": ior}
     values["alpha"] = _number(boundaries.ALPHA, layer, where)
+    _refuse_rare(boundaries.Interface, layer, where)
     return values | _options(boundaries.Interface, layer, where)
+
+
+def _refuse_rare(cls, entry, where):
+    """Refuses quantities that the panel does not have. Raises RefusedError."""
+    for one in cls.rare:
+        if entry.get(one.name, one.usual) != one.usual:
+            raise RefusedError(f"{where}.{one.name} = {entry[one.name]:g}: in Blender the facets of a "
+                               "surface have the same width in all directions")
 
 
 def _number(field, entry, where):

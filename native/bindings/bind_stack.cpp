@@ -19,24 +19,29 @@ Medium make_medium(double albedo, double tau, const std::string& phase, const py
   return {albedo, tau, make_phase(phase, parameters)};
 }
 
-Facets make_facets(double alpha, const std::string& distribution, bool correlated, bool compensate) {
+Facets make_facets(double alpha, const std::string& distribution, bool correlated, bool compensate, double alpha_v,
+                   double angle) {
   if (distribution != "ggx" && distribution != "beckmann") {
     throw py::value_error("distribution = '" + distribution + "': must be 'ggx' or 'beckmann'");
   }
-  return {alpha, distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann, correlated,
-          compensate};
+  return {alpha,      distribution == "ggx" ? Facets::Distribution::kGgx : Facets::Distribution::kBeckmann,
+          correlated, compensate,
+          alpha_v,    angle};
 }
 
 auto fields(const Facets& facets) {
-  return std::make_tuple(facets.alpha, static_cast<int>(facets.distribution), facets.correlated, facets.compensate);
+  return std::make_tuple(facets.alpha, static_cast<int>(facets.distribution), facets.correlated, facets.compensate,
+                         facets.alpha_v, facets.angle);
 }
 
 void bind_parts(py::module_& module) {
   py::class_<Medium>(module, "Medium").def(py::init(&make_medium), py::arg("albedo"), py::arg("tau"), py::arg("phase"));
 
-  py::class_<Facets>(module, "Facets", "The facets of a rough surface; alpha 0 is smooth. Equal by value, hashable.")
+  py::class_<Facets>(module, "Facets",
+                     "The facets of a rough surface; alpha 0 is smooth; alpha_v is the width across the tangent, 0 as "
+                     "alpha. Equal by value, hashable.")
       .def(py::init(&make_facets), py::arg("alpha") = 0.0, py::arg("distribution") = "ggx",
-           py::arg("correlated") = true, py::arg("compensate") = true)
+           py::arg("correlated") = true, py::arg("compensate") = true, py::arg("alpha_v") = 0.0, py::arg("angle") = 0.0)
       .def(
           "__eq__", [](const Facets& a, const Facets& b) { return fields(a) == fields(b); }, py::is_operator())
       .def("__hash__", [](const Facets& facets) { return py::hash(py::cast(fields(facets))); });

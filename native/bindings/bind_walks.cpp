@@ -24,11 +24,11 @@ void lamina::bind_walks(py::module_& module) {
   py::class_<Walk>(module, "Walk");
   py::class_<WalkTarget>(module, "WalkTarget",
                          "The quantity that a walk estimates; flux: over all outgoing directions.")
-      .def(py::init([](double mu_o, double mu_i, double dphi, Side side, Path path, bool flux) {
-             return WalkTarget{side, path, mu_o, mu_i, dphi, flux};
+      .def(py::init([](double mu_o, double mu_i, double dphi, Side side, Path path, bool flux, double phi) {
+             return WalkTarget{side, path, mu_o, mu_i, dphi, flux, phi};
            }),
            py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("side") = Side::kTop,
-           py::arg("path") = Path::kReflect, py::arg("flux") = false);
+           py::arg("path") = Path::kReflect, py::arg("flux") = false, py::arg("phi") = 0.0);
   py::enum_<NextEvent>(module, "NextEvent")
       .value("from_both_ends", NextEvent::kFromBothEnds)
       .value("fitting", NextEvent::kFitting)

@@ -13,6 +13,7 @@ void bind_threads(pybind11::module_& module);
 void bind_phase(pybind11::module_& module);
 void bind_stack(pybind11::module_& module);
 void bind_solver(pybind11::module_& module);
+void bind_oriented(pybind11::module_& module);
 void bind_fit(pybind11::module_& module);
 /// The four below together; nothing in the module of the demo's first picture, which is built without them.
 void bind_walk_parts(PyObject* module);

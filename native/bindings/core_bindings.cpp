@@ -10,6 +10,7 @@ PYBIND11_MODULE(core_bindings, module) {
   lamina::bind_phase(module);
   lamina::bind_stack(module);
   lamina::bind_solver(module);
+  lamina::bind_oriented(module);
   lamina::bind_fit(module);
   lamina::bind_walk_parts(module.ptr());
 }

@@ -49,13 +49,13 @@ class Medium:
         ...
 class Facets:
     """
-    The facets of a rough surface; alpha 0 is smooth. Equal by value, hashable.
+    The facets of a rough surface; alpha 0 is smooth; alpha_v is the width across the tangent, 0 as alpha. Equal by value, hashable.
     """
     def __eq__(self, arg0: Facets) -> bool:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True, compensate: bool = True) -> None:
+    def __init__(self, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True, compensate: bool = True, alpha_v: typing.SupportsFloat | typing.SupportsIndex = 0.0, angle: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
         ...
 class Interface:
     def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ...) -> None:
@@ -231,6 +231,22 @@ class Solution:
     @property
     def orders(self) -> int:
         ...
+class OrientedSolution:
+    def diffuse_fluxes(self, side: Side, pool: ThreadPool) -> Fluxes:
+        ...
+    def fluxes(self, side: Side, mu: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], phi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> Fluxes:
+        ...
+    def points(self, side: Side, path: Path, mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def checks(self) -> SolveChecks:
+        ...
+    @property
+    def nodes(self) -> int:
+        ...
+    @property
+    def orders(self) -> int:
+        ...
 class SliceTarget:
     @property
     def albedo(self) -> float:
@@ -335,7 +351,7 @@ class WalkTarget:
     """
     The quantity that a walk estimates; flux: over all outgoing directions.
     """
-    def __init__(self, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side = ..., path: Path = ..., flux: bool = False) -> None:
+    def __init__(self, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex, side: Side = ..., path: Path = ..., flux: bool = False, phi: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
         ...
 class NextEvent:
     """
@@ -526,6 +542,14 @@ def solve_at(stack: Stack, nodes: typing.SupportsInt | typing.SupportsIndex, azi
 def solve_mean(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> Solution:
     """
     Solves the mean over azimuths alone: only fluxes can be asked.
+    """
+def solve_oriented(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> OrientedSolution:
+    """
+    Solves a stack of isotropic or anisotropic facets with coupled azimuths.
+    """
+def solve_oriented_at(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, nodes: typing.SupportsInt | typing.SupportsIndex, orders: typing.SupportsInt | typing.SupportsIndex, fineness: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> OrientedSolution:
+    """
+    As solve_oriented, at a given resolution.
     """
 def solve_roughly(stack: Stack, tolerance: typing.SupportsFloat | typing.SupportsIndex, nodes: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> Solution:
     ...

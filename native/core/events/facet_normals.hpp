@@ -24,5 +24,7 @@ struct VisibleFacet {
 /// A quadrature over the facets on one side of the plane of incidence, for functions that are symmetric about the
 /// plane.
 std::vector<VisibleFacet> visible_facets(Facets::Distribution distribution);
+/// A coarser quadrature over the facets on both sides.
+std::vector<VisibleFacet> all_visible_facets(Facets::Distribution distribution);
 
 }  // namespace lamina

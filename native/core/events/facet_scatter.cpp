@@ -49,46 +49,85 @@ void FacetScatter::compensate_all() {
   compensate_ = whole_loss_ > 0.0;
 }
 
-double FacetScatter::Loss::operator()(double mu) const {
+double FacetScatter::Loss::operator()(double mu, double twice) const {
+  double sum = interpolated(waves.front(), mu);
+  double before = 1.0;
+  double wave = twice;  // Chebyshev's recurrence
+  for (std::size_t k = 1; k < waves.size(); ++k) {
+    sum += wave * interpolated(waves[k], mu);
+    const double next = 2.0 * twice * wave - before;
+    before = wave;
+    wave = next;
+  }
+  return std::clamp(sum, 0.0, largest);
+}
+
+double FacetScatter::Loss::interpolated(const Row& row, double mu) {
   const double x = std::sqrt(mu) * kKnots;
   const int first = std::clamp(static_cast<int>(x) - 1, 0, kKnots - 3);
   double sum = 0.0;
   for (int k = first; k <= first + 3; ++k) {
-    double weight = at[static_cast<std::size_t>(k)];
+    double weight = row[static_cast<std::size_t>(k)];
     for (int other = first; other <= first + 3; ++other) {
       weight *= other == k ? 1.0 : (x - other) / (k - other);
     }
     sum += weight;
   }
-  return std::clamp(sum, 0.0, largest);
+  return sum;
+}
+
+double FacetScatter::lost(bool below, const Ray& ray) const {
+  const Loss& loss = losses_[below ? 1 : 0];
+  if (!facets_.is_oriented()) {
+    return loss.mean_at(std::abs(ray.z));
+  }
+  const double square = ray.x * ray.x + ray.y * ray.y;
+  const double twice = std::cos(2.0 * facets_.angle) * (ray.x * ray.x - ray.y * ray.y) +
+                       std::sin(2.0 * facets_.angle) * 2.0 * ray.x * ray.y;
+  return loss(std::abs(ray.z), square > 0.0 ? std::clamp(twice / square, -1.0, 1.0) : 1.0);
+}
+
+double FacetScatter::loss_at(const std::vector<VisibleFacet>& facets, bool below, double mu, double azimuth) const {
+  const Ray view{sine_of(mu) * std::cos(azimuth), sine_of(mu) * std::sin(azimuth), mu};
+  double kept = 0.0;
+  for (const VisibleFacet& facet : facets) {
+    const Ray normal = visible_normal(facets_, view, facet.u, facet.v);
+    // Follow reflection and refraction, each with its share, instead of choosing one.
+    const ByFacet reflected = by_facet(view, normal, below, 0.0);
+    const ByFacet passed = by_facet(view, normal, below, 1.0);
+    const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
+    kept += facet.weight * (share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept);
+  }
+  return std::max(0.0, 1.0 - kept);
 }
 
 FacetScatter::Loss FacetScatter::loss_on(bool below) const {
   constexpr double kGrazing = 1e-4;  // replaces a cosine of 0
-  const std::vector<VisibleFacet> facets = visible_facets(facets_.distribution);
+  constexpr std::size_t kAzimuths = 8;
+  const bool oriented = facets_.is_oriented();
+  const std::size_t azimuths = oriented ? kAzimuths : 1;
+  const auto& facets = oriented ? all_visible_facets(facets_.distribution) : visible_facets(facets_.distribution);
   Loss loss;
+  loss.waves.assign(azimuths, {});
   for (int knot = 0; knot <= Loss::kKnots; ++knot) {
     const double root = static_cast<double>(knot) / Loss::kKnots;
     const double mu = std::max(kGrazing, root * root);
-    const Ray view{sine_of(mu), 0.0, mu};
-    double kept = 0.0;
-    for (const VisibleFacet& facet : facets) {
-      const Ray normal = visible_normal(facets_, view, facet.u, facet.v);
-      // Follow reflection and refraction, each with its share, instead of choosing one.
-      const ByFacet reflected = by_facet(view, normal, below, 0.0);
-      const ByFacet passed = by_facet(view, normal, below, 1.0);
-      const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
-      kept += facet.weight * (share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept);
+    for (std::size_t j = 0; j < azimuths; ++j) {
+      const double turn = oriented ? 0.5 * pi * (static_cast<double>(j) + 0.5) / kAzimuths : 0.0;
+      const double one = loss_at(facets, below, mu, oriented ? facets_.angle + turn : 0.0);
+      loss.largest = std::max(loss.largest, one);
+      for (std::size_t k = 0; k < azimuths; ++k) {
+        const double part = (k == 0 ? 1.0 : 2.0) / static_cast<double>(azimuths);
+        loss.waves[k][static_cast<std::size_t>(knot)] += part * std::cos(2.0 * static_cast<double>(k) * turn) * one;
+      }
     }
-    loss.at[static_cast<std::size_t>(knot)] = std::max(0.0, 1.0 - kept);
-    loss.largest = std::max(loss.largest, loss.at[static_cast<std::size_t>(knot)]);
   }
   // int 2 mu e dmu = int 4 t^3 e dt with t = sqrt(mu), a polynomial between knots.
   static const Quadrature rule(4);
   for (int knot = 0; knot < Loss::kKnots; ++knot) {
     for (Eigen::Index i = 0; i < rule.mu.size(); ++i) {
       const double t = (knot + rule.mu[i]) / Loss::kKnots;
-      loss.mean += rule.weight[i] / Loss::kKnots * 4.0 * t * t * t * loss(t * t);
+      loss.mean += rule.weight[i] / Loss::kKnots * 4.0 * t * t * t * loss.mean_at(t * t);
     }
   }
   return loss;
@@ -101,7 +140,15 @@ double FacetScatter::fresnel_at(double cosine, double ratio) const {
   return fresnel(cosine, ratio);
 }
 
-double FacetScatter::masked(double mu) const { return 1.0 / (1.0 + facets_.lambda(mu)); }
+double FacetScatter::density_of(const Ray& normal) const {
+  const double z = std::min(1.0, normal.z);
+  return facets_.is_oriented() ? facets_.density(normal.x, normal.y, z) : facets_.density(z);
+}
+
+double FacetScatter::lambda_of(const Ray& ray) const {
+  const double mu = std::abs(ray.z);
+  return facets_.is_oriented() ? facets_.lambda(ray.x, ray.y, mu) : facets_.lambda(mu);
+}
 
 double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_below) const {
   const double here = ior_of(from_below);
@@ -109,7 +156,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   if (out.z > 0.0) {
     const Ray half = normalised({view.x + out.x, view.y + out.y, view.z + out.z});
     const double fresnel = fresnel_at(std::min(1.0, view.dot(half)), there / here);
-    return facets_.density(std::min(1.0, half.z)) * fresnel * facets_.masking(view.z, out.z) /
+    return density_of(half) * fresnel * facets_.masked(lambda_of(view), lambda_of(out)) /
            (4.0 * view.z * out.z * here * here);
   }
   if (metal_) {
@@ -124,8 +171,8 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   if (!(seen > 0.0 && left < 0.0)) {
     return 0.0;
   }
-  return facets_.density(std::min(1.0, half.z)) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
-         facets_.passing(view.z, -out.z) * -seen * left / (view.z * -out.z * length * length);
+  return density_of(half) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
+         facets_.passed(lambda_of(view), lambda_of(out)) * -seen * left / (view.z * -out.z * length * length);
 }
 
 FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const {
@@ -134,11 +181,13 @@ FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal,
     return {view, 0.0, 0.0};
   }
   const double ratio = ior_of(!from_below) / ior_of(from_below);
+  const double hidden = lambda_of(view);
+  const double shown = 1.0 / (1.0 + hidden);
   const double reflected = fresnel_at(std::min(1.0, seen), ratio);
   // Metals always reflect; the reflectance goes into the weight.
   if (metal_ || choice < reflected) {
     const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
-    return {out, metal_ ? reflected : 1.0, out.z > 0.0 ? facets_.masking(view.z, out.z) / masked(view.z) : 0.0};
+    return {out, metal_ ? reflected : 1.0, out.z > 0.0 ? facets_.masked(hidden, lambda_of(out)) / shown : 0.0};
   }
   const double refracted2 = 1.0 - (1.0 - seen * seen) / (ratio * ratio);
   if (refracted2 <= 0.0) {
@@ -147,7 +196,7 @@ FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal,
   const double along = seen / ratio - std::sqrt(refracted2);
   const Ray out{along * normal.x - view.x / ratio, along * normal.y - view.y / ratio,
                 along * normal.z - view.z / ratio};
-  return {out, 1.0, out.z < 0.0 ? facets_.passing(view.z, -out.z) / masked(view.z) : 0.0};
+  return {out, 1.0, out.z < 0.0 ? facets_.passed(hidden, lambda_of(out)) / shown : 0.0};
 }
 
 double FacetScatter::value(const Ray& in, const Ray& out) const {
@@ -156,8 +205,7 @@ double FacetScatter::value(const Ray& in, const Ray& out) const {
   const Ray view = from_below ? -in.mirrored() : -in;
   double value = value_once(in, out);
   if (compensate_ && !(metal_ && to_below)) {
-    value += compensation_ * losses_[from_below ? 1 : 0](view.z) * losses_[to_below ? 1 : 0](std::abs(out.z)) /
-             (pi * whole_loss_);
+    value += compensation_ * lost(from_below, view) * lost(to_below, out) / (pi * whole_loss_);
   }
   return value;
 }
@@ -198,7 +246,7 @@ FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
   const std::size_t side = rng.uniform() < above ? 0 : 1;
   // Rejection: the density of directions is the cosine times the loss, so that all weights are equal.
   Ray out = lambert_ray(rng);
-  while (rng.uniform() * losses_[side].largest >= losses_[side](out.z)) {
+  while (rng.uniform() * losses_[side].largest >= lost(side == 1, out)) {
     out = lambert_ray(rng);
   }
   return {side == 0 ? out : out.mirrored(), compensation_};

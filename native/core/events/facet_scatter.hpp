@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scattering of single rays by a rough boundary.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <complex>
 #include <optional>
+#include <vector>
 
+#include "events/facet_normals.hpp"
 #include "events/sphere.hpp"
 #include "matter/microfacet.hpp"
 
@@ -18,7 +21,8 @@ class FacetScatter {
   /// A conductor of absolute index `metal`.
   FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal);
 
-  double alpha() const { return facets_.alpha; }
+  /// The smaller width of the facets.
+  double alpha() const { return std::min(facets_.alpha, facets_.across()); }
 
   /// The radiance along `out`, divided by the square of the index there, for unit irradiance along `in`.
   double value(const Ray& in, const Ray& out) const;
@@ -37,14 +41,22 @@ class FacetScatter {
 
  private:
   /// The energy that single scattering by facets loses for light from one side, tabulated by the square root of the
-  /// cosine, with cubic interpolation: the loss bends sharply at cosines similar to alpha.
+  /// cosine, with cubic interpolation: the loss bends sharply at cosines similar to alpha. By the azimuth from the
+  /// tangent, a sum of cos(2 k azimuth); of isotropic facets the mean alone.
   struct Loss {
     static constexpr int kKnots = 64;
-    std::array<double, kKnots + 1> at = {};
+    using Row = std::array<double, kKnots + 1>;
+    std::vector<Row> waves;
     double mean = 0.0;     ///< for uniform diffuse light
-    double largest = 0.0;  ///< of all cosines
+    double largest = 0.0;  ///< of all directions
 
-    double operator()(double mu) const;
+    /// `twice`: the cosine of twice the azimuth.
+    double operator()(double mu, double twice) const;
+    /// The mean over azimuths.
+    double mean_at(double mu) const { return std::clamp(interpolated(waves.front(), mu), 0.0, largest); }
+
+   private:
+    static double interpolated(const Row& row, double mu);
   };
 
   /// A ray that one facet reflects or refracts.
@@ -59,7 +71,12 @@ class FacetScatter {
   /// Reflection by this facet if `choice`, in [0, 1], is below its reflectance, else refraction.
   ByFacet by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
   double fresnel_at(double cosine, double ratio) const;
-  double masked(double mu) const;
+  double density_of(const Ray& normal) const;
+  /// Smith's Lambda of a direction on either side.
+  double lambda_of(const Ray& ray) const;
+  double lost(bool below, const Ray& ray) const;
+  /// 1 minus what the facets keep of light from this direction.
+  double loss_at(const std::vector<VisibleFacet>& facets, bool below, double mu, double azimuth) const;
   Loss loss_on(bool below) const;
   void compensate_all();
   double ior_of(bool below) const { return below ? ior_below_ : ior_above_; }

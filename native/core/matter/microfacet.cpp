@@ -41,6 +41,18 @@ double sine(double mu) { return std::sqrt(std::max(0.0, 1.0 - mu * mu)); }
 
 ArrayXd sine(const ArrayXd& mu) { return (1.0 - mu.square()).max(0.0).sqrt(); }
 
+/// Smith's Lambda of a direction from which facets of width 1 have the relative slope `slope`.
+double lambda_at(Facets::Distribution distribution, double slope) {
+  if (slope == 0.0) {
+    return 0.0;
+  }
+  if (distribution == Facets::Distribution::kGgx) {
+    return 0.5 * (std::sqrt(1.0 + slope * slope) - 1.0);
+  }
+  const double a = 1.0 / slope;
+  return 0.5 * (std::erf(a) - 1.0 + std::exp(-a * a) / (a * std::sqrt(pi)));
+}
+
 /// Masking between one direction and many, of reflected or of refracted light.
 ArrayXd masking(const Facets& facets, double mu, const ArrayXd& others, bool refracted) {
   const double own = facets.lambda(mu);
@@ -116,16 +128,26 @@ double Facets::density(double h) const {
   return std::exp((h2 - 1.0) / (h2 * width2)) / (pi * width2 * h2 * h2);
 }
 
-double Facets::lambda(double mu) const {
-  const double slope = alpha * sine(mu) / mu;
-  if (slope == 0.0) {
-    return 0.0;
-  }
+double Facets::lambda(double mu) const { return lambda_at(distribution, alpha * sine(mu) / mu); }
+
+double Facets::density(double x, double y, double z) const {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  const double along = (c * x + s * y) / alpha;
+  const double aside = (c * y - s * x) / across();
+  const double square = along * along + aside * aside;
+  const double area = pi * alpha * across();
   if (distribution == Distribution::kGgx) {
-    return 0.5 * (std::sqrt(1.0 + slope * slope) - 1.0);
+    const double d = square + z * z;
+    return 1.0 / (area * d * d);
   }
-  const double a = 1.0 / slope;
-  return 0.5 * (std::erf(a) - 1.0 + std::exp(-a * a) / (a * std::sqrt(pi)));
+  return std::exp(-square / (z * z)) / (area * z * z * z * z);
+}
+
+double Facets::lambda(double x, double y, double z) const {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  return lambda_at(distribution, std::hypot(alpha * (c * x + s * y), across() * (c * y - s * x)) / z);
 }
 
 double Facets::masking(double mu_o, double mu_i) const { return masked(lambda(mu_o), lambda(mu_i)); }

@@ -8,7 +8,9 @@
 
 namespace lamina {
 
-/// The distribution of the facets of a rough boundary, and their masking.
+/// The distribution of the facets of a rough boundary, and their masking. With `alpha_v` facets are anisotropic: of
+/// width `alpha` along the tangent, which lies at `angle` from the x axis, and of width `alpha_v` across. All functions
+/// of a cosine alone are those of isotropic facets.
 struct Facets {
   enum class Distribution { kGgx, kBeckmann };
   double alpha = 0.1;  ///< width, (0, 1]
@@ -17,6 +19,22 @@ struct Facets {
   bool correlated = true;
   /// Adds the energy that single scattering loses to masking: see passed(), RoughSurface and FacetScatter.
   bool compensate = true;
+  double alpha_v = 0.0;  ///< width across the tangent, (0, 1]; 0: as alpha
+  double angle = 0.0;    ///< azimuth of the tangent, in radians
+
+  bool is_oriented() const { return alpha_v > 0.0 && alpha_v != alpha; }
+  /// The width across the tangent.
+  double across() const { return alpha_v > 0.0 ? alpha_v : alpha; }
+  /// The same facets with the surface turned about its normal.
+  Facets turned(double by) const {
+    Facets other = *this;
+    other.angle += by;
+    return other;
+  }
+  /// Density of the facet normal (x, y, z), of length 1, z > 0; anisotropic too (Heitz 2014).
+  double density(double x, double y, double z) const;
+  /// Smith's Lambda of the direction (x, y, z), of length 1, z > 0; anisotropic too.
+  double lambda(double x, double y, double z) const;
 
   /// Density of facet normals with cosine h to the mean normal; int D h dw = 1.
   Eigen::ArrayXd density(const Eigen::ArrayXd& h) const;

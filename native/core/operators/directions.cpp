@@ -162,6 +162,18 @@ Directions DirectionSet::in_medium(double ior, const Eigen::VectorXd& targets_in
   return d;
 }
 
+std::vector<double> DirectionSet::ends(double ior) const {
+  std::vector<double> cosines{0.0};
+  for (const Range& range : ranges_) {
+    const double cosine = refracted_cosine(range.nodes.high(), range.ior, ior);
+    // The end of a range in a denser medium is the beginning of the next range, of a less dense medium.
+    if (range.ior <= ior && cosine > 0.0 && cosine < 1.0) {
+      cosines.push_back(cosine);
+    }
+  }
+  return cosines;
+}
+
 double DirectionSet::moment_error() const {
   double worst = 0.0;
   for (const Range& range : ranges_) {

@@ -58,6 +58,8 @@ class DirectionSet {
 
   Directions in_medium(double ior, const Eigen::VectorXd& targets_in_air) const;
   double moment_error() const;
+  /// Cosines in a medium where ranges of nodes end, 0 first.
+  std::vector<double> ends(double ior) const;
 
   /// The nodes of one range: cosines in the least dense medium that contains it, of index `ior`.
   struct Range {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "rough/rough_surface.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
-#include "numeric/legendre.hpp"
+#include "rough/merged_modes.hpp"
 
 namespace lamina {
 namespace {
@@ -57,48 +56,6 @@ void require_no_gain(double gained) {
   }
 }
 
-/// Polynomials that are orthonormal in flux on each range of a medium's live nodes, as columns, and their degrees.
-struct Modes {
-  MatrixXd basis;
-  Eigen::VectorXi degree;
-
-  Modes(const DirectionSet& set, const Directions& nodes)
-      : basis(MatrixXd::Zero(nodes.live, nodes.live)), degree(nodes.live) {
-    Eigen::Index first = 0;
-    for (const DirectionSet::Range& range : set.ranges()) {
-      const Eigen::Index n = range.nodes.mu.size();
-      if (range.ior > nodes.ior) {
-        break;
-      }
-      const VectorXd x =
-          2.0 * (range.nodes.mu.array() - range.nodes.low()) / (range.nodes.high() - range.nodes.low()) - 1.0;
-      const VectorXd common = nodes.scale.segment(first, n);
-      const MatrixXd powers = common.asDiagonal() * associated_legendre(0, static_cast<int>(n), x).transpose().eval();
-      basis.block(first, first, n, n) = powers.householderQr().householderQ();
-      degree.segment(first, n) = Eigen::VectorXi::LinSpaced(static_cast<int>(n), 0, static_cast<int>(n) - 1);
-      first += n;
-    }
-  }
-};
-
-/// Merges two discretisations of one operator: `one` sums over rays that leave on the side `out`, `other` is its
-/// reverse. Sums over rays are least accurate for high polynomials on the side where light leaves. For each pair of
-/// polynomials, the result takes the sum whose outgoing polynomial has the lower degree.
-MatrixXd merged(const MatrixXd& one, const MatrixXd& other, const Modes& out, const Modes& in) {
-  MatrixXd modes = out.basis.transpose() * one * in.basis;
-  const MatrixXd back = in.basis.transpose() * other * out.basis;
-  for (Eigen::Index k = 0; k < modes.cols(); ++k) {
-    for (Eigen::Index l = 0; l < modes.rows(); ++l) {
-      if (out.degree[l] > in.degree[k]) {
-        modes(l, k) = back(k, l);
-      } else if (out.degree[l] == in.degree[k]) {
-        modes(l, k) = 0.5 * (modes(l, k) + back(k, l));
-      }
-    }
-  }
-  return out.basis * modes * in.basis.transpose();
-}
-
 MatrixXd merged(const MatrixXd& reflection, const Modes& modes) {
   const MatrixXd once = merged(reflection, reflection, modes, modes);
   return 0.5 * (once + once.transpose());  // removes the asymmetry of rounding
@@ -116,27 +73,13 @@ MatrixXd merged_keeping_flux(const MatrixXd& one, const Modes& modes, const Dire
   return reflection;
 }
 
-/// Cosines in a medium where ranges of nodes end.
-std::vector<double> ends(const DirectionSet& set, double ior) {
-  std::vector<double> cosines{0.0};
-  for (const DirectionSet::Range& range : set.ranges()) {
-    const double own = range.nodes.high();
-    const double cosine = refracted_cosine(own, range.ior, ior);
-    // The end of a range in a denser medium is the beginning of the next range, of a less dense medium.
-    if (range.ior <= ior && cosine > 0.0 && cosine < 1.0) {
-      cosines.push_back(cosine);
-    }
-  }
-  return cosines;
-}
-
 FacetRays::Pieces pieces(const DirectionSet& set, double ior, double beyond, int orders, double fineness) {
   constexpr double kPerOrder = 1.2;
   double degree = kPerOrder * orders;
   for (const DirectionSet::Range& range : set.ranges()) {
     degree = std::max(degree, fineness * static_cast<double>(range.nodes.mu.size()));
   }
-  return {static_cast<int>(degree), ends(set, ior), beyond > 0.0 ? ends(set, beyond) : std::vector<double>()};
+  return {static_cast<int>(degree), set.ends(ior), beyond > 0.0 ? set.ends(beyond) : std::vector<double>()};
 }
 
 /// Writes one part of an operator: its block on live nodes, and the columns and rows of targets. `arriving`: light that
@@ -220,11 +163,11 @@ RoughSurface::Operators RoughSurface::on(const Directions& above, const Directio
 
 std::vector<FacetRays> RoughSurface::rays_on(const DirectionSet& set, int degree) const {
   std::vector<FacetRays> rays;
-  const std::vector<double> above = ends(set, ior_above_);
+  const std::vector<double> above = set.ends(ior_above_);
   if (base_) {
     rays.emplace_back(facets_, reflectance_, FacetRays::Pieces{degree, above, {}});
   } else {
-    const std::vector<double> below = ends(set, ior_below_);
+    const std::vector<double> below = set.ends(ior_below_);
     rays.emplace_back(facets_, ior_below_ / ior_above_, FacetRays::Pieces{degree, above, below});
     rays.emplace_back(facets_, ior_above_ / ior_below_, FacetRays::Pieces{degree, below, above});
   }

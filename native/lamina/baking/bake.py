@@ -63,6 +63,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
     [8, 160], `threads` in [0, 1024]."""
     stack = as_stack(stack)
+    stack.require_isotropic("a bake")
     tolerance_of(quality)
     nodes = check_nodes(nodes)
     row_stride = check_whole(row_stride, "row_stride", 1, TAU_ROWS)

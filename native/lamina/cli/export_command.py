@@ -32,6 +32,7 @@ def add(commands) -> None:
 
 def _export(arguments: argparse.Namespace) -> int:
     stack = as_stack(arguments.stack)
+    stack.require_isotropic("an export")
     output = Path(arguments.output)
     check_suffix(output, ".npz", ".bsdf")
     check_writable(output)

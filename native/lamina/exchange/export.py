@@ -13,7 +13,7 @@ import numpy as np
 from ..common.archive import Damaged, load_archive, save_archive
 from ..common.arguments import check_callable, check_kind, finite_list
 from ..common.errors import ArgumentError, ExportError
-from ..material.any_stack import AnyStack
+from ..material.any_stack import AnyStack, as_stack
 from ..solver.solve import ScatteringFunction, solve
 
 FORMAT = "lamina scattering function"
@@ -72,6 +72,7 @@ def tabulate(solved: ScatteringFunction, theta_o=None, theta_i=None, dphi=None,
     check_callable(progress, "progress")
     axes = {"theta_o": _thetas(theta_o, "theta_o"), "theta_i": _thetas(theta_i, "theta_i"),
             "dphi": _angles(default_azimuths() if dphi is None else dphi, "dphi")}
+    solved.stack.require_isotropic("an export")
     solved.stack.require_air_below()
     sheet = solved.stack.base is None
     sides = ["top", "bottom"] if sheet else ["top"]
@@ -107,6 +108,7 @@ def save_npz(solved: ScatteringFunction | AnyStack, path: str | os.PathLike, the
     stack, also the id of a preset or the path of a JSON file, is solved first at quality "final". Raises ValueError,
     SolveError and OSError."""
     if not isinstance(solved, ScatteringFunction):
+        as_stack(solved).require_isotropic("an export")
         solved = solve(solved)
     export = tabulate(solved, theta_o, theta_i, dphi, progress)
     save_archive(path, export.header, **export.arrays)

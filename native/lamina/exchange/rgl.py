@@ -17,7 +17,7 @@ from ..common.arguments import check_callable, check_whole, finite_list
 from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, quoted
 from ..common.tensor_file import write_tensors
-from ..material.any_stack import AnyStack
+from ..material.any_stack import AnyStack, as_stack
 from ..solver.solve import ScatteringFunction, solve
 
 # The most grazing angle of the tables; at the horizon itself the cosine is 0.
@@ -50,6 +50,7 @@ def save_bsdf(solved: ScatteringFunction | AnyStack, path: str | os.PathLike, si
     for name, value, low, high in (("size", size, 8, 1024), ("angles", angles, 4, 512)):
         check_whole(value, name, low, high, f"must be a whole number in [{low}, {high}]")
     check_callable(progress, "progress")
+    (solved.stack if isinstance(solved, ScatteringFunction) else as_stack(solved)).require_isotropic("an export")
     if not isinstance(solved, ScatteringFunction):
         solved = solve(solved)
     spectral = check_wavelengths(wavelengths, solved.stack.channels)

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from dataclasses import field as member
 
-from .boundaries import ALPHA, FACETS
-from .fields import Channels, Field, Form, Option, channel
+from .boundaries import ALPHA, FACETS, ORIENTATION
+from .fields import Channels, Field, Form, Option, Rare, channel
 from .hashable import Hashable
 from .media import ALBEDO, SIGMA_A, SIGMA_S, single_scattering_albedo
 from .panel import Item, Panel
@@ -31,13 +31,14 @@ def _one_number(name: str, high: float, default: float, label: str, tip: str, lo
 
 class Base(Hashable):
     """A kind of base. `fields`: quantities that always describe it; `forms`: alternative sets of quantities, of which
-    one is given; `options`: choices; `item`: its entry in the panel's list. `has_phase`: the base is a medium, with a
-    member `phase`."""
+    one is given; `options`: choices; `rare`: quantities that JSON usually omits; `item`: its entry in the panel's list.
+    `has_phase`: the base is a medium, with a member `phase`."""
 
     kind = ""
     fields: tuple[Field, ...] = ()
     forms: tuple[Form, ...] = ()
     options: tuple[Option, ...] = ()
+    rare: tuple[Rare, ...] = ()
     item: Item
     has_phase = False
     # Name of the add-on's property that selects the form; each form has an item.
@@ -86,6 +87,8 @@ class Conductor(Base):
     correlated: bool = True
     facing: Channels | None = None
     grazing: Channels | None = None
+    alpha_v: float | None = None
+    angle: float = 0.0
 
     kind = "conductor"
     # The panel's defaults must never change: .blend files do not store unchanged values.
@@ -110,6 +113,7 @@ class Conductor(Base):
     form_prop = "metal_form"
     fields = (ALPHA,)
     options = FACETS
+    rare = ORIENTATION
     item = Item(kind, "Metal", "A metal, by its refractive index or by its colors", 4)
 
 

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from .fields import Channels, Field, Option
+from .fields import Channels, Field, Option, Rare
 from .hashable import Hashable
 from .panel import Item, Panel
 
@@ -23,6 +24,11 @@ COMPENSATE = Option("compensate", (True, False), "Keep Energy",
 CORRELATED = Option("correlated", (True, False), "Shared Shadows",
                     "Facets hidden from one side are more often hidden from the other too")
 FACETS = (DISTRIBUTION, COMPENSATE, CORRELATED)
+# Facets with a direction: no panel has these yet.
+ORIENTATION = (
+    Rare(Field("alpha_v", 0.0, 1.0, above=True, single=True), None),
+    Rare(Field("angle", -2.0 * math.pi, 2.0 * math.pi, "rad", single=True, rule="must lie in [-2 pi, 2 pi] rad"), 0.0),
+)
 VARYING = Option("varying", (False, True), "Varying",
                  "Give the node group a Coverage input: 0 without the film of this interface, 1 with it")
 
@@ -35,6 +41,11 @@ class Interface(Hashable):
     loses to shadowing, refracted light in its own direction. `correlated`: height-correlated masking, else the product
     of the masking of both directions (the older form that some renderers use).
 
+    `alpha_v` makes the facets anisotropic, as brushing does: `alpha` is then the width along the surface's tangent, and
+    `alpha_v`, in (0, 1], the width across. `angle`, in [-2 pi, 2 pi], turns the tangent of this interface about the
+    normal, in radians. None: the same width in all directions. Only lamina.solve and lamina.estimate take anisotropic
+    facets.
+
     `varying` marks the one interface whose coverage becomes an input of the baked material: the share of the surface
     that has its film, which is the interface and the media below it, down to the next interface or the base. Where the
     film is absent, what lies below meets the index above the film. Solvers take the film as present."""
@@ -46,10 +57,18 @@ class Interface(Hashable):
     correlated: bool = True
     name: str = ""
     varying: bool = False
+    alpha_v: float | None = None
+    angle: float = 0.0
 
     kind = "interface"
     fields = (IOR, ALPHA)
     options = (*FACETS, VARYING)
+    rare = ORIENTATION
     has_phase = False
     item = Item(kind, "Interface", "A boundary that reflects and refracts: the surface of varnish, glass, water", 1,
                 icon="MESH_PLANE")
+
+
+def is_oriented(surface) -> bool:
+    """True for a surface with anisotropic facets."""
+    return getattr(surface, "alpha_v", None) not in (None, getattr(surface, "alpha", None))

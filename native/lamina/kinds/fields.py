@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fields: every physical quantity of a stack is one number, or one per channel, within a range.
 
-A Field is a quantity. A Form is a set of quantities that together describe a thing. An Option is a choice."""
+A Field is a quantity, a Rare one that JSON usually omits. A Form is a set of quantities that together describe a thing.
+An Option is a choice."""
 
 from __future__ import annotations
 
@@ -87,6 +88,22 @@ class Field:
         if not self.contains(number):
             raise StackError(f"{path} = {repr(number).removesuffix('.0')}: {self.rule}")
         return number + 0.0  # -0.0 and 0.0 are one value
+
+
+@dataclass(frozen=True)
+class Rare:
+    """A quantity, one number for all channels, that most things leave at its `usual` value. JSON omits that value."""
+
+    field: Field
+    usual: float | None
+
+    @property
+    def name(self) -> str:
+        return self.field.name
+
+    def check(self, value, path: str) -> float | None:
+        """The value as a float, or the usual value. Raises StackError, naming `path`."""
+        return None if value is None and self.usual is None else cast(float, self.field.check(value, path))
 
 
 @dataclass(frozen=True)

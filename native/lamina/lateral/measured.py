@@ -14,7 +14,7 @@ from ..material.layers import Medium
 from ..material.millimetres import require_millimetres, sigma_t
 from ..material.profile import coefficients_at, mixed
 from ..material.stack import Stack
-from ..solver.solve import core_base, core_stack
+from ..solver.core_stack import core_base, core_stack
 
 # Length of an interval of a graded medium relative to its distance from the nearer face; and the optical distance from
 # a face below which intervals no longer shrink.

@@ -36,6 +36,7 @@ def searchlight(stack: AnyStack, mu_i: float = 1.0, quality: str = "final", thre
     Method: discrete ordinates at lateral frequencies, which couple azimuths; layers by doubling, joined by the adding
     equations; a Hankel transform after subtraction of single scattering. See docs/theory.md."""
     stack = as_stack(stack)
+    stack.require_isotropic("a searchlight")
     tolerance_of(quality)
     mu_i = check_number(mu_i, "mu_i", "must lie in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
     mu_i = max(mu_i, LEAST_BEAM_COSINE)

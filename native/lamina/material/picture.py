@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..common import svg
 from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
-from ..kinds.boundaries import Interface
+from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import Channels, as_channels, channel
 from .colours import shown
 from .layers import Medium
@@ -28,6 +28,7 @@ def stack_picture(stack: Stack) -> str:
         if isinstance(layer, Interface):
             height, fill = BOUNDARY, "#5090c0"
             words = f"interface, ior {_range(layer.ior, stack)}" + (f", alpha {layer.alpha:g}" if layer.alpha else "")
+            words += f" and {layer.alpha_v:g}" if is_oriented(layer) else ""
             words += ", varying" if layer.varying else ""
         else:
             taus = [stack.optics(number, c)[1] for c in range(stack.channels)]

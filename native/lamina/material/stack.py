@@ -16,7 +16,7 @@ from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
 from ..kinds.bases import Base, Conductor, HalfSpace, PrincipledBase
-from ..kinds.boundaries import Interface
+from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, to_plain
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from .colours import albedos_of
@@ -183,6 +183,18 @@ class Stack:
             raise StackError("base.kind = 'principled': must be 'lambert', 'black', 'half-space' or 'conductor' for "
                              "random walks and searchlights")
 
+    @property
+    def is_oriented(self) -> bool:
+        """True if a surface of the stack has anisotropic facets."""
+        return any(map(is_oriented, (*self.layers, self.base)))
+
+    def require_isotropic(self, user: str) -> None:
+        """Raises StackError for anisotropic facets, which `user` does not take."""
+        for surface, path in ((self.base, "base"), *((layer, f"layers[{i}]") for i, layer in enumerate(self.layers))):
+            if isinstance(surface, Interface | Conductor) and is_oriented(surface):
+                raise StackError(f"{path}.alpha_v = {surface.alpha_v:g}: must be left out for {user}; only "
+                                 "lamina.solve and lamina.estimate take anisotropic facets")
+
     def canonical(self) -> str:
         """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, without
         names, keys sorted."""
@@ -325,9 +337,15 @@ def _fields_of(thing, path):
 def _checked(thing, path):
     values = {q.name: q.check(getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
     values |= {one.name: one.check(getattr(thing, one.name), f"{path}.{one.name}") for one in thing.options}
+    values |= {one.name: one.check(getattr(thing, one.name), f"{path}.{one.name}") for one in thing.rare}
     if getattr(thing, "forms", ()):
         values.update(check_forms(thing, path))
-    return replace(thing, **values)
+    checked = replace(thing, **values)
+    if values.get("alpha_v") is not None and values["alpha"] == 0.0:
+        raise StackError(f"{path}.alpha_v = {values['alpha_v']:g}: needs an alpha above 0, the width along the tangent")
+    if values.get("angle") and values["alpha_v"] is None:
+        raise StackError(f"{path}.angle = {values['angle']:g}: needs an alpha_v, the width across the tangent")
+    return checked
 
 
 def _check_layer(layer, path: str) -> Medium | Interface:
@@ -362,6 +380,7 @@ def _given(thing) -> dict:
 def _plain(thing) -> dict:
     """JSON object of a base or an interface, without options that have their usual value."""
     entry = {"kind": thing.kind, **_given(thing), **_unusual(thing)}
+    entry |= {one.name: getattr(thing, one.name) for one in thing.rare if getattr(thing, one.name) != one.usual}
     if thing.has_phase:
         entry["phase"] = thing.phase.to_json()
     return entry
@@ -380,6 +399,8 @@ def _canonical(thing, channels: int) -> dict:
     for quantity in thing.fields:
         value = getattr(thing, quantity.name)
         entry[quantity.name] = [to_plain(channel(value, c)) for c in range(channels)]
+    if is_oriented(thing):
+        entry |= {"alpha_v": thing.alpha_v, "angle": thing.angle % math.pi}
     if thing.has_phase:
         entry["phase"] = thing.phase.canonical(channels)
     return entry

@@ -63,6 +63,6 @@ def _read(cls, entry, path: str, optional: Collection[str] = ()):
     """An interface or a base from its JSON object; members with a default may be missing."""
     names = {quantity.name for quantity in all_fields(cls)}
     usual = {field.name for field in fields(cls) if field.default is not MISSING}
-    allowed = {"kind", *names, *(option.name for option in cls.options), *optional}
+    allowed = {"kind", *names, *(one.name for one in (*cls.options, *cls.rare)), *optional}
     check_keys(entry, allowed, path, required=names - usual)
     return cls(**{key: value for key, value in entry.items() if key != "kind"})

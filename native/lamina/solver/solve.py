@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -21,11 +20,10 @@ from ..common.arguments import (
     finite_array,
     finite_list,
 )
-from ..common.errors import ArgumentError, SolveError, quoted
+from ..common.errors import ArgumentError, SolveError, StackError, quoted
 from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
-from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase
-from ..kinds.boundaries import Interface
+from ..kinds.bases import Lambert, PrincipledBase
 from ..kinds.fields import channel
 from ..kinds.media import TAU
 from ..material.any_stack import AnyStack, as_stack
@@ -34,6 +32,7 @@ from ..material.profile import THICKNESS
 from ..material.stack import Stack
 from ..material.thickness import check_opaque, with_thickness
 from . import labelled, sharp_facets
+from .core_stack import core_stack
 
 TOLERANCE = {"preview": 1e-2, "final": 1e-3}
 FACETS_SHARE = 0.2  # of the time, for the energy of narrow facets where mirrors replace them
@@ -57,8 +56,16 @@ def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int 
     Method: discrete ordinates per azimuth order, solved by modes (Nakajima and Tanaka 1986), layers joined
     by the adding equations (van de Hulst 1963), truncation of the forward peak with exact single
     scattering (Nakajima and Tanaka 1988).
-    A PrincipledBase of roughness below .173 is solved as a mirror that has the energy of the facets."""
+    A PrincipledBase of roughness below .173 is solved as a mirror that has the energy of the facets.
+
+    Stacks with anisotropic facets are solved with coupled azimuths, on nodes and Fourier functions of the azimuth.
+    Their facets have widths of at least .03. Light beyond the first facets then has errors of .3 % ("final"), and all
+    values depend on azimuths from the tangent: see ScatteringFunction."""
     stack = as_stack(stack)
+    if stack.is_oriented and isinstance(stack.base, PrincipledBase):
+        raise StackError("base.kind = 'principled': must be another kind below anisotropic facets")
+    if stack.is_oriented and nodes is not None:
+        raise ArgumentError(f"nodes = {quoted(nodes)}: must be left out for a stack with anisotropic facets")
     step = None if progress is None and cancel is None else stepper("the solve", progress, cancel)
     return _solved(stack, stack, quality, threads, nodes, solve, step)
 
@@ -104,20 +111,22 @@ class _Method:
         for index in range(stack.channels):
             key, layers, base = core_stack(stack, index, self.only_mean)
             if key not in solved:
-                solved[key] = self._solve(_core.Stack(layers, base), index / stack.channels)
+                solved[key] = self._solve(_core.Stack(layers, base), index / stack.channels, stack.is_oriented)
             channels.append(solved[key])
         return channels
 
     def channel(self, stack: Stack, index: int) -> _core.Solution:
         return self._solve(_core.Stack(*core_stack(stack, index, self.only_mean)[1:]), 0.0)
 
-    def _solve(self, core: _core.Stack, done: float) -> _core.Solution:
+    def _solve(self, core: _core.Stack, done: float, oriented: bool = False) -> _core.Solution:
         """`done`: the share of the work before this channel."""
         step = self.step
         ask = None if step is None else lambda: step(done, "Solving")
-        return or_solve_error(lambda: interruptible(self.pool, lambda: self._solution(core), ask))
+        return or_solve_error(lambda: interruptible(self.pool, lambda: self._solution(core, oriented), ask))
 
-    def _solution(self, core: _core.Stack) -> _core.Solution:
+    def _solution(self, core: _core.Stack, oriented: bool):
+        if oriented:
+            return _core.solve_oriented(core, self.tolerance, self.pool)
         if self.only_mean:
             return _core.solve_mean(core, self.tolerance, self.pool)
         if self.nodes is not None:
@@ -140,50 +149,6 @@ def tolerance_of(quality: str) -> float:
     return TOLERANCE[check_choice(quality, "quality", TOLERANCE)]
 
 
-def core_stack(stack: Stack, index: int, all_facets: bool = False):
-    """(key, layers, base) of one channel, as the core takes them; channels with the same key share one solution.
-    `all_facets`: a PrincipledBase keeps facets that are too narrow for a solve of all azimuth orders."""
-    entries: list[tuple] = []
-    for number, layer in enumerate(stack.layers):
-        if isinstance(layer, Interface):
-            entries.append((_core.Interface, (channel(layer.ior, index), _facets(layer, index))))
-        elif layer.profile is not None and layer.optics(index)[1] > 0.0:
-            entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
-        else:
-            entries.append((_core.Medium, (*stack.optics(number, index), *layer.phase.in_channel(index))))
-    if isinstance(stack.base, HalfSpace):
-        endless = (stack.base.albedo_of(index), math.inf, *stack.base.phase.in_channel(index))
-        entries.append((_core.Medium, endless))
-    base: tuple = ("none",)
-    if isinstance(stack.base, Conductor):
-        base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index))
-    elif isinstance(stack.base, PrincipledBase):
-        base = stack.base.below(_index_above_base(stack, index), index, all_facets)
-    elif stack.base is not None:
-        base = stack.base.in_channel(index)
-    return (tuple(entries), base), [kind(*values) for kind, values in entries], core_base(base)
-
-
-def _index_above_base(stack: Stack, index: int) -> float:
-    """The refractive index of the medium above the base, in one channel."""
-    indices = [channel(layer.ior, index) for layer in stack.layers if isinstance(layer, Interface)]
-    return indices[-1] if indices else 1.0
-
-
-@functools.lru_cache(maxsize=16)
-def core_base(base: tuple) -> _core.Base:
-    """The core's base of the (name, parameters...) in the key of core_stack. Channels of equal color share one: the
-    albedos of a Principled base take longer than the solve."""
-    name, *parameters = base
-    return getattr(_core.Base, name)(*parameters)
-
-
-def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
-    """The surface's facets in one channel."""
-    return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated,
-                        surface.compensate)
-
-
 def or_solve_error(call):
     """The result of `call`. Raises SolveError for the core's RuntimeError."""
     try:
@@ -201,6 +166,10 @@ class ScatteringFunction:
     into the medium below. `btdf` and everything with side "bottom" need a direction in that medium and raise
     StackError, because light beyond the critical angle has no direction in air. End such a sheet with an Interface of
     ior 1.
+
+    Azimuths matter only with anisotropic facets: `phi_o` is that of the outgoing light from the tangent, `phi` that of
+    a beam, both of directions of travel in radians; the incoming light travels along phi_o - dphi. Functions of such
+    stacks know no grids, and no other thickness or reflectance.
 
     `nodes` and `orders` are the solver's choices; `checks` is a dict of the errors that its checks found, the maxima
     over channels. A pickled function holds the arguments of its making, and is solved again when it is loaded, with
@@ -245,12 +214,18 @@ class ScatteringFunction:
         """The core's solutions, one per channel."""
         return list(self._channels)
 
+    @property
+    def _oriented(self) -> bool:
+        """True if the core solved the stack with coupled azimuths."""
+        return isinstance(self._channels[0], _core.OrientedSolution)
+
     def with_thickness(self, layer: int, taus) -> ScatteringFunction:
         """The same stack with the optical thickness `taus` of the layer with index `layer`, a number or one per
         channel, in [0, infinity], or in [0, 1e9] for a layer with a profile; much faster than a new solve. A stack of
         one channel takes any number of them. For the new `stack` see material.thickness.with_thickness. Raises
         StackError, ArgumentError and SolveError."""
         stack = self.stack
+        stack.require_isotropic("another thickness")
         layer = check_whole(layer, "layer", 0, len(stack.layers) - 1)
         medium = stack.layers[layer]
         if not isinstance(medium, Medium):
@@ -285,6 +260,7 @@ class ScatteringFunction:
         """The same layers over a Lambert surface of another reflectance, in [0, 1], one for all channels; takes almost
         no time. Raises ArgumentError, also for another kind of base."""
         stack = self.stack
+        stack.require_isotropic("another reflectance")
         if not isinstance(stack.base, Lambert):
             raise ArgumentError("reflectance: the base of the stack must be a Lambert surface")
         reflectance = check_number(reflectance, "reflectance", "must lie in [0, 1]", lambda r: 0.0 <= r <= 1.0)
@@ -299,17 +275,18 @@ class ScatteringFunction:
                  facets: ScatteringFunction | None) -> ScatteringFunction:
         return ScatteringFunction(stack, channels, self._method, made, facets)
 
-    def brdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
+    def brdf(self, mu_o, mu_i, dphi, side: str = "top", phi_o=0.0) -> np.ndarray:
         """BRDF in 1/sr, without specular parts. `mu_o`, `mu_i` in (0, 1], `dphi` in radians with 0 forward (light keeps
         its azimuth); arrays broadcast. Shape: broadcast + (channels,). Raises ValueError."""
-        return self._evaluate(_core.Path.reflect, mu_o, mu_i, dphi, side)
+        return self._evaluate(_core.Path.reflect, mu_o, mu_i, dphi, phi_o, side)
 
-    def btdf(self, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
+    def btdf(self, mu_o, mu_i, dphi, side: str = "top", phi_o=0.0) -> np.ndarray:
         """BTDF in 1/sr, without unscattered light; arguments as for brdf, light enters on `side`."""
-        return self._evaluate(_core.Path.transmit, mu_o, mu_i, dphi, side)
+        return self._evaluate(_core.Path.transmit, mu_o, mu_i, dphi, phi_o, side)
 
     def grid(self, path: str, mu_o, mu_i, dphi, side: str = "top") -> np.ndarray:
         """BRDF (`path` "reflect") or BTDF ("transmit") on a product grid, shape (o, i, dphi, channels)."""
+        self.stack.require_isotropic("a grid of directions")
         lists = [cosines(finite_list(mu_o, "mu_o"), "mu_o"), cosines(finite_list(mu_i, "mu_i"), "mu_i")]
         azimuths = finite_list(dphi, "dphi")
         where = path_of(path)
@@ -324,15 +301,16 @@ class ScatteringFunction:
         enters. Raises ExtraMissing without xarray, and ArgumentError."""
         return labelled.dataset(self, mu_o, mu_i, dphi)
 
-    def reflectance(self, mu0, side: str = "top", parts: bool = False):
+    def reflectance(self, mu0, side: str = "top", parts: bool = False, phi=0.0):
         """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light. Shape: that of
-        mu0 + (channels,). With `parts` the pair (without specular reflection, specular reflection)."""
-        scattered, mirrored, _, _ = self._fluxes(mu0, side)
+        mu0 + (channels,), broadcast with `phi`. With `parts` the pair (without specular reflection, specular
+        reflection)."""
+        scattered, mirrored, _, _ = self._fluxes(mu0, side, phi)
         return (scattered, mirrored) if parts else scattered + mirrored
 
-    def transmittance(self, mu0, side: str = "top", parts: bool = False):
+    def transmittance(self, mu0, side: str = "top", parts: bool = False, phi=0.0):
         """Total transmittance, the unscattered beam included; with `parts` the pair (diffuse, direct)."""
-        _, _, diffuse, direct = self._fluxes(mu0, side)
+        _, _, diffuse, direct = self._fluxes(mu0, side, phi)
         return (diffuse, direct) if parts else diffuse + direct
 
     def lost_by_facets(self, mu0) -> np.ndarray | None:
@@ -345,9 +323,9 @@ class ScatteringFunction:
         assert self._facets is not None
         return scattered + mirrored - sum(self._facets._solved_fluxes(mu0, "top")[:2])
 
-    def absorption(self, mu0, side: str = "top") -> np.ndarray:
+    def absorption(self, mu0, side: str = "top", phi=0.0) -> np.ndarray:
         """The absorbed share of the incident flux: 1 - reflectance - transmittance."""
-        return 1.0 - sum(self._fluxes(mu0, side))
+        return 1.0 - sum(self._fluxes(mu0, side, phi))
 
     def _by_channel(self, call) -> np.ndarray:
         done = {}
@@ -356,11 +334,12 @@ class ScatteringFunction:
                 done[id(solution)] = call(solution)
         return np.stack([done[id(solution)] for solution in self._channels], axis=-1)
 
-    def _evaluate(self, path, mu_o, mu_i, dphi, side: str) -> np.ndarray:
+    def _evaluate(self, path, mu_o, mu_i, dphi, phi_o, side: str) -> np.ndarray:
         self._check_below(path, side)
-        arrays = broadcast([_cosines(mu_o, "mu_o"), _cosines(mu_i, "mu_i"), finite_array(dphi, "dphi")],
-                           ("mu_o", "mu_i", "dphi"))
-        flat = [np.ascontiguousarray(a, dtype=float).ravel() for a in arrays]
+        names = ("mu_o", "mu_i", "dphi", "phi_o")
+        arrays = broadcast([_cosines(mu_o, "mu_o"), _cosines(mu_i, "mu_i"), finite_array(dphi, "dphi")], names[:3])
+        arrays = broadcast([*arrays, finite_array(phi_o, "phi_o")], names)
+        flat = [_flat(array) for array in arrays[:4 if self._oriented else 3]]
         values = self._by_channel(lambda s: s.points(side_of(side), path, *flat, self._pool))
         return values.reshape(*arrays[0].shape, len(self._channels))
 
@@ -369,14 +348,14 @@ class ScatteringFunction:
         if side_of(side) == _core.Side.bottom or path == _core.Path.transmit:
             self.stack.require_air_below()
 
-    def _fluxes(self, mu0, side: str):
+    def _fluxes(self, mu0, side: str, phi=0.0):
         """(scattered, mirrored, diffusely and directly transmitted), where mirrors have the energy of facets."""
-        scattered, mirrored, diffuse, direct = self._solved_fluxes(mu0, side)
+        scattered, mirrored, diffuse, direct = self._solved_fluxes(mu0, side, phi)
         if self._facets is not None and side == "top":
             scattered, mirrored = sharp_facets.take_lost(scattered, mirrored, self._lost(mu0, scattered, mirrored))
         return scattered, mirrored, diffuse, direct
 
-    def _solved_fluxes(self, mu0, side: str):
+    def _solved_fluxes(self, mu0, side: str, phi=0.0):
         where = side_of(side)
         self._check_below(_core.Path.reflect, side)
         if isinstance(mu0, str):
@@ -386,10 +365,11 @@ class ScatteringFunction:
                 f = s.diffuse_fluxes(where, self._pool)
                 return np.array([f.reflected[0], f.mirrored[0], f.transmitted[0], f.direct[0]])
         else:
-            cosines = _cosines(mu0, "mu0")
+            arrays = broadcast([_cosines(mu0, "mu0"), finite_array(phi, "phi")], ("mu0", "phi"))
+            flat = [_flat(array) for array in arrays[:2 if self._oriented else 1]]
             def call(s):
-                f = s.fluxes(where, np.ascontiguousarray(cosines, dtype=float).ravel(), self._pool)
-                return np.array([f.reflected, f.mirrored, f.transmitted, f.direct]).reshape(4, *cosines.shape)
+                f = s.fluxes(where, *flat, self._pool)
+                return np.array([f.reflected, f.mirrored, f.transmitted, f.direct]).reshape(4, *arrays[0].shape)
         return tuple(self._by_channel(call))
 
 
@@ -401,6 +381,10 @@ def path_of(path: str) -> _core.Path:
 def side_of(side: str) -> _core.Side:
     """The core's value for a side. Raises ArgumentError."""
     return _SIDES[check_choice(side, "side", _SIDES, "'top' or 'bottom'")]
+
+
+def _flat(values: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(values, dtype=float).ravel()
 
 
 def _cosines(values, name: str) -> np.ndarray:

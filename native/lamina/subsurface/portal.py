@@ -113,6 +113,7 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     time and with less noise, and show less of the sun's direction on curved bodies. Beyond an anisotropy of .9 there is
     always one. Other arguments and errors are those of lamina.subsurface_nodes."""
     stack = as_stack(stack)
+    stack.require_isotropic("a portal")
     require_hidden_metal(stack)
     require_millimetres(stack)
     first = first_orders.of_stack(stack, scatterings)

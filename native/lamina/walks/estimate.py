@@ -17,7 +17,8 @@ from ..common.errors import SolveError, StackError
 from ..common.progress import Progress, portion, stepper
 from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
-from ..solver.solve import core_stack, path_of, side_of, thread_pool
+from ..solver.core_stack import core_stack
+from ..solver.solve import path_of, side_of, thread_pool
 
 SAMPLES = 1 << 20
 MOST_SAMPLES = 1 << 40
@@ -29,14 +30,16 @@ CHUNK = 16  # blocks with a common sum: a shard consists of whole chunks
 class Query:
     """The estimated quantity: BRDF or BTDF for cosines in air and an azimuth; with `mu_o` None, the hemispherical
     reflectance or transmittance of a beam. Cosines lie in (0, 1], and below 1e-9 count as 1e-9; `dphi` is in radians.
-    `side` "bottom", and a BTDF, need a sheet that ends in air, see ScatteringFunction. Raises ArgumentError, a
-    ValueError."""
+    `side` "bottom", and a BTDF, need a sheet that ends in air, see ScatteringFunction. `phi_o`: the azimuth of the
+    outgoing light from the tangent in radians, with `mu_o` None that of the beam; only anisotropic facets depend on it.
+    Raises ArgumentError, a ValueError."""
 
     mu_o: float | None
     mu_i: float
     dphi: float = 0.0
     side: str = "top"
     path: str = "reflect"
+    phi_o: float = 0.0
 
     def __post_init__(self):
         side_of(self.side)
@@ -46,7 +49,9 @@ class Query:
                 continue
             cosine = check_number(value, name, "must be one number in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
             object.__setattr__(self, name, max(cosine, LEAST_COSINE))
-        object.__setattr__(self, "dphi", check_number(self.dphi, "dphi", "must be one finite number", math.isfinite))
+        for name in ("dphi", "phi_o"):
+            angle = check_number(getattr(self, name), name, "must be one finite number", math.isfinite)
+            object.__setattr__(self, name, angle)
 
     def check(self, stack: Stack) -> None:
         """Raises StackError for a direction below a sheet that does not end in air."""
@@ -56,7 +61,8 @@ class Query:
     def target(self) -> _core.WalkTarget:
         """The same quantity for the core."""
         mu_o = self.mu_i if self.mu_o is None else self.mu_o
-        return _core.WalkTarget(mu_o, self.mu_i, self.dphi, side_of(self.side), path_of(self.path), self.mu_o is None)
+        return _core.WalkTarget(mu_o, self.mu_i, self.dphi, side_of(self.side), path_of(self.path), self.mu_o is None,
+                                self.phi_o)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,10 +103,11 @@ METHODS = {"scattering": _scattering, "transfer": _transfer, "adding": _adding}
 def estimate(stack: AnyStack, mu_o: float | None, mu_i: float, dphi: float = 0.0, method: str = "transfer",
              samples: int | None = None, target_error: float | None = None, seed: int = 0,
              progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0,
-             side: str = "top", path: str = "reflect") -> Estimate:
+             side: str = "top", path: str = "reflect", phi_o: float = 0.0) -> Estimate:
     """BRDF (`path` "reflect") or BTDF ("transmit") in 1/sr of a stack for one pair of directions, as defined by
     ScatteringFunction.brdf and btdf; or with `mu_o` None the directional albedo or the transmittance, specular and
-    unscattered light included. Light enters on `side`.
+    unscattered light included. Light enters on `side`. Values of stacks with anisotropic facets also depend on `phi_o`,
+    see Query, and only the method "transfer" takes such stacks.
 
     `method`: "transfer", the photon walk of the equation of transfer with next-event estimation; "adding", the adding
     series as a walk between solved layers (biased by the error of their tables, which is reported; the BRDF or BTDF of
@@ -115,7 +122,7 @@ def estimate(stack: AnyStack, mu_o: float | None, mu_i: float, dphi: float = 0.0
     Raises ValueError, StackError, SolveError."""
     started = time.perf_counter()
     stack = as_stack(stack)
-    query = Query(mu_o, mu_i, dphi, side, path)
+    query = Query(mu_o, mu_i, dphi, side, path, phi_o)
     blocks = blocks_of(samples, target_error)
     check_seed(seed)
     pool = thread_pool(threads)
@@ -130,6 +137,8 @@ def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, 
     run. Raises as estimate does."""
     query.check(stack)
     stack.require_walked_base()
+    if method in ("adding", "scattering"):
+        stack.require_isotropic(f"method {method!r}")
 
     def walked(layers, base, within):
         walk, off = make_walk(_core.Stack(layers, base), query, method, pool)

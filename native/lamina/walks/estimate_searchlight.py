@@ -22,7 +22,8 @@ from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.millimetres import depth_knots, require_millimetres
 from ..material.stack import Stack
-from ..solver.solve import core_stack, thread_pool
+from ..solver.core_stack import core_stack
+from ..solver.solve import thread_pool
 from .estimate import blocks_of, chunks_in, each_chunk, each_problem
 from .searchlight_moments import DISTANCE, FIRST_FREQUENCY, SQUARE, WEIGHT, Measured, SideMoments
 
@@ -127,6 +128,7 @@ def run_beams(stack: Stack, query: SearchlightQuery, seed: int, chunks: range, b
     """For each channel the tallies (above, below, count, events) of the `chunks` of a run of `blocks` blocks; above and
     below are (within, within_squares, moments, products). Also the flux of `mirrored` and of `unscattered` light, and
     `endless`: true for a conservative half-space. Raises as estimate_searchlight does."""
+    stack.require_isotropic("a searchlight")
     require_millimetres(stack)
 
     def problem(index):

@@ -29,11 +29,13 @@ def run_shard(stack: AnyStack, query: Query, method: str, samples: int, seed: in
     json.dump. It holds no times: the same part has the same bytes on any machine. Raises as estimate does."""
     check_kind(query, "query", Query, "a lamina.Query")
     stack = as_stack(stack)
+    stack.require_isotropic("an estimate in parts")
     blocks, chunks, pool = prepared(samples, seed, shard, threads)
     step = stepper("the estimate", progress, cancel)
     channels, error = run_channels(stack, query, method, pool, step, lambda walk, within: [
         list(tally) for tally in run_chunks(walk, seed, chunks.start, chunks.stop, blocks, pool, within)])
-    job = {"stack": stack.hash, **asdict(query), "method": method, "blocks": blocks, "seed": seed}
+    asked = {name: value for name, value in asdict(query).items() if name != "phi_o"}
+    job = {"stack": stack.hash, **asked, "method": method, "blocks": blocks, "seed": seed}
     return {"schema": SCHEMA, "job": job, "shard": list(map(int, shard)), "table_error": error, "channels": channels}
 
 

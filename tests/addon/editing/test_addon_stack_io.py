@@ -159,6 +159,14 @@ REFUSED = {
         stack([interface("odd", ior=1.5, alpha=[0.1, 0.2, 0.3])], None),
         "layers[0].alpha = [0.1, 0.2, 0.3]: in Blender it is one number",
     ),
+    "anisotropic interface": (
+        stack([interface("brushed", ior=1.5, alpha=0.1, alpha_v=0.3)], None),
+        "layers[0].alpha_v = 0.3: in Blender the facets of a surface have the same width in all directions",
+    ),
+    "anisotropic metal": (
+        stack([], {"kind": "conductor", "eta": 0.2, "k": 3.0, "alpha": 0.1, "alpha_v": 0.3}),
+        "base.alpha_v = 0.3: in Blender the facets of a surface have the same width in all directions",
+    ),
     "unknown facets": (
         stack([interface("odd", ior=1.5, distribution="student")], None),
         "layers[0].distribution = student",

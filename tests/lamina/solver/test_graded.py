@@ -22,7 +22,7 @@ from lamina import (
     StackError,
     _core,
 )
-from lamina.solver.solve import core_stack
+from lamina.solver.core_stack import core_stack
 from lamina.walks.estimate import Query
 
 SAMPLES = 1 << 15

@@ -79,7 +79,7 @@ def test_every_kind_of_phase_function_has_a_slab_loop(phase):
 def test_simpler_next_events_estimate_the_same(next_event):
     """In the slab's own loop and, below a boundary without effect, in the loop for any stack."""
     from lamina import _core
-    from lamina.solver.solve import core_stack
+    from lamina.solver.core_stack import core_stack
     pool = _core.ThreadPool(1)
     truth = lamina.solve(SLAB, threads=1).brdf(0.5, 0.5, math.pi / 2)[0]
     for stack in (SLAB, Stack([*SLAB.layers, Interface(1.0)])):

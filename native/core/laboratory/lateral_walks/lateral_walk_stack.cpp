@@ -7,7 +7,7 @@
 namespace lamina {
 
 LateralWalkStack::LateralWalkStack(const Stack& stack, std::vector<DepthScale> layer_scales)
-    : walked(stack, Side::kTop), scales(std::move(layer_scales)) {
+    : walked(stack, WalkTarget{}), scales(std::move(layer_scales)) {
   if (scales.size() != stack.layers.size()) {
     throw std::invalid_argument("scales: must have one entry per layer");
   }

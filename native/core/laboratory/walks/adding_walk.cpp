@@ -112,7 +112,7 @@ class LayerWalk final : public StackWalk {
 }  // namespace
 
 AddingWalk make_adding_walk(const Stack& stack, const WalkTarget& target, ThreadPool& pool) {
-  auto walk = std::make_unique<LayerWalk>(WalkElements(stack, target.side, false), target, pool);
+  auto walk = std::make_unique<LayerWalk>(WalkElements(stack, target, false), target, pool);
   const double error = walk->table_error();
   return {std::move(walk), error};
 }

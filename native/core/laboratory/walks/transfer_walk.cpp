@@ -212,7 +212,7 @@ bool is_slab(const WalkElements& stack) {
 }  // namespace
 
 std::unique_ptr<Walk> make_transfer_walk(const Stack& stack, const WalkTarget& target, NextEvent next_event) {
-  WalkElements walked(stack, target.side);
+  WalkElements walked(stack, target);
   if (is_slab(walked)) {
     return make_slab_walk(walked.elements[0].medium, target, next_event);
   }

@@ -17,7 +17,7 @@ using Kind = Element::Kind;
 /// Thickness in transport lengths at which a conservative layer equals an infinite one within rounding.
 constexpr double kEffectivelyInfinite = 30.0;
 
-Element element_of(const Layer& layer, double ior_above, double ior_below) {
+Element element_of(const Layer& layer, double ior_above, double ior_below, double turn) {
   Element element;
   if (const auto* medium = std::get_if<Medium>(&layer)) {
     element.medium = *medium;
@@ -32,12 +32,12 @@ Element element_of(const Layer& layer, double ior_above, double ior_below) {
   element.kind = Kind::kSmooth;
   if (boundary.is_rough(boundary.ior == ior_above ? ior_below : ior_above)) {
     element.kind = Kind::kRough;
-    element.facets = std::make_shared<FacetScatter>(boundary.facets, ior_above, ior_below);
+    element.facets = std::make_shared<FacetScatter>(boundary.facets.turned(turn), ior_above, ior_below);
   }
   return element;
 }
 
-Element element_of(const Base& base, double ior_above) {
+Element element_of(const Base& base, double ior_above, double turn) {
   Element element;
   element.kind = Kind::kLambert;
   element.reflectance = base.reflectance;
@@ -46,14 +46,15 @@ Element element_of(const Base& base, double ior_above) {
     element.mirror = base;
   } else if (base.is_rough()) {
     element.kind = Kind::kRough;
-    element.facets = std::make_shared<FacetScatter>(base.facets, ior_above, base.ior);
+    element.facets = std::make_shared<FacetScatter>(base.facets.turned(turn), ior_above, base.ior);
   }
   return element;
 }
 
 }  // namespace
 
-WalkElements::WalkElements(const Stack& stack, Side side, bool ended) : ior(refractive_indices(stack)) {
+WalkElements::WalkElements(const Stack& stack, const WalkTarget& target, bool ended) : ior(refractive_indices(stack)) {
+  const Side side = target.side;
   if (side == Side::kBottom && stack.base.kind != Base::Kind::kNone) {
     throw std::invalid_argument("side = 'bottom': must be 'top' for a stack with a base");
   }
@@ -68,7 +69,7 @@ WalkElements::WalkElements(const Stack& stack, Side side, bool ended) : ior(refr
     }
   }
   for (std::size_t k = 0; k < layers.size(); ++k) {
-    elements.push_back(element_of(layers[k], ior[k], ior[k + 1]));
+    elements.push_back(element_of(layers[k], ior[k], ior[k + 1], target.turn()));
     Medium& medium = elements.back().medium;
     if (elements.back().kind == Kind::kMedium && std::isinf(medium.tau)) {
       // Elements below an infinite medium have no effect.
@@ -85,7 +86,7 @@ WalkElements::WalkElements(const Stack& stack, Side side, bool ended) : ior(refr
     }
   }
   if (stack.base.kind != Base::Kind::kNone) {
-    elements.push_back(element_of(stack.base, ior.back()));
+    elements.push_back(element_of(stack.base, ior.back(), target.turn()));
     ior.push_back(ior.back());
   }
 }

@@ -13,7 +13,8 @@ namespace lamina {
 
 /// The quantity that a walk estimates: BRDF or BTDF (1/sr, as evaluate_points, without specular and unscattered light)
 /// for a pair of cosines in air and an azimuth; or with `flux` the hemispherical reflectance or transmittance of a beam
-/// at mu_i, with specular and unscattered light.
+/// at mu_i, with specular and unscattered light. `phi`: the azimuth, from the x axis of the stack, of the outgoing
+/// light, with `flux` of the beam. Walks turn the stack, so that light comes in along the x axis.
 struct WalkTarget {
   Side side = Side::kTop;
   Path path = Path::kReflect;
@@ -21,6 +22,10 @@ struct WalkTarget {
   double mu_i = 1.0;
   double dphi = 0.0;
   bool flux = false;
+  double phi = 0.0;
+
+  /// The angle by which walks turn the stack.
+  double turn() const { return flux ? -phi : dphi - phi; }
 };
 
 /// A stack as a list of elements, turned so that light enters at the top; the base is the last element.
@@ -42,9 +47,10 @@ struct WalkElements {
   std::vector<Element> elements;
   std::vector<double> ior;  ///< above each element, and below the last
 
-  /// With `ended` an infinite conservative medium is replaced by a very thick one on a perfect reflector, so that walks
-  /// end. Throws std::invalid_argument for light from below onto a base.
-  WalkElements(const Stack& stack, Side side, bool ended = true);
+  /// The stack as walks to `target` meet it: from its side, and turned. With `ended` an infinite conservative medium is
+  /// replaced by a very thick one on a perfect reflector, so that walks end. Throws std::invalid_argument for light
+  /// from below onto a base.
+  WalkElements(const Stack& stack, const WalkTarget& target, bool ended = true);
 };
 
 /// The specular light of a beam from outside; by reciprocity also the specular path from each element to the outside.

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One channel of a stack as the core takes it."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+from .. import _core
+from ..kinds.bases import Conductor, HalfSpace, PrincipledBase
+from ..kinds.boundaries import Interface, is_oriented
+from ..kinds.fields import channel
+from ..material.stack import Stack
+
+
+def core_stack(stack: Stack, index: int, all_facets: bool = False):
+    """(key, layers, base) of one channel, as the core takes them; channels with the same key share one solution.
+    `all_facets`: a PrincipledBase keeps facets that are too narrow for a solve of all azimuth orders."""
+    entries: list[tuple] = []
+    for number, layer in enumerate(stack.layers):
+        if isinstance(layer, Interface):
+            entries.append((_core.Interface, (channel(layer.ior, index), _facets(layer, index))))
+        elif layer.profile is not None and layer.optics(index)[1] > 0.0:
+            entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
+        else:
+            entries.append((_core.Medium, (*stack.optics(number, index), *layer.phase.in_channel(index))))
+    if isinstance(stack.base, HalfSpace):
+        endless = (stack.base.albedo_of(index), math.inf, *stack.base.phase.in_channel(index))
+        entries.append((_core.Medium, endless))
+    base: tuple = ("none",)
+    if isinstance(stack.base, Conductor):
+        base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index))
+    elif isinstance(stack.base, PrincipledBase):
+        base = stack.base.below(_index_above_base(stack, index), index, all_facets)
+    elif stack.base is not None:
+        base = stack.base.in_channel(index)
+    return (tuple(entries), base), [kind(*values) for kind, values in entries], core_base(base)
+
+
+def _index_above_base(stack: Stack, index: int) -> float:
+    """The refractive index of the medium above the base, in one channel."""
+    indices = [channel(layer.ior, index) for layer in stack.layers if isinstance(layer, Interface)]
+    return indices[-1] if indices else 1.0
+
+
+@functools.lru_cache(maxsize=16)
+def core_base(base: tuple) -> _core.Base:
+    """The core's base of the (name, parameters...) in the key of core_stack. Channels of equal color share one: the
+    albedos of a Principled base take longer than the solve."""
+    name, *parameters = base
+    return getattr(_core.Base, name)(*parameters)
+
+
+def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
+    """The surface's facets in one channel."""
+    return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated,
+                        surface.compensate, *((surface.alpha_v, surface.angle) if is_oriented(surface) else ()))
