@@ -70,6 +70,7 @@ class Model:
         for variant in self._variants:
             if id(variant) not in made:
                 made[id(variant)] = variant.filled(values)
+                made[id(variant)].require_isotropic("a fit")
         return [made[id(variant)] for variant in self._variants]
 
     def expected(self, x: np.ndarray) -> list[np.ndarray]:

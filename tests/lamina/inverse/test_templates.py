@@ -66,3 +66,11 @@ def test_bad_input_gets_one_sentence(make, message):
     with pytest.raises(ValueError, match=message) as error:
         make()
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("across", [0.4, Free(0.3, 0.1, 0.5)])
+def test_anisotropic_facets_are_refused(across):
+    template = Template([Interface(1.5, alpha=0.1, alpha_v=across)], Lambert(Free(0.5, 0.0, 1.0)))
+    data = lamina.measurements.Reflectance(np.array([0.9, 0.5, 0.3]), values=np.full(3, 0.7), sigma=0.01)
+    with pytest.raises(lamina.StackError, match=r"layers\[0\].alpha_v.*a fit"):
+        lamina.fit([data], template)
