@@ -47,7 +47,7 @@ BPY52_PART := test_addon_versions.py baking/test_addon_bake.py nodes/test_addon_
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part test-debian lint docs bench study study-hard \
+.PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part test-debian lint docs bench test-gpu study study-hard \
 	figures previews assets stubs sanitize fuzz wheel extension release test-release clean
 .DEFAULT_GOAL := demo
 
@@ -133,6 +133,10 @@ figures: build/stamps/wheel
 # The pictures of the presets in the panel's picker and in the asset library, addon/pictures/*.jpg.
 previews: build/stamps/scenes build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py presets --quality final --thumbnails addon/pictures --out build/previews
+
+# Twelve materials with Cycles on the CPU and on a GPU, if Cycles finds one.
+test-gpu: build/stamps/scenes build/stamps/extension
+	$(RUN) tools/test_gpu.py $(OPTIONS)
 
 # All presets as Blender assets: dist/lamina-assets.zip.
 assets: build/stamps/extension

@@ -191,7 +191,7 @@ def _facts(lut):
     # interface.
     strips = strips_of(lut.header)
     apart = not is_covered(strips)
-    drawn = {(apart and strip.metal, strip.closure) for strip in strips if strip.closure}
+    drawn = {(apart and strip.metal, strip.closure) for strip in strips if strip.is_weight}
     return {"closures": len(drawn), "fit_error": lut.report["fit_error"], "ids": lut.closures}
 
 
