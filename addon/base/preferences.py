@@ -17,6 +17,9 @@ CLOSURE_BASES = (
 )
 
 
+MOVING = {"standard": "moving", "accurate": "moving-accurate"}  # the same with lobes that move with the view
+
+
 class LaminaPreferences(bpy.types.AddonPreferences):
     bl_idname = package.NAME
 
@@ -78,7 +81,7 @@ def default_basis():
 def table_basis(basis):
     """The basis of lamina.bake for a material's fit. From Blender 5.0 on, Cycles samples lobes that move with
     the view rightly."""
-    return "moving" if basis == "standard" and bpy.app.version >= (5, 0) else basis
+    return MOVING.get(basis, basis) if bpy.app.version >= (5, 0) else basis
 
 
 def _value(name, default):

@@ -39,7 +39,7 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     `nodes` replaces the solver's choice of nodes per hemisphere, without its guarantee of accuracy; also for previews.
     `basis`: "standard" takes 1.1 to 2.1 times as long to render as a Principled BSDF, see docs/figures.md; "moving" may
     replace some of its closures by two lobes whose width, anisotropy and tilt follow the view, for Blender 5.0 and
-    newer, on opaque bases; "accurate" takes some twenty closures.
+    newer, on opaque bases; "accurate" takes some twenty closures, and "moving-accurate" does so with such lobes.
     Smooth boundaries are exact, with a closure of their own, "mirror:ALPHA". Facets narrower than alpha .03 are solved
     as mirrors with the energy of the facets, and only this closure has their width.
     The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2

@@ -24,7 +24,7 @@ def add(commands) -> None:
     command.add_argument("--quality", choices=tuple(TOLERANCE), default="final")
     command.add_argument("--basis", choices=tuple(CLOSURE_BASES), default="standard",
                          help="standard: few closures, about as quick to render as a Principled BSDF; moving: some of "
-                              "them follow the view, for Blender 5.0 and newer; accurate: some twenty")
+                              "them follow the view, for Blender 5.0 and newer; accurate, moving-accurate: some twenty")
     add_threads(command)
     command.add_argument("--quiet", action="store_true", help="no progress, no report")
     command.set_defaults(run=_bake)

@@ -33,10 +33,12 @@ class Basis:
 
 
 _STANDARD = Basis((5, 5, 8), (4, 4, 4), (0, 2, 2), (5, 3, 2, 4), (2, 9))
+_ACCURATE = Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (14, 9, 6, 6), (4, 18))
 CLOSURE_BASES = {
     "standard": _STANDARD,
     "moving": replace(_STANDARD, moving=2),
-    "accurate": Basis((12, 13, 20), (8, 8, 8), (0, 4, 4), (14, 9, 6, 6), (4, 18)),
+    "accurate": _ACCURATE,
+    "moving-accurate": replace(_ACCURATE, moving=2),
 }
 # Effort of the search for closures: see mixture.Effort.
 SEARCH = {"preview": {"overshoot": 0, "exchanges": 1, "column_stride": 6, "row_stride": 16},

@@ -30,8 +30,9 @@ ROW_KNOTS = (0, 1, 2, 3, *range(4, TAU_ROWS, 2))
 # Weight of the squared distance to the neighbours' shapes (in ln alpha, half the logarithm of the ratio of the widths,
 # and k) against squared relative errors, as a root.
 STIFFNESS = 0.05
-# Numbers of fixed closures that are tried. The first is taken whose objective is at most ENOUGH times the last one's.
-FIXED, ENOUGH = (2, 4, 6), 1.1
+# Numbers of fixed closures that are tried, as shares of the largest number. The first is taken whose objective is at
+# most ENOUGH times the last one's.
+SHARES, ENOUGH = (1 / 3, 2 / 3, 1), 1.1
 # Least number beside the closures of the clean stack.
 BESIDE = 2
 # Cones for tilted lobes have edges, and moving lobes replace them.
@@ -104,7 +105,8 @@ class _Fit:
         if not targets:
             return [*candidates[:1]]
         found = []
-        for number in FIXED:
+        for share in SHARES:
+            number = round(share * (effort.all - self.how.count))
             count = self.how.count + max(number, taken + BESIDE)
             options = selection(names, count, effort.overshoot, effort.exchanges, ACCURATE)
             choice = table.select(targets, options, list(range(len(names))), list(range(self.how.count + taken)),

@@ -31,9 +31,10 @@ class Lut(ByContent):
 
     `weights`: float32, shape (sides, closures, tau rows, 64 columns, 3). `header`: a JSON object with
     schema, version (of the Lamina that made the table), stack, stack_hash, quality, basis, seed, sides, axes, closures
-    (lobe ids, see lamina.lobes, and "transparent" for the unscattered light of a sheet) and report. The table of a
-    stack with a varying interface has a second table, `uncovered`: its header is an entry of `header`, and its weights
-    are `uncovered_weights`."""
+    (lobe ids, see lamina.lobes; "transparent" for the unscattered light of a sheet; "shape/moving:N" for a strip that
+    holds roughness, anisotropy and tilt of a lobe that moves with the view) and report. The table of a stack with a
+    varying interface has a second table, `uncovered`: its header is an entry of `header`, and its weights are
+    `uncovered_weights`."""
 
     header: dict
     weights: np.ndarray
