@@ -65,6 +65,11 @@ def strips_of(header: dict) -> list[Strip]:
     return [Strip.of(name) for name in header["closures"]]
 
 
+def closure_count(header: dict) -> int:
+    """The number of strips of the table with this header, without those that hold the shapes of closures."""
+    return sum(strip.role != SHAPE for strip in strips_of(header))
+
+
 def is_covered(strips: Iterable[Strip]) -> bool:
     """True if a table with these strips is that of a Principled base with inputs below an interface."""
     return any(strip.role == DARK for strip in strips)

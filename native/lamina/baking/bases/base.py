@@ -11,6 +11,7 @@ import numpy as np
 
 from ...common.progress import Progress, portion
 from ...kinds.bases import PrincipledBase
+from ...kinds.table import closure_count
 from ...material.stack import Stack
 from ...solver.solve import thread_pool
 from ..fit.between_rows import linear
@@ -61,7 +62,7 @@ class BakedBase(ABC):
         inputs, if it has any."""
         job = self.job
         own_error = own_errors(header, weights, self.stack, solved, own, job.threads)
-        report = fit_report(len(header["closures"]), solved, *own_error)
+        report = fit_report(closure_count(header), solved, *own_error)
         if job.measures and getattr(self.stack.base, "inputs", True):
             report["input_error"] = range_errors(header, weights, self.stack, job.threads, step)
         return report

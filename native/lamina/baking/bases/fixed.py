@@ -7,7 +7,7 @@ import numpy as np
 
 from ...closures import narrow_lobes
 from ...common.progress import portion, portions
-from ...kinds.table import Strip
+from ...kinds.table import Strip, closure_count
 from ...material.stack import Stack
 from ..fit.dropped_weights import folded
 from ..fit.mixture import Mixture, Part
@@ -72,7 +72,7 @@ class Fixed(BakedBase):
 
     def errors(self, header: dict, weights: np.ndarray) -> dict:
         between = self._errors_between_rows()
-        report = fit_report(len(header["closures"]), self.solved, *fitted_errors(self.fitted)) | between
+        report = fit_report(closure_count(header), self.solved, *fitted_errors(self.fitted)) | between
         if self.solved.is_sheet:
             report["strayed_light"] = strayed_report(self.fitted, self.seen, stated())
         return report

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...common import svg
+from ...kinds.table import closure_count
 from ..fit.fitted_function import OTHER
 
 STEPS = 181  # directions on each side of the horizon
@@ -56,6 +57,6 @@ def lut_picture(lut) -> str:
                 parts.append(svg.line(piece[~np.isnan(piece).any(axis=1)], colour, 1.3, dashes))
     views = ", ".join(f"{math.degrees(math.acos(mu)):.0f}°" for mu, _ in VIEWS)
     parts.append(svg.text(x0, height - 26.0, f"lobes at views {views}; largest {largest:.3g} / sr", anchor="middle"))
-    parts.append(svg.text(x0, height - 8.0, f"{lut.header['quality']}, {len(lut.closures)} closures, fit error "
+    parts.append(svg.text(x0, height - 8.0, f"{lut.header['quality']}, {closure_count(lut.header)} closures, fit error "
                                            f"{lut.header['report']['fit_error']:.2%}", anchor="middle"))
     return svg.picture(width, height, parts, repr(lut))

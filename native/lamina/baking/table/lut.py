@@ -15,6 +15,7 @@ from ...common.arguments import finite_array
 from ...common.by_content import ByContent
 from ...common.errors import ArgumentError, LutError
 from ...common.progress import Progress
+from ...kinds.table import closure_count
 from ...material.any_stack import AnyStack, as_stack
 from ...material.stack import Stack
 from ..fit.fitted_function import FittedFunction
@@ -43,8 +44,8 @@ class Lut(ByContent):
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.weights.shape))
-        return (f"<Lut: {len(self.closures)} closures, weights {shape}, {self.header['quality']} quality, fit error "
-                f"{self.header['report']['fit_error']:.2%}>")
+        return (f"<Lut: {closure_count(self.header)} closures, weights {shape}, {self.header['quality']} quality, "
+                f"fit error {self.header['report']['fit_error']:.2%}>")
 
     def _repr_html_(self) -> str:
         return lut_picture(self)
