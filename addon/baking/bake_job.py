@@ -166,11 +166,10 @@ def difference(material, quality=None, basis=None):
     """Which settings the last bake was made with and which are wanted, by default the chosen ones, as
     'quality Preview instead of Final', or '' when they are the same."""
     settings, result = material.lamina, material.lamina.result
-    # Older files do not name a basis; theirs is the standard one.
-    baked_basis = result.basis or "standard"
     wanted_quality = quality or settings.quality
-    wanted_basis = preferences.table_basis(basis or settings.basis)
-    pairs = (("quality", result.quality, wanted_quality), ("fit", baked_basis, wanted_basis))
+    wanted_fit = preferences.fit_of(basis or settings.basis)
+    baked_fit = preferences.fit_of(result.basis)
+    pairs = (("quality", result.quality, wanted_quality), ("fit", baked_fit, wanted_fit))
     return ", ".join(
         f"{name} {baked.capitalize()} instead of {wanted.capitalize()}"
         for name, baked, wanted in pairs

@@ -84,6 +84,12 @@ def table_basis(basis):
     return MOVING.get(basis, basis) if bpy.app.version >= (5, 0) else basis
 
 
+def fit_of(basis):
+    """The fit of the panel that a basis of lamina.bake belongs to. Files from before there were fits have the
+    standard one."""
+    return {moving: fit for fit, moving in MOVING.items()}.get(basis, basis) or "standard"
+
+
 def _value(name, default):
     """The user's preference, or the default where the add-on runs without preferences."""
     entry = bpy.context.preferences.addons.get(package.NAME)

@@ -10,7 +10,7 @@ import time
 
 import bpy
 
-from ..base import native
+from ..base import native, preferences
 from . import words
 from .exit_codes import UsageError
 
@@ -123,7 +123,7 @@ def record(plan, status, seconds=0.0):
         "reason": plan.reason or None,
         "stack_hash": None if plan.wanted is None else plan.wanted.stack.hash,
         "quality": plan.quality,
-        "basis": plan.basis,
+        "basis": preferences.fit_of(plan.basis),
         "seconds": seconds,
         "not_carried_over": plan.lost,
         "baked": baked,

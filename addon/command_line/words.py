@@ -2,7 +2,7 @@
 """What the batch says of a bake, in words and as JSON."""
 
 from ..baking import bake_job
-from ..base import native
+from ..base import native, preferences
 from ..base.messages import percent
 from ..nodes import node_group
 
@@ -39,7 +39,8 @@ def bake(result, seconds):
     if report["fit_error_transmission"] is not None:
         errors += f", transmission {percent(report['fit_error_transmission'], 2)}"
         errors += f", worst slice {percent(report['worst_slice_transmission']['error'])}"
-    return f"{errors}, {report['closures']} closures, {result.basis}, {result.quality}, {seconds:.2f} s"
+    fit = preferences.fit_of(result.basis)
+    return f"{errors}, {report['closures']} closures, {fit}, {result.quality}, {seconds:.2f} s"
 
 
 def facts(result):
@@ -51,7 +52,7 @@ def facts(result):
         "stack_hash": result.stack_hash,
         "lamina": result.version or None,
         "quality": result.quality,
-        "basis": result.basis or "standard",
+        "basis": preferences.fit_of(result.basis),
         "closures": report.get("closures"),
         "errors": {
             "fit_error": report.get("fit_error"),

@@ -3,6 +3,7 @@
 
 import math
 
+from ..base import preferences
 from ..base.messages import percent
 from ..nodes import thickness
 
@@ -62,7 +63,7 @@ def result_lines(result):
         lines.append(("Over All Inputs", f"{errors[0]} mean, {errors[1]} worst"))
         lines.append(("Their Albedo Error", percent(inputs["albedo"]["error"], 2)))
     lines.append(("Energy Error", percent(report["energy_error"], 2)))
-    lines.append(("Closures", f"{report['closures']}, {result.basis or 'standard'} fit"))
+    lines.append(("Closures", f"{report['closures']}, {preferences.fit_of(result.basis)} fit"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {report['seconds']:.2f} s"))
     return lines
 

@@ -68,7 +68,8 @@ def test_a_changed_layer_is_shown_coarsely_in_the_same_nodes(addon, lamina, upda
     show_coarse(update)
     assert jobs[0] == (False, {}) and addon.baking.bake_job.state(material) == "other" and update.is_pending(material)
     assert {node.name for node in group.nodes} == nodes and material.lamina.node_group == group
-    expected = lamina.bake(addon.editing.stack_io.to_stack(material), "preview", closures=closures).image()
+    expected = lamina.bake(addon.editing.stack_io.to_stack(material), "preview", closures=closures,
+                           basis=addon.base.preferences.table_basis("standard")).image()
     assert np.array_equal(shown(material)[: len(expected)], expected)
     assert not np.array_equal(shown(material), before)
     assert material.lamina.result.quality == "preview"
@@ -80,7 +81,8 @@ def test_at_rest_it_is_the_bake_that_was_asked_for(addon, lamina, update, materi
     assert update.WORKING in look_until_rest(update)
     assert [whole for whole, _options in jobs] == [False, True] and not update.is_pending(material)
     assert addon.baking.bake_job.state(material) == "fresh"
-    expected = lamina.bake(addon.editing.stack_io.to_stack(material), "final", basis="accurate")
+    expected = lamina.bake(addon.editing.stack_io.to_stack(material), "final",
+                           basis=addon.base.preferences.table_basis("accurate"))
     assert np.array_equal(shown(material)[: len(expected.image())], expected.image())
     assert material.lamina.result.curves == addon.baking.bake_job.curves_of(expected.stack, expected)
     group = material.lamina.node_group

@@ -99,7 +99,8 @@ def test_live_values_reach_eevee(addon, lamina, material):
     material.lamina.layers[0].albedo = (0.2, 0.3, 0.4)
     native = addon.base.native.require()
     lut = native.bake(addon.editing.stack_io.to_stack(material), "preview",
-                      closures=addon.nodes.node_group.closures(material))
+                      closures=addon.nodes.node_group.closures(material),
+                      basis=addon.base.preferences.table_basis("standard"))
     assert addon.nodes.node_group.update(material, lut)
     table, image = addon.nodes.node_group.few_closures(lut), pixels(image_of(group))
     start = addon.nodes.lut_image.eevee_strip(lut, 0) * lut.weights.shape[2]

@@ -49,7 +49,8 @@ def few_closures(lut: Lut) -> RealTimeTable:
     members: dict[Strip, list[int]] = {}
     for index, strip in enumerate([] if is_covered(every) else every):
         if strip.is_weight:
-            kind = _moving_kind(lut, index) if moving_lobes.is_moving(strip.closure) else kind_of(strip.closure)[0]
+            # Of a lobe that moves with the view always the same, so that the nodes stay while a stack is edited
+            kind = GLOSSY if moving_lobes.is_moving(strip.closure) else kind_of(strip.closure)[0]
             members.setdefault(replace(strip, closure=kind), []).append(index)
     sides, _, rows, columns, _ = lut.weights.shape
     texels = np.zeros((sides, len(members), rows, columns, 4), np.float32)
@@ -75,13 +76,6 @@ def _lobe(lut: Lut, index: int) -> tuple[np.ndarray | float, np.ndarray]:
         return kind_of(closure)[1], _albedo(closure)
     shapes = lut.weights[:, strips_of(lut.header).index(Strip(closure, SHAPE))]
     return shapes[..., 0].astype(float) ** 2, moving_lobes.albedos(shapes, view_cosines())
-
-
-def _moving_kind(lut: Lut, index: int) -> str:
-    """The kind of a lobe that moves with the view, by its mean width where it has light."""
-    width, albedo = _lobe(lut, index)
-    light = lut.weights[:, index].mean(axis=-1) * albedo
-    return _kind(float(np.average(width, weights=light)) if np.any(light) else WIDEST)
 
 
 def _kind(alpha: float) -> str:
