@@ -8,13 +8,11 @@ strips of a sheet's bottom side follow those of its top side, and back faces rea
 turned the normal towards the viewer there.
 """
 
-import functools
 import math
 
 import numpy as np
 
 from ..base import native
-from ..base.messages import RefusedError
 from ..kinds.table import (
     BASE,
     BASE_WEIGHT,
@@ -37,6 +35,7 @@ from . import (
     shader_base_graph,
     side_graph,
 )
+from .closure_directions import Directions, UnknownClosureError
 
 SCALE_LABEL = "rows"
 
@@ -45,15 +44,6 @@ NORMAL_COLOUR = (0.20, 0.20, 0.36)
 ROW_COLOUR = (0.18, 0.30, 0.24)
 BASE_COLOUR = (0.34, 0.20, 0.16)
 CLOSURE_COLOUR = (0.30, 0.24, 0.16)
-
-# Where N = I, the plane of incidence is undefined and directions in it would be zero vectors. The cross
-# product of I with this vector is added to the directions: its length is far above the rounding of single
-# precision, and too small to change any lobe visibly. No likely normal is parallel to the vector.
-ASIDE = (0.61e-5, 1.07e-5, 1.57e-5)
-
-
-class UnknownClosureError(RefusedError):
-    """A recipe that this Blender cannot build; str() is one sentence."""
 
 
 def used_closures(lut):
@@ -105,7 +95,7 @@ def draw(graph, table, image, recipe_of):
     graph.set(corner.inputs[1], v)
 
     graph.begin_frame("Directions of the closures", NORMAL_COLOUR)
-    directions = _Directions(graph, incoming, normal, cosine, angle)
+    directions = Directions(graph, incoming, normal, cosine, angle)
     for recipe in recipes:
         for wanted in (recipe.normal, *recipe.vectors.values()):
             directions.of(wanted)
@@ -283,87 +273,6 @@ def rescale(tree, table):
         for node in tree.nodes:
             if node.type == "MATH" and node.label in values:
                 node.inputs[1].default_value = values[node.label]
-
-
-class _Directions:
-    """The directions of the recipes, each built once: see lamina.lobes.NodeRecipe."""
-
-    def __init__(self, graph, incoming, normal, cosine, angle):
-        self.graph = graph
-        self.cosine = cosine
-        self.angle = angle
-        self.multiples, self.powers, self.numbers = {}, {}, {}
-        self.known = {"N": normal, "I": incoming}
-        self.line = 10.2
-
-    def of(self, wanted):
-        wanted = tuple(wanted) if isinstance(wanted, list) else wanted
-        if wanted not in self.known:
-            self.known[wanted] = self._make(wanted)
-        return self.known[wanted]
-
-    def view_angle(self, multiple):
-        """`multiple` times the angle between I and N, in radians."""
-        if multiple not in self.multiples:
-            self.line += 1
-            name = f"{multiple:g} view angle"
-            scaled = self.graph.math("MULTIPLY", 3.4, self.line, name, self.angle, multiple)
-            self.multiples[multiple] = scaled
-        return self.multiples[multiple]
-
-    def of_cosine(self, offset, factor, power):
-        """offset + factor * (N.I) ** power, clamped to [0, 1]."""
-        graph, key = self.graph, (offset, factor, power)
-        if key not in self.numbers:
-            self.line += 1
-            raised = self.powers.get(power)
-            if raised is None:
-                raised = graph.math("POWER", 2.4, self.line, f"(N.I)^{power:g}", self.cosine, power)
-                self.powers[power] = raised
-            self.numbers[key] = graph.math("MULTIPLY_ADD", 3.4, self.line, "of N.I", raised, factor, offset,
-                                           clamp=True)
-        return self.numbers[key]
-
-    def _make(self, wanted):
-        graph, normal, incoming = self.graph, self.known["N"], self.known["I"]
-        self.line += 1
-        if wanted == "N+I":
-            total = graph.vector("ADD", 2.4, self.line, "N + I", normal, incoming)
-        elif isinstance(wanted, tuple) and wanted[0] == "lean":
-            # R + share N = (share + 2 N.I) N - I
-            twice = graph.math("MULTIPLY_ADD", 0.4, self.line, "share + 2 N.I", self.cosine, 2.0, wanted[1])
-            along = graph.scale(1.4, self.line, "along N", normal, twice)
-            total = graph.vector("SUBTRACT", 2.4, self.line, f"R + {wanted[1]:g} N", along, incoming)
-        elif wanted == "T":
-            # N across I; where N = I, any direction perpendicular to I.
-            along = graph.scale(-0.6, self.line, "(N.I) I", incoming, self.cosine)
-            across = graph.vector("SUBTRACT", 0.4, self.line, "N across I", normal, along)
-            total = graph.vector("ADD", 2.4, self.line, "square to I", across, self._aside)
-        elif wanted == "I aside":
-            total = graph.vector("ADD", 2.4, self.line, "I aside", incoming, self._aside)
-        elif isinstance(wanted, tuple) and wanted[0] == "tilt":
-            angle = math.radians(wanted[1])
-            across = graph.scale(0.4, self.line, "sin", self._tangent, math.sin(angle))
-            along = graph.scale(1.4, self.line, "cos", normal, math.cos(angle))
-            total = graph.vector("ADD", 2.4, self.line, f"N tilted {wanted[1]:g}", along, across)
-        else:
-            raise UnknownClosureError(f"normal = {wanted!r}: this add-on does not know that direction")
-        return graph.vector("NORMALIZE", 3.4, self.line, "unit", total)
-
-    @functools.cached_property
-    def _tangent(self):
-        """Unit vector across N towards the viewer: normalised I - (N.I) N; any across N where I = N."""
-        graph = self.graph
-        along = graph.scale(-2.6, self.line, "(N.I) N", self.known["N"], self.cosine)
-        across = graph.vector("SUBTRACT", -1.6, self.line, "I across N", self.known["I"], along)
-        across = graph.vector("ADD", -0.6, self.line, "never zero", across, self._aside)
-        self.line += 1
-        return graph.vector("NORMALIZE", 0.4, self.line - 1, "to the viewer", across)
-
-    @functools.cached_property
-    def _aside(self):
-        """A vector of length 2e-5 at most, perpendicular to I, and so to N where N = I."""
-        return self.graph.vector("CROSS_PRODUCT", 1.4, 9.6, "aside", self.known["I"], ASIDE)
 
 
 class _Shapes:

@@ -39,7 +39,6 @@ Ray visible_oriented_normal(const Facets& facets, const Ray& view, double u, dou
   const double stretch = facets.across() / facets.alpha;
   Facets round = facets;
   round.alpha_v = 0.0;
-  round.alpha = facets.alpha;
   const Ray seen = normalised({c * view.x + s * view.y, stretch * (c * view.y - s * view.x), view.z});
   const Ray normal = visible_normal(round, seen, u, v);
   const Ray own = normalised({normal.x, stretch * normal.y, normal.z});

@@ -77,9 +77,8 @@ class ViewFit {
     basis_.resize(solid_angle.size(), broad + lobes);
     basis_.leftCols(broad) = root_.asDiagonal() * view.broad;
     targets_ = root_.asDiagonal() * view.slices;
-    norms_ = targets_.colwise().norm();
-    for (Index c = 0; c < norms_.size(); ++c)
-      if (norms_[c] > 0.0) targets_.col(c) /= norms_[c];
+    for (Index c = 0; c < targets_.cols(); ++c)
+      if (const double norm = targets_.col(c).norm(); norm > 0.0) targets_.col(c) /= norm;
     albedo_ = (targets_.transpose() * root_).eval();
   }
 
@@ -210,7 +209,6 @@ class ViewFit {
   VectorXd root_;
   MatrixXd basis_;    // times the root of the solid angle
   MatrixXd targets_;  // of norm 1
-  VectorXd norms_;
   VectorXd albedo_;
   double reached_ = 0.0;
   VectorXd value_ = VectorXd(root_.size());
@@ -281,10 +279,10 @@ RowFit fit_row(std::span<const ViewSlices> views, const LightDirections& light, 
   return {smooth, objective.sum()};
 }
 
-// Fits of the row that lobes improve most, `first`: from several starts at the oblique view.
-std::vector<RowFit> fit_best_row(std::span<const std::vector<ViewSlices>> rows, const LightDirections& light,
-                                 const VectorXd& solid_angle, const MovingFitOptions& options, std::size_t oblique,
-                                 const ForEach& for_each, std::size_t& first) {
+// The unknowns of the row that lobes improve most, `first`: the best of several starts at the oblique view.
+std::vector<VectorXd> fit_best_row(std::span<const std::vector<ViewSlices>> rows, const LightDirections& light,
+                                   const VectorXd& solid_angle, const MovingFitOptions& options, std::size_t oblique,
+                                   const ForEach& for_each, std::size_t& first) {
   std::vector<std::vector<VectorXd>> widths(rows.size());
   VectorXd gain(static_cast<Index>(rows.size()));
   for_each(rows.size(), [&](std::size_t row) {
@@ -301,7 +299,8 @@ std::vector<RowFit> fit_best_row(std::span<const std::vector<ViewSlices>> rows, 
     const VectorXd start = view.minimise(widths[first][k], widths[first][k], free, kStartIterations, nullptr);
     tried[k] = fit_row(rows[first], light, solid_angle, options, std::span(&start, 1), oblique, one_by_one);
   });
-  return tried;
+  const auto less = [](const RowFit& a, const RowFit& b) { return a.objective < b.objective; };
+  return std::move(std::min_element(tried.begin(), tried.end(), less)->unknowns);
 }
 
 }  // namespace
@@ -319,10 +318,8 @@ std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vecto
   };
   std::size_t first = 0;
   if (first_row.empty()) {
-    std::vector<RowFit> tried = fit_best_row(rows, light, solid_angle, options, oblique, for_each, first);
-    found[first] = std::min_element(tried.begin(), tried.end(), [](const RowFit& a, const RowFit& b) {
-                     return a.objective < b.objective;
-                   })->unknowns;
+    std::vector<VectorXd> best = fit_best_row(rows, light, solid_angle, options, oblique, for_each, first);
+    found[first] = std::move(best);
   } else {
     for (const LobeShapes& view : first_row) found[0].push_back(unknowns_of(view));
   }

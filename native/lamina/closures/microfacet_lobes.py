@@ -21,7 +21,7 @@ def _smith_lambda(x, y, z, alpha_x, alpha_y):
     return 0.5 * (np.sqrt(1.0 + slope2) - 1.0)
 
 
-def _ggx_reflection(g: Geometry, alpha_x, alpha_y):
+def ggx_reflection(g: Geometry, alpha_x, alpha_y):
     """D G2 / (4 mu_o) with height-correlated Smith masking; x is the plane of incidence.
 
     For alpha_x = alpha_y = 1 this is mu_i / (2 pi (mu_o + mu_i)), the law of Lommel and Seeliger.
@@ -67,7 +67,7 @@ def ggx(roughness: float, anisotropy: float = 0.0, name: str = "") -> Lobe:
     alpha_x, alpha_y = widths(roughness, anisotropy)
 
     def evaluate(mu_o, mu_i, dphi):
-        return _ggx_reflection(Geometry(mu_o, mu_i, dphi), alpha_x, alpha_y)
+        return ggx_reflection(Geometry(mu_o, mu_i, dphi), alpha_x, alpha_y)
 
     name = name or f"ggx_{number(roughness)}" + (f"_a{number(anisotropy)}" if anisotropy else "")
     node = NodeRecipe(
@@ -95,7 +95,7 @@ def halo(alpha: float, name: str = "") -> Lobe:
         return mean * squeeze, np.minimum(mean / squeeze, 1.0)
 
     def evaluate(mu_o, mu_i, dphi):
-        return _ggx_reflection(Geometry(mu_o, mu_i, dphi), *widths(mu_o))
+        return ggx_reflection(Geometry(mu_o, mu_i, dphi), *widths(mu_o))
 
     def density(mu_o, mu_i, dphi):
         return _ggx_density(*widths(mu_o))(mu_o, mu_i, dphi)
@@ -121,7 +121,7 @@ def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:
     def evaluate(mu_o, mu_i, dphi):
         g = Geometry(mu_o, mu_i, dphi)
         share = (fresnel(g.cos_half(), ior) - normal_reflectance) / (1.0 - normal_reflectance)
-        return np.maximum(share, 0.0) * _ggx_reflection(g, alpha, alpha)
+        return np.maximum(share, 0.0) * ggx_reflection(g, alpha, alpha)
 
     black = (0.0, 0.0, 0.0, 1.0)
     node = NodeRecipe(

@@ -14,7 +14,7 @@ import numpy as np
 
 from .. import _core
 from .lobe import ASIDE, Geometry, Lobe, NodeRecipe
-from .microfacet_lobes import _ggx_reflection, widths
+from .microfacet_lobes import ggx_reflection, widths
 
 PREFIX = "moving:"
 
@@ -52,7 +52,7 @@ def values(shape: np.ndarray, mu_o, mu_i, dphi) -> np.ndarray:
     turned.light_x, turned.mu_i = g.light_x * cosine - g.mu_i * sine, np.maximum(height, 1e-9)
     seen = turned.mu_o > 0.0
     turned.mu_o = np.maximum(turned.mu_o, 1e-9)
-    return np.where((height > 0.0) & seen, _ggx_reflection(turned, *widths(roughness, anisotropy)), 0.0)
+    return np.where((height > 0.0) & seen, ggx_reflection(turned, *widths(roughness, anisotropy)), 0.0)
 
 
 def albedos(shape: np.ndarray, mu_o: np.ndarray) -> np.ndarray:

@@ -79,8 +79,9 @@ def _directions(fields: dict[str, np.ndarray], values: np.ndarray) -> Directions
 
 
 def warp(density: np.ndarray, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where points (u, v) of the unit square go that shall have a density which is bilinear between the values
-    `density` [row, column]: first the row by the integral over columns, then the column in it."""
+    """Moves uniform points (u, v) of the unit square so that their density is proportional to the table `density` [row,
+    column], interpolated bilinearly. v chooses the row, by the integrals over the columns; u chooses the column in this
+    row."""
     rows, columns = density.shape
     along = np.zeros_like(density)  # integral over the columns, in cells
     along[:, 1:] = np.cumsum(0.5 * (density[:, 1:] + density[:, :-1]), axis=1)

@@ -11,10 +11,10 @@ from ...kinds.table import Strip, closure_count
 from ...material.stack import Stack
 from ..fit.dropped_weights import folded
 from ..fit.mixture import Mixture, Part
-from ..fit.slices import Slices, slices
+from ..fit.slices import Slices, slices, stated
 from ..fit.stack_fit import StackFit
 from ..fit.strayed_light import compensated, strayed_report
-from ..report.fit_report import fit_report, fitted_errors, stated
+from ..report.fit_report import fit_report, fitted_errors
 from ..report.tau_error import tau_error
 from .base import BakedBase
 from .job import Basis, Job

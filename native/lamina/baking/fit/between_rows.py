@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Weights between the thicknesses that were solved, linear or by cubic splines.
+"""Values between those that are known: weights between the thicknesses that were solved, linear or by cubic splines.
 
 A spline is linear in its values, so the albedo of the interpolated mixture is the spline of the albedos, which are
 smooth. Weights themselves have kinks, where a closure enters or leaves the mixture. Beside a kink the spline may be
@@ -21,13 +21,19 @@ def linear(values: np.ndarray, solved: SolvedRows, axis: int) -> np.ndarray:
     if values.shape[axis] > len(solved.rows):
         blocks = np.split(values, values.shape[axis] // len(solved.rows), axis)
         return np.concatenate([linear(block, solved, axis) for block in blocks], axis)
-    wanted = np.arange(len(solved.axis))
-    if len(solved.rows) >= len(wanted):
-        return values
-    after = np.clip(np.searchsorted(solved.rows, wanted), 1, None)
-    rows = np.array(solved.rows)
-    shape = [-1 if k == axis else 1 for k in range(values.ndim)]
-    share = ((wanted - rows[after - 1]) / (rows[after] - rows[after - 1])).reshape(shape)
+    count = len(solved.axis)
+    return values if len(solved.rows) >= count else between(values, np.array(solved.rows), count, axis)
+
+
+def between(values: np.ndarray, known: np.ndarray, count: int, axis: int) -> np.ndarray:
+    """Values at 0 ... count - 1 along an axis, linear between those at `known` places, which begin at 0, and constant
+    after the last."""
+    if len(known) == 1:
+        return np.repeat(values, count, axis)
+    wanted = np.minimum(np.arange(count), known[-1])
+    after = np.clip(np.searchsorted(known, wanted), 1, None)
+    share = (wanted - known[after - 1]) / (known[after] - known[after - 1])
+    share = share.reshape([-1 if k == axis else 1 for k in range(values.ndim)])
     return (1.0 - share) * values.take(after - 1, axis) + share * values.take(after, axis)
 
 

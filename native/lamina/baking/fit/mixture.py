@@ -298,6 +298,12 @@ def norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:
     return np.sqrt(np.maximum((values**2) @ grid.solid_angle, 0.0))
 
 
+def mean_error(errors: np.ndarray) -> float:
+    """Mean over the slices that are not black; 0 when all are."""
+    seen = errors[np.isfinite(errors)]
+    return float(seen.mean()) if seen.size else 0.0
+
+
 def relative(error: np.ndarray, whole: np.ndarray) -> np.ndarray:
     """Errors of slices relative to their norms `whole`; nan where a slice is black."""
     return np.where(whole > 0.0, error / np.where(whole > 0.0, whole, 1.0), np.nan)

@@ -18,8 +18,9 @@ from ...closures import closure_table, lobes, moving_lobes
 from ...closures.closure_table import LightGrid, view_cosines
 from ...common.progress import Progress
 from ...kinds.table import TAU_ROWS
+from .between_rows import between
 from .mixture import ACCURATE, Effort, Mixture, selection
-from .slices import STATED_COSINE, Slices, batches
+from .slices import Slices, batches, stated
 
 # Broad closures beside the lobes while their shapes are fitted.
 BROAD = ("diffuse", "toon_03_06", "ggx_1", "diffuse_tiltm15")
@@ -78,7 +79,15 @@ class MovingFit:
             _core.LightDirections(grid.mu, grid.dphi), grid.solid_angle, options,
             np.empty(0) if clean is None else np.ascontiguousarray(np.moveaxis(clean[0, :, 0], 2, 0)[columns]),
             self.pool)
-        return _between(_between(found, columns, view_cosines().size, 1), np.array(rows), count, 0)
+        return between(between(found, columns, view_cosines().size, 1), np.array(rows), count, 0)
+
+
+@dataclass(frozen=True)
+class _Fixed:
+    """Closures that do not move: `values` [column, closure, light] and `albedo` [column, closure]."""
+
+    values: np.ndarray
+    albedo: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -99,7 +108,7 @@ class _Fit:
         effort = self.how.effort
         last = self.shapes.shape[0] - 1
         rows = sorted({*range(0, last, effort.row_stride), last})
-        table = self._table(candidates, rows, effort.column_stride)
+        table = self._table(self._fixed(candidates, effort.column_stride), rows, effort.column_stride)
         targets = [target for target in self._targets(table, rows, effort.column_stride) if target.norm2 > 0.0]
         names = [*moving_lobes.ids(self.how.count), *candidates]
         if not targets:
@@ -118,40 +127,41 @@ class _Fit:
     def mixture(self, names: Sequence[str]) -> Mixture:
         """The fit of all slices with these fixed closures."""
         wanted, rows = self.wanted, self.shapes.shape[0]
+        fixed, every = self._fixed(names, 1), list(range(self.how.count + len(names)))
         weights, errors = [], []
         for part in batches(rows):
             some = list(range(rows))[part]
-            table = self._table(names, some, 1)
-            every = list(range(self.how.count + len(names)))
+            table = self._table(fixed, some, 1)
             fitted, left = table.fit(self._targets(table, some, 1), every, self.how.pool)
             shape = wanted.albedo.shape[2], len(some), wanted.albedo.shape[3]
             weights.append(np.moveaxis(fitted.reshape(*shape, -1), (1, 3), (1, 0)))
             errors.append(left.reshape(shape).swapaxes(0, 1))
         black = wanted.albedo <= 0.0
-        joined = np.concatenate(weights, axis=1)[None]
-        joined = np.where(black[:, None], 0.0, joined)
-        kept = joined.astype(np.float32)
-        reached = np.einsum("krxc,rck->rxc", kept[0, :self.how.count], self.albedos)
-        if names:
-            reached = reached + np.einsum("krxc,ck->rxc", kept[0, self.how.count:],
-                                          closure_table.column_albedos(tuple(names)))
+        joined = np.where(black[:, None], 0.0, np.concatenate(weights, axis=1)[None])
+        kept = joined[0].astype(np.float32)
+        reached = (np.einsum("krxc,rck->rxc", kept[:self.how.count], self.albedos)
+                   + np.einsum("krxc,ck->rxc", kept[self.how.count:], fixed.albedo))
         lost = np.abs(reached - wanted.albedo) / np.maximum(wanted.albedo, 1e-12) * ~black
         return Mixture([*moving_lobes.ids(self.how.count), *names], joined,
                        np.where(black, np.nan, np.concatenate(errors)[None]), lost,
                        np.moveaxis(self.shapes, (0, 1, 2, 3), (1, 3, 0, 2))[None])
 
-    def _table(self, names: Sequence[str], rows: Sequence[int], stride: int) -> _core.ClosureTable:
+    def _fixed(self, names: Sequence[str], stride: int) -> _Fixed:
+        grid, columns = self.how.grid, view_cosines()[::stride].size
+        if not names:
+            return _Fixed(np.zeros((columns, 0, grid.solid_angle.size)), np.zeros((columns, 0)))
+        return _Fixed(closure_table.sampled(names, grid, stride), closure_table.column_albedos(tuple(names), stride))
+
+    def _table(self, fixed: _Fixed, rows: Sequence[int], stride: int) -> _core.ClosureTable:
         """The core's table of the moving lobes and of fixed closures. Its columns are those of all rows, one row after
         the other."""
         grid, mu_o = self.how.grid, view_cosines()[::stride]
-        known = closure_table.sampled(names, grid, stride) if names else np.zeros((mu_o.size, 0, grid.solid_angle.size))
-        whole = closure_table.column_albedos(tuple(names), stride) if names else np.zeros((mu_o.size, 0))
         values, albedo = [], []
         for row in rows:
             mine = self.shapes[row, ::stride]
             moving = [moving_lobes.sampled(mine[:, lobe], mu_o, grid.mu, grid.dphi) for lobe in range(self.how.count)]
-            values.append(np.concatenate([np.stack(moving, axis=1), known], axis=1))
-            albedo.append(np.concatenate([self.albedos[row, ::stride], whole], axis=1))
+            values.append(np.concatenate([np.stack(moving, axis=1), fixed.values], axis=1))
+            albedo.append(np.concatenate([self.albedos[row, ::stride], fixed.albedo], axis=1))
         return _core.ClosureTable(np.concatenate(values), grid.solid_angle, np.concatenate(albedo))
 
     def _targets(self, table: _core.ClosureTable, rows: Sequence[int], stride: int):
@@ -166,18 +176,6 @@ class _Fit:
 def score(mixture: Mixture) -> float:
     """The objective of a choice at the views whose errors are reported: the mean squared error of the slices, and a
     share of the worst one."""
-    errors = mixture.errors[..., view_cosines() >= STATED_COSINE]
+    errors = mixture.errors[..., stated()]
     squared = errors[np.isfinite(errors)] ** 2
     return float(squared.mean() + WORST_SHARE * squared.max()) if squared.size else 0.0
-
-
-def _between(values: np.ndarray, known: np.ndarray, count: int, axis: int) -> np.ndarray:
-    """Values at 0 ... count - 1 along an axis, linear between those at `known` places and constant after the
-    last."""
-    if len(known) == 1:
-        return np.repeat(values, count, axis)
-    wanted = np.minimum(np.arange(count), known[-1])
-    after = np.clip(np.searchsorted(known, wanted), 1, None)
-    share = (wanted - known[after - 1]) / (known[after] - known[after - 1])
-    share = share.reshape([-1 if k == axis else 1 for k in range(values.ndim)])
-    return (1.0 - share) * values.take(after - 1, axis) + share * values.take(after, axis)

@@ -29,6 +29,11 @@ STATED_COSINE = 0.05
 ROWS_AT_ONCE = 4
 
 
+def stated() -> np.ndarray:
+    """True for the columns whose errors are reported, shape (64,)."""
+    return view_cosines() >= STATED_COSINE
+
+
 @dataclass(frozen=True)
 class Slices:
     """`values`: f * cos(theta_i) in 1/sr, [side, row, channel, column, light]; `albedo`: their exact integrals, [side,

@@ -16,7 +16,7 @@ from ...closures import moving_lobes, narrow_lobes
 from ...closures.closure_table import LightGrid
 from ...common.progress import Progress, portion
 from ...material.stack import Stack
-from .mixture import Effort, Mixture, mix
+from .mixture import Effort, Mixture, mean_error, mix
 from .moving_fit import MovingFit, score
 from .slices import Slices, SolvedRows
 
@@ -48,38 +48,24 @@ class StackFit:
 
         def best(wanted: Slices, made: list[str], given: list[str], step: Progress,
                  clean: Mixture | None = None) -> Mixture:
-            moving, is_taken = None, False
-            if may_move:
-                moving, is_taken = self._moving_mixture(wanted, effort, made, given, step, clean)
-            if moving is not None and is_taken:
-                return moving
-            part = step if moving is None else portion(step, 0.5, 1.0)
-            fixed = mix(kind, wanted, self._grid, effort, self._pool, part, mixed=self._solved.is_sheet, made=made,
+            """A mixture with or without moving lobes. `clean`: that of row 0, whose closures are part of the choice."""
+            moves = any(map(moving_lobes.is_moving, given)) or (clean is not None and clean.shapes is not None)
+            moving = None
+            if may_move and (moves or not given):
+                fit = MovingFit(self._moving, made, self._grid, effort, self._pool)
+                moving = fit(wanted, given, portion(step, 0.0, 0.5), clean)
+                if moves:
+                    return moving
+                step = portion(step, 0.5, 1.0)
+            fixed = mix(kind, wanted, self._grid, effort, self._pool, step, mixed=self._solved.is_sheet, made=made,
                         given=given, fixed=[] if clean is None else clean.closures)
-            if moving is None or _mean(fixed) < ACCURATE_ENOUGH or score(moving) > CLEARLY * score(fixed):
-                return fixed
-            return moving
+            is_accurate = mean_error(fixed.errors) < ACCURATE_ENOUGH
+            return fixed if moving is None or is_accurate or score(moving) > CLEARLY * score(fixed) else moving
 
         if not self._varies or not np.any(wanted.albedo[:, 0]):
             return best(wanted, made, given, step)
         clean = best(wanted.each(lambda part: part[:, :1]), made_clean, [], portion(step, 0.0, 0.3))
         return _with_first_row(best(wanted, made, given, portion(step, 0.3, 1.0), clean), clean, given)
-
-    def _moving_mixture(self, wanted: Slices, effort: Effort, made: list[str], given: list[str], step: Progress,
-                        clean: Mixture | None) -> tuple[Mixture | None, bool]:
-        """(a mixture with moving lobes, whether it is taken in any case); no mixture where `given` closures are fixed.
-        `clean`: the mixture of row 0 alone."""
-        moves = any(map(moving_lobes.is_moving, given)) or (clean is not None and clean.shapes is not None)
-        if given and not moves:
-            return None, False
-        fit = MovingFit(self._moving, made, self._grid, effort, self._pool)
-        return fit(wanted, given, portion(step, 0.0, 0.5), clean), moves
-
-
-def _mean(mixture: Mixture) -> float:
-    """The mean error of the slices that are not black; 0 if all are."""
-    errors = mixture.errors[np.isfinite(mixture.errors)]
-    return float(errors.mean()) if errors.size else 0.0
 
 
 def _with_first_row(whole: Mixture, clean: Mixture, given: Sequence[str]) -> Mixture:

@@ -7,13 +7,8 @@ import numpy as np
 
 from ...closures.closure_table import view_cosines
 from ..fit.between_rows import linear
-from ..fit.mixture import Mixture
-from ..fit.slices import STATED_COSINE, SolvedRows
-
-
-def stated() -> np.ndarray:
-    """True for the columns whose errors are reported, shape (64,)."""
-    return view_cosines() >= STATED_COSINE
+from ..fit.mixture import Mixture, mean_error
+from ..fit.slices import SolvedRows, stated
 
 
 def fitted_errors(fitted: dict[str, Mixture]) -> tuple[dict[str, np.ndarray], float]:
@@ -48,16 +43,10 @@ def error_report(errors: dict[str, np.ndarray], solved: SolvedRows) -> dict:
     for kind, ending in (("reflection", ""), ("transmission", "_transmission")):
         found = errors.get(kind)
         known = None if found is None else linear(np.nan_to_num(found), solved, 1).round(6).tolist()
-        report[f"fit_error{ending}"] = None if found is None else mean(found[..., stated()])
+        report[f"fit_error{ending}"] = None if found is None else mean_error(found[..., stated()])
         report[f"worst_slice{ending}"] = None if found is None else _worst(found, solved)
         report[f"slice_errors{ending}"] = known
     return report | _by_row(errors["reflection"][..., stated()], solved)
-
-
-def mean(errors: np.ndarray) -> float:
-    """Mean over the slices that are not black; 0 when all are."""
-    seen = errors[np.isfinite(errors)]
-    return float(seen.mean()) if seen.size else 0.0
 
 
 def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:

@@ -16,9 +16,8 @@ from ...kinds.bases import Lambert
 from ...material.stack import Stack
 from ..fit.fitted_function import FittedFunction, with_inputs_of
 from ..fit.measured_error import Gauge, albedo_errors, slice_errors
-from ..fit.mixture import norms
-from ..fit.slices import Slices, SolvedRows, grid_of, solve_rows
-from .fit_report import mean, stated
+from ..fit.mixture import mean_error, norms
+from ..fit.slices import Slices, SolvedRows, grid_of, solve_rows, stated
 
 # Values for which errors are measured. The colors are those of the three channels; roughnesses lie between rows.
 COLORS = (0.0, 0.5, 0.95)
@@ -50,11 +49,11 @@ def range_errors(header: dict, weights: np.ndarray, stack: Stack, threads: int, 
         channels = range(errors.shape[2]) if "color" in values else [slice(None)]
         for index in channels:
             own = {name: value[index] if name == "color" else value for name, value in values.items()}
-            table.append({**own, "mean": mean(errors[:, :, index]), "worst": _largest(errors[:, :, index]),
+            table.append({**own, "mean": mean_error(errors[:, :, index]), "worst": _largest(errors[:, :, index]),
                           "albedo": _largest(albedo[:, :, index])})
     size = operator.itemgetter("error")
     return {
-        "mean": mean(np.concatenate([errors.ravel() for _, errors, _, _ in found])),
+        "mean": mean_error(np.concatenate([errors.ravel() for _, errors, _, _ in found])),
         "worst": max((_worst(values, errors, tau) for values, errors, _, tau in found), key=size),
         "albedo": max((_worst(values, albedo, tau) for values, _, albedo, tau in found), key=size),
         "values": table,

@@ -58,7 +58,7 @@ def few_closures(lut: Lut) -> RealTimeTable:
         total, height = np.zeros((sides, rows, columns, 3)), np.zeros((sides, rows, columns))
         widths = []
         for index in group:
-            width, albedo = _lobe(lut, index)
+            width, albedo = _lobe(lut, every, index)
             light = lut.weights[:, index] * albedo[..., None]
             total += light
             height += light.mean(axis=-1) / width**2
@@ -68,13 +68,13 @@ def few_closures(lut: Lut) -> RealTimeTable:
     return _with_grey_transparency(list(members), texels)
 
 
-def _lobe(lut: Lut, index: int) -> tuple[np.ndarray | float, np.ndarray]:
-    """(width alpha, directional albedo) of the closure of one strip: of one that moves with the view, [side, row,
-    column]."""
-    closure = strips_of(lut.header)[index].closure
+def _lobe(lut: Lut, every: list[Strip], index: int) -> tuple[np.ndarray | float, np.ndarray]:
+    """(width alpha, directional albedo) of the closure of one of the strips: of one that moves with the view, [side,
+    row, column]."""
+    closure = every[index].closure
     if not moving_lobes.is_moving(closure):
         return kind_of(closure)[1], _albedo(closure)
-    shapes = lut.weights[:, strips_of(lut.header).index(Strip(closure, SHAPE))]
+    shapes = lut.weights[:, every.index(Strip(closure, SHAPE))]
     return shapes[..., 0].astype(float) ** 2, moving_lobes.albedos(shapes, view_cosines())
 
 
