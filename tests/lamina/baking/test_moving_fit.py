@@ -125,6 +125,18 @@ def test_a_stack_that_fixed_closures_fit_has_no_moving_ones():
     assert moving.closures == standard.closures and moving.weights.tobytes() == standard.weights.tobytes()
 
 
+def test_a_thick_layer_that_hides_the_lobes_keeps_fixed_closures():
+    """The clean paint has one moving lobe; Cycles would drop the other. Closures for dust need its place."""
+    stack = lamina.presets.load("dusty-car-paint")
+    moving, standard = (lamina.bake(stack, "preview", basis=basis) for basis in ("moving", "standard"))
+    bare = lamina.bake(Stack(stack.layers[1:], stack.base), "preview", basis="moving")
+    assert moving.report["fit_error"] <= standard.report["fit_error"]
+    number = moving.closures.index("moving:0")
+    assert not moving.weights[0, number, 1:].any() and moving.weights[0, number, 0].any()
+    assert moving.weights[0, number, 0] == pytest.approx(bare.weights[0, bare.closures.index("moving:0"), 0])
+    assert np.all(shapes_of(moving, 0) == shapes_of(bare, 0)[0])
+
+
 def test_sheets_keep_fixed_closures():
     sheet = Stack([Medium(0.9, 1.0, HenyeyGreenstein(0.8))], None)
     assert not any(map(moving_lobes.is_moving, lamina.bake(sheet, "preview", basis="moving").closures))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ...closures.closure_table import LightGrid, view_cosines
 from ...common.progress import Progress
 from ...kinds.table import TAU_ROWS
 from .between_rows import between
+from .dropped_weights import LEAST_WEIGHT
 from .mixture import ACCURATE, Effort, Mixture, selection
 from .slices import Slices, batches, stated
 
@@ -53,9 +54,11 @@ class MovingFit:
     effort: Effort
     pool: _core.ThreadPool
 
-    def __call__(self, wanted: Slices, given: Sequence[str], step: Progress, clean: Mixture | None = None) -> Mixture:
-        """The mixture of all rows. `given`: closures of an earlier table; without a moving one, a choice is made.
-        `clean`: the mixture of row 0 alone, whose closures are part of the choice, and whose shapes row 0 has."""
+    def __call__(self, wanted: Slices, given: Sequence[str], step: Progress,
+                 clean: Mixture | None = None) -> Mixture | None:
+        """The mixture of all rows; None where Cycles would drop all moving lobes. `given`: closures of an earlier
+        table; without a moving one, a choice is made. `clean`: the mixture of row 0 alone, whose closures are part of
+        the choice, and whose shapes row 0 has."""
         step(0.0, "Fitting lobes that move with the view")
         fit = _Fit(self, wanted, self._shapes(wanted, None if clean is None else clean.shapes))
         step(0.5, "Choosing closures")
@@ -65,7 +68,15 @@ class MovingFit:
         dictionary = [lobe.id for lobe in lobes.DICTIONARY if lobe.side == "reflection"]
         fixed = [] if clean is None else [name for name in clean.closures if not moving_lobes.is_moving(name)]
         made = [name for name in self.made if not name.startswith(CONE)]
-        return fit.mixture(fit.chosen(list(dict.fromkeys([*fixed, *dictionary, *made])), len(fixed)))
+        names = fit.chosen(list(dict.fromkeys([*fixed, *dictionary, *made])), len(fixed))
+        mixture = fit.mixture(names)
+        shown = mixture.weights[0, :self.count].mean(axis=2).max(axis=(1, 2)) >= LEAST_WEIGHT
+        if not shown.any():
+            return None
+        if shown.all() or (clean is not None and clean.shapes is not None):
+            return mixture
+        fewer = replace(self, count=int(shown.sum()))
+        return _Fit(fewer, wanted, np.ascontiguousarray(fit.shapes[:, :, shown])).mixture(names)
 
     def _shapes(self, wanted: Slices, clean: np.ndarray | None) -> np.ndarray:
         """Shapes of all rows and columns, [row, column, lobe, 3]; `clean`: those of row 0, see Mixture.shapes."""

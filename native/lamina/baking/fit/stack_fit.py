@@ -23,6 +23,9 @@ from .slices import Slices, SolvedRows
 # Moving lobes are used where they lower the objective below this share, and where the mean error of fixed closures is
 # above ACCURATE_ENOUGH.
 CLEARLY, ACCURATE_ENOUGH = 0.9, 0.01
+# Where moving lobes fit the clean stack and leave a larger mean error in the rows of its layer, these rows are fitted
+# without them too: a thick layer hides the lobes, and fixed closures for it need their place.
+POOR = 0.04
 
 
 class StackFit:
@@ -49,18 +52,21 @@ class StackFit:
         def best(wanted: Slices, made: list[str], given: list[str], step: Progress,
                  clean: Mixture | None = None) -> Mixture:
             """A mixture with or without moving lobes. `clean`: that of row 0, whose closures are part of the choice."""
-            moves = any(map(moving_lobes.is_moving, given)) or (clean is not None and clean.shapes is not None)
+            kept = [] if clean is None else clean.closures
+            moves = sum(map(moving_lobes.is_moving, given or kept))
             moving = None
             if may_move and (moves or not given):
-                fit = MovingFit(self._moving, made, self._grid, effort, self._pool)
+                fit = MovingFit(moves or self._moving, made, self._grid, effort, self._pool)
                 moving = fit(wanted, given, portion(step, 0.0, 0.5), clean)
-                if moves:
+                if moves and moving is not None and (given or mean_error(moving.errors) < POOR):
                     return moving
                 step = portion(step, 0.5, 1.0)
             fixed = mix(kind, wanted, self._grid, effort, self._pool, step, mixed=self._solved.is_sheet, made=made,
-                        given=given, fixed=[] if clean is None else clean.closures)
-            is_accurate = mean_error(fixed.errors) < ACCURATE_ENOUGH
-            return fixed if moving is None or is_accurate or score(moving) > CLEARLY * score(fixed) else moving
+                        given=[] if moves else given,
+                        fixed=[name for name in kept if not moving_lobes.is_moving(name)])
+            if moving is None or mean_error(fixed.errors) < ACCURATE_ENOUGH:
+                return fixed
+            return moving if score(moving) <= (1.0 if moves else CLEARLY) * score(fixed) else fixed
 
         if not self._varies or not np.any(wanted.albedo[:, 0]):
             return best(wanted, made, given, step)
@@ -72,7 +78,8 @@ def _with_first_row(whole: Mixture, clean: Mixture, given: Sequence[str]) -> Mix
     """The mixture of all rows with row 0 of the clean stack."""
     if given and not set(clean.closures) <= {*whole.closures, *given}:
         return whole
-    names = [*whole.closures, *(name for name in clean.closures if name not in whole.closures)]
+    moving = [name for name in clean.closures if moving_lobes.is_moving(name)]
+    names = list(dict.fromkeys([*moving, *whole.closures, *clean.closures]))
     names = list(given) if set(names) == set(given) else names
     sides, _, *rest = whole.weights.shape
     weights = np.zeros((sides, len(names), *rest))
@@ -82,6 +89,8 @@ def _with_first_row(whole: Mixture, clean: Mixture, given: Sequence[str]) -> Mix
     errors, albedo_errors = (np.concatenate([first, every[:, 1:]], axis=1) for first, every in (
         (clean.errors, whole.errors), (clean.albedo_errors, whole.albedo_errors)))
     shapes = whole.shapes
-    if shapes is not None and clean.shapes is not None:
-        shapes = np.concatenate([clean.shapes, shapes[:, :, 1:]], axis=2)
+    if clean.shapes is not None:
+        # Lobes that only row 0 has keep their shapes in all rows, with weight 0.
+        others = np.repeat(clean.shapes, rest[0] - 1, axis=2) if shapes is None else shapes[:, :, 1:]
+        shapes = np.concatenate([clean.shapes, others], axis=2)
     return Mixture(names, weights, errors, albedo_errors, shapes)
