@@ -16,10 +16,15 @@ _THIN = 0.05  # share of the surface that is thinner
 _KEY = "lamina_reach"  # of the group: the largest mean exit distance of a channel, in mm
 
 
+def reach(found):
+    """How far light travels, in mm: the largest mean exit distance of a channel of tables or inputs."""
+    return float(np.max(found.distance))
+
+
 def note(group, output, found):
     """Note on the material's lateral group how far light travels; `found` are the tables or inputs."""
     if output in _OFF:
-        group[_KEY] = float(np.max(found.distance))
+        group[_KEY] = reach(found)
     elif _KEY in group:
         del group[_KEY]
 

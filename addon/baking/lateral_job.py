@@ -14,7 +14,7 @@ from . import body_thickness, lateral_body, volume_bounces
 log = logging.getLogger(__name__)
 
 _place = Place()
-running, forget, stop = _place.running, _place.forget, _place.stop
+running, forget, stop, take = _place.running, _place.forget, _place.stop, _place.take
 running_for, register, unregister = _place.running_for, _place.register, _place.unregister
 
 
@@ -26,13 +26,13 @@ class LateralJob(OfMaterial, Worker):
         self.output, quality = material.lamina.lateral, material.lamina.quality
         self.layers = layer_list.mark(material)
         self.note = lateral_body.require(bpy.context, scene, material, self.output)
-        stack, compute = stack_io.to_stack(material), _compute(self.output, material)
+        stack, compute = stack_io.to_stack(material), computation(self.output, material)
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
 
     def apply(self, material):
         """Build the node group. A scene that was deleted meanwhile needs no bounces."""
         scene = with_uid(bpy.data.scenes, self.scene_uid)
-        _apply(material, scene, self.output, self.layers, self.note, self.result, self.millimetre)
+        show(material, scene, self.output, self.layers, self.note, self.result, self.millimetre)
 
 
 def make(material, scene=None, quality=None, output=None):
@@ -46,14 +46,14 @@ def make(material, scene=None, quality=None, output=None):
     output, layers = output or material.lamina.lateral, layer_list.mark(material)
     scene = scene or bpy.context.scene
     note = lateral_body.require(bpy.context, scene, material, output)
-    found = _compute(output, material)(stack_io.to_stack(material), quality or material.lamina.quality)
-    _apply(material, scene, output, layers, note, found, millimetre(scene))
+    found = computation(output, material)(stack_io.to_stack(material), quality or material.lamina.quality)
+    show(material, scene, output, layers, note, found, millimetre(scene))
     return found
 
 
 def start(material, scene):
     """Start a background job; only one runs at a time. Raises like make, before the job starts."""
-    return _place.take(LateralJob(material, scene))
+    return take(LateralJob(material, scene))
 
 
 def millimetre(scene):
@@ -61,7 +61,7 @@ def millimetre(scene):
     return 0.001 / scene.unit_settings.scale_length
 
 
-def _compute(output, material):
+def computation(output, material):
     """The function of (stack, quality, progress, cancel) that computes this output of the material."""
     lamina, release = native.require(), tuple(bpy.app.version[:2])
     scatterings = material.lamina.lateral_orders or None
@@ -84,15 +84,17 @@ def stale(material):
         return ""
     if settings.lateral_layers != layer_list.mark(material):
         return "Out of date: the layers have changed"
-    if settings.lateral_shown != settings.lateral:
+    if settings.lateral not in (settings.lateral_shown, "AUTO"):
         names = {item.identifier: item.name for item in settings.bl_rna.properties["lateral"].enum_items}
         shown, chosen = names.get(settings.lateral_shown, ""), names[settings.lateral]
         return f"Out of date: computed with output {shown} instead of {chosen}"
     return ""
 
 
-def _apply(material, scene, output, layers, note, found, length):
-    """`layers`: their mark; `note`: a sentence about the objects, or ''."""
+def show(material, scene, output, layers, note, found, length):
+    """Build the nodes of what `computation` has found. `layers`: their mark; `note`: a sentence about the
+    objects, or ''. `scene`: gets the bounces that a volume needs, None: no scene. `length`: of a
+    millimetre."""
 
     def draw(graph, socket, _more):
         if output == "PORTAL":

@@ -23,7 +23,7 @@ def chosen(material):
 
 def choose(material, depth):
     """Choose the depth of a material with layers. Until the artist chooses an output, Exact and Veins compute
-    the output LIT, which is nearest to the truth."""
+    the output LIT, which is nearest to the truth, and Soft chooses automatically."""
     settings, interior = material.lamina, material.lamina.interior
     settings.depth = depth
     if depth == "SURFACE" and node_group.shows_lateral(material) and settings.node_group is not None:
@@ -35,3 +35,5 @@ def choose(material, depth):
     is_new = not interior.is_property_set("output") and not interior.report
     if depth in ("EXACT", "VEINS") and is_new:
         interior.output = "LIT"
+    if depth == "SOFT" and not settings.is_property_set("lateral") and not settings.lateral_report:
+        settings.lateral = "AUTO"

@@ -41,13 +41,14 @@ class Frame:
 
 @dataclass(frozen=True)
 class Body:
-    """`arrays`: in the object's own axes, in mm. `millimetres`: of a unit of the object's own space.
-    `opaque`: (m,) bool, which triangles have an opaque material. `notes`: sentences about faces of other
-    materials."""
+    """`arrays`: in the object's own axes, in mm. `millimetres`: of a unit of the object's own space. `own`,
+    (m,) bool: which triangles have the material; `opaque`: which have an opaque one. `notes`: sentences about
+    faces of other materials."""
 
     arrays: mesh_arrays.Arrays
     millimetres: float
     frame: Frame
+    own: np.ndarray
     opaque: np.ndarray
     notes: tuple[str, ...]
 
@@ -65,8 +66,8 @@ def problem(obj):
 
 def of_object(depsgraph, obj, material, uv_map):
     """The Body of an object in a dependency graph, with modifiers, and its UV map `uv_map`; "": the one for
-    rendering. Faces of other materials have no area in the UV map. None for an object that is not to be seen
-    there. Raises RefusedError."""
+    rendering; None: without. Faces of other materials have no area in the UV map. None for an object that is
+    not to be seen there. Raises RefusedError."""
     # Matrices of hidden objects are not up to date elsewhere: after loading they are the identity.
     for instance in depsgraph.object_instances:
         if not instance.is_instance and instance.show_self and instance.object.original == obj:
@@ -90,14 +91,16 @@ def _of_mesh(evaluated, obj, material, uv_map, frame):
         if not len(triangles):
             raise RefusedError(f"{obj.name} has no faces: an interior needs a closed mesh")
         normals = mesh_arrays.corner_normals(mesh, still)[loops]
-        uvs = mesh_arrays.uvs(obj, mesh, uv_map, "let Lamina unwrap it")[loops]
-        uvs[~with_material(mesh.loop_triangles, obj, material)] = -1.0  # one point outside of the image
+        uvs, own = None, with_material(mesh.loop_triangles, obj, material)
+        if uv_map is not None:
+            uvs = mesh_arrays.uvs(obj, mesh, uv_map, "let Lamina unwrap it")[loops]
+            uvs[~own] = -1.0  # one point outside of the image
         slots = other_materials.of_slots(mesh.loop_triangles, obj)
         opaque, notes = other_materials.opaque_faces(slots, obj, material)
     finally:
         evaluated.to_mesh_clear()
     arrays = mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name)
-    return Body(arrays, millimetres, frame, opaque, notes)
+    return Body(arrays, millimetres, frame, own, opaque, notes)
 
 
 def frame_of(obj, scene):

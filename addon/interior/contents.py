@@ -28,19 +28,20 @@ class Contents:
     identity: str
 
 
-def of_material(obj, material, body):
-    """The Contents of a Body. Main thread only: it renders node textures. Raises RefusedError,
-    lamina.InteriorError, lamina.StackError."""
+def of_material(obj, material, body, source=None):
+    """The Contents of a Body; `source`: by default that of the panel. Main thread only: it renders node
+    textures. Raises RefusedError, lamina.InteriorError, lamina.StackError."""
     lamina, settings = native.require(), material.lamina.interior
-    _check(obj, material, body.arrays)
-    if settings.source == "LAYERS":
+    source = source or settings.source
+    _check(obj, material, body)
+    if source == "LAYERS":
         return _known(*_of_layers(lamina, material))
     surface = lamina.Surface(quantity(settings, interiors.IOR), quantity(settings, interiors.ROUGHNESS) ** 2)
     ends = ((settings.first, interiors.GROUND), (settings.second, interiors.VEINS))
     palette = [lamina.EndMaterial(**_numbers(end, fields)) for end, fields in ends]
     resolution = quantity(settings, interiors.VOXELS)
     low, high, counts = _box(body.arrays.vertices, resolution)
-    if settings.source == "NODES":
+    if source == "NODES":
         corners = (low / body.millimetres, high / body.millimetres)
         values = node_texture.sample_nodes(obj, material, *corners, counts, texture(material))
         coordinate = np.clip(values.mean(axis=3), 0.0, 1.0)
@@ -55,14 +56,15 @@ def of_material(obj, material, body):
     return Contents(fill, surface, identity)
 
 
-def _check(obj, material, arrays):
+def _check(obj, material, body):
     """Raises RefusedError for coordinates that are not numbers, and for a material without faces."""
-    wrong = np.flatnonzero(~np.isfinite(arrays.vertices).all(axis=1))
+    wrong = np.flatnonzero(~np.isfinite(body.arrays.vertices).all(axis=1))
     if len(wrong):
         what = f"vertex {wrong[0]} of {obj.name} has a coordinate that is not a number"
         raise RefusedError(f"{what}: delete the vertex, or move it")
     # Modifiers can change materials: those of the mesh count only if the map has no area either.
-    has_area = (arrays.uvs != arrays.uvs[:, :1]).any()
+    uvs = body.arrays.uvs
+    has_area = body.own.any() if uvs is None else (uvs != uvs[:, :1]).any()
     if not has_area and not with_material(obj.data.polygons, obj, material).any():
         what = f"no face of {obj.name} has the material {material.name}"
         raise RefusedError(f"{what}: assign it to faces (Edit Mode > Assign), or select another slot")

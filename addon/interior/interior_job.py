@@ -17,13 +17,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..base import native, package, preferences, rendered, renders, undo, unwrap, uv_maps
+from ..base import native, package, preferences, renders, undo, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Place, Worker
 from ..kinds import interiors
 from ..nodes import before, interior_graph, lateral_group, other_materials
 from ..properties.described import quantity
-from . import body, contents, freshness, lamps, lights
+from . import body, contents, freshness, lights, seen
 
 log = logging.getLogger(__name__)
 
@@ -150,14 +150,16 @@ def gather(context, obj, material, folder=None):
     if not own and (sentence := unwrap.copying_modifier(obj)):
         raise RefusedError(sentence)
     uv_map = settings.uv_map if own else unwrap.ensure(obj)
-    shape, lit_by, view = _seen(context, obj, material, uv_map)
+    is_lit = settings.output == "LIT"
+    found = seen.of_object(context, obj, material, uv_map, is_lit, is_lit and settings.view == "CAMERA")
+    shape = found.body
     remarks = shape.notes
     if settings.output == "RELIGHTABLE" and shape.opaque.any():
         remarks = (*remarks, other_materials.OPEN_TO_LAMPS)
     uv_map = uv_map or named
     sources = []
-    if settings.output == "LIT":
-        sources = [*lit_by, lights.world(scene, shape.frame)]
+    if is_lit:
+        sources = [*found.lamps, lights.world(scene, shape.frame)]
         if all(one.is_dark for one in sources):
             raise RefusedError(f"nothing lights {obj.name}: add a lamp or a world")
     filled = contents.of_material(obj, material, shape)
@@ -176,7 +178,7 @@ def gather(context, obj, material, folder=None):
         size=quantity(settings, interiors.SIZE),
         noise=quantity(settings, interiors.NOISE),
         sources=sources,
-        view=view,
+        view=found.view,
         node=node,
         note=freshness.note(context, obj, material, node, uv_map, has_image),
         millimetre=0.001 / scene.unit_settings.scale_length,
@@ -255,34 +257,6 @@ def apply(material, task, found, again=False):
 
 def _has(obj, material):
     return any(slot.material == material for slot in obj.material_slots)
-
-
-def _seen(context, obj, material, uv_map):
-    """(the Body, the lamps, the view of the camera), as renders see the scene. An object that is hidden in
-    renders is read as the viewport shows it. Raises RefusedError."""
-    scene, settings = context.scene, material.lamina.interior
-    is_lit = settings.output == "LIT"
-    wants_camera = is_lit and settings.view == "CAMERA"
-    if wants_camera and scene.camera is None:
-        raise RefusedError("The scene has no camera: set one, or choose the view All")
-
-    def light(depsgraph, frame):
-        found = lamps.rendered(depsgraph, frame) if is_lit else []
-        return found, frame.view(depsgraph.scene_eval.camera) if wants_camera else {}
-
-    def read(depsgraph):
-        shape = body.of_object(depsgraph, obj, material, uv_map)
-        return None if shape is None else (shape, *light(depsgraph, shape.frame))
-
-    found = rendered.visit(scene, context.view_layer, read)
-    if found is not None:
-        return found
-    shape = body.of_object(context.evaluated_depsgraph_get(), obj, material, uv_map)
-    if shape is None:
-        raise body.hidden(obj)
-    if not is_lit:
-        return shape, [], {}
-    return shape, *rendered.visit(scene, context.view_layer, lambda depsgraph: light(depsgraph, shape.frame))
 
 
 def _key(task, identity):

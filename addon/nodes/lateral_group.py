@@ -58,6 +58,7 @@ def build(material, name, draw, millimetre, inputs=(), again=False):
         group_sockets.follow_base(group, values, added)
     material.lamina.lateral_group = group
     material.lamina.lateral_scatterings = 0
+    material.lamina.trial = ""
     for node in [*node_group.group_nodes(material, group), node_group.connect(material, group)]:
         node.label = f"Lamina {name}"
     return group

@@ -40,6 +40,7 @@ CLASSES = (
     bake.LAMINA_OT_connect,
     lateral.LAMINA_OT_lateral,
     lateral.LAMINA_OT_lateral_bounces,
+    lateral.LAMINA_OT_trial,
     interior.LAMINA_OT_interior,
     interior.LAMINA_OT_end_preset,
     dust.LAMINA_OT_dust_settle,

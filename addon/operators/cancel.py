@@ -4,7 +4,7 @@
 import bpy
 
 from ..baking import bake_job, lateral_job, update
-from ..interior import interior_job
+from ..interior import interior_job, trial
 from ..settling import dust_job
 
 JOBS = {
@@ -12,6 +12,7 @@ JOBS = {
     "UPDATE": update,
     "LATERAL": lateral_job,
     "INTERIOR": interior_job,
+    "TRIAL": trial,
     "DUST": dust_job,
 }
 WORK = (
@@ -24,6 +25,7 @@ WORK = (
         "Stop the computation. The images so far stay, if any are shown yet; Undo restores the earlier "
         "nodes. Finished parts are kept, and the next start continues after them",
     ),
+    ("TRIAL", "Trial", "Stop the trial; the nodes stay as they are"),
     ("DUST", "Dust", "Stop settling; the earlier dust is kept"),
 )
 

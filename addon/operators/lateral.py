@@ -4,6 +4,9 @@
 import bpy
 
 from ..baking import lateral_job, volume_bounces
+from ..base.messages import RefusedError
+from ..interior import trial
+from ..scene import soft
 from . import common
 from .making import Making
 
@@ -26,14 +29,55 @@ class LAMINA_OT_lateral(Making, bpy.types.Operator):
             return False
         return True
 
+    changes_engine = True  # for a trial
+
     def made(self, context, material):
-        lateral_job.make(material, context.scene)
+        if material.lamina.lateral == soft.AUTOMATIC:
+            soft.make(context, _object(context, material), material)
+        else:
+            lateral_job.make(material, context.scene)
 
     def started(self, context, material):
+        if material.lamina.lateral == soft.AUTOMATIC:
+            return soft.start(context, _object(context, material), material)
         return lateral_job.start(material, context.scene)
 
     def told(self, material):
         return material.lamina.lateral_report
+
+
+class LAMINA_OT_trial(Making, bpy.types.Operator):
+    bl_idname = "lamina.trial"
+    bl_label = "Try on This Object"
+    bl_description = (
+        "Compare what the material shows on the active object with walks through the object, under the "
+        "present lamps, at some 200 places that the camera sees"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    jobs = trial
+    changes_engine = True
+    status = "Lamina tries the light of"
+
+    @classmethod
+    def poll(cls, context):
+        if not common.can_edit(cls, context):
+            return False
+        sentence = trial.problem(context.object, common.material_of(context))
+        if not sentence and trial.running() is not None:
+            sentence = "A trial is running"
+        if sentence:
+            cls.poll_message_set(sentence)
+        return not sentence
+
+    def made(self, context, material):
+        trial.make(context, context.object, material)
+
+    def started(self, context, material):
+        return trial.start(context, context.object, material)
+
+    def told(self, material):
+        return material.lamina.trial
 
 
 class LAMINA_OT_lateral_bounces(bpy.types.Operator):
@@ -50,3 +94,12 @@ class LAMINA_OT_lateral_bounces(bpy.types.Operator):
         told = volume_bounces.provide(context.scene, common.material_of(context))
         self.report({"INFO"}, told or "The scene has enough bounces")
         return {"FINISHED"}
+
+
+def _object(context, material):
+    """The active object, on which outputs are tried. Raises RefusedError."""
+    obj = context.object
+    if obj is None or not any(slot.material == material for slot in obj.material_slots):
+        what = f"select an object with {material.name}"
+        raise RefusedError(f"{what}: Automatic tries the light on the active object")
+    return obj

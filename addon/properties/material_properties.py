@@ -34,21 +34,31 @@ DEPTHS = (
 )
 LATERAL_OUTPUTS = (
     (
+        "AUTO",
+        "Automatic",
+        "The first of the others that is at most 5 % off on the active object under the present lamps: walks "
+        "through the object tell",
+        3,
+    ),
+    (
         "RELIGHTABLE",
         "Mean Distance",
         "Subsurface Scattering nodes whose light leaves in the right amount at the right mean distance",
+        0,
     ),
     (
         "PORTAL",
         "Full Profile",
         "A table of where light leaves, by Ray Portal closures: the whole profile, for closed meshes "
         "that are several times thicker than the mean exit distance",
+        1,
     ),
     (
         "VOLUME",
         "Volume",
         "Cycles' volume rendering of one homogeneous medium: right for all closed shapes, also of deforming "
         "meshes and instances, and noisy",
+        2,
     ),
 )
 
@@ -112,6 +122,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         name="Shown By",
         description="How light that enters at one place and leaves at another is shown",
         items=LATERAL_OUTPUTS,
+        default="RELIGHTABLE",  # of files in which no artist has chosen
         options=set(),
     )
     lateral_orders: IntProperty(
@@ -135,6 +146,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         "and in files of 0.1.0"
     )
     interior: PointerProperty(type=LaminaInterior)
+    trial: StringProperty(description="What the last trial of the nodes on show has found, as one sentence")
 
 
 CLASSES = (*interior_properties.CLASSES, LaminaDepth, LaminaLayer, LaminaBase, LaminaResult, LaminaMaterial)

@@ -7,7 +7,7 @@ from ..baking import body_thickness, lateral_job, volume_bounces
 from ..editing import depth
 from ..nodes import node_group
 from ..properties.material_properties import DEPTHS
-from . import interior_fields
+from . import interior_fields, trial_fields
 from .fields import split
 from .material_panel import AnyMaterialPanel
 from .sentences import draw_progress, draw_sentence
@@ -58,6 +58,7 @@ def _draw_soft(context, layout):
         draw_sentence(context, layout, sentence, "FILE_REFRESH")
     if material.lamina.lateral_report:
         draw_sentence(context, layout, material.lamina.lateral_report)
+        trial_fields.draw(context, layout)
     millimetre = lateral_job.millimetre(context.scene)
     thin = body_thickness.too_thin(context.object, material, context.evaluated_depsgraph_get(), millimetre)
     if thin:

@@ -7,6 +7,7 @@ from ..base import messages, native
 from ..interior import contents, freshness, interior_job
 from ..kinds import interiors
 from ..nodes import node_group
+from . import trial_fields
 from .fields import split
 from .sentences import draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
@@ -63,6 +64,7 @@ def draw(context, layout):
         draw_sentence(context, layout, coarse)
     if settings.report and is_shown:
         draw_sentence(context, layout, settings.report)
+        trial_fields.draw(context, layout)
     elif settings.report:
         layout.label(text="Not connected to the output", icon="UNLINKED")
     if material.lamina.lateral_group is not None and not material.lamina.enabled:

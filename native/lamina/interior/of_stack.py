@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..common.errors import StackError
 from ..kinds.bases import HalfSpace
 from ..kinds.boundaries import Interface
@@ -18,16 +20,18 @@ from .problem import Surface
 
 
 def interior_of_stack(stack: AnyStack) -> tuple[Interior, Surface]:
-    """(interior, surface) of a body that a stack fills: an optional interface on top, and one medium in 1/mm below,
-    as a layer or as a half-space; the thickness of a layer is not used. The phase function is isotropic or
-    Henyey-Greenstein. If g differs between channels, all get the mean g, and sigma_s is scaled so that
-    sigma_s (1 - g) stays the same (similarity). Raises StackError for other stacks, InteriorError for coefficients
-    out of range."""
+    """(interior, surface) of a body that a stack fills: an optional interface on top, and one medium in 1/mm below, as
+    a layer or as a half-space; the thickness of a layer is not used. A medium of infinite thickness hides the rest. The
+    phase function is isotropic or Henyey-Greenstein. If g differs between channels, all get the mean g, and sigma_s is
+    scaled so that sigma_s (1 - g) stays the same (similarity). Raises StackError for other stacks, InteriorError for
+    coefficients out of range."""
     stack = as_stack(stack)
     stack.require_isotropic("light inside a body")
     require_millimetres(stack)
     top = stack.layers[0] if stack.layers and isinstance(stack.layers[0], Interface) else None
     media = [part for part in (*stack.layers[0 if top is None else 1:], stack.base) if part is not None]
+    if media and isinstance(media[0], Medium) and np.all(np.isposinf(media[0].thickness)):
+        media = media[:1]  # hides what lies below
     if len(media) != 1 or not isinstance(media[0], Medium | HalfSpace) or getattr(media[0], "profile", None):
         raise StackError("layers: must be one homogeneous medium, below at most one interface, to fill a body")
     medium = media[0]

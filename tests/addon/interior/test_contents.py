@@ -35,7 +35,7 @@ def filled(contents, obj, material, uvs=None):
     vertices, triangles = mesh_arrays.vertices(obj.data, still, 1.0), mesh_arrays.triangles(obj.data, still)
     places = np.tile([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], (len(triangles), 1, 1)) if uvs is None else uvs
     arrays = mesh_arrays.Arrays(vertices, triangles, None, places, obj.name)
-    return contents.of_material(obj, bpy.data.materials[material], body.Body(arrays, 1.0, None, None, ()))
+    return contents.of_material(obj, bpy.data.materials[material], body.Body(arrays, 1.0, None, None, None, ()))
 
 
 def test_a_coordinate_that_is_not_a_number(contents, ball):

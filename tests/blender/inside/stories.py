@@ -263,6 +263,32 @@ def marble(panel):
     check_images()
 
 
+def soft(panel):
+    """Milk on the cube: Automatic chooses how light below the surface is shown, a trial tells the error, and undo takes
+    the nodes away."""
+    material, job = layered(panel), part("baking.lateral_job")
+    layer = material.lamina.layers[0]
+    layer.mode, layer.sigma_s, layer.sigma_a, layer.infinite = "coefficients", (0.05,) * 3, (0.001,) * 3, True
+    yield from baked(panel, material)
+    with window.on(panel):
+        bpy.ops.lamina.depth(depth="SOFT")
+        push("soft")
+        bpy.ops.lamina.lateral("INVOKE_DEFAULT")
+    yield from until(lambda: material.lamina.lateral_report and job.running() is None)
+    assert material.lamina.trial.startswith("Tried"), (material.lamina.lateral_report, material.lamina.trial)
+    push("chosen")
+    with window.on(panel):
+        assert bpy.ops.lamina.trial("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    yield from until(lambda: "on the whole" in material.lamina.trial and part("interior.trial").running() is None)
+    yield from window.still()
+    window.save(OUT / "soft.png", window.picture(panel))
+    with window.on(panel):
+        bpy.ops.ed.undo()
+        bpy.ops.ed.undo()
+    check_images()
+    yield from window.still()
+
+
 def undo_beside_interior(panel):
     """Undo while the interior shows its first images: no operator has recorded their group and its node. The steps
     before have moved the object, so Blender would keep the material as it is."""

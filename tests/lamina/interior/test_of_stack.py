@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The interior of a body that a stack with one medium fills."""
 
+import numpy as np
 import pytest
 
 import lamina
@@ -35,3 +36,9 @@ def test_channels_with_different_g_keep_their_reduced_scattering():
 def test_other_stacks_are_refused(stack, words):
     with pytest.raises(StackError, match=words):
         lamina.interior_of_stack(stack)
+
+
+def test_an_infinite_medium_hides_the_rest():
+    deep, other = (Medium(sigma_s=(2.0, 1.0, 0.5), sigma_a=0.01, thickness=thickness) for thickness in (np.inf, 1.0))
+    alone, below = (lamina.interior_of_stack(stack)[0] for stack in (Stack([deep]), Stack([deep, other], Lambert(0.2))))
+    assert alone.hash == below.hash

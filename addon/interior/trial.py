@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The error of a material's light from below the surface on the artist's own object: walks through the
+object, at some places that the camera sees, against a small render of what the material shows there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import native, preferences
+from ..base.messages import RefusedError
+from ..base.worker import OfMaterial, Place, Worker
+from ..nodes import node_group
+from . import body, contents, lights, seen, trial_render
+
+_place = Place()
+running, forget, stop = _place.running, _place.forget, _place.stop
+running_for, register, unregister = _place.running_for, _place.register, _place.unregister
+
+SAMPLES, MOST_PASSES = 64, 64  # walks at each place in one pass
+ENOUGH = 0.01  # relative standard error of the mean over all places
+LEAST_PLACES = 20
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The relative error of the light of all places together and its standard error; `spread`, the rms error
+    of a place against the mean light, without noise; the number of places."""
+
+    error: float
+    stderr: float
+    spread: float
+    places: int
+
+    @property
+    def sentence(self):
+        """The result in words."""
+        error, spread = f"{100.0 * self.stderr:.1f} %", f"{100.0 * self.spread:.0f} %"
+        return (f"Tried at {self.places} places that the camera sees: {self.words} on the whole (standard "
+                f"error {error}), {spread} off at a place")
+
+    @property
+    def words(self):
+        return f"{100.0 * abs(self.error):.1f} % too {'bright' if self.error > 0.0 else 'dark'}"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One trial, as arrays and numbers. `rendered`: (2, n, 3)."""
+
+    material: int
+    solid: object
+    fill: object
+    surface: object
+    sources: list
+    places: trial_render.Places
+    rendered: np.ndarray
+
+
+class TrialJob(OfMaterial, Worker):
+    """The walks of a trial."""
+
+    def __init__(self, task):
+        self.uid = task.material
+        super().__init__(lambda progress, cancel: walk(task, progress, cancel), "lamina trial")
+
+    def apply(self, material):
+        material.lamina.trial = self.result.sentence
+
+
+def make(context, obj, material, progress=None, cancel=None):
+    """The Trial of what the material shows on the object. Blocks. Raises as `gather` does, and the errors of
+    lamina.light_in_mesh."""
+    found = walk(gather(context, obj, material), progress, cancel)
+    material.lamina.trial = found.sentence
+    return found
+
+
+def start(context, obj, material):
+    """Start a background job; only one runs at a time. Raises like `gather`, before the job starts."""
+    return _place.take(TrialJob(gather(context, obj, material)))
+
+
+def problem(obj, material):
+    """The reason why a trial is impossible, in a sentence, or ''."""
+    if not node_group.shows_lateral(material):
+        return "Nothing to try: the material shows no light from below its surface"
+    return body.problem(obj) or native.reason()
+
+
+def gather(context, obj, material, shown=None):
+    """The Task: renders the object, with the material `shown` in place of `material` if it is given. Main
+    thread only. Raises RefusedError, lamina.StackError and lamina.InteriorError."""
+    shown = shown or material
+    sentence = problem(obj, shown)
+    if sentence:
+        raise RefusedError(sentence)
+    lamina, scene = native.require(), context.scene
+    found = seen.of_object(context, obj, material)
+    sources = [*found.lamps, lights.world(scene, found.body.frame)]
+    if all(one.is_dark for one in sources):
+        raise RefusedError(f"nothing lights {obj.name}: add a lamp or a world")
+    # Nodes of the panel's choice Soft show the layers, whatever Veins would fill.
+    source = "LAYERS" if shown.lamina.lateral_report else None
+    filled = contents.of_material(obj, material, found.body, source)
+    camera = trial_render.camera_of(scene, found.body)
+    places = trial_render.places(found.body, camera)
+    if len(places.pixels) < LEAST_PLACES:
+        what = f"the camera sees too little of {material.name} on {obj.name}"
+        raise RefusedError(f"{what}: turn the camera to it")
+    arrays = found.body.arrays
+    solid = lamina.Solid(arrays.vertices, arrays.triangles, name=obj.name, opaque=found.body.opaque)
+    rendered = trial_render.pictures(scene, obj, camera, {material: shown})[:, places.pixels]
+    return Task(material.session_uid, solid, filled.fill, filled.surface, sources, places, rendered)
+
+
+def walk(task, progress=None, cancel=None):
+    """The Trial of a Task. Raises as lamina.light_in_mesh does."""
+    lamina, told = native.require(), progress or (lambda _fraction, _text="": None)
+    interior = task.fill(lambda fraction, text="": told(0.1 * fraction, text), cancel)
+    shining = [one.lamp(lamina) for one in task.sources if one.kind]
+    sky = task.sources[-1]
+    around = None if sky.radiance is None else lamina.Surroundings(sky.radiance)
+    factors = np.array([one.factor * one.strength * np.array(one.colour) for one in task.sources])
+    means, squares = [], []
+    for number in range(MOST_PASSES):
+        part = lamina.light_in_mesh(
+            task.solid, interior, shining, task.places.positions, task.places.normals, task.places.directions,
+            surface=task.surface, samples=SAMPLES, seed=number, threads=preferences.threads(), cancel=cancel,
+            surroundings=around)
+        light = np.concatenate([part.lamps.value, part.sky.value[:, None]], axis=1)
+        noise = np.concatenate([part.lamps.stderr, part.sky.stderr[:, None]], axis=1)
+        means.append((factors * light).sum(axis=(1, 2)))
+        squares.append(((factors * noise) ** 2).sum(axis=(1, 2)))
+        passes = number + 1
+        light, variance = np.mean(means, axis=0), np.sum(squares, axis=0) / passes**2
+        reached = np.sqrt(variance.sum()) / max(light.sum(), 1e-30)
+        share = max(passes / MOST_PASSES, (ENOUGH / max(reached, ENOUGH)) ** 2)
+        told(0.1 + 0.9 * share, "Walks for the trial")
+        if reached < ENOUGH:
+            break
+    return compare(task.rendered.sum(axis=2), light, variance)
+
+
+def compare(rendered, light, variance):
+    """The Trial from two renders (2, n) of the places and from walks: light and variance, (n,) each. Raises
+    RefusedError where walks find no light."""
+    total = float(light.sum())
+    if not total > 0.0:
+        raise RefusedError("no light comes from below the surface at these places")
+    shown, noise = rendered.mean(axis=0), 0.25 * (rendered[0] - rendered[1]) ** 2
+    ratio = float(shown.sum()) / total
+    # The places are a sample of the surface: residuals hold their differences and the noise.
+    stderr = np.sqrt(np.sum((shown - ratio * light) ** 2)) / total
+    uneven = np.mean((shown - light) ** 2 - variance - noise)
+    spread = np.sqrt(max(float(uneven), 0.0)) / np.mean(light)
+    return Trial(ratio - 1.0, float(stderr), float(spread), len(light))

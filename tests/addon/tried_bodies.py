@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bodies of a few millimetres under a sun or a sky, and counts of data-blocks."""
+
+from typing import NamedTuple
+
+import bpy
+from mathutils import Vector
+
+TOWARDS = {"behind": (0.2, 1.0, -0.2), "side": (1.0, 0.0, 0.2)}  # directions to the sun
+
+
+class Blocks(NamedTuple):
+    materials: int
+    objects: int
+    scenes: int
+    images: int
+    groups: int
+
+
+def blocks():
+    data = bpy.data
+    images = [image for image in data.images if image.type != "RENDER_RESULT"]
+    return Blocks(*map(len, (data.materials, data.objects, data.scenes, images, data.node_groups)))
+
+
+def body(shape, light):
+    """The active object, 2 mm wide, with a new material, before a camera. `shape`: "torus" or "plate"; `light`: of
+    TOWARDS, or "sky"."""
+    scene = bpy.context.scene
+    scene.unit_settings.scale_length = 0.001
+    if shape == "torus":
+        bpy.ops.mesh.primitive_torus_add(major_radius=0.75, minor_radius=0.25, major_segments=96, minor_segments=48)
+    else:
+        bpy.ops.mesh.primitive_cube_add(size=2.0)
+        bpy.context.object.scale.z = 0.15
+        bpy.ops.object.transform_apply(scale=True)
+    obj = bpy.context.object
+    obj.data.polygons.foreach_set("use_smooth", [shape == "torus"] * len(obj.data.polygons))
+    eye = Vector((0.0, -6.0, 2.5) if shape == "torus" else (0.0, -3.0, 6.0))
+    camera = _linked("Camera", bpy.data.cameras.new("Camera"), eye)
+    camera.location, scene.camera = eye, camera
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.use_nodes = True
+    background = scene.world.node_tree.nodes["Background"].inputs
+    background["Color"].default_value, background["Strength"].default_value = (1.0,) * 4, float(light == "sky")
+    if light != "sky":
+        sun = bpy.data.lights.new("Sun", "SUN")
+        sun.energy, sun.angle = 3.0, 0.1
+        flat_behind = shape == "plate" and light == "behind"
+        _linked("Sun", sun, Vector((0.2, 0.3, -1.0) if flat_behind else TOWARDS[light]))
+    obj.data.materials.append(bpy.data.materials.new("Body"))
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+    return obj
+
+
+def _linked(name, data, towards):
+    """A new object whose +z points to a direction."""
+    obj = bpy.data.objects.new(name, data)
+    obj.rotation_euler = towards.to_track_quat("Z", "Y").to_euler()
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
