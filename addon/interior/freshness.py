@@ -14,7 +14,7 @@ from ..base.messages import RefusedError
 from ..editing import layer_list
 from ..kinds import interiors
 from ..nodes import other_materials
-from . import body, lamps
+from . import around, body, lamps
 
 STILL = 1e-3  # relative, and in radians: what changed by less counts as unchanged
 AGAIN = "compute again"
@@ -36,6 +36,7 @@ def note(context, obj, material, node, uv_map, has_image):
     if settings.output == "LIT":
         frame = _frame(obj, context.scene)
         found["lamps"], found["place"] = _lamps(context, frame), _place(frame)
+        found["around"] = around.mark(_rendered(context.view_layer.layer_collection), obj)
         found["turns"] = has_image
         found["camera"] = _camera(context.scene, frame) if settings.view == "CAMERA" else None
     return json.dumps(found)
@@ -82,6 +83,9 @@ def _stale_light(context, obj, earlier):
         return f"{_listed(moved)} has moved or changed in size since: {AGAIN}"
     if earlier["turns"] and has_place and not _alike({"axes": place["axes"]}, earlier["place"]):
         return f"The object has turned under the world's image since: {AGAIN}"
+    others = earlier.get("around")
+    if others and around.mark(_rendered(context.view_layer.layer_collection), obj) != others:
+        return f"Other objects have moved or changed since: {AGAIN}"
     camera = _camera(context.scene, frame)
     if earlier["camera"] and camera is not None and not _alike(camera, earlier["camera"]):
         return f"The camera has moved against the object since: {AGAIN}"

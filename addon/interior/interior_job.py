@@ -39,8 +39,8 @@ STOPPED = "Stopped early: the next start continues."
 @dataclass(frozen=True)
 class Task:
     """One computation, as arrays and numbers. `fill`: a function of (progress, cancel) that returns the
-    lamina.Interior. `sources`: the lamps, then the world, for Lit. `note`: of `freshness`.
-    `folder`: of finished parts. `remarks`: sentences about faces of other materials."""
+    lamina.Interior. `sources`: the lamps, then the world, and `occluders`: of other objects, for Lit. `note`:
+    of `freshness`. `folder`: of finished parts. `remarks`: sentences about faces of other materials."""
 
     material: int
     name: str
@@ -54,6 +54,7 @@ class Task:
     size: int
     noise: float
     sources: list
+    occluders: object
     view: dict
     node: tuple
     note: str
@@ -178,6 +179,7 @@ def gather(context, obj, material, folder=None):
         size=quantity(settings, interiors.SIZE),
         noise=quantity(settings, interiors.NOISE),
         sources=sources,
+        occluders=found.occluders,
         view=found.view,
         node=node,
         note=freshness.note(context, obj, material, node, uv_map, has_image),
@@ -212,7 +214,8 @@ def compute(task, progress=None, cancel=None, preview=None):
     if task.output == "LIT":
         shining, radiance = _lit_by(task, lamina)
         around = None if radiance is None else lamina.Surroundings(radiance)
-        return lamina.lit_images(task.solid, interior, shining, surroundings=around, **how, **task.view)
+        lit_by = {"surroundings": around, "occluders": task.occluders}
+        return lamina.lit_images(task.solid, interior, shining, **lit_by, **how, **task.view)
     return lamina.relightable_images(task.solid, interior, version=tuple(bpy.app.version[:2]), **how)
 
 
@@ -268,10 +271,11 @@ def _key(task, identity):
     for one in task.sources:
         if one.radiance is not None:
             digest.update(one.radiance.tobytes())
+    others = None if task.occluders is None else task.occluders.hash
     surface = [task.surface.ior, task.surface.alpha, task.surface.distribution]
     digest.update(
         json.dumps(
-            [identity, task.output, task.size, task.noise, lit_by, task.view, surface, "previews"]
+            [identity, task.output, task.size, task.noise, lit_by, task.view, surface, others, "previews"]
         ).encode()
     )
     return digest.hexdigest()[:24]

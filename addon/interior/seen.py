@@ -3,30 +3,35 @@
 
 from dataclasses import dataclass
 
-from ..base import rendered
+from ..base import native, rendered
 from ..base.messages import RefusedError
-from . import body, lamps
+from . import around, body, lamps
 
 
 @dataclass(frozen=True)
 class Seen:
-    """`body`: a body.Body. `lamps`: a list of lights.Source. `view`: of the camera, see Frame.view, or {}."""
+    """`body`: a body.Body. `lamps`: a list of lights.Source. `view`: of the camera, see Frame.view, or {}.
+    `occluders`: a lamina.Occluders of the other objects, or None."""
 
     body: body.Body
     lamps: list
     view: dict
+    occluders: object
 
 
 def of_object(context, obj, material, uv_map=None, lit=True, camera=False):
     """What renders see. An object that is hidden in renders is read as the viewport shows it. `uv_map`: see
-    body.of_object; `lit`: with lamps; `camera`: with the view of the scene's camera. Raises RefusedError."""
-    scene = context.scene
+    body.of_object; `lit`: with lamps and other objects; `camera`: with the view of the scene's camera. Raises
+    RefusedError."""
+    scene, lamina = context.scene, native.require()
     if camera and scene.camera is None:
         raise RefusedError("The scene has no camera: set one, or choose the view All")
 
     def light(depsgraph, frame):
-        found = lamps.rendered(depsgraph, frame) if lit else []
-        return found, frame.view(depsgraph.scene_eval.camera) if camera else {}
+        if not lit:
+            return [], {}, None
+        view = frame.view(depsgraph.scene_eval.camera) if camera else {}
+        return lamps.rendered(depsgraph, frame), view, around.occluders(depsgraph, obj, frame, lamina)
 
     def read(depsgraph):
         shape = body.of_object(depsgraph, obj, material, uv_map)
@@ -39,5 +44,5 @@ def of_object(context, obj, material, uv_map=None, lit=True, camera=False):
     if shape is None:
         raise body.hidden(obj)
     if not lit:
-        return Seen(shape, [], {})
+        return Seen(shape, [], {}, None)
     return Seen(shape, *rendered.visit(scene, context.view_layer, lambda graph: light(graph, shape.frame)))

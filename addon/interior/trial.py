@@ -52,6 +52,7 @@ class Task:
     fill: object
     surface: object
     sources: list
+    occluders: object
     places: trial_render.Places
     rendered: np.ndarray
 
@@ -102,15 +103,21 @@ def gather(context, obj, material, shown=None):
     # Nodes of the panel's choice Soft show the layers, whatever Veins would fill.
     source = "LAYERS" if shown.lamina.lateral_report else None
     filled = contents.of_material(obj, material, found.body, source)
+    if shown.lamina.lateral_shown == "VOLUME" and source is not None and filled.surface.ior != 1.0:
+        raise RefusedError(
+            "Volume is right without a trial, and below a boundary its light from inside cannot be told from "
+            "reflections"
+        )
     camera = trial_render.camera_of(scene, found.body)
-    places = trial_render.places(found.body, camera)
+    places = trial_render.places(found.body, found.occluders, camera)
     if len(places.pixels) < LEAST_PLACES:
         what = f"the camera sees too little of {material.name} on {obj.name}"
         raise RefusedError(f"{what}: turn the camera to it")
     arrays = found.body.arrays
     solid = lamina.Solid(arrays.vertices, arrays.triangles, name=obj.name, opaque=found.body.opaque)
     rendered = trial_render.pictures(scene, obj, camera, {material: shown})[:, places.pixels]
-    return Task(material.session_uid, solid, filled.fill, filled.surface, sources, places, rendered)
+    uid, others = material.session_uid, found.occluders
+    return Task(uid, solid, filled.fill, filled.surface, sources, others, places, rendered)
 
 
 def walk(task, progress=None, cancel=None):
@@ -126,7 +133,7 @@ def walk(task, progress=None, cancel=None):
         part = lamina.light_in_mesh(
             task.solid, interior, shining, task.places.positions, task.places.normals, task.places.directions,
             surface=task.surface, samples=SAMPLES, seed=number, threads=preferences.threads(), cancel=cancel,
-            surroundings=around)
+            surroundings=around, occluders=task.occluders)
         light = np.concatenate([part.lamps.value, part.sky.value[:, None]], axis=1)
         noise = np.concatenate([part.lamps.stderr, part.sky.stderr[:, None]], axis=1)
         means.append((factors * light).sum(axis=(1, 2)))

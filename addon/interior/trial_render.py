@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small render of one object alone, at known places of its surface."""
+"""A small render of one object, at known places of its surface."""
 
 import math
 from contextlib import contextmanager
@@ -46,9 +46,10 @@ def camera_of(scene, body):
     return Matrix.Translation(eye) @ towards.to_track_quat("Z", "Y").to_matrix().to_4x4()
 
 
-def places(body, camera):
-    """The Places at the centres of the pixels, of faces with the material."""
+def places(body, occluders, camera):
+    """The Places at the centres of the pixels, of faces with the material that no other object hides."""
     frame = body.frame
+    hiding = occluders and BVHTree.FromPolygons(occluders.vertices.tolist(), occluders.triangles.tolist())
     tree = BVHTree.FromPolygons(body.arrays.vertices.tolist(), body.arrays.triangles.tolist())
     eye = Vector(frame.place(camera.translation))
     axes = np.array([frame.towards(column) for column in np.array(camera.to_3x3()).T]).T
@@ -57,17 +58,19 @@ def places(body, camera):
     for number, (row, column) in enumerate(np.ndindex(SIDE, SIDE)):
         ray = axes @ (across[column] * slope, across[row] * slope, -1.0)
         ray /= np.linalg.norm(ray)
-        place, normal, face, _ = tree.ray_cast(eye, Vector(ray))
-        if place is not None and body.own[face] and np.dot(normal, ray) < 0.0:
+        place, normal, face, distance = tree.ray_cast(eye, Vector(ray))
+        if place is None or not body.own[face] or np.dot(normal, ray) >= 0.0:
+            continue
+        if not hiding or hiding.ray_cast(eye, Vector(ray), distance)[0] is None:
             found.append((number, *place, *normal, *-ray))
     found = np.array(found).reshape(-1, 10)
     return Places(found[:, 0].astype(int), found[:, 1:4], found[:, 4:7], found[:, 7:])
 
 
 def pictures(scene, obj, camera, materials):
-    """Two renders of the object alone with different noise, (2, SIDE * SIDE, 3): under the scene's lamps and
-    world, without reflections of lamps and of the world. `materials`: {material of the object: the one to
-    show}. Main thread only. All temporary data are removed. Raises RefusedError."""
+    """Two renders of the object with different noise, (2, SIDE * SIDE, 3): under the scene's lamps and world
+    and among the other objects, without reflections of lamps and of the world. `materials`: {material of the
+    object: the one to show}. Main thread only. All temporary data are removed. Raises RefusedError."""
     with _alone(scene, obj, camera, materials) as temporary:
         float_render.prepare(temporary, SIDE, SIDE)
         cycles = temporary.cycles
@@ -84,7 +87,7 @@ def pictures(scene, obj, camera, materials):
 
 @contextmanager
 def _alone(scene, obj, camera, materials):
-    """A temporary scene of the object and the lamps. Glossy rays see neither lamps nor the world."""
+    """A temporary scene. Glossy rays see neither lamps nor the world."""
     made, data = [], bpy.data
     try:
         temporary = data.scenes.new("lamina trial")
@@ -99,11 +102,13 @@ def _alone(scene, obj, camera, materials):
             if materials.get(slot.material, slot.material) != slot.material:
                 slot.link, slot.material = "OBJECT", materials[slot.material]
         for one in scene.objects:
-            if one.type == "LIGHT" and not one.hide_render and lamps.shines(one):
-                copy = one.copy()
-                made.append((data.objects, copy))
-                copy.visible_glossy = False
-                temporary.collection.objects.link(copy)
+            is_dark = one.type == "LIGHT" and not lamps.shines(one)
+            if one in (obj, scene.camera) or one.hide_render or is_dark:
+                continue
+            copy = one.copy()
+            made.append((data.objects, copy))
+            copy.visible_glossy = copy.visible_glossy and one.type != "LIGHT"
+            temporary.collection.objects.link(copy)
         if scene.world is not None:
             temporary.world = scene.world.copy()
             made.append((data.worlds, temporary.world))

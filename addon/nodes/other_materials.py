@@ -35,7 +35,7 @@ def opaque_faces(numbers, obj, material):
     `material`, and what is said about the faces of other materials."""
     slots = _materials(obj, material)
     used = {slots[number] for number in np.unique(numbers)} - {material}
-    passing = {one for one in used if _passes(one)}
+    passing = {one for one in used if passes(one)}
     opaque = np.array([one != material and one not in passing for one in slots])[numbers]
     sentences = []
     if opaque.any():
@@ -56,7 +56,7 @@ def counts(obj, material):
     found = [0, 0, 0]
     for one, count in zip(slots, faces, strict=True):
         if count:
-            found[0 if one == material else 1 if _passes(one) else 2] += count
+            found[0 if one == material else 1 if passes(one) else 2] += count
     return found
 
 
@@ -73,7 +73,7 @@ def _listed(materials):
     return " and ".join(sorted("an empty slot" if one is None else one.name for one in materials))
 
 
-def _passes(material):
+def passes(material):
     """True if light may pass a surface of the material."""
     if material is not None and material.lamina.lateral_group is not None:
         return True  # an interior or lateral light of its own

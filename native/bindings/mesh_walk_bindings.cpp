@@ -17,10 +17,11 @@ using Triple = std::array<double, 3>;
 Ray ray_of(const Triple& triple) { return {triple[0], triple[1], triple[2]}; }
 Place place_of(const Triple& triple) { return {triple[0], triple[1], triple[2]}; }
 
-/// A solid and the thread pool for its walks.
+/// A solid, what stands around it, and the thread pool for its walks.
 struct BoundSolid {
   ThreadPool pool;
   std::unique_ptr<Solid> solid;
+  std::unique_ptr<Occluders> occluders;
 
   BoundSolid(const Floats& vertices, const Indices& triangles, unsigned threads, const py::function& go_on,
              std::vector<bool> opaque)
@@ -34,6 +35,25 @@ struct BoundSolid {
     }
     solid = built_on_a_thread<Solid>(
         go_on, [&](const auto& ask) { return std::make_unique<Solid>(std::move(part), std::move(opaque), pool, ask); });
+  }
+
+  void stand_among(const Floats& vertices, const Indices& triangles, const Floats& albedo, const py::function& go_on) {
+    TrianglePart part = part_of(vertices, triangles);
+    require_triples(albedo, "albedo");
+    if (part.triangles.empty() || albedo.shape(0) != triangles.shape(0)) {
+      throw py::value_error("triangles and albedo must have the same number of rows, at least one");
+    }
+    std::vector<std::array<float, kChannels>> values(static_cast<std::size_t>(albedo.shape(0)));
+    for (std::size_t face = 0; face < values.size(); ++face) {
+      std::copy_n(albedo.data() + kChannels * face, kChannels, values[face].begin());
+    }
+    occluders = built_on_a_thread<Occluders>(go_on, [&](const auto& ask) {
+      return std::make_unique<Occluders>(std::move(part), std::move(values), solid->size(), pool.threads(), ask);
+    });
+  }
+
+  MeshWalk walk(const CoefficientGrid& grid, const SurfaceBoundary& boundary) const {
+    return {*solid, grid, boundary, occluders.get()};
   }
 };
 
@@ -150,7 +170,7 @@ py::tuple exits(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary&
   const WalkPoints points = points_of(positions, normals, views, first_number, first_walk, walks, seed);
   const auto results = [&] {
     const py::gil_scoped_release release;
-    return walk_to_exits(MeshWalk(*solid.solid, grid.grid, boundary), points, solid.pool, late_after);
+    return walk_to_exits(solid.walk(grid.grid, boundary), points, solid.pool, late_after);
   }();
   const auto count = static_cast<py::ssize_t>(results.size());
   Rows moments({count, py::ssize_t{3}, py::ssize_t{3}});
@@ -172,11 +192,11 @@ py::tuple exits(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary&
 py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
                 const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number,
                 std::uint64_t first_walk, std::uint64_t walks, std::uint64_t seed, const std::vector<Lamp>& lamps,
-                const Surroundings& surroundings) {
+                bool by_occluders, const Surroundings& surroundings) {
   const WalkPoints points = points_of(positions, normals, views, first_number, first_walk, walks, seed);
   const auto results = [&] {
     const py::gil_scoped_release release;
-    return walk_to_lights(MeshWalk(*solid.solid, grid.grid, boundary), points, lamps, surroundings, solid.pool);
+    return walk_to_lights(solid.walk(grid.grid, boundary), points, lamps, by_occluders, surroundings, solid.pool);
   }();
   const auto count = static_cast<py::ssize_t>(results.size());
   const auto columns = static_cast<py::ssize_t>(lamps.size() + 1);
@@ -221,8 +241,7 @@ std::unique_ptr<SurfaceTexels> surface_texels(const BoundSolid& solid, const Row
 py::tuple photons(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const PhotonSource& source,
                   const SurfaceTexels& texels, std::uint64_t first, std::uint64_t count, std::uint64_t seed) {
   const PhotonSums found = without_gil([&] {
-    return photons_to_texels(MeshWalk(*solid.solid, grid.grid, boundary), source, texels, {first, count, seed},
-                             solid.pool);
+    return photons_to_texels(solid.walk(grid.grid, boundary), source, texels, {first, count, seed}, solid.pool);
   });
   const auto points = static_cast<py::ssize_t>(found.sums.size());
   Rows sums({points, py::ssize_t{3}});
@@ -264,6 +283,8 @@ void lamina::bind_mesh_walk(py::module_& module) {
       .def("exposures", &exposures, py::arg("positions"), py::arg("normals"),
            "Of each start of walks: 0 where light can enter, 1 inside another part of the mesh, 2 where the normal "
            "points inwards, 3 on an opaque face.")
+      .def("stand_among", &BoundSolid::stand_among, py::arg("vertices"), py::arg("triangles"), py::arg("albedo"),
+           py::arg("go_on"), "Put opaque things around the solid, with the albedo of each triangle.")
       .def_property_readonly("bytes", [](const BoundSolid& self) { return self.solid->bytes(); });
   py::class_<BoundGrid>(module, "Grid", "Coefficients in voxels [x, y, z] of a box in mm.")
       .def_static("of_coefficients", &grid_of_coefficients, py::arg("voxels").noconvert(), py::arg("low"),
@@ -318,10 +339,12 @@ void lamina::bind_mesh_walk(py::module_& module) {
              "than `late_after` of their channel).");
   module.def("walk_to_lights", &light, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
              py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
-             py::arg("seed"), py::arg("lamps"), py::arg("surroundings"),
+             py::arg("seed"), py::arg("lamps"), py::arg("by_occluders"), py::arg("surroundings"),
              "(sums [point, lamp or last the surroundings, channel], squares, counts).");
   py::class_<PhotonSource>(module, "PhotonSource", "Where the light of a lamp meets a solid.")
-      .def(py::init([](const BoundSolid& solid, const Lamp& lamp) { return PhotonSource(*solid.solid, lamp); }),
+      .def(py::init([](const BoundSolid& solid, const Lamp& lamp) {
+             return PhotonSource(*solid.solid, lamp, solid.occluders.get());
+           }),
            py::arg("solid"), py::arg("lamp"), py::keep_alive<1, 2>());
   py::class_<SurfaceTexels>(module, "SurfaceTexels", "The parts of a surface below the texels of an image.")
       .def(py::init(&surface_texels), py::arg("solid"), py::arg("uvs"), py::arg("numbers"), py::arg("positions"),

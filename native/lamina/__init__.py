@@ -24,6 +24,7 @@ from .interior.estimates import ExitEstimate, LightEstimate
 from .interior.grid import Interior
 from .interior.lamps import AreaLamp, Lamp, PointLamp, SpotLamp, Surroundings
 from .interior.marble import Marble, marble
+from .interior.occluders import Occluders
 from .interior.of_stack import interior_of_stack
 from .interior.parts import WalkPart, light_in_mesh, merge_walks, walk_in_mesh, walk_part
 from .interior.problem import Surface
@@ -81,6 +82,7 @@ __all__ = [
     "MeasurementError",
     "Medium",
     "Mixture",
+    "Occluders",
     "PointLamp",
     "PortalTables",
     "Query",

@@ -60,6 +60,10 @@ class Solid:
         """
         Of each start of walks: 0 where light can enter, 1 inside another part of the mesh, 2 where the normal points inwards, 3 on an opaque face.
         """
+    def stand_among(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], go_on: collections.abc.Callable) -> None:
+        """
+        Put opaque things around the solid, with the albedo of each triangle.
+        """
     @property
     def bytes(self) -> int:
         ...
@@ -144,7 +148,7 @@ def walk_to_exits(solid: Solid, grid: Grid, boundary: Boundary, positions: typin
     """
     (moments [point, channel, (w, w r, w r^2)], products [point, channel, 6], counts [point, (mirrored, lost, scatterings, collisions, rays)], late [point, channel, (w, w r)] of paths with more scatterings than `late_after` of their channel).
     """
-def walk_to_lights(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, first_walk: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, lamps: collections.abc.Sequence[Lamp], surroundings: Surroundings) -> tuple:
+def walk_to_lights(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, first_walk: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, lamps: collections.abc.Sequence[Lamp], by_occluders: bool, surroundings: Surroundings) -> tuple:
     """
     (sums [point, lamp or last the surroundings, channel], squares, counts).
     """

@@ -54,6 +54,24 @@ def body(shape, light):
     return obj
 
 
+def others():
+    """A floor below the body and a wall between it and a sun at its side, both diffuse."""
+    floor, wall = bpy.data.meshes.new("Floor"), bpy.data.meshes.new("Wall")
+    floor.from_pydata([(-15, -15, -1.05), (15, -15, -1.05), (15, 15, -1.05), (-15, 15, -1.05)], [], [(0, 1, 2, 3)])
+    wall.from_pydata([(2, -1, -0.6), (2, 0.2, -0.6), (2, 0.2, 1.0), (2, -1, 1.0)], [], [(0, 1, 2, 3)])
+    for mesh, color in ((floor, (0.8, 0.4, 0.2)), (wall, (0.1, 0.3, 0.7))):
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(mesh.name, mesh))
+        material = bpy.data.materials.new(mesh.name)
+        material.use_nodes = True
+        nodes = material.node_tree.nodes
+        nodes.remove(nodes["Principled BSDF"])
+        diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+        diffuse.inputs["Color"].default_value = (*color, 1.0)
+        material.node_tree.links.new(diffuse.outputs[0], nodes["Material Output"].inputs["Surface"])
+        mesh.materials.append(material)
+    bpy.context.scene.cycles.diffuse_bounces = 12
+
+
 def _linked(name, data, towards):
     """A new object whose +z points to a direction."""
     obj = bpy.data.objects.new(name, data)

@@ -18,6 +18,7 @@ from ..common.parts import each_part
 from ..common.progress import Progress, stepper
 from ..interior.estimates import ExitEstimate, LightEstimate
 from ..interior.lamps import AnyLamp, Surroundings
+from ..interior.occluders import Occluders
 from ..interior.parts import elsewhere, merge_walks
 from ..interior.problem import Lights, Problem, Samples, Surface, WalkPoints
 from ..material.any_stack import AnyStack, as_stack
@@ -62,9 +63,9 @@ def walk_in_mesh(client, solid, interior, points=None, normals=None, directions=
 def light_in_mesh(client, solid, interior, lamps: Sequence[AnyLamp] = (), points=None, normals=None, directions=None,
                   surface: Surface | None = None, samples: int = 256, seed: int = 0, progress: Progress | None = None,
                   cancel: Callable[[], bool] | None = None, surroundings: Surroundings | None = None,
-                  parts: int | None = None) -> LightEstimate:
+                  parts: int | None = None, occluders: Occluders | None = None) -> LightEstimate:
     """lamina.light_in_mesh on the cluster of `client`, like `estimate`."""
-    lights = Lights(lamps, surroundings)
+    lights = Lights(lamps, surroundings, occluders)
     problem = Problem(solid, interior, surface, lights, WalkPoints.of(points, normals, directions))
     return cast(LightEstimate, _walked_in_mesh(client, problem, Samples(samples, seed), parts,
                                                stepper("the walks", progress, cancel)))

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -77,15 +77,23 @@ def light_estimate(sums, squares, counts, samples: int, lamps: tuple[AnyLamp, ..
 
 
 def with_photons(sky: LightEstimate, arrays, photons: int, lamps: tuple[AnyLamp, ...]) -> LightEstimate:
-    """The estimate by walks without lamps, with the light of lamps from so many photons each. `arrays`: sums and
-    squares [point, lamp, channel], counts [lamp, 5]."""
+    """The estimate by walks without lamps, or with the part of the light of lamps that photons do not bring, and the
+    light of lamps from so many photons each. `arrays`: sums and squares [point, lamp, channel], counts [lamp, 5]."""
     sums, squares, counts = arrays
     sent = walk_count(counts, photons, math.nan)
     walked = sky.count
     count = WalkCount(walked.seconds, walked.samples, max(walked.lost, sent.lost),
                       walked.scatterings + sent.scatterings, walked.collisions + sent.collisions,
                       walked.rays + sent.rays, photons)
-    return LightEstimate(_mean(sums, squares, photons), sky.sky, lamps, count)
+    brought = _mean(sums, squares, photons)
+    if sky.lamps_used:
+        brought = Measured(brought.value + sky.lamps.value, np.hypot(brought.stderr, sky.lamps.stderr))
+    return LightEstimate(brought, sky.sky, lamps, count)
+
+
+def without_lamps(light: LightEstimate) -> LightEstimate:
+    """The light of the surroundings alone."""
+    return replace(light, lamps=Measured(light.lamps.value[:, :0], light.lamps.stderr[:, :0]), lamps_used=())
 
 
 def walk_count(counts: np.ndarray, samples: int, seconds: float) -> WalkCount:

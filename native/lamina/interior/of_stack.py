@@ -30,7 +30,7 @@ def interior_of_stack(stack: AnyStack) -> tuple[Interior, Surface]:
     require_millimetres(stack)
     top = stack.layers[0] if stack.layers and isinstance(stack.layers[0], Interface) else None
     media = [part for part in (*stack.layers[0 if top is None else 1:], stack.base) if part is not None]
-    if media and isinstance(media[0], Medium) and np.all(np.isposinf(media[0].thickness)):
+    if media and isinstance(media[0], Medium) and np.all(np.asarray(media[0].thickness, float) == np.inf):
         media = media[:1]  # hides what lies below
     if len(media) != 1 or not isinstance(media[0], Medium | HalfSpace) or getattr(media[0], "profile", None):
         raise StackError("layers: must be one homogeneous medium, below at most one interface, to fill a body")

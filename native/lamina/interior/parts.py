@@ -22,6 +22,7 @@ from ..common.parts import checked_shard, in_sequence, share_of
 from ..common.progress import Progress, portion, silent
 from .estimates import COUNTS, ExitEstimate, LightEstimate, exit_estimate, light_estimate, with_photons
 from .lamps import AnyLamp, Surroundings, from_json
+from .occluders import Occluders
 from .problem import Lights, Problem, Run, Samples, Surface, WalkPoints
 from .walk import Walker
 
@@ -97,17 +98,17 @@ def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, su
 def light_in_mesh(solid, interior, lamps: Sequence[AnyLamp] = (), points=None, normals=None, directions=None,
                   surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
                   progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
-                  surroundings: Surroundings | None = None) -> LightEstimate:
+                  surroundings: Surroundings | None = None, occluders: Occluders | None = None) -> LightEstimate:
     """The radiance that leaves a closed mesh at points of its surface after transport inside, under lamps and the
-    surroundings. The mesh casts shadows on itself, and light that leaves may enter again elsewhere. Lamps cast no
-    shadows.
+    surroundings. The mesh and the `occluders` cast shadows, and light that leaves may enter again elsewhere, also
+    after reflection by occluders. Lamps cast no shadows.
 
     `lamps`: a list of lamina.Lamp, PointLamp, SpotLamp and AreaLamp. Behind a smooth boundary with an index other than
     1, each Lamp must have an angle of at least 1 degree and other lamps a radius, and noise grows as lamps shrink.
     `surroundings`: a lamina.Surroundings; by default a sky of radiance 1 from all directions. Without `directions` the
     radiance is the cosine-weighted mean over directions. Other arguments and errors are those of
     walk_in_mesh."""
-    lights = Lights(lamps, surroundings)
+    lights = Lights(lamps, surroundings, occluders)
     problem = Problem(solid, interior, surface, lights, WalkPoints.of(points, normals, directions))
     run = Run(samples, seed=seed, threads=threads, progress=progress, cancel=cancel)
     return cast(LightEstimate, estimated(problem, run))
@@ -116,11 +117,11 @@ def light_in_mesh(solid, interior, lamps: Sequence[AnyLamp] = (), points=None, n
 def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[AnyLamp] | None = None, points=None,
               normals=None, directions=None, surface: Surface | None = None, samples: int = 256, seed: int = 0,
               threads: int = 0, progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
-              surroundings: Surroundings | None = None) -> WalkPart:
+              surroundings: Surroundings | None = None, occluders: Occluders | None = None) -> WalkPart:
     """Part i of n of a run; `shard` = (i, n), i from 1. Without `lamps` this is a part of walk_in_mesh, with `lamps` (a
     list, which may be empty) of light_in_mesh. Merged parts give the same bytes as one run. Raises the same errors."""
     shard = checked_shard(shard)
-    lights = None if lamps is None else Lights(lamps, surroundings)
+    lights = None if lamps is None else Lights(lamps, surroundings, occluders)
     problem = Problem(solid, interior, surface, lights, WalkPoints.of(points, normals, directions))
     return _part(problem, Run(samples, seed=seed, threads=threads, progress=progress, cancel=cancel), shard)
 

@@ -7,7 +7,7 @@ import functools
 import hashlib
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from ..kinds.interiors import NOISE
 from ..settling.mesh import Mesh, checked_mesh, vertex_points
 from .grid import Interior
 from .lamps import KINDS, AnyLamp, Surroundings, to_json
+from .occluders import Occluders
 from .solid import Solid
 
 MOST_SAMPLES = 1 << 32
@@ -53,10 +54,14 @@ class Surface:
 
 @dataclass(frozen=True)
 class Lights:
-    """The sources of light: lamps, and the surroundings; None: radiance 1 from all directions. Raises ArgumentError."""
+    """The sources of light: lamps, and the surroundings; None: radiance 1 from all directions. `occluders`: what casts
+    shadows on the solid, None: nothing. `by_occluders`: of the light of lamps, only that which meets an occluder
+    first. Raises ArgumentError."""
 
     lamps: Sequence[AnyLamp] = ()
     surroundings: Surroundings | None = None
+    occluders: Occluders | None = None
+    by_occluders: bool = False
 
     def __post_init__(self):
         kinds = tuple(KINDS.values())
@@ -66,6 +71,8 @@ class Lights:
         object.__setattr__(self, "lamps", tuple(self.lamps))
         if self.surroundings is not None:
             check_kind(self.surroundings, "surroundings", Surroundings, "a lamina.Surroundings")
+        if self.occluders is not None:
+            check_kind(self.occluders, "occluders", Occluders, "a lamina.Occluders")
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,17 +163,20 @@ class Problem:
     def lit_by_walks(self) -> Lights:
         """The sources that walks from the points find."""
         lights = Lights() if self.lights is None else self.lights
-        return lights if self.image is None else Lights((), lights.surroundings)
+        if self.image is None:
+            return lights
+        return replace(lights, lamps=() if lights.occluders is None else lights.lamps, by_occluders=True)
 
     @functools.cached_property
     def described(self) -> dict:
         """What walks from the points depend on except for the solid and the samples; of given points."""
         lights = self.lit_by_walks
+        around = {} if lights.occluders is None else {"occluders": [lights.occluders.hash, lights.by_occluders]}
         return {"kind": "exits" if self.lights is None else "light", "interior": self.interior.hash,
                 "points": self.points.hash, "count": len(self.points.positions),
                 "surface": [self.boundary.ior, self.boundary.alpha, self.boundary.distribution],
                 "lamps": [to_json(lamp) for lamp in lights.lamps],
-                "surroundings": None if lights.surroundings is None else lights.surroundings.hash}
+                "surroundings": None if lights.surroundings is None else lights.surroundings.hash, **around}
 
     @functools.cached_property
     def described_photons(self) -> dict:

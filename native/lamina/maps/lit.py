@@ -15,6 +15,7 @@ from ..common.progress import Progress
 from ..interior.estimates import LightEstimate
 from ..interior.grid import Interior
 from ..interior.lamps import AnyLamp, Surroundings
+from ..interior.occluders import Occluders
 from ..interior.problem import Lights, Problem, Run, Surface
 from ..interior.solid import Solid
 from ..walks.searchlight_moments import Measured
@@ -60,9 +61,10 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
                seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None, threads: int = 0,
                progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
                surroundings: Surroundings | None = None,
-               preview: Callable[[LitImages], None] | None = None, spread: Executor | None = None) -> LitImages:
+               preview: Callable[[LitImages], None] | None = None, spread: Executor | None = None,
+               occluders: Occluders | None = None) -> LitImages:
     """The light that leaves an interior at each texel of a UV map, or at each vertex, under each of the `lamps` and
-    under the `surroundings`, by default a sky of radiance 1 from all directions.
+    under the `surroundings`, by default a sky of radiance 1 from all directions, among the `occluders`.
 
     `view`: direction to the eye, (3,), or `eye`: its position in mm, (3,). Points that face away are not in the mask;
     within the margin they have copies, beyond it they are black. By default the light is the cosine-weighted mean over
@@ -70,7 +72,7 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
     sends `samples` photons per point, or as many as `noise` asks for. The images have less noise than the estimates,
     see lamina.maps.smoothing. Other arguments and errors are those of relightable_images; `noise` is that of the
     estimates and concerns the worst lamp or the sky. Lamps are those of light_in_mesh."""
-    problem = Problem(solid, interior, surface, Lights(lamps, surroundings))
+    problem = Problem(solid, interior, surface, Lights(lamps, surroundings, occluders))
     target = Target(uvs, size, normals, margin, folder, view, eye)
     run = Run(samples, noise, seed, threads, progress, cancel, spread)
     return map_of(problem, target, run, _images, preview)

@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 
 from ..common.progress import Progress
-from ..interior.estimates import ExitEstimate, LightEstimate, with_photons
+from ..interior.estimates import ExitEstimate, LightEstimate, with_photons, without_lamps
 from ..interior.parts import merge_walks, part_of
 from ..interior.problem import Samples
 from ..interior.walk import Walker
@@ -35,11 +35,16 @@ class Trial:
 
     def samples_for(self, noise: float) -> tuple[int, int]:
         """Walks and photons per point, 16 to 2^20, for which `noise_of` the run is about `noise`."""
-        walks = _samples_for(noise, noise_of(self.estimate), TRIAL_SAMPLES)
         if self.photons is None:
+            walks = _samples_for(noise, noise_of(self.estimate), TRIAL_SAMPLES)
             return walks, walks
+        found = cast(LightEstimate, self.estimate)
         lamps = self.photons.lamps
-        return walks, _samples_for(noise, _of_worst_lamp(self.photons), self.photons.count.photons / len(lamps.value))
+        # What walks find of the light of lamps is a part of it.
+        part = Measured(lamps.value[self.chosen], found.lamps.stderr) if found.lamps_used else None
+        walked = max(relative_noise(found.sky), 0.0 if part is None else _of_worst_lamp(part))
+        sent = self.photons.count.photons / len(lamps.value)
+        return _samples_for(noise, walked, TRIAL_SAMPLES), _samples_for(noise, _of_worst_lamp(lamps), sent)
 
 
 def _samples_for(noise: float, found: float, samples: float) -> int:
@@ -59,7 +64,8 @@ def trial(walker: Walker, seed: int, step: Progress) -> Trial:
         sent = TRIAL_SAMPLES * len(chosen)
         sums = walker.photons(Samples(1, samples.seed), lambda fraction, _: step(0.5 + 0.5 * fraction, "Noise"),
                               range(sent))
-        photons, work = with_photons(cast(LightEstimate, found), sums, sent, lamps), work * (1 + len(lamps))
+        sky = without_lamps(cast(LightEstimate, found))
+        photons, work = with_photons(sky, sums, sent, lamps), work * (1 + len(lamps))
     return Trial(chosen, found, photons, time.perf_counter() - began, work)
 
 
@@ -67,11 +73,11 @@ def noise_of(estimate: ExitEstimate | LightEstimate) -> float:
     """The relative noise of a map: of the exit albedo, or of the light of the worst lamp or of the sky."""
     if isinstance(estimate, ExitEstimate):
         return relative_noise(estimate.albedo)
-    return max(_of_worst_lamp(estimate), relative_noise(estimate.sky))
+    return max(_of_worst_lamp(estimate.lamps), relative_noise(estimate.sky))
 
 
-def _of_worst_lamp(estimate: LightEstimate) -> float:
-    value, stderr = estimate.lamps.value, estimate.lamps.stderr
+def _of_worst_lamp(lamps: Measured) -> float:
+    value, stderr = lamps.value, lamps.stderr
     return max((relative_noise(Measured(value[:, k], stderr[:, k])) for k in range(value.shape[1])), default=0.0)
 
 

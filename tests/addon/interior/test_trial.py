@@ -5,9 +5,9 @@ right for closed bodies, and shares no code with the walks."""
 import bpy
 import numpy as np
 import pytest
-from tried_bodies import blocks, body
+from tried_bodies import blocks, body, others
 
-from lamina import HenyeyGreenstein, Isotropic, Medium, Stack
+from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack
 
 
 @pytest.fixture
@@ -38,6 +38,42 @@ def test_a_volume_has_no_error(addon, trial, shape, light, phase):
     found = trial.make(bpy.context, obj, material)
     assert abs(found.error) < 3.0 * found.stderr and found.stderr < 0.02 and found.places > 500
     assert blocks() == before
+
+
+@pytest.mark.parametrize(("shape", "light"), [("torus", "side"), ("torus", "sky"), ("plate", "sky")])
+def test_a_volume_among_others_has_no_error(addon, trial, shape, light):
+    """Walks know the shadows of other objects, and the light that they reflect: both change the picture."""
+    obj = body(shape, light)
+    material = shown(addon, obj, Isotropic(), "VOLUME")
+    alone = trial.gather(bpy.context, obj, material)
+    others()
+    among = trial.gather(bpy.context, obj, material)
+    assert alone.occluders is None and among.occluders is not None
+    found = trial.walk(among)
+    assert abs(found.error) < 3.0 * found.stderr and found.stderr < 0.02
+    assert abs(among.rendered.mean() / alone.rendered.mean() - 1.0) > 0.04
+
+
+def test_what_another_object_hides_is_not_tried(addon, trial):
+    obj = body("torus", "sky")
+    material = shown(addon, obj, Isotropic(), "RELIGHTABLE")
+    seen = len(trial.gather(bpy.context, obj, material).places.pixels)
+    others()
+    bpy.data.objects["Wall"].location = (-0.4, -4.0, 0.0)
+    bpy.data.objects["Wall"].rotation_euler.z = 1.57
+    bpy.context.view_layer.update()
+    assert trial.LEAST_PLACES < len(trial.gather(bpy.context, obj, material).places.pixels) < seen
+
+
+def test_volume_below_a_boundary_needs_none(addon, trial, call):
+    obj = body("torus", "sky")
+    material = obj.active_material
+    addon.editing.layer_list.add_stack(material)
+    medium = Medium(sigma_s=9.0, sigma_a=0.5, thickness=np.inf)
+    addon.editing.stack_io.assign_stack(material, Stack([Interface(1.3), medium]))
+    addon.baking.lateral_job.make(material, quality="preview", output="VOLUME")
+    with pytest.raises(RuntimeError, match="right without a trial"):
+        call(bpy.ops.lamina.trial, material)
 
 
 @pytest.mark.parametrize(("shape", "light", "error"), [("torus", "behind", -0.067), ("plate", "behind", 0.097),

@@ -8,9 +8,10 @@ from walk_meshes import sphere
 from z_limit import z_limit
 
 import lamina
-from lamina import AreaLamp, EndMaterial, Interior, Lamp, PointLamp, SpotLamp, Surface
+from lamina import AreaLamp, EndMaterial, Interior, Lamp, Occluders, PointLamp, SpotLamp, Surface
 from lamina.common.progress import silent
-from lamina.interior.problem import Lights, Problem, Samples, TexelImage, WalkPoints
+from lamina.interior.parts import estimated
+from lamina.interior.problem import Lights, Problem, Run, Samples, TexelImage, WalkPoints
 from lamina.interior.walk import Walker
 from lamina.maps import part_folder
 from lamina.maps.places import places_of
@@ -19,6 +20,10 @@ PER_SIDE = 2  # texels of a face of a voxel
 LAMPS = [Lamp([0.4, -1.0, 0.6], 0.3), PointLamp([1.0, 0.5, 5.0], 0.6),
          SpotLamp([5.0, 5.0, 1.0], [-1.0, -1.0, -0.1], 0.7, 0.4, 0.5),
          AreaLamp([-3.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0])]
+# A colored floor, and a wall beside.
+AROUND = Occluders([[-9, -9, -0.2], [9, -9, -0.2], [9, 9, -0.2], [-9, 9, -0.2],
+                    [-1, -1, 0], [-1, 4, 0], [-1, 4, 0.8], [-1, -1, 0.8]],
+                   [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]], [[0.9, 0.5, 0.2]] * 2 + [[0.3, 0.6, 0.8]] * 2)
 PLAIN = Interior.uniform(EndMaterial((2.0, 3.0, 1.5), (0.1, 0.02, 0.3), 0.4))
 RNG = np.random.default_rng(4)
 VEINED = Interior.of_coefficients(RNG.uniform(1.0, 4.0, (4, 4, 4, 3)), RNG.uniform(0.0, 0.5, (4, 4, 4, 3)), (0, 0, 0),
@@ -53,10 +58,10 @@ CUP = {(x, y, z) for x in range(3) for y in range(3) for z in range(2)} - {(1, 1
 STAIRS = {(0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 1, 0)}
 
 
-def walker_of(solid, uvs, size, interior, surface, lamps):
+def walker_of(solid, uvs, size, interior, surface, lamps, occluders=None):
     places = places_of(solid, uvs, size, None)
     points = WalkPoints.of(places.points.positions, places.points.normals)
-    return Walker(Problem(solid, interior, surface, Lights(lamps), points), 0, silent).lit_by_photons(
+    return Walker(Problem(solid, interior, surface, Lights(lamps, None, occluders), points), 0, silent).lit_by_photons(
         TexelImage(uvs, places.mask))
 
 
@@ -69,15 +74,18 @@ def radiance(walker, samples, seed):
 
 
 # Walks rarely find a small lamp behind a smooth boundary: with few of them, their stated errors are too small.
-@pytest.mark.parametrize(("filled", "interior", "surface", "samples"), [
-    (STAIRS, PLAIN, Surface(1.4), 150), (STAIRS, PLAIN, Surface(1.4, 0.3), 20), (STAIRS, VEINED, Surface(), 20),
-    (CUP, PLAIN, Surface(), 20), (CUP, VEINED, Surface(1.4, 0.3), 20)],
-    ids=["smooth", "rough", "veined", "cup", "veined rough cup"])
-def test_photons_and_walks_agree(filled, interior, surface, samples):
-    """The mean over the faces of each side: photons by texels, walks from random places."""
+@pytest.mark.parametrize(("filled", "interior", "surface", "samples", "occluders"), [
+    (STAIRS, PLAIN, Surface(1.4), 150, None), (STAIRS, PLAIN, Surface(1.4, 0.3), 20, None),
+    (STAIRS, VEINED, Surface(), 20, None), (CUP, PLAIN, Surface(), 20, None),
+    (CUP, VEINED, Surface(1.4, 0.3), 20, None), (STAIRS, PLAIN, Surface(1.4, 0.3), 60, AROUND),
+    (CUP, PLAIN, Surface(), 60, AROUND)],
+    ids=["smooth", "rough", "veined", "cup", "veined rough cup", "rough among others", "cup among others"])
+def test_photons_and_walks_agree(filled, interior, surface, samples, occluders):
+    """The mean over the faces of each side: photons by texels, walks from random places. Light that meets an occluder
+    first is left to walks in both."""
     solid, uvs, across = of_voxels(filled)
     size = PER_SIDE * across
-    walker = walker_of(solid, uvs, size, interior, surface, LAMPS)
+    walker = walker_of(solid, uvs, size, interior, surface, LAMPS, occluders)
     value, stderr = radiance(walker, 300, 1)
     rows, columns = np.nonzero(walker.problem.image.mask)
     face = rows // PER_SIDE * across + columns // PER_SIDE
@@ -89,8 +97,15 @@ def test_photons_and_walks_agree(filled, interior, surface, samples):
     u, v = rng.uniform(0.001, 0.999, (2, len(squares), places, 1))
     spots = squares[:, None, 0] + u * sides[0][:, None] + v * sides[1][:, None]
     normals = np.repeat(np.cross(*sides)[:, None], places, axis=1)
-    found = lamina.light_in_mesh(solid, interior, LAMPS, spots.reshape(-1, 3), normals.reshape(-1, 3), surface=surface,
-                                 samples=samples, seed=3).lamps.value.reshape(len(squares), places, len(LAMPS), 3)
+    points = WalkPoints.of(spots.reshape(-1, 3), normals.reshape(-1, 3))
+
+    def by_walks(lights, seed):
+        found = estimated(Problem(solid, interior, surface, lights, points), Run(samples, seed=seed))
+        return found.lamps.value.reshape(len(squares), places, len(LAMPS), 3)
+
+    found = by_walks(Lights(LAMPS, None, occluders), 3)
+    if occluders is not None:
+        found = found - by_walks(Lights(LAMPS, None, occluders, by_occluders=True), 4)
     walk_errors = found.std(axis=1) / np.sqrt(places - 1)
 
     def of_sides(values, which):

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh_walk/lit_tally.hpp"
 
+#include <algorithm>
+#include <numbers>
+
 namespace lamina {
 
 void LitSums::add(const LitSums& other) {
@@ -20,7 +23,7 @@ void LitTally::escapes(const Ray& direction, const Weights& weights) {
 }
 
 void LitTally::scatters(const Scattering& scattering, Rng& rng) {
-  if (lamps_.empty()) {
+  if (lamps_.empty() || by_occluders_) {
     return;
   }
   if (walk_.boundary().kind() == SurfaceBoundary::Kind::kMatched) {
@@ -55,7 +58,33 @@ void LitTally::scatters(const Scattering& scattering, Rng& rng) {
   }
 }
 
+void LitTally::reflects(const Occluders::Hit& hit, const Weights& weights, Rng& rng) {
+  for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    const LampLight light = lamps_[k].light(hit.place, LampPoint(rng));
+    const double flux = light.irradiance * std::max(0.0, light.towards.dot(hit.normal));
+    if (flux == 0.0) {
+      continue;
+    }
+    // Light that meets the solid first is not light that meets an occluder first.
+    if (by_occluders_) {
+      ++counts_.rays;
+      if (walk_.is_visible(hit.place, light.towards, light.distance)) {
+        add(k, weights, flux / std::numbers::pi);
+      }
+      continue;
+    }
+    Weights seen = walk_.arriving(hit.place, light.towards, light.distance, rng, counts_);
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      seen[c] *= weights[c];
+    }
+    add(k, seen, flux / std::numbers::pi);
+  }
+}
+
 void LitTally::meets_boundary(const Meeting& meeting, Rng& rng) {
+  if (by_occluders_) {
+    return;
+  }
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
     double share = 1.0;
     LampPoint point = last_ ? *aims_[k].point : LampPoint(rng);

@@ -25,13 +25,16 @@ struct LitSums {
 ///   rough: at each meeting with the boundary the share that goes to the lamp; smooth: the light that is refracted or
 ///   reflected into the lamp, whose size must not be 0. In both cases also a ray from each scattering in the direction
 ///   of an AimedLight.
-/// Paths that escape count the surroundings. Light that leaves and meets the solid again is followed.
+/// Paths that escape count the surroundings. Light that leaves and meets the solid again is followed. At an occluder,
+/// a ray goes to each lamp.
 class LitTally final : public WalkListener {
  public:
-  LitTally(const MeshWalk& walk, const std::vector<Lamp>& lamps, const Surroundings& surroundings, LitSums& sums,
-           WalkCounts& counts)
+  /// `by_occluders`: of the light of lamps, only that which meets an occluder first.
+  LitTally(const MeshWalk& walk, const std::vector<Lamp>& lamps, bool by_occluders, const Surroundings& surroundings,
+           LitSums& sums, WalkCounts& counts)
       : walk_(walk),
         lamps_(lamps),
+        by_occluders_(by_occluders),
         surroundings_(surroundings),
         sums_(sums),
         counts_(counts),
@@ -41,6 +44,7 @@ class LitTally final : public WalkListener {
   bool leaves(const Meeting&) override { return true; }
   void escapes(const Ray& direction, const Weights& weights) override;
   void scatters(const Scattering& scattering, Rng& rng) override;
+  void reflects(const Occluders::Hit& hit, const Weights& weights, Rng& rng) override;
   void meets_boundary(const Meeting& meeting, Rng& rng) override;
 
   void starts() override { last_.reset(); }
@@ -62,6 +66,7 @@ class LitTally final : public WalkListener {
 
   const MeshWalk& walk_;
   const std::vector<Lamp>& lamps_;
+  bool by_occluders_;
   const Surroundings& surroundings_;
   LitSums& sums_;
   WalkCounts& counts_;

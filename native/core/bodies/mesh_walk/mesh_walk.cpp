@@ -59,6 +59,7 @@ class MeshWalk::Path {
       : solid_(walk.solid_),
         grid_(walk.grid_),
         boundary_(walk.boundary_),
+        occluders_(walk.occluders_),
         leader_(leader),
         serves_all_(serves_all),
         rng_(rng),
@@ -288,6 +289,15 @@ class MeshWalk::Path {
     for (;;) {
       ++counts_.rays;
       const auto crossing = SurfaceSearch(solid_, place_, direction_, shells_, true).entering(kInfinity);
+      if (occluders_ != nullptr) {
+        const double end = crossing ? crossing->distance : kInfinity;
+        if (const auto other = occluders_->first(place_, direction_, end)) {
+          if (!reflect(*other)) {
+            return false;
+          }
+          continue;
+        }
+      }
       if (!crossing) {
         listener_.escapes(direction_, weights_);
         return false;
@@ -307,6 +317,21 @@ class MeshWalk::Path {
         return false;
       }
     }
+  }
+
+  /// Light outside meets an occluder. Returns false if none is left.
+  bool reflect(const Occluders::Hit& other) {
+    ++counts_.rays;
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      weights_[c] *= static_cast<double>(other.albedo[c]);
+    }
+    if (mean_of(weights_) == 0.0) {
+      return false;
+    }
+    place_ = other.place;
+    direction_ = about(other.normal);
+    listener_.reflects(other, weights_, aside_);
+    return survives_roulette();
   }
 
   void turn(const SurfaceBoundary::Outcome& outcome) {
@@ -333,6 +358,7 @@ class MeshWalk::Path {
   const Solid& solid_;
   const CoefficientGrid& grid_;
   const SurfaceBoundary& boundary_;
+  const Occluders* occluders_;
   std::size_t leader_;
   bool serves_all_;  ///< channels, not the leader only
   Rng rng_;

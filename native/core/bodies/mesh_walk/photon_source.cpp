@@ -52,7 +52,8 @@ double arriving(const LampLight& light, const Ray& normal) {
 
 }  // namespace
 
-PhotonSource::PhotonSource(const Solid& solid, Lamp lamp) : solid_(solid), lamp_(std::move(lamp)) {
+PhotonSource::PhotonSource(const Solid& solid, Lamp lamp, const Occluders* occluders)
+    : solid_(solid), lamp_(std::move(lamp)), occluders_(occluders) {
   std::vector<double> fluxes;
   std::vector<double> areas;
   double area = 0.0;
@@ -102,6 +103,9 @@ std::optional<MeshWalk::Photon> PhotonSource::photon(Rng& rng, WalkCounts& count
   const double away = std::min(light.distance, 2.0 * solid_.size());
   const auto first = SurfaceSearch(solid_, place.moved(light.towards, away), -light.towards, 0, false).entering(away);
   if (first && first->distance < away - 1e-4 * solid_.size()) {
+    return std::nullopt;
+  }
+  if (occluders_ != nullptr && occluders_->block(place, light.towards, light.distance)) {
     return std::nullopt;
   }
   return MeshWalk::Photon{place, here.normal, face, -light.towards, flux / (probability * flux_)};

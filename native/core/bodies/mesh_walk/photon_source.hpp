@@ -10,11 +10,12 @@
 
 namespace lamina {
 
-/// Draws photons of a lamp where they meet a solid from outside. Faces, and patches of large faces, are drawn with
-/// probabilities that are about proportional to the flux on them, without shadows.
+/// Draws photons of a lamp where they meet a solid from outside, without those that an occluder reflects on their way.
+/// Faces, and patches of large faces, are drawn with probabilities that are about proportional to the flux on them,
+/// without shadows.
 class PhotonSource {
  public:
-  PhotonSource(const Solid& solid, Lamp lamp);
+  PhotonSource(const Solid& solid, Lamp lamp, const Occluders* occluders = nullptr);
 
   /// About the flux on the solid, without shadows. Photons have weights relative to this flux.
   double flux() const { return flux_; }
@@ -31,6 +32,7 @@ class PhotonSource {
 
   const Solid& solid_;
   Lamp lamp_;
+  const Occluders* occluders_;
   double flux_ = 0.0;
   std::vector<Patch> patches_;
   std::vector<double> up_to_;  ///< sums of the patches' probabilities

@@ -60,9 +60,9 @@ std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& po
 }
 
 std::vector<LitResult> walk_to_lights(const MeshWalk& walk, const WalkPoints& points, const std::vector<Lamp>& lamps,
-                                      const Surroundings& surroundings, ThreadPool& pool) {
+                                      bool by_occluders, const Surroundings& surroundings, ThreadPool& pool) {
   const auto run = [&](const MeshWalk::Start& start, LitResult& result, const auto& each) {
-    LitTally tally(walk, lamps, surroundings, result.light, result.counts);
+    LitTally tally(walk, lamps, by_occluders, surroundings, result.light, result.counts);
     each([&](Rng& rng) {
       walk.run(start, rng, tally, result.counts);
       tally.finish();

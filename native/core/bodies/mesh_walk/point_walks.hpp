@@ -37,8 +37,8 @@ struct LitResult {
 std::vector<ExitResult> walk_to_exits(const MeshWalk& walk, const WalkPoints& points, ThreadPool& pool,
                                       const LateAfter& late_after = {kNever, kNever, kNever});
 
-/// Estimates the radiance that leaves at each point under lamps and the surroundings.
+/// Estimates the radiance that leaves at each point under lamps and the surroundings. `by_occluders`: see LitTally.
 std::vector<LitResult> walk_to_lights(const MeshWalk& walk, const WalkPoints& points, const std::vector<Lamp>& lamps,
-                                      const Surroundings& surroundings, ThreadPool& pool);
+                                      bool by_occluders, const Surroundings& surroundings, ThreadPool& pool);
 
 }  // namespace lamina

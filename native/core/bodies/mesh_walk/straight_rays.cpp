@@ -59,6 +59,11 @@ Weights MeshWalk::transmittance(const Place& from, const Ray& direction, double 
     }
     ++counts.rays;
     const auto in = surface.entering(farthest);
+    const Place outside = from.moved(direction, out->distance);
+    if (occluders_ != nullptr &&
+        occluders_->block(outside, direction, (in ? in->distance : farthest) - out->distance)) {
+      return {};
+    }
     if (!in) {
       return shares;
     }
@@ -90,8 +95,25 @@ std::optional<Ray> MeshWalk::normal_towards(const Place& from, const Ray& direct
   return out && !out->is_opaque ? std::optional(out->normal) : std::nullopt;
 }
 
+Weights MeshWalk::arriving(const Place& from, const Ray& direction, double farthest, Rng& rng,
+                           WalkCounts& counts) const {
+  ++counts.rays;
+  const auto in = SurfaceSearch(solid_, from, direction, 1, true).entering(farthest);
+  if (occluders_ != nullptr && occluders_->block(from, direction, in ? in->distance : farthest)) {
+    return {};
+  }
+  if (!in) {
+    return {1.0, 1.0, 1.0};
+  }
+  if (in->is_opaque || boundary_.kind() != SurfaceBoundary::Kind::kMatched) {
+    return {};
+  }
+  return transmittance(from.moved(direction, in->distance), direction, farthest - in->distance, 1, rng, counts);
+}
+
 bool MeshWalk::is_visible(const Place& from, const Ray& direction, double farthest) const {
-  return !SurfaceSearch(solid_, from, direction, 1, true).entering(farthest);
+  return !SurfaceSearch(solid_, from, direction, 1, true).entering(farthest) &&
+         (occluders_ == nullptr || !occluders_->block(from, direction, farthest));
 }
 
 }  // namespace lamina

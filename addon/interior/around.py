@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The other objects of a scene: they cast shadows on a body, and reflect light onto it."""
+
+import hashlib
+
+import numpy as np
+from mathutils import Matrix
+
+from ..base import mesh_arrays
+from ..nodes import links, other_materials, principled
+
+MARKED = 1000  # objects that are looked at whenever a panel is drawn
+SHAPES = frozenset({"MESH", "CURVE", "SURFACE", "META", "FONT"})
+_COLORS = {
+    "BSDF_DIFFUSE": "Color",
+    "BSDF_PRINCIPLED": "Base Color",
+    "BSDF_METALLIC": "Base Color",
+    "BSDF_GLOSSY": "Color",
+    "BSDF_SHEEN": "Color",
+}
+
+
+def occluders(depsgraph, obj, frame, lamina):
+    """A lamina.Occluders of what a dependency graph shows beside an object, in the object's axes, or None.
+    Materials that light passes, such as glass, are left out."""
+    shapes, places, found, albedos, first = {}, [], [], [], 0
+    for instance in depsgraph.object_instances:
+        other = instance.object
+        if other.type not in SHAPES or not instance.show_self or not other.visible_shadow:
+            continue
+        if other.original == obj and not instance.is_instance:
+            continue
+        key = other.session_uid, other.data.session_uid
+        if key not in shapes:
+            shapes[key] = _shape(other)
+        vertices, triangles, albedo = shapes[key]
+        if len(triangles):
+            matrix = np.array(instance.matrix_world, float)
+            world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+            places.append(frame.unit * (world - frame.origin) @ frame.axes)
+            found.append(triangles + first)
+            albedos.append(albedo)
+            first += len(vertices)
+    if not found:
+        return None
+    arrays = map(np.concatenate, (places, found, albedos))
+    return lamina.Occluders(*arrays)
+
+
+def mark(objects, obj):
+    """A text that changes when other objects of the scene change place or size; cheap."""
+    found = []
+    for one in objects:
+        if len(found) < MARKED and one != obj and one.type in SHAPES and one.visible_shadow:
+            numbers = [round(value, 4) for row in one.matrix_world for value in row]
+            size = [round(value, 4) for value in one.dimensions]
+            found.append((one.name, numbers, size))
+    return hashlib.sha256(repr(sorted(found)).encode()).hexdigest()[:16]
+
+
+def _shape(obj):
+    """(vertices, triangles, albedo of each triangle) in the object's own space, of faces that light does not
+    pass."""
+    nothing = np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3))
+    mesh = obj.to_mesh()
+    if mesh is None:
+        return nothing
+    try:
+        still = Matrix.Identity(4)
+        vertices, triangles = mesh_arrays.vertices(mesh, still, 1.0), mesh_arrays.triangles(mesh, still)
+        slots = other_materials.of_slots(mesh.loop_triangles, obj)
+    finally:
+        obj.to_mesh_clear()
+    materials = [slot.material for slot in obj.material_slots] or [None]
+    opaque = np.array([not other_materials.passes(one) for one in materials])
+    kept = opaque[slots]
+    albedo = np.array([albedo_of(one) for one in materials])
+    return vertices, triangles[kept].astype(np.int64), albedo[slots[kept]]
+
+
+def albedo_of(material):
+    """About the share of light that a material reflects: the color of its Principled BSDF or of the first
+    closure with one. The viewport's color stands for a texture."""
+    if material is None:
+        return (0.8, 0.8, 0.8)  # as Cycles renders an empty slot
+    shader = principled.shown(material)
+    for node in [] if shader is None else links.upstream(shader.node):
+        if node.type in _COLORS and not node.mute:
+            socket = node.inputs[_COLORS[node.type]]
+            color = material.diffuse_color if socket.links else socket.default_value
+            return tuple(min(max(value, 0.0), 1.0) for value in color[:3])
+    return (0.0, 0.0, 0.0) if shader is not None else tuple(material.diffuse_color[:3])

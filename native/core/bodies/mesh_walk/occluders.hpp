@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Opaque things around a solid: they cast shadows on it, and reflect light diffusely.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "interior/channels.hpp"
+#include "interior/place.hpp"
+#include "mesh/mesh_scene.hpp"
+
+namespace lamina {
+
+/// Triangles outside of a solid, in its coordinates. Both sides of a face reflect.
+class Occluders {
+ public:
+  /// Where a ray meets a face: a position just above it, the normal on the ray's side, and the albedo.
+  struct Hit {
+    Place place;
+    Ray normal;
+    std::array<float, kChannels> albedo;
+  };
+
+  /// `albedo`: of each face. `size`: of the solid in mm; what is nearer than a small share of it does not count. Calls
+  /// `go_on(fraction)` from time to time. Throws MeshScene::Stopped if `go_on` returns false.
+  Occluders(TrianglePart part, std::vector<std::array<float, kChannels>> albedo, double size, unsigned threads,
+            const std::function<bool(double)>& go_on)
+      : albedo_(std::move(albedo)), nearest_(kNearest * size), scene_({std::move(part)}, threads, go_on) {}
+
+  /// True if a face lies on the way from a position up to the distance `farthest`.
+  bool block(const Place& from, const Ray& direction, double farthest) const {
+    return nearest_ < farthest && scene_.occluded(ray(from, direction, farthest));
+  }
+
+  /// The first face on that way.
+  std::optional<Hit> first(const Place& from, const Ray& direction, double farthest) const {
+    const auto hit = nearest_ < farthest ? scene_.first_surface(ray(from, direction, farthest)) : std::nullopt;
+    if (!hit) {
+      return std::nullopt;
+    }
+    const Ray normal = {hit->normal[0], hit->normal[1], hit->normal[2]};
+    const Ray facing = normal.dot(direction) < 0.0 ? normal : -normal;
+    const Place place = from.moved(direction, hit->distance);
+    const double rounding = kRounding * (std::abs(place.x) + std::abs(place.y) + std::abs(place.z) + hit->distance);
+    return Hit{place.moved(facing, rounding), facing, albedo_[hit->face]};
+  }
+
+ private:
+  static constexpr double kNearest = 1e-4;
+  static constexpr double kRounding = 4e-6;  // some tens of errors of single precision, relative to coordinates
+
+  MeshRay ray(const Place& from, const Ray& direction, double farthest) const {
+    constexpr double kFar = std::numeric_limits<float>::max();
+    return {{static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z)},
+            {static_cast<float>(direction.x), static_cast<float>(direction.y), static_cast<float>(direction.z)},
+            static_cast<float>(nearest_),
+            static_cast<float>(std::min(farthest, kFar))};
+  }
+
+  std::vector<std::array<float, kChannels>> albedo_;
+  double nearest_;
+  MeshScene scene_;
+};
+
+}  // namespace lamina

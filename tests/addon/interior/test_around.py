@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The other objects of a scene, as occluders of a body."""
+
+import bpy
+import numpy as np
+import pytest
+from tried_bodies import body, others
+
+
+@pytest.fixture
+def seen(addon, lamina):
+    from bl_ext.user_default.lamina.interior import seen
+
+    obj = body("torus", "side")
+    obj.location, obj.rotation_euler, obj.scale = (1.0, 2.0, 3.0), (0.3, 0.2, 0.1), (2.0, 2.0, 2.0)
+    others()
+
+    def occluders():
+        bpy.context.view_layer.update()
+        return seen.of_object(bpy.context, obj, obj.active_material).occluders
+
+    return occluders
+
+
+def glass(material):
+    nodes = material.node_tree.nodes
+    node = nodes.new("ShaderNodeBsdfGlass")
+    material.node_tree.links.new(node.outputs[0], nodes["Material Output"].inputs["Surface"])
+
+
+def test_places_in_the_axes_of_the_body(seen):
+    """In millimetres, with the diffuse colors."""
+    found = seen()
+    obj = bpy.data.objects["Torus"]
+    world = np.array([(obj.matrix_world @ obj.matrix_world.inverted() @ corner.co) for corner in
+                      bpy.data.meshes["Wall"].vertices])
+    matrix = np.array(obj.matrix_world.to_3x3()) / 2.0
+    wanted = (world - np.array(obj.location)) @ matrix
+    np.testing.assert_allclose(sorted(map(tuple, found.vertices[-4:].round(4))), sorted(map(tuple, wanted.round(4))),
+                               atol=2e-4)
+    assert {tuple(row) for row in found.albedo.round(4).tolist()} == {(0.8, 0.4, 0.2), (0.1, 0.3, 0.7)} or np.allclose(
+        np.unique(found.albedo, axis=0), [[0.1, 0.3, 0.7], [0.8, 0.4, 0.2]])
+
+
+def test_what_is_left_out(seen):
+    assert len(seen().triangles) == 4
+    bpy.data.objects["Wall"].hide_render = True
+    assert len(seen().triangles) == 2
+    bpy.data.objects["Floor"].visible_shadow = False
+    assert seen() is None
+    bpy.data.objects["Wall"].hide_render, bpy.data.objects["Floor"].visible_shadow = False, True
+    glass(bpy.data.materials["Floor"])
+    assert len(seen().triangles) == 2
+
+
+def test_copies_and_curves_count(seen):
+    curve = bpy.data.curves.new("Tube", "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.1
+    spline = curve.splines.new("POLY")
+    spline.points.add(1)
+    spline.points[1].co = (1.0, 0.0, 0.0, 1.0)
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Tube", curve))
+    tube = len(seen().triangles) - 4
+    assert tube > 0
+    again = bpy.data.objects.new("Again", bpy.data.objects["Torus"].data)
+    bpy.context.scene.collection.objects.link(again)
+    assert len(seen().triangles) == 4 + tube + len(again.data.loop_triangles) or len(seen().triangles) > 4 + tube
+
+
+def test_albedos(addon, seen):
+    from bl_ext.user_default.lamina.interior import around
+
+    plain = bpy.data.materials.new("Plain")
+    plain.use_nodes = True
+    plain.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.1, 0.2, 0.3, 1.0)
+    assert around.albedo_of(plain) == pytest.approx((0.1, 0.2, 0.3))
+    texture = plain.node_tree.nodes.new("ShaderNodeTexNoise")
+    plain.node_tree.links.new(texture.outputs["Color"], plain.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
+    plain.diffuse_color = (0.5, 0.6, 0.7, 1.0)
+    assert around.albedo_of(plain) == pytest.approx((0.5, 0.6, 0.7))
+    assert around.albedo_of(None) == (0.8, 0.8, 0.8)
