@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The other objects of a scene: they cast shadows on a body, and reflect light onto it."""
+"""The other objects of a scene: they cast shadows on a body, reflect light onto it, and may shine."""
 
 import hashlib
 
@@ -18,12 +18,13 @@ _COLORS = {
     "BSDF_GLOSSY": "Color",
     "BSDF_SHEEN": "Color",
 }
+_SHINING = {"EMISSION": ("Color", "Strength"), "BSDF_PRINCIPLED": ("Emission Color", "Emission Strength")}
 
 
 def occluders(depsgraph, obj, frame, lamina):
     """A lamina.Occluders of what a dependency graph shows beside an object, in the object's axes, or None.
     Materials that light passes, such as glass, are left out."""
-    shapes, places, found, albedos, first = {}, [], [], [], 0
+    shapes, places, found, looks, first = {}, [], [], [], 0
     for instance in depsgraph.object_instances:
         other = instance.object
         if other.type not in SHAPES or not instance.show_self or not other.visible_shadow:
@@ -33,18 +34,18 @@ def occluders(depsgraph, obj, frame, lamina):
         key = other.session_uid, other.data.session_uid
         if key not in shapes:
             shapes[key] = _shape(other)
-        vertices, triangles, albedo = shapes[key]
+        vertices, triangles, look = shapes[key]
         if len(triangles):
             matrix = np.array(instance.matrix_world, float)
             world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
             places.append(frame.unit * (world - frame.origin) @ frame.axes)
             found.append(triangles + first)
-            albedos.append(albedo)
+            looks.append(look)
             first += len(vertices)
     if not found:
         return None
-    arrays = map(np.concatenate, (places, found, albedos))
-    return lamina.Occluders(*arrays)
+    places, found, looks = map(np.concatenate, (places, found, looks))
+    return lamina.Occluders(places, found, looks[:, 0], looks[:, 1])
 
 
 def mark(objects, obj):
@@ -59,9 +60,9 @@ def mark(objects, obj):
 
 
 def _shape(obj):
-    """(vertices, triangles, albedo of each triangle) in the object's own space, of faces that light does not
-    pass."""
-    nothing = np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3))
+    """(vertices, triangles, (albedo, emission) of each triangle) in the object's own space, of faces that
+    light does not pass."""
+    nothing = np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 2, 3))
     mesh = obj.to_mesh()
     if mesh is None:
         return nothing
@@ -74,8 +75,8 @@ def _shape(obj):
     materials = [slot.material for slot in obj.material_slots] or [None]
     opaque = np.array([not other_materials.passes(one) for one in materials])
     kept = opaque[slots]
-    albedo = np.array([albedo_of(one) for one in materials])
-    return vertices, triangles[kept].astype(np.int64), albedo[slots[kept]]
+    looks = np.array([(albedo_of(one), emission_of(one)) for one in materials])
+    return vertices, triangles[kept].astype(np.int64), looks[slots[kept]]
 
 
 def albedo_of(material):
@@ -90,3 +91,16 @@ def albedo_of(material):
             color = material.diffuse_color if socket.links else socket.default_value
             return tuple(min(max(value, 0.0), 1.0) for value in color[:3])
     return (0.0, 0.0, 0.0) if shader is not None else tuple(material.diffuse_color[:3])
+
+
+def emission_of(material):
+    """The radiance that a material emits: of its Emission nodes or its Principled BSDF; what a texture
+    controls is left out."""
+    shader = None if material is None else principled.shown(material)
+    for node in [] if shader is None else links.upstream(shader.node):
+        names = _SHINING.get(node.type)
+        if names and not node.mute and not any(node.inputs[name].links for name in names):
+            color, strength = (node.inputs[name].default_value for name in names)
+            if strength > 0.0 and any(color[:3]):
+                return tuple(strength * max(value, 0.0) for value in color[:3])
+    return (0.0, 0.0, 0.0)

@@ -158,11 +158,7 @@ def gather(context, obj, material, folder=None):
     if settings.output == "RELIGHTABLE" and shape.opaque.any():
         remarks = (*remarks, other_materials.OPEN_TO_LAMPS)
     uv_map = uv_map or named
-    sources = []
-    if is_lit:
-        sources = [*found.lamps, lights.world(scene, shape.frame)]
-        if all(one.is_dark for one in sources):
-            raise RefusedError(f"nothing lights {obj.name}: add a lamp or a world")
+    sources = lights.of_scene(scene, obj, found) if is_lit else []
     filled = contents.of_material(obj, material, shape)
     node = contents.texture(material) if settings.source == "NODES" else ()
     has_image = any(one.radiance is not None for one in sources)

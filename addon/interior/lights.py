@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.messages import RefusedError
 from ..nodes import links, node_tree
 from . import world_image
 
@@ -43,6 +44,23 @@ class Source:
 
 
 DARK = Source(WORLD, 0.0, (1.0, 1.0, 1.0))
+
+
+def of_scene(scene, obj, seen):
+    """The lamps, then the world, of a seen.Seen. What other objects emit is part of the world's image. Main
+    thread only. Raises RefusedError, also where nothing lights the object."""
+    shines = seen.occluders is not None and bool(seen.occluders.emission.any())
+    sky = world(scene, seen.body.frame)
+    sources = [*seen.lamps, _absolute(sky) if shines else sky]
+    if not shines and all(one.is_dark for one in sources):
+        raise RefusedError(f"nothing lights {obj.name}: add a lamp or a world")
+    return sources
+
+
+def _absolute(sky):
+    """The world with an image that holds its strength and color."""
+    found = np.ones((1, 1, 3), np.float32) if sky.radiance is None else sky.radiance
+    return Source(WORLD, 1.0, (1.0,) * 3, radiance=found * (sky.strength * np.float32(sky.colour)))
 
 
 def world(scene, frame):

@@ -97,9 +97,7 @@ def gather(context, obj, material, shown=None):
         raise RefusedError(sentence)
     lamina, scene = native.require(), context.scene
     found = seen.of_object(context, obj, material)
-    sources = [*found.lamps, lights.world(scene, found.body.frame)]
-    if all(one.is_dark for one in sources):
-        raise RefusedError(f"nothing lights {obj.name}: add a lamp or a world")
+    sources = lights.of_scene(scene, obj, found)
     # Nodes of the panel's choice Soft show the layers, whatever Veins would fill.
     source = "LAYERS" if shown.lamina.lateral_report else None
     filled = contents.of_material(obj, material, found.body, source)

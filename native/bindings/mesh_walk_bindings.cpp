@@ -37,15 +37,18 @@ struct BoundSolid {
         go_on, [&](const auto& ask) { return std::make_unique<Solid>(std::move(part), std::move(opaque), pool, ask); });
   }
 
-  void stand_among(const Floats& vertices, const Indices& triangles, const Floats& albedo, const py::function& go_on) {
+  void stand_among(const Floats& vertices, const Indices& triangles, const Floats& albedo, const Floats& emission,
+                   const py::function& go_on) {
     TrianglePart part = part_of(vertices, triangles);
     require_triples(albedo, "albedo");
-    if (part.triangles.empty() || albedo.shape(0) != triangles.shape(0)) {
-      throw py::value_error("triangles and albedo must have the same number of rows, at least one");
+    require_triples(emission, "emission");
+    if (part.triangles.empty() || albedo.shape(0) != triangles.shape(0) || emission.shape(0) != triangles.shape(0)) {
+      throw py::value_error("triangles, albedo and emission must have the same number of rows, at least one");
     }
-    std::vector<std::array<float, kChannels>> values(static_cast<std::size_t>(albedo.shape(0)));
+    std::vector<Occluders::Face> values(static_cast<std::size_t>(albedo.shape(0)));
     for (std::size_t face = 0; face < values.size(); ++face) {
-      std::copy_n(albedo.data() + kChannels * face, kChannels, values[face].begin());
+      std::copy_n(albedo.data() + kChannels * face, kChannels, values[face].albedo.begin());
+      std::copy_n(emission.data() + kChannels * face, kChannels, values[face].emission.begin());
     }
     occluders = built_on_a_thread<Occluders>(go_on, [&](const auto& ask) {
       return std::make_unique<Occluders>(std::move(part), std::move(values), solid->size(), pool.threads(), ask);
@@ -284,7 +287,8 @@ void lamina::bind_mesh_walk(py::module_& module) {
            "Of each start of walks: 0 where light can enter, 1 inside another part of the mesh, 2 where the normal "
            "points inwards, 3 on an opaque face.")
       .def("stand_among", &BoundSolid::stand_among, py::arg("vertices"), py::arg("triangles"), py::arg("albedo"),
-           py::arg("go_on"), "Put opaque things around the solid, with the albedo of each triangle.")
+           py::arg("emission"), py::arg("go_on"),
+           "Put opaque things around the solid, with the albedo and the emitted radiance of each triangle.")
       .def_property_readonly("bytes", [](const BoundSolid& self) { return self.solid->bytes(); });
   py::class_<BoundGrid>(module, "Grid", "Coefficients in voxels [x, y, z] of a box in mm.")
       .def_static("of_coefficients", &grid_of_coefficients, py::arg("voxels").noconvert(), py::arg("low"),

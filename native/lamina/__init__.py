@@ -45,6 +45,7 @@ from .material.layers import Medium
 from .material.phase import Mixture, Tabulated
 from .material.profile import Knot
 from .material.stack import Stack
+from .sampling.sampler import DrawnLight, Sampler
 from .solver.solve import ScatteringFunction, solve
 from .subsurface.node_inputs import SubsurfaceInputs, subsurface_inputs
 from .subsurface.portal import PortalTables, portal_tables
@@ -60,6 +61,7 @@ __all__ = [
     "AreaLamp",
     "ArgumentError",
     "Cancelled",
+    "DrawnLight",
     "DustError",
     "DustUnavailable",
     "EndMaterial",
@@ -87,6 +89,7 @@ __all__ = [
     "PortalTables",
     "Query",
     "RelightableImages",
+    "Sampler",
     "ScatteringFunction",
     "Searchlight",
     "SearchlightEstimate",

@@ -60,9 +60,9 @@ class Solid:
         """
         Of each start of walks: 0 where light can enter, 1 inside another part of the mesh, 2 where the normal points inwards, 3 on an opaque face.
         """
-    def stand_among(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], go_on: collections.abc.Callable) -> None:
+    def stand_among(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], emission: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], go_on: collections.abc.Callable) -> None:
         """
-        Put opaque things around the solid, with the albedo of each triangle.
+        Put opaque things around the solid, with the albedo and the emitted radiance of each triangle.
         """
     @property
     def bytes(self) -> int:

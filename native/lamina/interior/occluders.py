@@ -19,32 +19,43 @@ MOST_ALBEDO = 0.98  # light between white things would bounce for very long
 class Occluders:
     """Opaque things around a solid: they cast shadows on it, and reflect light diffusely, from both sides of a face.
     vertices: (n, 3) in mm; triangles: (m, 3) indices. They need not be closed. `albedo`: one number, (3,) or (m, 3),
-    [0, 1], linear; above .98 counts as .98. What lies inside the solid has no effect. Raises ArgumentError."""
+    [0, 1], linear; above .98 counts as .98. `emission`: radiance that both sides emit, in the same shapes, 0 or more.
+    Emitted light is light of the surroundings; walks find it by chance, so small bright faces make much noise. What
+    lies inside the solid has no effect. Raises ArgumentError."""
 
     vertices: np.ndarray
     triangles: np.ndarray
     albedo: np.ndarray | float = 0.0
+    emission: np.ndarray | float = 0.0
 
     def __post_init__(self):
         try:
             mesh = checked_mesh(Mesh(self.vertices, self.triangles), "occluders")
         except DustError as error:
             raise ArgumentError(str(error)) from None
-        if not len(mesh.triangles):
+        count = len(mesh.triangles)
+        if not count:
             raise ArgumentError("occluders.triangles is empty: must have faces, or pass None")
-        albedo = finite_array(self.albedo, "occluders.albedo")
-        if albedo.shape not in ((), (3,), (len(mesh.triangles), 3)):
-            raise ArgumentError(f"occluders.albedo has the shape {albedo.shape}: must be a number, (3,), or (m, 3)")
-        if albedo.min() < 0.0 or albedo.max() > 1.0:
-            raise ArgumentError(f"occluders.albedo reaches from {albedo.min():g} to {albedo.max():g}: must be 0 to 1")
-        rows = np.broadcast_to(np.minimum(albedo, MOST_ALBEDO), (len(mesh.triangles), 3))
-        for name, value in (("vertices", mesh.vertices), ("triangles", mesh.triangles),
-                            ("albedo", np.ascontiguousarray(rows, np.float32))):
+        albedo = np.minimum(_rows(self.albedo, "albedo", count, 1.0), MOST_ALBEDO)
+        emission = _rows(self.emission, "emission", count, np.inf)
+        for name, value in (("vertices", mesh.vertices), ("triangles", mesh.triangles), ("albedo", albedo),
+                            ("emission", emission)):
             object.__setattr__(self, name, value)
 
     @property
     def hash(self) -> str:
         digest = hashlib.sha256()
-        for array in (self.vertices, self.triangles, self.albedo):
+        for array in (self.vertices, self.triangles, self.albedo, self.emission):
             digest.update(np.ascontiguousarray(array).data)
         return digest.hexdigest()
+
+
+def _rows(values, name: str, count: int, most: float) -> np.ndarray:
+    """(count, 3) float32 of values in [0, most]."""
+    array = finite_array(values, f"occluders.{name}")
+    if array.shape not in ((), (3,), (count, 3)):
+        raise ArgumentError(f"occluders.{name} has the shape {array.shape}: must be a number, (3,), or (m, 3)")
+    if array.min() < 0.0 or array.max() > most:
+        rule = f"0 to {most:g}" if np.isfinite(most) else "0 or more"
+        raise ArgumentError(f"occluders.{name} reaches from {array.min():g} to {array.max():g}: must be {rule}")
+    return np.ascontiguousarray(np.broadcast_to(array, (count, 3)), np.float32)

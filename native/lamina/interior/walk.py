@@ -55,7 +55,7 @@ class Walker:
         self._solid = solid_in_core = built(tuple(opaque.tolist()) if opaque.any() else (), step)
         if others is not None:
             solid_in_core.stand_among(np.ascontiguousarray(others.vertices - centre, np.float32), others.triangles,
-                                      others.albedo, lambda _fraction: step(1.0, "sorting the faces"))
+                                      others.albedo, others.emission, lambda _fraction: step(1.0, "sorting the faces"))
         is_clear = others is None and not opaque.any()
         self._clear = functools.cache(lambda: solid_in_core if is_clear else built((), silent))
         self._grid = _grid(layer, self.problem.interior, centre)

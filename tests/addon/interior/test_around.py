@@ -79,3 +79,7 @@ def test_albedos(addon, seen):
     plain.diffuse_color = (0.5, 0.6, 0.7, 1.0)
     assert around.albedo_of(plain) == pytest.approx((0.5, 0.6, 0.7))
     assert around.albedo_of(None) == (0.8, 0.8, 0.8)
+    assert around.emission_of(plain) == around.emission_of(None) == (0.0, 0.0, 0.0)
+    inputs = plain.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Emission Color"].default_value, inputs["Emission Strength"].default_value = (1.0, 0.5, 0.2, 1.0), 3.0
+    assert around.emission_of(plain) == pytest.approx((3.0, 1.5, 0.6))

@@ -54,6 +54,25 @@ def test_a_volume_among_others_has_no_error(addon, trial, shape, light):
     assert abs(among.rendered.mean() / alone.rendered.mean() - 1.0) > 0.04
 
 
+def test_a_mesh_that_shines(addon, trial):
+    """Its light belongs to the world, whose own strength is kept."""
+    obj = body("torus", "sky")
+    material = shown(addon, obj, Isotropic(), "VOLUME")
+    others()
+    background = bpy.context.scene.world.node_tree.nodes["Background"].inputs
+    background["Color"].default_value, background["Strength"].default_value = (0.2, 0.5, 1.0, 1.0), 0.3
+    nodes = bpy.data.materials["Wall"].node_tree.nodes
+    emission = nodes.new("ShaderNodeEmission")
+    emission.inputs["Color"].default_value, emission.inputs["Strength"].default_value = (1.0, 0.6, 0.3, 1.0), 4.0
+    bpy.data.materials["Wall"].node_tree.links.new(emission.outputs[0], nodes["Material Output"].inputs["Surface"])
+    for strength in (0.3, 0.0):
+        background["Strength"].default_value = strength
+        task = trial.gather(bpy.context, obj, material)
+        assert task.sources[-1].strength == 1.0 and task.occluders.emission.max() == 4.0
+        found = trial.walk(task)
+        assert abs(found.error) < 3.0 * found.stderr and found.stderr < 0.03
+
+
 def test_what_another_object_hides_is_not_tried(addon, trial):
     obj = body("torus", "sky")
     material = shown(addon, obj, Isotropic(), "RELIGHTABLE")

@@ -71,6 +71,15 @@ def test_a_large_floor_under_a_sun_is_a_lower_sky(surface):
     assert np.all(error < 0.03 * wanted)
 
 
+@pytest.mark.parametrize("surface", SURFACES, ids=["matched", "rough", "smooth"])
+def test_a_shell_that_shines_is_a_sky(surface):
+    shell = sphere(5.0, 3)
+    shining = Occluders(shell.vertices, shell.triangles, 0.0, (2.0, 1.0, 0.5))
+    inside, outside = light(shining, surface, lamps=[]).sky, light(None, surface, lamps=[], seed=1).sky
+    z = (inside.value / [2.0, 1.0, 0.5] - outside.value) / np.hypot(inside.stderr / [2.0, 1.0, 0.5], outside.stderr)
+    assert np.abs(z).max() < z_limit(3 * z.size)
+
+
 def test_equal_seeds_give_equal_bytes_for_any_number_of_threads():
     one, other = (light(square(-2.0, albedo=0.7), threads=threads, samples=300) for threads in (1, 3))
     assert one == other
@@ -88,7 +97,8 @@ def test_merged_parts_are_one_run():
 @pytest.mark.parametrize(("arguments", "words"), [
     (([[0, 0, 0]], np.zeros((0, 3), int)), "is empty"), (([[0, 0, np.nan]] * 3, [[0, 1, 2]]), "nan"),
     ((np.eye(3), [[0, 1, 3]]), "triangles"), ((np.eye(3), [[0, 1, 2]], 1.5), "must be 0 to 1"),
-    ((np.eye(3), [[0, 1, 2]], [0.1, 0.2]), "has the shape")])
+    ((np.eye(3), [[0, 1, 2]], [0.1, 0.2]), "has the shape"),
+    ((np.eye(3), [[0, 1, 2]], 0.1, -1.0), "must be 0 or more")])
 def test_bad_occluders(arguments, words):
     with pytest.raises(ArgumentError, match=words):
         Occluders(*arguments)

@@ -58,7 +58,12 @@ void LitTally::scatters(const Scattering& scattering, Rng& rng) {
   }
 }
 
-void LitTally::reflects(const Occluders::Hit& hit, const Weights& weights, Rng& rng) {
+void LitTally::meets_occluder(const Occluders::Hit& hit, const Weights& arriving, Rng& rng) {
+  Weights weights = arriving;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    found_.back()[c] += arriving[c] * static_cast<double>(hit.face.emission[c]);
+    weights[c] *= static_cast<double>(hit.face.albedo[c]);
+  }
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
     const LampLight light = lamps_[k].light(hit.place, LampPoint(rng));
     const double flux = light.irradiance * std::max(0.0, light.towards.dot(hit.normal));

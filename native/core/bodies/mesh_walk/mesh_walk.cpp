@@ -322,15 +322,15 @@ class MeshWalk::Path {
   /// Light outside meets an occluder. Returns false if none is left.
   bool reflect(const Occluders::Hit& other) {
     ++counts_.rays;
+    listener_.meets_occluder(other, weights_, aside_);
     for (std::size_t c = 0; c < kChannels; ++c) {
-      weights_[c] *= static_cast<double>(other.albedo[c]);
+      weights_[c] *= static_cast<double>(other.face.albedo[c]);
     }
     if (mean_of(weights_) == 0.0) {
       return false;
     }
     place_ = other.place;
     direction_ = about(other.normal);
-    listener_.reflects(other, weights_, aside_);
     return survives_roulette();
   }
 

@@ -59,8 +59,8 @@ class WalkListener {
   /// Light that was followed outside does not meet the solid again.
   virtual void escapes(const Ray&, const Weights&) {}
   virtual void scatters(const Scattering&, Rng&) {}
-  /// Light outside is reflected by an occluder, with the weights after the reflection.
-  virtual void reflects(const Occluders::Hit&, const Weights&, Rng&) {}
+  /// Light outside meets an occluder.
+  virtual void meets_occluder(const Occluders::Hit&, const Weights&, Rng&) {}
   /// Light meets a boundary, from inside or from outside.
   virtual void meets_boundary(const Meeting&, Rng&) {}
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Opaque things around a solid: they cast shadows on it, and reflect light diffusely.
+// Opaque things around a solid: they cast shadows on it, reflect light diffusely, and may shine.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,21 +16,26 @@
 
 namespace lamina {
 
-/// Triangles outside of a solid, in its coordinates. Both sides of a face reflect.
+/// Triangles outside of a solid, in its coordinates. Both sides of a face reflect and shine.
 class Occluders {
  public:
-  /// Where a ray meets a face: a position just above it, the normal on the ray's side, and the albedo.
+  /// The albedo of a face, and the radiance that it emits.
+  struct Face {
+    std::array<float, kChannels> albedo;
+    std::array<float, kChannels> emission;
+  };
+  /// Where a ray meets a face: a position just above it, and the normal on the ray's side.
   struct Hit {
     Place place;
     Ray normal;
-    std::array<float, kChannels> albedo;
+    const Face& face;
   };
 
-  /// `albedo`: of each face. `size`: of the solid in mm; what is nearer than a small share of it does not count. Calls
-  /// `go_on(fraction)` from time to time. Throws MeshScene::Stopped if `go_on` returns false.
-  Occluders(TrianglePart part, std::vector<std::array<float, kChannels>> albedo, double size, unsigned threads,
+  /// `faces`: one for each triangle. `size`: of the solid in mm; what is nearer than a small share of it does not
+  /// count. Calls `go_on(fraction)` from time to time. Throws MeshScene::Stopped if `go_on` returns false.
+  Occluders(TrianglePart part, std::vector<Face> faces, double size, unsigned threads,
             const std::function<bool(double)>& go_on)
-      : albedo_(std::move(albedo)), nearest_(kNearest * size), scene_({std::move(part)}, threads, go_on) {}
+      : faces_(std::move(faces)), nearest_(kNearest * size), scene_({std::move(part)}, threads, go_on) {}
 
   /// True if a face lies on the way from a position up to the distance `farthest`.
   bool block(const Place& from, const Ray& direction, double farthest) const {
@@ -47,7 +52,7 @@ class Occluders {
     const Ray facing = normal.dot(direction) < 0.0 ? normal : -normal;
     const Place place = from.moved(direction, hit->distance);
     const double rounding = kRounding * (std::abs(place.x) + std::abs(place.y) + std::abs(place.z) + hit->distance);
-    return Hit{place.moved(facing, rounding), facing, albedo_[hit->face]};
+    return Hit{place.moved(facing, rounding), facing, faces_[hit->face]};
   }
 
  private:
@@ -62,7 +67,7 @@ class Occluders {
             static_cast<float>(std::min(farthest, kFar))};
   }
 
-  std::vector<std::array<float, kChannels>> albedo_;
+  std::vector<Face> faces_;
   double nearest_;
   MeshScene scene_;
 };
