@@ -133,6 +133,7 @@ figures: build/stamps/wheel
 # The pictures of the presets in the panel's picker and in the asset library, addon/pictures/*.jpg.
 previews: build/stamps/scenes build/stamps/extension
 	$(RUN) demo_scenes/make_demo.py presets --quality final --thumbnails addon/pictures --out build/previews
+	$(RUN) demo_scenes/make_demo.py presets --quality final --overlays --out build/previews
 
 # Twelve materials with Cycles on the CPU and on a GPU, if Cycles finds one.
 test-gpu: build/stamps/scenes build/stamps/extension

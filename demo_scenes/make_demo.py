@@ -51,6 +51,7 @@ def main(argv=None):
     parser.add_argument("--up", choices=("y", "z"), default="y", help="dragon: which axis is up in that file")
     parser.add_argument("--turntable", type=int, default=0, metavar="N", help="dragon: also N frames of a turn")
     parser.add_argument("--thumbnails", type=Path, metavar="DIR", help="presets: also a small picture of each into DIR")
+    parser.add_argument("--overlays", action="store_true", help="presets: only each overlay over ten materials")
     parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in build/extension/)")
     parser.add_argument("--out", type=Path, default=HERE / "out")
     arguments = parser.parse_args(argv)
@@ -66,7 +67,7 @@ def main(argv=None):
         for files, verdict, well in make(
             names, arguments.quality, arguments.extension, arguments.out, arguments.stack, say,
             {"mesh": arguments.mesh, "up": arguments.up, "turntable": arguments.turntable,
-             "thumbnails": arguments.thumbnails},
+             "thumbnails": arguments.thumbnails, "overlays": arguments.overlays},
         ):
             print(f"{' and '.join(_short(path) for path in files) or 'nothing'}: {verdict}", flush=True)
             all_well = all_well and well

@@ -11,11 +11,12 @@ import picture
 from dragon import settling
 from PIL import Image, ImageDraw, ImageFont
 
+from . import overlays as over
 from . import scene
 
 # Pixels across a cell, samples, and rays of the dust.
 QUALITIES = {"tiny": (48, 4, 16), "small": (104, 24, 64), "final": (224, 48, 256)}
-OPTIONS = ("thumbnails",)  # arguments of run() beyond those of every scene
+OPTIONS = ("thumbnails", "overlays")  # arguments of run() beyond those of every scene
 THUMBNAIL, THUMBNAIL_QUALITY = 112, 88  # pixels across, and JPEG's quality
 COLUMNS = 12
 EXPOSURE = 0.95
@@ -23,18 +24,20 @@ ROW_STRIDE = 4  # for a varying layer: the picture is too small to show more row
 HEADING, MARGIN = 44, 24
 
 
-def run(out, quality, stack_path, say, thumbnails=None):
+def run(out, quality, stack_path, say, thumbnails=None, overlays=False):
     """Bake and render all presets; write presets.png and presets.json into `out`.
 
-    thumbnails: a folder for a small picture of each preset. Returns (files, verdict, True if all are well).
-    `stack_path` is not used here."""
+    thumbnails: a folder for a small picture of each preset. overlays: only overlays.png, with each overlay over ten
+    materials. Returns (files, verdict, True if all are well). `stack_path` is not used here."""
     import lamina
 
+    if overlays:
+        return _overlays(lamina, out, quality, say)
     entries = sorted(lamina.presets.entries(), key=lambda entry: (entry.category, entry.name))
     started = time.perf_counter()
     materials, facts = [], []
     for number, entry in enumerate(entries):
-        material, fact = _bake(lamina, entry)
+        material, fact = _bake(lamina, entry, scene.below(entry.id))
         materials.append(material)
         facts.append(fact)
         if (number + 1) % 20 == 0 or number + 1 == len(entries):
@@ -55,15 +58,29 @@ def run(out, quality, stack_path, say, thumbnails=None):
     return files, verdict + (f"; black: {', '.join(black)}" if black else ""), not black
 
 
+def _overlays(lamina, out, quality, say):
+    """`run` of the sheet of overlays."""
+    category = extension.part("editing.presets").OVERLAYS
+    entries = [entry for entry in lamina.presets.entries() if entry.category == category]
+    materials = []
+    for number, entry in enumerate(entries):
+        materials += [_bake(lamina, entry, over.made(*below))[0] for below in over.MATERIALS]
+        say(f"overlays: {number + 1} of {len(entries)} baked")
+    size, samples, rays = QUALITIES[quality]
+    cells, _ = _render(materials, [False] * len(materials), size // 2, samples, rays, say)
+    over.sheet(out / "overlays.png", entries, cells)
+    is_well = all(cell.any() for cell in cells)
+    return [out / "overlays.png"], f"{len(entries)} overlays over {len(over.MATERIALS)} materials", is_well
+
+
 def _is_sheet(entry):
     return entry.stack.base is None and entry.category != extension.part("editing.presets").OVERLAYS
 
 
-def _bake(lamina, entry):
-    """(material, facts about it). Overlays lie over plastic, chrome and wood."""
+def _bake(lamina, entry, material):
+    """(material, facts about it). Overlays lie over the given material."""
     presets, stack_io, bake_job = (extension.part(name) for name in (
         "editing.presets", "editing.stack_io", "baking.bake_job"))
-    material = scene.below(entry.id)
     presets.apply(material, entry.id)
     varies = entry.stack.varying is not None
     lut = lamina.bake(stack_io.to_stack(material), "preview", row_stride=ROW_STRIDE if varies else 1)

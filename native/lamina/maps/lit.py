@@ -49,10 +49,10 @@ class LitImages:
     def report(self) -> str:
         """Size and noise, as one sentence."""
         if self.done < 1.0:
-            return preview_report("Lit", self.done, self.noise)
+            return preview_report("Light", self.done, self.noise)
         photons = self.estimate.count.photons
         sent = f"{photons:,} photons of each lamp, " if photons else ""
-        return (f"Lit: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, {sent}"
+        return (f"Light: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, {sent}"
                 f"standard error {100.0 * self.noise:.2g} %.")
 
 

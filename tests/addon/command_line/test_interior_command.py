@@ -31,12 +31,12 @@ def ball(addon):
 def test_both_kinds_and_a_saved_file(run, ball, tmp_path):
     target = tmp_path / "out.blend"
     code, lines, _ = run("Ball", "--size", 12, "--output", target)
-    assert code == 0 and len(lines) == 1 and lines[0].startswith("Ball: Relightable: ") and target.is_file()
+    assert code == 0 and len(lines) == 1 and lines[0].startswith("Ball: Colors and radii: ") and target.is_file()
     settings = ball.active_material.lamina.interior
     assert settings.size == 12
     bpy.context.scene.world = bpy.data.worlds.new("Sky")
     code, lines, err = run("B*", "--kind", "lit", "--noise", 50)
-    assert code == 0 and lines[0].startswith("Ball: Lit: ") and "nothing was saved" in err
+    assert code == 0 and lines[0].startswith("Ball: Light: ") and "nothing was saved" in err
     group = ball.active_material.lamina.lateral_group
     assert [node.label for node in group.nodes if node.type == "TEX_IMAGE"] == ["World"]
 
@@ -108,5 +108,5 @@ def test_an_interruption_keeps_parts(run, ball, addon, lamina, monkeypatch):
     monkeypatch.setattr(interior_job, "compute", lambda task, progress=None, cancel=None, *more: whole(
         task, lambda _, text: said.append(text), cancel, *more))  # fmt: skip
     code, lines, _ = run("Ball", "--size", 12)
-    assert code == 0 and lines[0].startswith("Ball: Relightable: ")
+    assert code == 0 and lines[0].startswith("Ball: Colors and radii: ")
     assert not any(text.startswith("Part 3 of ") for text in said)

@@ -35,7 +35,7 @@ def test_relightable(jobs, ball, lamina):
     assert node.inputs["Scale"].links[0].from_socket.name == "Millimetre"
     assert surface_source(material).inputs["Millimetre"].default_value == pytest.approx(0.002)
     assert next(node for node in group.nodes if node.type == "UVMAP").uv_map == "Lamina"
-    assert material.lamina.interior.report.startswith("Relightable: ")
+    assert material.lamina.interior.report.startswith("Colors and radii: ")
     task = jobs.gather(bpy.context, ball, material)
     assert np.linalg.norm(task.solid.vertices, axis=1) == pytest.approx(5.0, rel=1e-5)
     veins = task.fill(None, None)
@@ -200,7 +200,7 @@ def test_previews(jobs, ball, lamina, tmp_path):
         job._keep(preview)
         job.tick()
         np.testing.assert_array_equal(images(material.lamina.lateral_group)["Key"][..., :3], preview.lamps[0])
-        assert material.lamina.interior.report.startswith("Lit, preview from ")
+        assert material.lamina.interior.report.startswith("Light, preview from ")
         surface_source(material).inputs["Key Strength"].default_value = 7.0
     context = SimpleNamespace(
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=600),

@@ -129,7 +129,7 @@ def test_no_removal_while_light_is_computed(jobs, layered):
 
 def test_the_panel_says_what_has_changed(jobs, ball):
     make(jobs, ball, "LIT")
-    assert not begins(panel("interior", ball), "The settings") and begins(panel("interior", ball), "Lit: ")
+    assert not begins(panel("interior", ball), "The settings") and begins(panel("interior", ball), "Light: ")
     ball.active_material.lamina.interior.size = 16
     assert "The settings have changed since: compute again" in panel("interior", ball)
 
@@ -147,9 +147,9 @@ def test_interior_and_lateral_replace_one_another(jobs, addon, layered, call):
     by_lateral(jobs, addon, layered, call)
     assert begins(panel("lateral", layered), "Subsurface")
     make(jobs, layered, "LIT")
-    assert not begins(panel("lateral", layered), "Subsurface") and begins(panel("interior", layered), "Lit: ")
+    assert not begins(panel("lateral", layered), "Subsurface") and begins(panel("interior", layered), "Light: ")
     by_lateral(jobs, addon, layered, call)
-    assert begins(panel("lateral", layered), "Subsurface") and not begins(panel("interior", layered), "Lit: ")
+    assert begins(panel("lateral", layered), "Subsurface") and not begins(panel("interior", layered), "Light: ")
     assert material.lamina.interior.made_from == ""
 
 
@@ -163,7 +163,7 @@ def test_a_portal_is_gone_with_its_warning(jobs, addon, layered, call):
     assert not any("thick in thin parts" in line for line in panel("lateral", layered))
 
 
-@pytest.mark.parametrize(("name", "words"), [("interior", "Relightable: "), ("lateral", "Subsurface")])
+@pytest.mark.parametrize(("name", "words"), [("interior", "Colors and radii: "), ("lateral", "Subsurface")])
 def test_a_bake_takes_the_output(jobs, addon, layered, call, name, words):
     (by_lateral if name == "lateral" else by_relightable)(jobs, addon, layered, call)
     assert begins(panel(name, layered), words) and UNLINKED not in panel(name, layered)

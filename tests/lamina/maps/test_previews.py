@@ -67,7 +67,7 @@ def test_relightable_previews():
     found = lamina.relightable_images(SOLID, GREY, **HOW, samples=16, preview=shown.append)
     assert [one.done for one in shown] == [0.25, 0.5] and found.done == 1.0
     assert all(one.inputs.color.shape == found.inputs.color.shape for one in shown)
-    assert shown[0].report.startswith("Relightable, preview from 25 % of the samples")
+    assert shown[0].report.startswith("Colors and radii, preview from 25 % of the samples")
 
 
 def test_a_preview_that_cannot_be_called_is_refused():
