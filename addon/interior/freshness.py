@@ -14,7 +14,7 @@ from ..base.messages import RefusedError
 from ..editing import layer_list
 from ..kinds import interiors
 from ..nodes import other_materials
-from . import around, body, lamps
+from . import around, body, lamps, seen
 
 STILL = 1e-3  # relative, and in radians: what changed by less counts as unchanged
 AGAIN = "compute again"
@@ -36,7 +36,7 @@ def note(context, obj, material, node, uv_map, has_image):
     if settings.output == "LIT":
         frame = _frame(obj, context.scene)
         found["lamps"], found["place"] = _lamps(context, frame), _place(frame)
-        found["around"] = around.mark(_rendered(context.view_layer.layer_collection), obj)
+        found["around"] = around.mark(seen.objects(context.view_layer.layer_collection), obj)
         found["turns"] = has_image
         found["camera"] = _camera(context.scene, frame) if settings.view == "CAMERA" else None
     return json.dumps(found)
@@ -84,7 +84,7 @@ def _stale_light(context, obj, earlier):
     if earlier["turns"] and has_place and not _alike({"axes": place["axes"]}, earlier["place"]):
         return f"The object has turned under the world's image since: {AGAIN}"
     others = earlier.get("around")
-    if others and around.mark(_rendered(context.view_layer.layer_collection), obj) != others:
+    if others and around.mark(seen.objects(context.view_layer.layer_collection), obj) != others:
         return f"Other objects have moved or changed since: {AGAIN}"
     camera = _camera(context.scene, frame)
     if earlier["camera"] and camera is not None and not _alike(camera, earlier["camera"]):
@@ -165,7 +165,7 @@ def _alike_bodies(one, other):
 def _lamps(context, frame):
     """{name: note} of the lamps that light objects in renders."""
     found = {}
-    for obj in _rendered(context.view_layer.layer_collection):
+    for obj in seen.objects(context.view_layer.layer_collection):
         if obj.type == "LIGHT" and lamps.shines(obj):
             found[obj.name] = _lamp(obj, obj.matrix_world, obj.matrix_basis, obj.visible_get() and frame)
         elif obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
@@ -174,16 +174,6 @@ def _lamps(context, frame):
                     matrices = obj.matrix_world @ one.matrix_basis, obj.matrix_basis @ one.matrix_basis
                     found[f"{one.name} of {obj.name}"] = _lamp(one, *matrices, obj.visible_get() and frame)
     return found
-
-
-def _rendered(layer):
-    """The objects of a layer collection that renders see, with instances of collections."""
-    if layer.collection.hide_render:
-        return
-    if not layer.exclude:
-        yield from (one for one in layer.collection.objects if not one.hide_render)
-    for child in layer.children:
-        yield from _rendered(child)
 
 
 def _lamp(obj, matrix, basis, frame):

@@ -46,3 +46,14 @@ def of_object(context, obj, material, uv_map=None, lit=True, camera=False):
     if not lit:
         return Seen(shape, [], {}, None)
     return Seen(shape, *rendered.visit(scene, context.view_layer, lambda graph: light(graph, shape.frame)))
+
+
+def objects(layer):
+    """The objects of a layer collection that renders see, with instances of collections; those in several
+    collections more than once."""
+    if layer.collection.hide_render:
+        return
+    if not layer.exclude:
+        yield from (one for one in layer.collection.objects if not one.hide_render)
+    for child in layer.children:
+        yield from objects(child)

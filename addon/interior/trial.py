@@ -88,9 +88,10 @@ def problem(obj, material):
     return body.problem(obj) or native.reason()
 
 
-def gather(context, obj, material, shown=None):
-    """The Task: renders the object, with the material `shown` in place of `material` if it is given. Main
-    thread only. Raises RefusedError, lamina.StackError and lamina.InteriorError."""
+def gather(context, obj, material, shown=None, bounces=None):
+    """The Task: renders the object, with the material `shown` in place of `material` if it is given, and with
+    the scene's bounces, or more as `bounces` says. Main thread only. Raises RefusedError, lamina.StackError
+    and lamina.InteriorError."""
     shown = shown or material
     sentence = problem(obj, shown)
     if sentence:
@@ -113,7 +114,8 @@ def gather(context, obj, material, shown=None):
         raise RefusedError(f"{what}: turn the camera to it")
     arrays = found.body.arrays
     solid = lamina.Solid(arrays.vertices, arrays.triangles, name=obj.name, opaque=found.body.opaque)
-    rendered = trial_render.pictures(scene, obj, camera, {material: shown})[:, places.pixels]
+    rendered = trial_render.pictures(context, obj, camera, {material: shown}, bounces or {})
+    rendered = rendered[:, places.pixels]
     uid, others = material.session_uid, found.occluders
     return Task(uid, solid, filled.fill, filled.surface, sources, others, places, rendered)
 

@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
-from . import float_render, lamps
+from . import float_render, lamps, seen
 
 SIDE = 64  # pixels along each side of the render
 SAMPLES = 16  # of each of two renders
@@ -67,17 +67,18 @@ def places(body, occluders, camera):
     return Places(found[:, 0].astype(int), found[:, 1:4], found[:, 4:7], found[:, 7:])
 
 
-def pictures(scene, obj, camera, materials):
+def pictures(context, obj, camera, materials, bounces):
     """Two renders of the object with different noise, (2, SIDE * SIDE, 3): under the scene's lamps and world
     and among the other objects, without reflections of lamps and of the world. `materials`: {material of the
-    object: the one to show}. Main thread only. All temporary data are removed. Raises RefusedError."""
-    with _alone(scene, obj, camera, materials) as temporary:
+    object: the one to show}. `bounces`: {setting of Cycles: least number}. Main thread only. All temporary
+    data are removed. Raises RefusedError."""
+    with _stage(context, obj, camera, materials) as temporary:
         float_render.prepare(temporary, SIDE, SIDE)
         cycles = temporary.cycles
         # A box filter has a width of one pixel in any case.
         cycles.samples, cycles.pixel_filter_type, cycles.filter_width = SAMPLES, "BLACKMAN_HARRIS", NARROW
         for name in BOUNCES:
-            setattr(cycles, name, getattr(scene.cycles, name))
+            setattr(cycles, name, max(getattr(context.scene.cycles, name), bounces.get(name, 0)))
         found = []
         for seed in (1, 2):
             cycles.seed = seed
@@ -86,9 +87,9 @@ def pictures(scene, obj, camera, materials):
 
 
 @contextmanager
-def _alone(scene, obj, camera, materials):
-    """A temporary scene. Glossy rays see neither lamps nor the world."""
-    made, data = [], bpy.data
+def _stage(context, obj, camera, materials):
+    """A temporary scene. Glossy rays see nothing of it."""
+    scene, made, data = context.scene, [], bpy.data
     try:
         temporary = data.scenes.new("lamina trial")
         made.append((data.scenes, temporary))
@@ -96,18 +97,18 @@ def _alone(scene, obj, camera, materials):
         temporary.unit_settings.scale_length = scene.unit_settings.scale_length
         shown = obj.copy()
         made.append((data.objects, shown))
-        shown.hide_render = False
+        shown.hide_render = shown.visible_glossy = False
         temporary.collection.objects.link(shown)
         for slot in shown.material_slots:
             if materials.get(slot.material, slot.material) != slot.material:
                 slot.link, slot.material = "OBJECT", materials[slot.material]
-        for one in scene.objects:
+        for one in dict.fromkeys(seen.objects(context.view_layer.layer_collection)):
             is_dark = one.type == "LIGHT" and not lamps.shines(one)
-            if one in (obj, scene.camera) or one.hide_render or is_dark:
+            if one in (obj, scene.camera) or is_dark:
                 continue
             copy = one.copy()
             made.append((data.objects, copy))
-            copy.visible_glossy = copy.visible_glossy and one.type != "LIGHT"
+            copy.visible_glossy = False
             temporary.collection.objects.link(copy)
         if scene.world is not None:
             temporary.world = scene.world.copy()

@@ -9,7 +9,7 @@ import threading
 
 import bpy
 
-from ..baking import body_thickness, lateral_body, lateral_job
+from ..baking import body_thickness, lateral_body, lateral_job, volume_bounces
 from ..base import native, renders
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Worker, with_uid
@@ -142,7 +142,7 @@ class _Choice:
         copy = material.copy()
         try:
             lateral_job.show(copy, None, output, self._layers, "", found, self._millimetre)
-            return trial.gather(bpy.context, obj, material, copy)
+            return trial.gather(bpy.context, obj, material, copy, volume_bounces.needed(copy))
         finally:
             node_group.remove(copy)
             bpy.data.materials.remove(copy)

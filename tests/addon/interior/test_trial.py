@@ -73,6 +73,23 @@ def test_a_mesh_that_shines(addon, trial):
         assert abs(found.error) < 3.0 * found.stderr and found.stderr < 0.03
 
 
+def test_objects_count_as_renders_see_them(addon, trial):
+    """A lamp in two collections shines once, one in a hidden collection not at all."""
+    obj = body("torus", "side")
+    material = shown(addon, obj, Isotropic(), "VOLUME")
+    once = trial.gather(bpy.context, obj, material).rendered.mean()
+    root, both, hidden = bpy.context.scene.collection, *(bpy.data.collections.new(name) for name in ("Both", "Hidden"))
+    root.children.link(both)
+    root.children.link(hidden)
+    both.objects.link(bpy.data.objects["Sun"])
+    second = bpy.data.objects["Sun"].copy()
+    hidden.objects.link(second)
+    hidden.hide_render = True
+    assert trial.gather(bpy.context, obj, material).rendered.mean() == pytest.approx(once)
+    hidden.hide_render = False
+    assert trial.gather(bpy.context, obj, material).rendered.mean() == pytest.approx(2.0 * once, rel=0.02)
+
+
 def test_what_another_object_hides_is_not_tried(addon, trial):
     obj = body("torus", "sky")
     material = shown(addon, obj, Isotropic(), "RELIGHTABLE")
