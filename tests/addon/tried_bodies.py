@@ -40,8 +40,7 @@ def body(shape, light):
     camera = _linked("Camera", bpy.data.cameras.new("Camera"), eye)
     camera.location, scene.camera = eye, camera
     scene.world = bpy.data.worlds.new("World")
-    scene.world.use_nodes = True
-    background = scene.world.node_tree.nodes["Background"].inputs
+    background = _tree(scene.world).nodes["Background"].inputs
     background["Color"].default_value, background["Strength"].default_value = (1.0,) * 4, float(light == "sky")
     if light != "sky":
         sun = bpy.data.lights.new("Sun", "SUN")
@@ -62,14 +61,19 @@ def others():
     for mesh, color in ((floor, (0.8, 0.4, 0.2)), (wall, (0.1, 0.3, 0.7))):
         bpy.context.scene.collection.objects.link(bpy.data.objects.new(mesh.name, mesh))
         material = bpy.data.materials.new(mesh.name)
-        material.use_nodes = True
-        nodes = material.node_tree.nodes
+        nodes = _tree(material).nodes
         nodes.remove(nodes["Principled BSDF"])
         diffuse = nodes.new("ShaderNodeBsdfDiffuse")
         diffuse.inputs["Color"].default_value = (*color, 1.0)
         material.node_tree.links.new(diffuse.outputs[0], nodes["Material Output"].inputs["Surface"])
         mesh.materials.append(material)
     bpy.context.scene.cycles.diffuse_bounces = 12
+
+
+def _tree(owner):
+    from bl_ext.user_default.lamina.nodes import node_tree
+
+    return node_tree.of(owner)
 
 
 def _linked(name, data, towards):

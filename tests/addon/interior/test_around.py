@@ -71,7 +71,7 @@ def test_albedos(addon, seen):
     from bl_ext.user_default.lamina.interior import around
 
     plain = bpy.data.materials.new("Plain")
-    plain.use_nodes = True
+    addon.nodes.node_tree.of(plain)
     plain.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.1, 0.2, 0.3, 1.0)
     assert around.albedo_of(plain) == pytest.approx((0.1, 0.2, 0.3))
     texture = plain.node_tree.nodes.new("ShaderNodeTexNoise")
