@@ -62,13 +62,13 @@ def _overlays(lamina, out, quality, say):
     """`run` of the sheet of overlays."""
     category = extension.part("editing.presets").OVERLAYS
     entries = [entry for entry in lamina.presets.entries() if entry.category == category]
-    materials = []
+    materials = [over.made(*below) for below in over.MATERIALS]
     for number, entry in enumerate(entries):
         materials += [_bake(lamina, entry, over.made(*below))[0] for below in over.MATERIALS]
         say(f"overlays: {number + 1} of {len(entries)} baked")
     size, samples, rays = QUALITIES[quality]
     cells, _ = _render(materials, [False] * len(materials), size // 2, samples, rays, say)
-    over.sheet(out / "overlays.png", entries, cells)
+    over.sheet(out / "overlays.png", ["No overlay", *(entry.name for entry in entries)], cells)
     is_well = all(cell.any() for cell in cells)
     return [out / "overlays.png"], f"{len(entries)} overlays over {len(over.MATERIALS)} materials", is_well
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A sheet of all overlays over ten materials of an artist: one row for each overlay."""
+"""A sheet of all overlays over ten materials of an artist: a row of the materials alone, and one for each overlay."""
+
+import math
 
 import bpy
 import node_tree
@@ -41,8 +43,11 @@ def made(name, values, texture):
         pattern.inputs["Scale"].default_value = 6.0
         if texture == "ShaderNodeTexWave":
             pattern.inputs["Distortion"].default_value = 6.0
-        place = tree.nodes.new("ShaderNodeTexCoord").outputs["Object"]
-        tree.links.new(place, pattern.inputs["Vector"])
+        # Both patterns lie in x and y: turned, so that the camera sees them on the front of the body.
+        turn = tree.nodes.new("ShaderNodeMapping")
+        turn.inputs["Rotation"].default_value[0] = 0.5 * math.pi
+        tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Object"], turn.inputs["Vector"])
+        tree.links.new(turn.outputs["Vector"], pattern.inputs["Vector"])
         for element, color in zip(ramp.color_ramp.elements, _COLORS[texture], strict=True):
             element.color = (*color, 1.0)
         tree.links.new(pattern.outputs["Fac"], ramp.inputs[0])
@@ -50,16 +55,16 @@ def made(name, values, texture):
     return material
 
 
-def sheet(path, entries, cells):
-    """The picture: `cells` has a row of ten for each entry."""
+def sheet(path, names, cells):
+    """The picture: `cells` has a row of ten for each name."""
     size = len(cells[0])
-    width, height = NAMES + len(MATERIALS) * size + MARGIN, TITLES + len(entries) * size + MARGIN
+    width, height = NAMES + len(MATERIALS) * size + MARGIN, TITLES + len(names) * size + MARGIN
     found = Image.new("RGB", (width, height), picture.PAPER)
     draw, font = ImageDraw.Draw(found), ImageFont.load_default(13)
     for column, (name, *_) in enumerate(MATERIALS):
         draw.text((NAMES + (column + 0.5) * size, 6), name, picture.INK, font, "ma")
-    for row, entry in enumerate(entries):
-        draw.text((MARGIN, TITLES + (row + 0.5) * size), entry.name, picture.INK, font, "lm")
+    for row, name in enumerate(names):
+        draw.text((MARGIN, TITLES + (row + 0.5) * size), name, picture.INK, font, "lm")
         for column in range(len(MATERIALS)):
             cell = Image.fromarray(cells[row * len(MATERIALS) + column])
             found.paste(cell, (NAMES + column * size, TITLES + row * size))

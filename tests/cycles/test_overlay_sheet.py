@@ -3,7 +3,6 @@
 
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,10 +25,9 @@ def test_materials_lie_below_layers(addon):
 
 
 def test_rows_are_overlays_and_columns_are_materials(tmp_path):
-    entries = [SimpleNamespace(name=name) for name in ("Dust", "Snow")]
     columns = len(overlays.MATERIALS)
     cells = [np.full((8, 8, 3), 10 * number, np.uint8) for number in range(2 * columns)]
-    overlays.sheet(tmp_path / "sheet.png", entries, cells)
+    overlays.sheet(tmp_path / "sheet.png", ["Dust", "Snow"], cells)
     found = np.asarray(Image.open(tmp_path / "sheet.png"))
     for number in (0, columns - 1, columns, 2 * columns - 1):
         row, column = divmod(number, columns)
