@@ -9,6 +9,7 @@ from ..base import native
 from ..base.worker import OfMaterial, Place, Worker, with_uid
 from ..editing import layer_list, stack_io
 from ..nodes import before, lateral_group, portal_graph, relightable_graph, volume_graph
+from ..properties.material_properties import AUTOMATIC
 from . import body_thickness, lateral_body, volume_bounces
 
 log = logging.getLogger(__name__)
@@ -84,7 +85,7 @@ def stale(material):
         return ""
     if settings.lateral_layers != layer_list.mark(material):
         return "Out of date: the layers have changed"
-    if settings.lateral not in (settings.lateral_shown, "AUTO"):
+    if settings.lateral not in (settings.lateral_shown, AUTOMATIC):
         names = {item.identifier: item.name for item in settings.bl_rna.properties["lateral"].enum_items}
         shown, chosen = names.get(settings.lateral_shown, ""), names[settings.lateral]
         return f"Out of date: computed with output {shown} instead of {chosen}"

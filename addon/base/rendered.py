@@ -13,6 +13,7 @@ import bpy
 from . import renders
 from .messages import RefusedError
 
+SHAPES = frozenset({"MESH", "CURVE", "SURFACE", "META", "FONT"})  # types of objects with faces
 _ENGINE = "LAMINA_reader"
 # Settings of a render that would do more than the engine: write files, draw strips or lines, render once for
 # each eye, or keep the engine's data after the engine is gone.
@@ -53,6 +54,19 @@ def visit(scene, view_layer, read):
     if not found:
         raise RuntimeError(f"Blender did not render the view layer {view_layer.name}")
     return found[0]
+
+
+def is_itself(instance, obj):
+    """True if an instance of a dependency graph is the object, and no copy of it by an instancer."""
+    return not instance.is_instance and instance.object.original == obj
+
+
+def casts_shadow(instance):
+    """True if an instance of a dependency graph has faces that renders show to shadow rays."""
+    other = instance.object
+    if other.type not in SHAPES or other.original.hide_render or not other.original.visible_shadow:
+        return False
+    return instance.is_instance or instance.show_self
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 """How light below the surface is shown: one of DEPTHS of material_properties."""
 
 from ..nodes import node_group
+from ..properties.material_properties import AUTOMATIC
 
 
 def has_lengths(material):
@@ -36,4 +37,4 @@ def choose(material, depth):
     if depth in ("EXACT", "VEINS") and is_new:
         interior.output = "LIT"
     if depth == "SOFT" and not settings.is_property_set("lateral") and not settings.lateral_report:
-        settings.lateral = "AUTO"
+        settings.lateral = AUTOMATIC

@@ -6,11 +6,10 @@ import hashlib
 import numpy as np
 from mathutils import Matrix
 
-from ..base import mesh_arrays
+from ..base import mesh_arrays, rendered
 from ..nodes import links, other_materials, principled
 
 MARKED = 1000  # objects that are looked at whenever a panel is drawn
-SHAPES = frozenset({"MESH", "CURVE", "SURFACE", "META", "FONT"})
 _COLORS = {
     "BSDF_DIFFUSE": "Color",
     "BSDF_PRINCIPLED": "Base Color",
@@ -27,9 +26,7 @@ def occluders(depsgraph, obj, frame, lamina):
     shapes, places, found, looks, first = {}, [], [], [], 0
     for instance in depsgraph.object_instances:
         other = instance.object
-        if other.type not in SHAPES or not instance.show_self or not other.visible_shadow:
-            continue
-        if other.original == obj and not instance.is_instance:
+        if rendered.is_itself(instance, obj) or not rendered.casts_shadow(instance):
             continue
         key = other.session_uid, other.data.session_uid
         if key not in shapes:
@@ -52,7 +49,7 @@ def mark(objects, obj):
     """A text that changes when other objects of the scene change place or size; cheap."""
     found = []
     for one in objects:
-        if len(found) < MARKED and one != obj and one.type in SHAPES and one.visible_shadow:
+        if len(found) < MARKED and one != obj and one.type in rendered.SHAPES and one.visible_shadow:
             numbers = [round(value, 4) for row in one.matrix_world for value in row]
             size = [round(value, 4) for value in one.dimensions]
             found.append((one.name, numbers, size))

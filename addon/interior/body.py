@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils import Matrix
 
-from ..base import mesh_arrays
+from ..base import mesh_arrays, rendered
 from ..base.messages import RefusedError
 from ..nodes import other_materials
 
@@ -70,7 +70,7 @@ def of_object(depsgraph, obj, material, uv_map):
     not to be seen there. Raises RefusedError."""
     # Matrices of hidden objects are not up to date elsewhere: after loading they are the identity.
     for instance in depsgraph.object_instances:
-        if not instance.is_instance and instance.show_self and instance.object.original == obj:
+        if rendered.is_itself(instance, obj) and instance.show_self:
             frame = _frame(obj, instance.matrix_world, depsgraph.scene)
             return _of_mesh(instance.object, obj, material, uv_map, frame)
     return None

@@ -2,6 +2,7 @@
 """The error of a material's light from below the surface on the artist's own object: walks through the
 object, at some places that the camera sees, against a small render of what the material shows there."""
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +13,12 @@ from ..base.worker import OfMaterial, Place, Worker
 from ..nodes import node_group
 from . import body, contents, lights, seen, trial_render
 
+log = logging.getLogger(__name__)
 _place = Place()
 running, forget, stop = _place.running, _place.forget, _place.stop
 running_for, register, unregister = _place.running_for, _place.register, _place.unregister
 
-SAMPLES, MOST_PASSES = 64, 64  # walks at each place in one pass
+SAMPLES, MOST_SAMPLES = 64, 4096  # walks at each place: of the first pass, of all
 ENOUGH = 0.01  # relative standard error of the mean over all places
 LEAST_PLACES = 20
 
@@ -128,20 +130,21 @@ def walk(task, progress=None, cancel=None):
     sky = task.sources[-1]
     around = None if sky.radiance is None else lamina.Surroundings(sky.radiance)
     factors = np.array([one.factor * one.strength * np.array(one.colour) for one in task.sources])
-    means, squares = [], []
-    for number in range(MOST_PASSES):
+    light, variance, done = 0.0, 0.0, 0
+    while done < MOST_SAMPLES:
+        samples = max(done, SAMPLES)
         part = lamina.light_in_mesh(
             task.solid, interior, shining, task.places.positions, task.places.normals, task.places.directions,
-            surface=task.surface, samples=SAMPLES, seed=number, threads=preferences.threads(), cancel=cancel,
+            surface=task.surface, samples=samples, seed=done, threads=preferences.threads(), cancel=cancel,
             surroundings=around, occluders=task.occluders)
-        light = np.concatenate([part.lamps.value, part.sky.value[:, None]], axis=1)
+        found = np.concatenate([part.lamps.value, part.sky.value[:, None]], axis=1)
         noise = np.concatenate([part.lamps.stderr, part.sky.stderr[:, None]], axis=1)
-        means.append((factors * light).sum(axis=(1, 2)))
-        squares.append(((factors * noise) ** 2).sum(axis=(1, 2)))
-        passes = number + 1
-        light, variance = np.mean(means, axis=0), np.sum(squares, axis=0) / passes**2
+        done += samples
+        new = samples / done
+        light = (1.0 - new) * light + new * (factors * found).sum(axis=(1, 2))
+        variance = (1.0 - new) ** 2 * variance + new**2 * ((factors * noise) ** 2).sum(axis=(1, 2))
         reached = np.sqrt(variance.sum()) / max(light.sum(), 1e-30)
-        share = max(passes / MOST_PASSES, (ENOUGH / max(reached, ENOUGH)) ** 2)
+        share = max(done / MOST_SAMPLES, (ENOUGH / max(reached, ENOUGH)) ** 2)
         told(0.1 + 0.9 * share, "Walks for the trial")
         if reached < ENOUGH:
             break

@@ -6,10 +6,10 @@ import bpy
 from ..base import native
 from ..interior import contents, interior_job
 from . import common
-from .making import Making
+from .making import MakingOnObject
 
 
-class LAMINA_OT_interior(Making, bpy.types.Operator):
+class LAMINA_OT_interior(MakingOnObject, bpy.types.Operator):
     bl_idname = "lamina.interior"
     bl_label = "Compute Interior"
     bl_description = (
@@ -19,25 +19,8 @@ class LAMINA_OT_interior(Making, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     jobs = interior_job
-    changes_engine = True
     status = "Lamina follows light inside"
-
-    @classmethod
-    def poll(cls, context):
-        if not common.can_edit(cls, context):
-            return False
-        sentence = interior_job.problem(context.object, common.material_of(context))
-        if not sentence and interior_job.running() is not None:
-            sentence = "An interior is being computed"
-        if sentence:
-            cls.poll_message_set(sentence)
-        return not sentence
-
-    def made(self, context, material):
-        interior_job.make(context, context.object, material)
-
-    def started(self, context, material):
-        return interior_job.start(context, context.object, material)
+    busy = "An interior is being computed"
 
     def told(self, material):
         return material.lamina.interior.report

@@ -6,9 +6,10 @@ import bpy
 from ..baking import lateral_job, volume_bounces
 from ..base.messages import RefusedError
 from ..interior import trial
+from ..properties.material_properties import AUTOMATIC
 from ..scene import soft
 from . import common
-from .making import Making
+from .making import Making, MakingOnObject
 
 
 class LAMINA_OT_lateral(Making, bpy.types.Operator):
@@ -18,6 +19,7 @@ class LAMINA_OT_lateral(Making, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     jobs = lateral_job
+    changes_engine = True  # for a trial
     status = "Lamina follows light below"
 
     @classmethod
@@ -29,16 +31,14 @@ class LAMINA_OT_lateral(Making, bpy.types.Operator):
             return False
         return True
 
-    changes_engine = True  # for a trial
-
     def made(self, context, material):
-        if material.lamina.lateral == soft.AUTOMATIC:
+        if material.lamina.lateral == AUTOMATIC:
             soft.make(context, _object(context, material), material)
         else:
             lateral_job.make(material, context.scene)
 
     def started(self, context, material):
-        if material.lamina.lateral == soft.AUTOMATIC:
+        if material.lamina.lateral == AUTOMATIC:
             return soft.start(context, _object(context, material), material)
         return lateral_job.start(material, context.scene)
 
@@ -46,35 +46,18 @@ class LAMINA_OT_lateral(Making, bpy.types.Operator):
         return material.lamina.lateral_report
 
 
-class LAMINA_OT_trial(Making, bpy.types.Operator):
+class LAMINA_OT_trial(MakingOnObject, bpy.types.Operator):
     bl_idname = "lamina.trial"
     bl_label = "Try on This Object"
     bl_description = (
         "Compare what the material shows on the active object with walks through the object, under the "
-        "present lamps, at some 200 places that the camera sees"
+        "present lamps, at places that the camera sees"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     jobs = trial
-    changes_engine = True
     status = "Lamina tries the light of"
-
-    @classmethod
-    def poll(cls, context):
-        if not common.can_edit(cls, context):
-            return False
-        sentence = trial.problem(context.object, common.material_of(context))
-        if not sentence and trial.running() is not None:
-            sentence = "A trial is running"
-        if sentence:
-            cls.poll_message_set(sentence)
-        return not sentence
-
-    def made(self, context, material):
-        trial.make(context, context.object, material)
-
-    def started(self, context, material):
-        return trial.start(context, context.object, material)
+    busy = "A trial is running"
 
     def told(self, material):
         return material.lamina.trial

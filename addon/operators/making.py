@@ -37,3 +37,27 @@ class Making(Following):
             self.jobs.log.error("%s failed", self.bl_idname, exc_info=error)
         self.report({"ERROR"}, messages.sentence(error, material))
         return {"CANCELLED"}
+
+
+class MakingOnObject(Making):
+    """Making for the active object. `jobs` has also problem(obj, material), running(), and make and
+    start(context, obj, material); `busy`: the sentence while a job is running."""
+
+    changes_engine = True
+
+    @classmethod
+    def poll(cls, context):
+        if not common.can_edit(cls, context):
+            return False
+        sentence = cls.jobs.problem(context.object, common.material_of(context))
+        if not sentence and cls.jobs.running() is not None:
+            sentence = cls.busy
+        if sentence:
+            cls.poll_message_set(sentence)
+        return not sentence
+
+    def made(self, context, material):
+        self.jobs.make(context, context.object, material)
+
+    def started(self, context, material):
+        return self.jobs.start(context, context.object, material)

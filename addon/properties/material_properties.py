@@ -32,9 +32,10 @@ DEPTHS = (
     ("EXACT", "Exact", "Light is followed through the shape of the active object, which one medium fills"),
     ("VEINS", "Veins", "Light is followed through the active object, which two materials fill"),
 )
+AUTOMATIC = "AUTO"  # the first of LATERAL_OUTPUTS
 LATERAL_OUTPUTS = (
     (
-        "AUTO",
+        AUTOMATIC,
         "Automatic",
         "The first of the others that is at most 5 % off on the active object under the present lamps: walks "
         "through the object tell",

@@ -18,7 +18,6 @@ from ..interior import trial
 from ..nodes import node_group
 from ..properties.material_properties import LATERAL_OUTPUTS
 
-AUTOMATIC = "AUTO"
 NAMES = {item[0]: item[1] for item in LATERAL_OUTPUTS}
 TRIED, LAST = ("RELIGHTABLE", "PORTAL"), "VOLUME"  # the fastest renders first
 # Largest errors that count as small: of all light together, and of the light at a place.
@@ -82,26 +81,22 @@ class _Choice:
         self._uids = obj.session_uid, material.session_uid, context.scene.session_uid
         self._quality = material.lamina.quality
         self._millimetre = lateral_job.millimetre(context.scene)
-        self._layers, self._notes, self._refused, self._tried = layer_list.mark(material), {}, [], []
-        self._stack = stack_io.to_stack(material)
-        self._compute = {}
-        for output in (*TRIED, LAST):
-            self._compute[output] = lateral_job.computation(output, material)
-            try:
-                self._notes[output] = lateral_body.require(context, context.scene, material, output)
-            except RefusedError:
-                if output == LAST:
-                    raise
-                self._refused.append(output)
+        self._layers, self._stack = layer_list.mark(material), stack_io.to_stack(material)
+        self._compute = {output: lateral_job.computation(output, material) for output in (*TRIED, LAST)}
+        self._outputs, self._tried = TRIED, []
+        try:
+            self._note = lateral_body.require(context, context.scene, material, TRIED[0])
+        except RefusedError:
+            self._outputs = TRIED[1:]
+            self._note = lateral_body.require(context, context.scene, material, LAST)
 
     def made(self, on_main, progress=None, cancel=None):
         """(output, what was computed for it, the Trial or None). `on_main` calls a function on the main
         thread."""
         told, lamina = progress or (lambda _fraction, _text="": None), native.require()
-        outputs = [output for output in TRIED if output not in self._refused]
-        for number, output in enumerate(outputs):
+        for number, output in enumerate(self._outputs):
             def step(fraction, text="", first=number):
-                told((first + fraction) / len(outputs), text)
+                told((first + fraction) / len(self._outputs), text)
 
             found = self._compute[output](self._stack, self._quality, step, cancel)
             try:
@@ -128,9 +123,8 @@ class _Choice:
 
     def show(self, material, output, found, tried):
         """Build the nodes of the choice."""
-        layers, note = self._layers, self._notes[output]
         scene = with_uid(bpy.data.scenes, self._uids[2])
-        lateral_job.show(material, scene, output, layers, note, found, self._millimetre)
+        lateral_job.show(material, scene, output, self._layers, self._note, found, self._millimetre)
         if tried is not None:
             material.lamina.trial = tried.sentence
         elif self._tried:

@@ -10,7 +10,6 @@ from ..base.mesh_arrays import Arrays
 from ..base.messages import RefusedError
 from ..nodes import dust_playback
 
-KINDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 INSTANCES = "instances of its geometry nodes get no dust: end the nodes with Realize Instances"
 MOST_TRIANGLES = 100_000_000  # of all occluders together: some 6 GB
 
@@ -117,7 +116,7 @@ def _is_used(modifier, obj, live):
 def _body_in(depsgraph, request, scale, tags):
     """What `_body` returns, or None if the object is not seen in this dependency graph."""
     for instance in depsgraph.object_instances:
-        if _is_itself(instance, request.obj) and instance.show_self:
+        if rendered.is_itself(instance, request.obj) and instance.show_self:
             return _body(depsgraph, request, instance.object, instance.matrix_world.copy(), scale, tags)
     return None
 
@@ -178,7 +177,7 @@ def _all_occluders(depsgraph, scale, known):
     found, count = [], 0
     for instance in depsgraph.object_instances:
         other = instance.object
-        if other.type not in KINDS or not _stops(instance):
+        if not rendered.casts_shadow(instance) or not other.original.lamina_dust.stops:
             continue
         own = None if instance.is_instance else other.original
         arrays = known.get(own)
@@ -200,17 +199,6 @@ def _all_occluders(depsgraph, scale, known):
         if len(triangles):
             found.append((own, Arrays(vertices, triangles, name=other.name)))
     return found
-
-
-def _stops(instance):
-    other = instance.object.original
-    if other.hide_render or not other.visible_shadow or not other.lamina_dust.stops:
-        return False
-    return instance.is_instance or instance.show_self
-
-
-def _is_itself(instance, obj):
-    return not instance.is_instance and instance.object.original == obj
 
 
 def _tag(mesh):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import data_image, image_removal, native, renders, unwrap, uv_maps
+from ..base import data_image, image_removal, native, rendered, renders, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE
 from ..nodes import detail_wiring, thickness
@@ -78,7 +78,7 @@ def settle(context, obj, progress=None, cancel=None, threads=0):
 
 def problem(obj):
     """The reason why no dust can settle on an object, in a sentence, or ''."""
-    if obj is not None and obj.type in geometry.KINDS and obj.type != "MESH":
+    if obj is not None and obj.type in rendered.SHAPES and obj.type != "MESH":
         return f"{obj.name} is no mesh, and holds no dust: convert it (Object > Convert > Mesh)"
     if obj is None or obj.type != "MESH":
         return "Dust settles on mesh objects: select one"

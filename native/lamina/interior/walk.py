@@ -29,8 +29,7 @@ OFF_SURFACE = 1e-4  # relative to the mesh's size: points farther off the surfac
 
 
 class Walker:
-    """A problem that is ready for walks. `problem` has its points; `solid_size`: diagonal of the mesh's box,
-    mm."""
+    """A problem that is ready for walks. `problem` has its points; `solid_size`: diagonal of the mesh's box, mm."""
 
     def __init__(self, problem: Problem, threads: int, step: Progress):
         layer = self._layer = embree.layer()
@@ -52,17 +51,17 @@ class Walker:
                                lambda fraction: told(fraction, "sorting the faces"), which)
 
         others = None if problem.lights is None else problem.lights.occluders
+        is_clear = others is None and not opaque.any()
         self._solid = solid_in_core = built(tuple(opaque.tolist()) if opaque.any() else (), step)
         if others is not None:
             solid_in_core.stand_among(np.ascontiguousarray(others.vertices - centre, np.float32), others.triangles,
                                       others.albedo, others.emission, lambda _fraction: step(1.0, "sorting the faces"))
-        is_clear = others is None and not opaque.any()
         self._clear = functools.cache(lambda: solid_in_core if is_clear else built((), silent))
         self._grid = _grid(layer, self.problem.interior, centre)
 
     def is_open(self) -> np.ndarray:
-        """Whether light can enter at each point, (n,): not inside another part of the mesh, not on an opaque
-        face, and not where the normal points inwards."""
+        """Whether light can enter at each point, (n,): not inside another part of the mesh, not on an opaque face, and
+        not where the normal points inwards."""
         return self._exposures(slice(None)) == OPEN
 
     def only(self, chosen: np.ndarray) -> Walker:
@@ -94,8 +93,8 @@ class Walker:
 
     def exits(self, samples: Samples, step: Progress, part: range | None = None,
               late_after=(math.inf,) * 3) -> list[np.ndarray]:
-        """Tally exits: [moments, products, counts, late] of all points, or of a `part`. `late`: sums of (w, w
-        r), (points, 3, 2), over paths with more scatterings than `late_after`, by channel."""
+        """Tally exits: [moments, products, counts, late] of all points, or of a `part`. `late`: sums of (w, w r),
+        (points, 3, 2), over paths with more scatterings than `late_after`, by channel."""
         return self._each(self._layer.walk_to_exits, samples, step, part, late_after)
 
     def lights(self, samples: Samples, step: Progress, part: range | None = None) -> list[np.ndarray]:
@@ -107,8 +106,8 @@ class Walker:
                           self._layer.Surroundings(*around))
 
     def photons(self, samples: Samples, step: Progress, part: range | None = None) -> list[np.ndarray]:
-        """Tally photons: [sums, squares, counts by lamp] at all points. `part`: of the photons of each lamp,
-        of which there are as many as samples of all points."""
+        """Tally photons: [sums, squares, counts by lamp] at all points. `part`: of the photons of each lamp, of which
+        there are as many as samples of all points."""
         texels, sources = self._image_in_core
         part = range(samples.count * len(self.problem.points.positions)) if part is None else part
         first, sums = samples.first * len(self.problem.points.positions), []

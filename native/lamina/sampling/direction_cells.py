@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,10 +31,14 @@ class DirectionCells:
         middle = 0.5 * (mu[1:] + mu[:-1])[:, None], 0.5 * (azimuth[1:] + azimuth[:-1])
         sizes = -np.diff(mu)[:, None] * np.diff(azimuth)
         weights = np.stack([np.maximum(one, 0.0) * sizes for one in values(*middle)])
-        total = weights.sum()
-        # Without light every direction will do.
-        return cls(mu, azimuth, weights / total if total > 0.0 else np.broadcast_to(sizes, weights.shape) / (
-            weights.shape[0] * sizes.sum()))
+        if not weights.any():  # without light every direction will do
+            weights = np.broadcast_to(sizes, weights.shape)
+        return cls(mu, azimuth, weights / weights.sum())
+
+    @functools.cached_property
+    def _up_to(self) -> np.ndarray:
+        """Sums of the probabilities up to each cell."""
+        return np.cumsum(self.share.ravel())
 
     def density(self, path, mu_i, dphi) -> np.ndarray:
         """Probability per solid angle of directions; `dphi` in [-pi, pi]."""
@@ -44,7 +49,7 @@ class DirectionCells:
 
     def drawn(self, u) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(path, mu_i, dphi) for uniform numbers u, (n, 3) in [0, 1)."""
-        up_to = np.cumsum(self.share.ravel())
+        up_to = self._up_to
         cell = np.minimum(np.searchsorted(up_to, u[:, 0] * up_to[-1], side="right"), up_to.size - 1)
         path, row, column = np.unravel_index(cell, self.share.shape)
         mu = self.mu[row] + u[:, 1] * (self.mu[row + 1] - self.mu[row])

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,9 +40,9 @@ class Sampler:
     `function`: a lamina.ScatteringFunction, whose values are exact, or a lamina.Lut, whose values are those that Cycles
     renders; `tau`: the thickness of a table's varying layer, by default the largest. Directions are unit vectors,
     (n, 3), and point away from the surface; views have z > 0, light with z < 0 is transmitted. Directions are drawn
-    from cells that hold the function at 32 views (half a second, some seconds for narrow lobes under smooth
-    boundaries). Raises ArgumentError, and StackError for a stack with anisotropic facets and for the bottom of a stack
-    that is no sheet in air."""
+    from cells that hold the function at 32 views, which takes less than a second, or up to some ten seconds for narrow
+    lobes under smooth boundaries. Raises ArgumentError, and StackError for a stack with anisotropic facets and for
+    the bottom of a stack that is no sheet in air."""
 
     def __init__(self, function: ScatteringFunction | Lut, side: str = "top", tau: float | None = None):
         if not isinstance(function, ScatteringFunction | Lut):
@@ -56,9 +57,9 @@ class Sampler:
         if side == "bottom" and not is_sheet:
             raise StackError("base: a sampler of the bottom needs a sheet, which has none")
         self._paths = ("reflect", "transmit") if is_sheet else ("reflect",)
-        self._mu = np.maximum(np.cos(np.linspace(0.0, 0.5 * np.pi, VIEWS)), LEAST_MU)
-        self._cells = [DirectionCells.about(mu, lambda *light, mu=mu: self._contributions(mu, *light))
-                       for mu in self._mu]
+        self._channels = 3 if isinstance(function, Lut) else function.stack.channels
+        self._cells = [DirectionCells.about(mu, functools.partial(self._contributions, mu)) for mu in
+                       np.maximum(np.cos(np.linspace(0.0, 0.5 * np.pi, VIEWS)), LEAST_MU)]
 
     def evaluate(self, view, light) -> np.ndarray:
         """The function times the cosine of the light, (n, channels), in 1/sr; 0 for light below an opaque stack. Deltas
@@ -78,25 +79,25 @@ class Sampler:
         u = finite_array(u, "u")
         if u.ndim != 2 or u.shape[1] != 4 or u.min(initial=0.0) < 0.0 or u.max(initial=0.0) >= 1.0:
             raise ArgumentError(f"u = {quoted(u)}: must be (n, 4) numbers in [0, 1)")
-        view = self._unit(view, "view")
-        view = np.broadcast_to(view, (len(u), 3))
-        mu_o = view[:, 2]
-        light_of_deltas, chance = self._deltas(mu_o)
-        path, mu_i, dphi = self._drawn(mu_o, u)
-        below = np.array([name == "transmit" for name in self._paths])[path]
-        light = _light(view, mu_i, dphi, below)
-        pdf = (1.0 - chance.sum(axis=0)) * self._density(mu_o, mu_i, dphi, path)
-        weight = self._values(mu_o, mu_i, dphi, path) * (mu_i / np.maximum(pdf, 1e-300))[:, None]
-        is_delta = np.zeros(len(u), bool)
-        from_start = np.zeros(len(u))
+        view = np.broadcast_to(self._unit(view, "view"), (len(u), 3))
+        light, weight = np.empty((len(u), 3)), np.empty((len(u), self._channels))
+        pdf, is_delta, from_start = np.empty(len(u)), np.zeros(len(u), bool), np.zeros(len(u))
+        light_of_deltas, chance = self._deltas(view[:, 2])
         for number, name in enumerate(self._paths):
             taken = (u[:, 0] >= from_start) & (u[:, 0] < from_start + chance[number])
             from_start = from_start + chance[number]
-            straight = view * [-1.0, -1.0, 1.0] if name == "reflect" else -view
-            light[taken] = straight[taken]
+            light[taken] = view[taken] * [-1.0, -1.0, 1.0 if name == "reflect" else -1.0]
             pdf[taken] = chance[number][taken]
             weight[taken] = light_of_deltas[number][taken] / chance[number][taken, None]
             is_delta |= taken
+        others = ~is_delta
+        left = 1.0 - from_start[others]
+        # What is left of the number that has decided against the deltas is again even in [0, 1).
+        rest = np.clip((u[others, 0] - from_start[others]) / np.maximum(left, 1e-12), 0.0, 1.0 - 1e-12)
+        drawn = self._drawn(view[others, 2], np.column_stack([rest, u[others, 1:]]))
+        light[others] = _light(view[others], *drawn)
+        pdf[others] = left * self._density(view[others, 2], *drawn)
+        weight[others] = self._values(view[others, 2], *drawn) * (drawn[0] / pdf[others])[:, None]
         return DrawnLight(light, weight, pdf, is_delta)
 
     def _contributions(self, mu_o: float, mu_i, dphi) -> list[np.ndarray]:
@@ -118,8 +119,7 @@ class Sampler:
         return self._side if path == "reflect" else SIDES[1 - SIDES.index(self._side)]
 
     def _values(self, mu_o, mu_i, dphi, path) -> np.ndarray:
-        channels = 3 if isinstance(self._function, Lut) else self._function.stack.channels
-        found = np.zeros((len(mu_o), channels))
+        found = np.zeros((len(mu_o), self._channels))
         for number, name in enumerate(self._paths):
             here = (path == number) & (mu_i > 0.0)
             if not here.any():
@@ -155,18 +155,14 @@ class Sampler:
         return found
 
     def _drawn(self, mu_o, u) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(path, mu_i, dphi) of directions that are no deltas."""
+        """(mu_i, dphi, path) of directions that are no deltas."""
         lower, share = self._neighbours(mu_o)
         column = np.minimum(lower + (u[:, 3] < share), VIEWS - 1)
-        chance = self._deltas(mu_o)[1].sum(axis=0)
-        # What is left of the number that has decided against the deltas is again even in [0, 1).
-        rest = np.clip((u[:, 0] - chance) / np.maximum(1.0 - chance, 1e-12), 0.0, 1.0 - 1e-12)
         path, mu_i, dphi = np.zeros(len(u), int), np.zeros(len(u)), np.zeros(len(u))
         for number in np.unique(column):
             here = column == number
-            numbers = np.column_stack([rest[here], u[here, 1:3]])
-            path[here], mu_i[here], dphi[here] = self._cells[number].drawn(numbers)
-        return path, mu_i, dphi
+            path[here], mu_i[here], dphi[here] = self._cells[number].drawn(u[here, :3])
+        return mu_i, dphi, path
 
     def _neighbours(self, mu_o) -> tuple[np.ndarray, np.ndarray]:
         """(the number of the view before each view, the share of the one after it)."""
@@ -205,8 +201,8 @@ class Sampler:
         return np.minimum(view[:, 2], 1.0), mu_i, dphi, below.astype(int)
 
 
-def _light(view, mu_i, dphi, below) -> np.ndarray:
+def _light(view, mu_i, dphi, path) -> np.ndarray:
     """Unit directions to the light."""
     azimuth = np.arctan2(view[:, 1], view[:, 0]) - dphi + np.pi
     sine = np.sqrt(np.maximum(1.0 - mu_i**2, 0.0))
-    return np.column_stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.where(below, -mu_i, mu_i)])
+    return np.column_stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.where(path == 1, -mu_i, mu_i)])

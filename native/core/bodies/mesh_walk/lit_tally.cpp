@@ -70,15 +70,8 @@ void LitTally::meets_occluder(const Occluders::Hit& hit, const Weights& arriving
     if (flux == 0.0) {
       continue;
     }
-    // Light that meets the solid first is not light that meets an occluder first.
-    if (by_occluders_) {
-      ++counts_.rays;
-      if (walk_.is_visible(hit.place, light.towards, light.distance)) {
-        add(k, weights, flux / std::numbers::pi);
-      }
-      continue;
-    }
-    Weights seen = walk_.arriving(hit.place, light.towards, light.distance, rng, counts_);
+    // Light that has passed the solid is not light that meets an occluder first.
+    Weights seen = walk_.arriving(hit.place, light.towards, light.distance, !by_occluders_, rng, counts_);
     for (std::size_t c = 0; c < kChannels; ++c) {
       seen[c] *= weights[c];
     }

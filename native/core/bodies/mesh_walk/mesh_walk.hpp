@@ -132,9 +132,10 @@ class MeshWalk {
   double clearance(const Place& place) const { return solid_.clearance(place); }
 
   const SurfaceBoundary& boundary() const { return boundary_; }
-  /// The share of light that reaches a position outside from the distance `farthest` without scattering: through the
-  /// solid too, if its boundary is matched.
-  Weights arriving(const Place& from, const Ray& direction, double farthest, Rng& rng, WalkCounts& counts) const;
+  /// The share of light that reaches a position outside from the distance `farthest` without scattering. `through`:
+  /// also through the solid, if its boundary is matched.
+  Weights arriving(const Place& from, const Ray& direction, double farthest, bool through, Rng& rng,
+                   WalkCounts& counts) const;
 
   /// True if neither a part of the solid nor an occluder lies between a position outside or on the surface and the
   /// distance `farthest`.

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Opaque things around a solid: they cast shadows on it, reflect light diffusely, and may shine.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,6 +11,7 @@
 #include "interior/channels.hpp"
 #include "interior/place.hpp"
 #include "mesh/mesh_scene.hpp"
+#include "mesh_walk/flight_ray.hpp"
 
 namespace lamina {
 
@@ -39,12 +38,13 @@ class Occluders {
 
   /// True if a face lies on the way from a position up to the distance `farthest`.
   bool block(const Place& from, const Ray& direction, double farthest) const {
-    return nearest_ < farthest && scene_.occluded(ray(from, direction, farthest));
+    return nearest_ < farthest && scene_.occluded(flight_ray(from, direction, nearest_, farthest));
   }
 
   /// The first face on that way.
   std::optional<Hit> first(const Place& from, const Ray& direction, double farthest) const {
-    const auto hit = nearest_ < farthest ? scene_.first_surface(ray(from, direction, farthest)) : std::nullopt;
+    const auto hit =
+        nearest_ < farthest ? scene_.first_surface(flight_ray(from, direction, nearest_, farthest)) : std::nullopt;
     if (!hit) {
       return std::nullopt;
     }
@@ -56,16 +56,8 @@ class Occluders {
   }
 
  private:
-  static constexpr double kNearest = 1e-4;
+  static constexpr double kNearest = 1e-4;   // relative to the solid's size
   static constexpr double kRounding = 4e-6;  // some tens of errors of single precision, relative to coordinates
-
-  MeshRay ray(const Place& from, const Ray& direction, double farthest) const {
-    constexpr double kFar = std::numeric_limits<float>::max();
-    return {{static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z)},
-            {static_cast<float>(direction.x), static_cast<float>(direction.y), static_cast<float>(direction.z)},
-            static_cast<float>(nearest_),
-            static_cast<float>(std::min(farthest, kFar))};
-  }
 
   std::vector<Face> faces_;
   double nearest_;

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A closed mesh: intersections with its surface, and distances to the surface.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include "interior/place.hpp"
 #include "mesh/mesh_scene.hpp"
+#include "mesh_walk/flight_ray.hpp"
 #include "mesh_walk/surface_distance.hpp"
 #include "numeric/thread_pool.hpp"
 
@@ -49,13 +48,7 @@ class Solid {
 
   std::optional<Crossing> first_crossing(const Place& from, const Ray& direction, double nearest,
                                          double farthest) const {
-    constexpr double kFar = std::numeric_limits<float>::max();
-    const MeshRay ray = {
-        {static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z)},
-        {static_cast<float>(direction.x), static_cast<float>(direction.y), static_cast<float>(direction.z)},
-        static_cast<float>(nearest),
-        static_cast<float>(std::min(farthest, kFar))};
-    const auto hit = scene_.first_surface(ray);
+    const auto hit = scene_.first_surface(flight_ray(from, direction, nearest, farthest));
     if (!hit) {
       return std::nullopt;
     }

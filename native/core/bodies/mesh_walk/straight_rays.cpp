@@ -95,7 +95,7 @@ std::optional<Ray> MeshWalk::normal_towards(const Place& from, const Ray& direct
   return out && !out->is_opaque ? std::optional(out->normal) : std::nullopt;
 }
 
-Weights MeshWalk::arriving(const Place& from, const Ray& direction, double farthest, Rng& rng,
+Weights MeshWalk::arriving(const Place& from, const Ray& direction, double farthest, bool through, Rng& rng,
                            WalkCounts& counts) const {
   ++counts.rays;
   const auto in = SurfaceSearch(solid_, from, direction, 1, true).entering(farthest);
@@ -105,7 +105,7 @@ Weights MeshWalk::arriving(const Place& from, const Ray& direction, double farth
   if (!in) {
     return {1.0, 1.0, 1.0};
   }
-  if (in->is_opaque || boundary_.kind() != SurfaceBoundary::Kind::kMatched) {
+  if (!through || in->is_opaque || boundary_.kind() != SurfaceBoundary::Kind::kMatched) {
     return {};
   }
   return transmittance(from.moved(direction, in->distance), direction, farthest - in->distance, 1, rng, counts);
