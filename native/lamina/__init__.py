@@ -36,6 +36,7 @@ from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
+from .kinds.films import Film, Spectrum
 from .kinds.phases import *  # noqa: F403 - each phase function
 from .lateral.searchlight import Searchlight, searchlight
 from .maps.lit import LitImages, lit_images
@@ -66,6 +67,7 @@ __all__ = [
     "ExitEstimate",
     "ExportError",
     "ExtraMissing",
+    "Film",
     "Fit",
     "Free",
     "Interface",
@@ -92,6 +94,7 @@ __all__ = [
     "ShardError",
     "Solid",
     "SolveError",
+    "Spectrum",
     "SpotLamp",
     "Stack",
     "StackError",
