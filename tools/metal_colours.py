@@ -3,7 +3,8 @@
 
     python tools/metal_colours.py
 
-Input: tools/metal_spectra/NAME.csv, the published indices n and k of each metal, and tools/cie_1931_d65.csv.
+Input: tools/metal_spectra/NAME.csv, the published indices n and k of each metal, and lamina's table of the
+observer.
 A colour is the Fresnel reflectance at one angle, integrated over 380 to 780 nm with the CIE 1931 standard observer
 under illuminant D65, as linear Rec. 709. D65 is the white point of Rec. 709, so a perfect mirror is (1, 1, 1).
 """
@@ -14,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
+from lamina.common.observer import rec709_of_d65
 from lamina.metals import GRAZING, reflectance
 
 TOOLS = Path(__file__).resolve().parent
 SPECTRA = TOOLS / "metal_spectra"
 OUTPUT = TOOLS.parent / "native/lamina/kinds/metals.json"
-PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G and B: Rec. ITU-R BT.709
 DIGITS = 4
 SOURCE = "# Source: "
 
@@ -41,19 +42,9 @@ def names() -> list[str]:
     return sorted(path.stem for path in SPECTRA.glob("*.csv"))
 
 
-def observer() -> tuple[np.ndarray, np.ndarray]:
-    """(wavelengths in nm, linear Rec. 709 values of a mirror that reflects one wavelength only, 3 rows)."""
-    wavelengths, x, y, z, d65 = read_table(TOOLS / "cie_1931_d65.csv")
-    weights = np.array([x, y, z]) * d65
-    # XYZ of the primaries in the columns, each scaled so that R = G = B = 1 is the white of D65.
-    xyz = np.array([PRIMARIES[:, 0], PRIMARIES[:, 1], 1.0 - PRIMARIES.sum(axis=1)]) / PRIMARIES[:, 1]
-    primaries = xyz * np.linalg.solve(xyz, weights.sum(axis=1))
-    return wavelengths, np.linalg.solve(primaries, weights)
-
-
 def rec709(name: str, mu: float) -> np.ndarray:
     """Reflectance of a metal at cosine `mu` under D65: linear Rec. 709, not clipped."""
-    wavelengths, response = observer()
+    wavelengths, response = rec709_of_d65()
     nm, n, k = read_table(SPECTRA / f"{name}.csv")
     indices = zip(np.interp(wavelengths, nm, n), np.interp(wavelengths, nm, k), strict=True)
     return response @ np.array([reflectance(mu, eta, kappa) for eta, kappa in indices])

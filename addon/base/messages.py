@@ -3,12 +3,13 @@
 
 import re
 
-from ..kinds import bases, boundaries, media, phases
+from ..kinds import bases, boundaries, films, media, phases
 from . import native
 
 _FIELDS = (
     *(field for form in media.FORMS for field in form),
     *boundaries.Interface.fields,
+    *films.Film.fields,
     *(field for cls in bases.IN_PANEL for form in (cls.fields, *cls.forms) for field in form),
 )
 # Names of fields in messages of `lamina`, and the panel's names for them. The first field of a name counts.

@@ -140,7 +140,11 @@ def is_over(material):
 def layers_problem(stack):
     """Why the layers of a `lamina.Stack` cannot be put over a material, in a sentence, or ''."""
     name = stack.name or "The stack"
-    return "" if stack.layers else f"{name} has no layers that could lie over this material"
+    if not stack.layers:
+        return f"{name} has no layers that could lie over this material"
+    if stack.layers[-1].kind == "film":
+        return f"{name} has a thin film on its own metal, which cannot lie over this material"
+    return ""
 
 
 def assign_layers(material, stack):

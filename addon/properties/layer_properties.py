@@ -10,12 +10,12 @@ import bpy
 from bpy.props import FloatProperty, FloatVectorProperty, PointerProperty, StringProperty
 
 from ..base import changes, decimals
-from ..kinds import bases, boundaries, media, phases
+from ..kinds import bases, boundaries, films, media, phases
 from ..kinds import metals as metal_table
 from ..stack_json import solved_colours
 from .described import choice, entries, having, number, numbers, option, per_channel, switch
 
-LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item))
+LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item, films.Film.item))
 MODES = entries(form.item for form in media.FORMS)
 PHASES = entries(cls.item for cls in phases.IN_PANEL)
 BASES = entries((bases.NONE, *(cls.item for cls in bases.IN_PANEL)))
@@ -103,6 +103,7 @@ class LaminaDepth(MediumProperties, bpy.types.PropertyGroup):
     """The bottom of a medium that changes with depth."""
 
 
+@having(numbers(films.Film.fields))
 class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     name: StringProperty(
         name="Name", description="Name of this layer", default="Layer", options=set()

@@ -35,7 +35,7 @@ PLACES = (
     (PRINTS, "Prints", "Fingerprints at random"),
 )
 _OF_KIND = {"medium": (EVEN, SETTLED, PAINTED, IMAGE),
-            "interface": (EVEN, SETTLED, PAINTED, DROPS, PUDDLES, PRINTS)}
+            "interface": (EVEN, SETTLED, PAINTED, DROPS, PUDDLES, PRINTS), "film": (EVEN,)}
 INPUTS = {"medium": FRONT, "interface": COVERAGE}  # of the node group, for a varying layer of this kind
 RANGE = 4.0  # least optical thickness up to which settled dust and images can be shown
 USUAL = 1.0  # most optical thickness of an even layer after another place: at 4 a layer hides all below

@@ -9,16 +9,18 @@ import json
 import math
 
 from ..base.messages import RefusedError, unusual_channels
-from ..kinds import boundaries, media
+from ..kinds import boundaries, films, media
 from ..kinds.bases import BASES
 from . import phases
 
 NEWER = "this version of the add-on does not know it"
-FIRST_NAMES = {"medium": "Layer", "interface": "Interface"}
+FIRST_NAMES = {"medium": "Layer", "interface": "Interface", "film": "Thin Film"}
 
 
 def about(data):
-    """The texts of the stack as JSON: name, category, source."""
+    """The texts of the stack as JSON: name, category, source. Raises RefusedError."""
+    if data.get("wavelengths") is not None:
+        raise RefusedError("wavelengths: in Blender the channels of a stack are red, green and blue")
     others = {key: value for key, value in data.items() if key not in ("schema", "layers", "base")}
     return json.dumps(others) if others else ""
 
@@ -30,6 +32,8 @@ def layer(layer, where):
         values = _interface(layer, where)
     elif kind == "medium":
         values = _medium(layer, where)
+    elif kind == "film":
+        values = {field.prop: _number(field, layer, where) for field in films.Film.fields}
     else:
         raise RefusedError(f"{where}.kind = {kind}: {NEWER}")
     return {"kind": kind, "name": layer.get("name") or FIRST_NAMES[kind], **values}
@@ -160,6 +164,8 @@ def _triple(value, where):
 
 
 def _single(value, where):
+    if isinstance(value, dict):
+        raise RefusedError(f"{where}: in Blender it is one number for all wavelengths")
     values = list(value) if isinstance(value, list | tuple) else [value]
     if any(other != values[0] for other in values):
         raise RefusedError(f"{where} = {value}: in Blender it is one number for all channels")

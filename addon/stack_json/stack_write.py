@@ -8,7 +8,7 @@ file and .9 in Python give the same hash. Usual values are left out, as in `lami
 import json
 
 from ..base.decimals import shortest
-from ..kinds import boundaries, media
+from ..kinds import boundaries, films, media
 from ..kinds.bases import BASES
 from ..kinds.limits import STACK_SCHEMA
 from . import phases, profiles
@@ -37,6 +37,8 @@ def layer(layer):
     if layer.kind == "interface":
         entry["ior"] = _channels(layer.ior_rgb) if layer.ior_per_channel else shortest(layer.ior)
         return entry | {"alpha": shortest(layer.alpha)} | _options(boundaries.Interface, layer)
+    if layer.kind == "film":
+        return entry | {field.name: shortest(getattr(layer, field.prop)) for field in films.Film.fields}
     if layer.profile_text:
         entry |= {"profile": profiles.knots(layer), **_amount(layer)}
     elif layer.graded:

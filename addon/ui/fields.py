@@ -7,7 +7,7 @@ Labels are short because the editor is narrow; tooltips give the details.
 from ..base import native
 from ..base.decimals import shortest
 from ..editing import metals
-from ..kinds import boundaries
+from ..kinds import boundaries, films
 from ..kinds.bases import BASES, Conductor
 from ..stack_json import profiles, solved_colours
 
@@ -16,7 +16,7 @@ NO_ALBEDO = "No albedo gives this color"
 
 def draw_layer(layout, layer):
     column = split(layout.column())
-    (_draw_interface if layer.kind == "interface" else _draw_medium)(column, layer)
+    {"interface": _draw_interface, "film": _draw_film, "medium": _draw_medium}[layer.kind](column, layer)
 
 
 def draw_base(layout, base):
@@ -41,6 +41,8 @@ def facts(layer):
         ior = "/".join(f"{shortest(value):g}" for value in layer.ior_rgb) if layer.ior_per_channel else None
         ior = ior or f"{shortest(layer.ior):g}"
         return f"ior {ior}, rough {layer.roughness:.2g}" if layer.alpha > 0.0 else f"ior {ior}, smooth"
+    if layer.kind == "film":
+        return f"ior {shortest(layer.film_ior):g}, {shortest(layer.film_thickness):g} nm"
     if is_infinite(layer):
         return "∞"
     if layer.mode == "coefficients":
@@ -61,6 +63,11 @@ def _draw_interface(column, layer):
     else:
         column.prop(layer, "ior")
     draw_number(column, layer, boundaries.ALPHA)
+
+
+def _draw_film(column, layer):
+    for field in films.Film.fields:
+        draw_number(column, layer, field)
 
 
 def _draw_medium(column, layer):

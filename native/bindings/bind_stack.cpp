@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Binds stacks and their parts: media, facets, interfaces and bases.
+#include <pybind11/complex.h>
 #include <pybind11/stl.h>
 
+#include <complex>
+#include <memory>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "bindings.hpp"
 #include "matter/graded_sublayers.hpp"
@@ -29,6 +34,20 @@ Facets make_facets(double alpha, const std::string& distribution, bool correlate
           alpha_v,    angle};
 }
 
+std::shared_ptr<Film> make_film(
+    double ior_above, bool opaque,
+    const std::vector<std::tuple<double, std::complex<double>, std::vector<std::pair<std::complex<double>, double>>>>&
+        waves) {
+  std::vector<Film::Wave> made;
+  for (const auto& [weight, below, sheets] : waves) {
+    made.push_back({weight, below, {}});
+    for (const auto& [ior, thickness] : sheets) {
+      made.back().sheets.push_back({ior, thickness});
+    }
+  }
+  return std::make_shared<Film>(ior_above, opaque, std::move(made));
+}
+
 auto fields(const Facets& facets) {
   return std::make_tuple(facets.alpha, static_cast<int>(facets.distribution), facets.correlated, facets.compensate,
                          facets.alpha_v, facets.angle);
@@ -46,9 +65,17 @@ void bind_parts(py::module_& module) {
           "__eq__", [](const Facets& a, const Facets& b) { return fields(a) == fields(b); }, py::is_operator())
       .def("__hash__", [](const Facets& facets) { return py::hash(py::cast(fields(facets))); });
 
+  py::class_<Film, std::shared_ptr<Film>>(
+      module, "Film",
+      "Thin films on a boundary, or on a metal if `opaque`. `waves`: (weight, index below, [(index, thickness in "
+      "wavelengths), ...] top first) by wavelength.")
+      .def(py::init(&make_film), py::arg("ior_above"), py::arg("opaque"), py::arg("waves"));
+
   py::class_<Interface>(module, "Interface")
-      .def(py::init([](double ior, const Facets& facets) { return Interface{ior, facets}; }), py::arg("ior"),
-           py::arg("facets") = Facets{.alpha = 0.0});
+      .def(py::init([](double ior, const Facets& facets, std::shared_ptr<Film> film) {
+             return Interface{ior, facets, std::move(film)};
+           }),
+           py::arg("ior"), py::arg("facets") = Facets{.alpha = 0.0}, py::arg("film") = nullptr);
 }
 
 void bind_bases(py::module_& module) {
@@ -58,10 +85,11 @@ void bind_bases(py::module_& module) {
                   [](double reflectance) { return Base{.kind = Base::Kind::kLambert, .reflectance = reflectance}; })
       .def_static(
           "conductor",
-          [](double eta, double k, const Facets& facets) {
-            return Base{.kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets};
+          [](double eta, double k, const Facets& facets, std::shared_ptr<Film> film) {
+            return Base{
+                .kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets, .film = std::move(film)};
           },
-          py::arg("eta"), py::arg("k"), py::arg("facets") = Facets{.alpha = 0.0})
+          py::arg("eta"), py::arg("k"), py::arg("facets") = Facets{.alpha = 0.0}, py::arg("film") = nullptr)
       .def_static(
           "principled",
           [](double color, double metallic, double roughness, double ior, double specular, double coat,

@@ -37,6 +37,7 @@ from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
+from .kinds.films import Film, Spectrum
 from .kinds.phases import *  # noqa: F403 - each phase function
 from .lateral.searchlight import Searchlight, searchlight
 from .maps.lit import LitImages, lit_images
@@ -69,6 +70,7 @@ __all__ = [
     "ExitEstimate",
     "ExportError",
     "ExtraMissing",
+    "Film",
     "Fit",
     "Free",
     "Interface",
@@ -97,6 +99,7 @@ __all__ = [
     "ShardError",
     "Solid",
     "SolveError",
+    "Spectrum",
     "SpotLamp",
     "Stack",
     "StackError",

@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -57,12 +57,18 @@ class Facets:
         ...
     def __init__(self, alpha: typing.SupportsFloat | typing.SupportsIndex = 0.0, distribution: str = 'ggx', correlated: bool = True, compensate: bool = True, alpha_v: typing.SupportsFloat | typing.SupportsIndex = 0.0, angle: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
         ...
+class Film:
+    """
+    Thin films on a boundary, or on a metal if `opaque`. `waves`: (weight, index below, [(index, thickness in wavelengths), ...] top first) by wavelength.
+    """
+    def __init__(self, ior_above: typing.SupportsFloat | typing.SupportsIndex, opaque: bool, waves: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex, collections.abc.Sequence[tuple[complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]]]) -> None:
+        ...
 class Interface:
-    def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ...) -> None:
+    def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ..., film: Film = None) -> None:
         ...
 class Base:
     @staticmethod
-    def conductor(eta: typing.SupportsFloat | typing.SupportsIndex, k: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ...) -> Base:
+    def conductor(eta: typing.SupportsFloat | typing.SupportsIndex, k: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ..., film: Film = None) -> Base:
         ...
     @staticmethod
     def lambert(arg0: typing.SupportsFloat | typing.SupportsIndex) -> Base:

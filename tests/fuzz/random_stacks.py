@@ -14,6 +14,7 @@ from lamina import (
     CornetteShanks,
     DoubleHenyeyGreenstein,
     Draine,
+    Film,
     HalfSpace,
     HenyeyGreenstein,
     Interface,
@@ -56,7 +57,21 @@ class _Maker:
         # A sheet is baked with air on both sides.
         if base is None and indices and indices[-1] != 1.0 and self.chance.random() < 0.95:
             layers.append(self.interface(ior=1.0))
-        return Stack(layers, base)
+        return Stack(self.filmed(layers, base), base)
+
+    def filmed(self, layers: list, base) -> list:
+        """The layers, a tenth of them with thin films on one smooth or rough surface."""
+        places = [k for k, layer in enumerate([*layers, base]) if isinstance(layer, Interface | Conductor)]
+        above = [1.0, *(layer.ior for layer in layers if isinstance(layer, Interface))]
+        interfaces = [k for k, layer in enumerate(layers) if isinstance(layer, Interface)]
+        places = [k for k in places if k == len(layers) or layers[k].alpha == 0.0
+                  or layers[k].ior != above[interfaces.index(k)]]
+        if not places or self.own.random() > 0.1:
+            return layers
+        films = [Film(self.own.uniform(1.2, 2.8), 10.0 ** self.own.uniform(0.0, 3.5), self.own.choice([0.0, 0.0, 0.5]))
+                 for _ in range(self.own.choice([1, 1, 2]))]
+        place = self.own.choice(places)
+        return [*layers[:place], *films, *layers[place:]]
 
     def log(self, low: float, high: float) -> float:
         return math.exp(self.chance.uniform(math.log(low), math.log(high)))

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "events/facet_normals.hpp"
-#include "matter/fresnel.hpp"
 #include "numeric/quadrature.hpp"
 
 namespace lamina {
@@ -17,34 +16,25 @@ using std::numbers::pi;
 
 }  // namespace
 
-FacetScatter::FacetScatter(const Facets& facets, double ior_above, double ior_below)
-    : facets_(facets), ior_above_(ior_above), ior_below_(ior_below), compensate_(facets.compensate) {
-  compensate_all();
-}
-
-FacetScatter::FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal)
+FacetScatter::FacetScatter(const Facets& facets, const FacetOptics& above)
     : facets_(facets),
-      ior_above_(ior_above),
-      ior_below_(ior_above),
-      metal_(metal / ior_above),
+      above_(above),
+      below_(above.turned()),
+      metal_(above.is_opaque()),
       compensate_(facets.compensate) {
-  compensate_all();
-}
-
-void FacetScatter::compensate_all() {
   if (!compensate_) {
     return;
   }
-  mirrors_ = metal_.has_value();
+  mirrors_ = metal_;
   losses_[0] = loss_on(false);
-  whole_loss_ = ior_above_ * ior_above_ * losses_[0].mean;
+  whole_loss_ = above_.here * above_.here * losses_[0].mean;
   if (metal_) {
     mirrors_ = false;
-    const double mean = mean_conductor_fresnel(*metal_);
+    const double mean = above_.mean_reflectance();
     compensation_ = mean * mean * (1.0 - losses_[0].mean) / (1.0 - mean * losses_[0].mean);
   } else {
     losses_[1] = loss_on(true);
-    whole_loss_ += ior_below_ * ior_below_ * losses_[1].mean;
+    whole_loss_ += below_.here * below_.here * losses_[1].mean;
   }
   compensate_ = whole_loss_ > 0.0;
 }
@@ -95,7 +85,7 @@ double FacetScatter::loss_at(const std::vector<VisibleFacet>& facets, bool below
     // Follow reflection and refraction, each with its share, instead of choosing one.
     const ByFacet reflected = by_facet(view, normal, below, 0.0);
     const ByFacet passed = by_facet(view, normal, below, 1.0);
-    const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), ior_of(!below) / ior_of(below));
+    const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), below);
     kept += facet.weight * (share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept);
   }
   return std::max(0.0, 1.0 - kept);
@@ -133,11 +123,8 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
   return loss;
 }
 
-double FacetScatter::fresnel_at(double cosine, double ratio) const {
-  if (metal_) {
-    return mirrors_ ? 1.0 : conductor_fresnel(cosine, *metal_);
-  }
-  return fresnel(cosine, ratio);
+double FacetScatter::fresnel_at(double cosine, bool from_below) const {
+  return mirrors_ ? 1.0 : optics(from_below).reflectance(cosine);
 }
 
 double FacetScatter::density_of(const Ray& normal) const {
@@ -155,7 +142,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   const double there = ior_of(!from_below);
   if (out.z > 0.0) {
     const Ray half = normalised({view.x + out.x, view.y + out.y, view.z + out.z});
-    const double fresnel = fresnel_at(std::min(1.0, view.dot(half)), there / here);
+    const double fresnel = fresnel_at(std::min(1.0, view.dot(half)), from_below);
     return density_of(half) * fresnel * facets_.masked(lambda_of(view), lambda_of(out)) /
            (4.0 * view.z * out.z * here * here);
   }
@@ -171,7 +158,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   if (!(seen > 0.0 && left < 0.0)) {
     return 0.0;
   }
-  return density_of(half) * (1.0 - fresnel_at(std::min(1.0, seen), there / here)) *
+  return density_of(half) * optics(from_below).transmittance(std::min(1.0, seen)) *
          facets_.passed(lambda_of(view), lambda_of(out)) * -seen * left / (view.z * -out.z * length * length);
 }
 
@@ -180,10 +167,10 @@ FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal,
   if (seen <= 0.0) {
     return {view, 0.0, 0.0};
   }
-  const double ratio = ior_of(!from_below) / ior_of(from_below);
+  const double ratio = optics(from_below).ratio();
   const double hidden = lambda_of(view);
   const double shown = 1.0 / (1.0 + hidden);
-  const double reflected = fresnel_at(std::min(1.0, seen), ratio);
+  const double reflected = fresnel_at(std::min(1.0, seen), from_below);
   // Metals always reflect; the reflectance goes into the weight.
   if (metal_ || choice < reflected) {
     const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
@@ -196,7 +183,8 @@ FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal,
   const double along = seen / ratio - std::sqrt(refracted2);
   const Ray out{along * normal.x - view.x / ratio, along * normal.y - view.y / ratio,
                 along * normal.z - view.z / ratio};
-  return {out, 1.0, out.z < 0.0 ? facets_.passed(hidden, lambda_of(out)) / shown : 0.0};
+  const double kept = optics(from_below).film ? optics(from_below).transmittance(seen) / (1.0 - reflected) : 1.0;
+  return {out, kept, out.z < 0.0 ? facets_.passed(hidden, lambda_of(out)) / shown : 0.0};
 }
 
 double FacetScatter::value(const Ray& in, const Ray& out) const {
@@ -222,8 +210,8 @@ FacetScatter::Outcome FacetScatter::sample_once(const Ray& in, bool reflected, R
   const double v = rng.uniform();
   const Ray normal = visible_normal(facets_, view, u, v);
   const ByFacet facet = by_facet(view, normal, from_below, reflected ? 0.0 : 1.0);
-  const double fresnel = fresnel_at(std::clamp(view.dot(normal), 0.0, 1.0), ior_of(!from_below) / ior_of(from_below));
-  const double share = reflected ? fresnel : metal_ ? 0.0 : 1.0 - fresnel;
+  const double seen = std::clamp(view.dot(normal), 0.0, 1.0);
+  const double share = reflected ? fresnel_at(seen, from_below) : optics(from_below).transmittance(seen);
   return {from_below ? facet.ray.mirrored() : facet.ray, share * facet.kept};
 }
 
@@ -242,7 +230,7 @@ FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
   if (rng.uniform() < facet.kept) {
     return {from_below ? facet.ray.mirrored() : facet.ray, facet.fresnel};
   }
-  const double above = ior_above_ * ior_above_ * losses_[0].mean / whole_loss_;
+  const double above = above_.here * above_.here * losses_[0].mean / whole_loss_;
   const std::size_t side = rng.uniform() < above ? 0 : 1;
   // Rejection: the density of directions is the cosine times the loss, so that all weights are equal.
   Ray out = lambert_ray(rng);

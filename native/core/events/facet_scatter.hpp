@@ -3,8 +3,6 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <complex>
-#include <optional>
 #include <vector>
 
 #include "events/facet_normals.hpp"
@@ -17,9 +15,8 @@ namespace lamina {
 /// directions of travel, z up.
 class FacetScatter {
  public:
-  FacetScatter(const Facets& facets, double ior_above, double ior_below);
-  /// A conductor of absolute index `metal`.
-  FacetScatter(const Facets& facets, double ior_above, std::complex<double> metal);
+  /// `above`: the boundary as light from above meets it.
+  FacetScatter(const Facets& facets, const FacetOptics& above);
 
   /// The smaller width of the facets.
   double alpha() const { return std::min(facets_.alpha, facets_.across()); }
@@ -62,7 +59,7 @@ class FacetScatter {
   /// A ray that one facet reflects or refracts.
   struct ByFacet {
     Ray ray;
-    double fresnel;  ///< reflectance of a metal, 1 for a dielectric
+    double fresnel;  ///< reflectance of a metal; for a dielectric the share that a film does not absorb
     double kept;     ///< share of the light that other facets do not mask, at most 1
   };
 
@@ -70,7 +67,7 @@ class FacetScatter {
   double facet_value(const Ray& view, const Ray& out, bool from_below) const;
   /// Reflection by this facet if `choice`, in [0, 1], is below its reflectance, else refraction.
   ByFacet by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
-  double fresnel_at(double cosine, double ratio) const;
+  double fresnel_at(double cosine, bool from_below) const;
   double density_of(const Ray& normal) const;
   /// Smith's Lambda of a direction on either side.
   double lambda_of(const Ray& ray) const;
@@ -78,14 +75,14 @@ class FacetScatter {
   /// 1 minus what the facets keep of light from this direction.
   double loss_at(const std::vector<VisibleFacet>& facets, bool below, double mu, double azimuth) const;
   Loss loss_on(bool below) const;
-  void compensate_all();
-  double ior_of(bool below) const { return below ? ior_below_ : ior_above_; }
+  double ior_of(bool below) const { return optics(below).here; }
+  const FacetOptics& optics(bool below) const { return below ? below_ : above_; }
 
   Facets facets_;
-  double ior_above_;
-  double ior_below_;
-  std::optional<std::complex<double>> metal_;  ///< relative to the index above
-  bool mirrors_ = false;                       ///< reflect everything, while the losses of a conductor are measured
+  FacetOptics above_;
+  FacetOptics below_;
+  bool metal_;
+  bool mirrors_ = false;  ///< reflect everything, while the losses of a conductor are measured
   bool compensate_;
   std::array<Loss, 2> losses_;  ///< above, below
   double compensation_ = 1.0;   ///< share of the lost energy that is added back

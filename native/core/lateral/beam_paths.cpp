@@ -33,7 +33,7 @@ std::vector<ScatteringFunction> delta_layers(const LateralStack& stack) {
     } else if (interface->is_rough(here.ior)) {
       functions.push_back(ScatteringFunction::bare(here.size(), here.nodes));
     } else {
-      functions.push_back(smooth_interface(here, directions[layer + 1]));
+      functions.push_back(smooth_interface(here, directions[layer + 1], interface->optics(here.ior)));
     }
   }
   const Base& base = stack.measured().stack.base;

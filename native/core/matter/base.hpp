@@ -18,6 +18,7 @@ struct Base {
   std::complex<double> ior = {};                  ///< of a conductor, n + ik, absolute
   Facets facets{.alpha = 0.0};                    ///< of a conductor or a Principled material
   std::shared_ptr<const PrincipledLaw> law = {};  ///< of a Principled material
+  std::shared_ptr<const Film> film = {};          ///< on a conductor; null without films
 
   /// True if the base scatters light equally into all azimuths, without facets.
   bool is_diffuse() const { return law ? law->has_diffuse() : kind == Kind::kLambert && reflectance > 0.0; }
@@ -43,8 +44,10 @@ struct Base {
   }
   /// The reflectance of a facet at the cosine between ray and facet.
   double facet_reflectance(double cosine, double ior_above) const {
-    return law ? law->reflectance(cosine) : conductor_fresnel(cosine, ior / ior_above);
+    return law ? law->reflectance(cosine) : optics(ior_above).reflectance(cosine);
   }
+  /// A conductor as light in a medium of index `ior_above` meets it.
+  FacetOptics optics(double ior_above) const { return {ior_above, ior_above, ior / ior_above, film}; }
   /// The factor of the light that facets reflect towards a viewer at cosine `mu`; 1 for a reciprocal base.
   double view_weight(double mu) const { return law ? law->lobe_weight(mu) : 1.0; }
   /// The reflectance of the diffuse part towards a viewer at cosine `mu`.

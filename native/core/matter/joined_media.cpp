@@ -19,7 +19,7 @@ GradedMedium joined_media(const Stack& stack, bool endless) {
   double depth = 0.0;
   for (const Layer& layer : stack.layers) {
     if (const auto* boundary = std::get_if<Interface>(&layer)) {
-      if (boundary->ior != 1.0) {
+      if (boundary->reflects(1.0)) {
         refuse("boundaries");
       }
     } else if (const auto* graded = std::get_if<GradedMedium>(&layer)) {

@@ -37,6 +37,20 @@ Array conductor_fresnel_array(const Array& c, std::complex<double> ratio) {
   return 0.5 * (s + p);
 }
 
+ArrayXd reflectances(const FacetOptics& optics, const ArrayXd& c) {
+  if (optics.film) {
+    return c.unaryExpr([&](double one) { return optics.reflectance(one); });
+  }
+  return optics.metal ? conductor_fresnel_array(c, *optics.metal) : dielectric_fresnel(c, optics.ratio());
+}
+
+ArrayXd transmittances(const FacetOptics& optics, const ArrayXd& c) {
+  if (optics.film) {
+    return c.unaryExpr([&](double one) { return optics.transmittance(one); });
+  }
+  return 1.0 - dielectric_fresnel(c, optics.ratio());
+}
+
 double sine(double mu) { return std::sqrt(std::max(0.0, 1.0 - mu * mu)); }
 
 ArrayXd sine(const ArrayXd& mu) { return (1.0 - mu.square()).max(0.0).sqrt(); }
@@ -76,10 +90,12 @@ ArrayXd reflection(const Facets& facets, double mu_o, const Mu& mu_i, const Mu& 
   return facets.density(normal) * fresnel(ray) * (mask / (4.0 * mu_o * mu_i));
 }
 
-/// Single transmission between a direction of cosine `mu` in the medium of index `ior` and others beyond.
+/// Single transmission between a direction of cosine `mu` where the light is and others beyond.
 template <typename Mu>
-ArrayXd transmission(const Facets& facets, double ior, double beyond, double mu, const Mu& mu_beyond, const Mu& mask,
+ArrayXd transmission(const Facets& facets, const FacetOptics& optics, double mu, const Mu& mu_beyond, const Mu& mask,
                      const ArrayXd& cosines) {
+  const double ior = optics.here;
+  const double beyond = optics.beyond;
   const double s = sine(mu);
   const Mu s_beyond = sine(mu_beyond);
   // Light comes from (-s, 0, mu) and leaves to (s_beyond cos, s_beyond sin, -mu_beyond).
@@ -93,7 +109,7 @@ ArrayXd transmission(const Facets& facets, double ior, double beyond, double mu,
   // Facets that face down, or that the ray would hit from behind, do not contribute.
   const auto possible = normal > 0.0 && ray > 0.0 && ray_beyond < 0.0;
   const ArrayXd jacobian = (ray * ray_beyond).abs() / (mu * mu_beyond * length.square());
-  const ArrayXd passed = 1.0 - dielectric_fresnel(ray.max(1e-9), beyond / ior);
+  const ArrayXd passed = transmittances(optics, ray.max(1e-9));
   return possible.select(facets.density(normal.max(1e-9)) * passed * jacobian * mask, 0.0);
 }
 
@@ -152,31 +168,17 @@ double Facets::lambda(double x, double y, double z) const {
 
 double Facets::masking(double mu_o, double mu_i) const { return masked(lambda(mu_o), lambda(mu_i)); }
 
-ArrayXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu_o, double mu_i,
-                              const ArrayXd& cosines) {
+ArrayXd facet_reflection(const Facets& facets, const FacetOptics& optics, double mu_o, double mu_i,
+                         const ArrayXd& cosines) {
   return reflection(facets, mu_o, mu_i, facets.masking(mu_o, mu_i), cosines,
-                    [&](const ArrayXd& c) { return dielectric_fresnel(c, beyond / ior); });
+                    [&](const ArrayXd& c) { return reflectances(optics, c); });
 }
 
-ArrayXXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu, const FacetPairs& pairs) {
+ArrayXXd facet_reflection(const Facets& facets, const FacetOptics& optics, double mu, const FacetPairs& pairs) {
   const ArrayXd mask = masking(facets, mu, pairs.mu, false);
   return of_pairs(pairs, [&](const ArrayXd& cosines) {
     return reflection(facets, mu, pairs.mu, mask, cosines,
-                      [&](const ArrayXd& c) { return dielectric_fresnel(c, beyond / ior); });
-  });
-}
-
-ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu_o, double mu_i,
-                             const ArrayXd& cosines) {
-  return reflection(facets, mu_o, mu_i, facets.masking(mu_o, mu_i), cosines,
-                    [&](const ArrayXd& c) { return conductor_fresnel_array(c, ratio); });
-}
-
-ArrayXXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu, const FacetPairs& pairs) {
-  const ArrayXd mask = masking(facets, mu, pairs.mu, false);
-  return of_pairs(pairs, [&](const ArrayXd& cosines) {
-    return reflection(facets, mu, pairs.mu, mask, cosines,
-                      [&](const ArrayXd& c) { return conductor_fresnel_array(c, ratio); });
+                      [&](const ArrayXd& c) { return reflectances(optics, c); });
   });
 }
 
@@ -206,15 +208,15 @@ double mean_conductor_fresnel(std::complex<double> ratio) {
       .sum();
 }
 
-ArrayXd dielectric_transmission(const Facets& facets, double ior_above, double ior_below, double mu_above,
-                                double mu_below, const ArrayXd& cosines) {
-  return transmission(facets, ior_above, ior_below, mu_above, mu_below, facets.passing(mu_above, mu_below), cosines);
+ArrayXd facet_transmission(const Facets& facets, const FacetOptics& optics, double mu, double mu_beyond,
+                           const ArrayXd& cosines) {
+  return transmission(facets, optics, mu, mu_beyond, facets.passing(mu, mu_beyond), cosines);
 }
 
-ArrayXXd dielectric_transmission(const Facets& facets, double ior, double beyond, double mu, const FacetPairs& pairs) {
+ArrayXXd facet_transmission(const Facets& facets, const FacetOptics& optics, double mu, const FacetPairs& pairs) {
   const ArrayXd mask = masking(facets, mu, pairs.mu, true);
-  return of_pairs(
-      pairs, [&](const ArrayXd& cosines) { return transmission(facets, ior, beyond, mu, pairs.mu, mask, cosines); });
+  return of_pairs(pairs,
+                  [&](const ArrayXd& cosines) { return transmission(facets, optics, mu, pairs.mu, mask, cosines); });
 }
 
 }  // namespace lamina

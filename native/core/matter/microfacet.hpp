@@ -3,8 +3,9 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
-#include <complex>
 #include <functional>
+
+#include "matter/facet_optics.hpp"
 
 namespace lamina {
 
@@ -56,27 +57,19 @@ struct Facets {
   }
 };
 
-/// The BRDF of single reflection by dielectric facets, both directions in the medium of index `ior`, with index
-/// `beyond` on the other side. At all azimuths, `cosines` = cos(dphi), 1 forward.
-Eigen::ArrayXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu_o, double mu_i,
-                                     const Eigen::ArrayXd& cosines);
-
-/// The BRDF of single reflection by the facets of a conductor of relative complex index `ratio` = (n + ik) / ior.
-Eigen::ArrayXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu_o, double mu_i,
-                                    const Eigen::ArrayXd& cosines);
+/// The BRDF of single reflection by facets, both directions in the medium where the light is. At all azimuths,
+/// `cosines` = cos(dphi), 1 forward.
+Eigen::ArrayXd facet_reflection(const Facets& facets, const FacetOptics& optics, double mu_o, double mu_i,
+                                const Eigen::ArrayXd& cosines);
 
 /// The BRDF of single reflection by opaque facets with a reflectance by the cosine between ray and facet.
 Eigen::ArrayXd opaque_reflection(const Facets& facets, const std::function<double(double)>& reflectance, double mu_o,
                                  double mu_i, const Eigen::ArrayXd& cosines);
 
-/// Fresnel reflectance of a smooth conductor, and its mean for uniform diffuse light.
-double conductor_fresnel(double mu, std::complex<double> ratio);
-double mean_conductor_fresnel(std::complex<double> ratio);
-
-/// Single transmission between two media: the BTDF from above to below divided by the square of the index below, which
-/// is the same in both senses (Walter et al. 2007, eq. 21).
-Eigen::ArrayXd dielectric_transmission(const Facets& facets, double ior_above, double ior_below, double mu_above,
-                                       double mu_below, const Eigen::ArrayXd& cosines);
+/// Single transmission between two media: the BTDF divided by the square of the index beyond, which is the same in both
+/// senses (Walter et al. 2007, eq. 21).
+Eigen::ArrayXd facet_transmission(const Facets& facets, const FacetOptics& optics, double mu, double mu_beyond,
+                                  const Eigen::ArrayXd& cosines);
 
 /// Directions on one side of a boundary, by their azimuths from one fixed direction.
 struct FacetPairs {
@@ -84,15 +77,12 @@ struct FacetPairs {
   Eigen::ArrayXXd cosines;  ///< cos(dphi), 1 forward: [direction, azimuth]
 };
 
-/// The functions above between the direction of cosine `mu` and all pairs: [direction, azimuth]. In a transmission
-/// `mu` lies in the medium of index `ior`, and the pairs in that of index `beyond`.
-Eigen::ArrayXXd dielectric_reflection(const Facets& facets, double ior, double beyond, double mu,
-                                      const FacetPairs& pairs);
-Eigen::ArrayXXd conductor_reflection(const Facets& facets, std::complex<double> ratio, double mu,
-                                     const FacetPairs& pairs);
+/// The functions above between the direction of cosine `mu` and all pairs: [direction, azimuth]. In a transmission the
+/// pairs lie beyond.
+Eigen::ArrayXXd facet_reflection(const Facets& facets, const FacetOptics& optics, double mu, const FacetPairs& pairs);
 Eigen::ArrayXXd opaque_reflection(const Facets& facets, const std::function<double(double)>& reflectance, double mu,
                                   const FacetPairs& pairs);
-Eigen::ArrayXXd dielectric_transmission(const Facets& facets, double ior, double beyond, double mu,
-                                        const FacetPairs& pairs);
+Eigen::ArrayXXd facet_transmission(const Facets& facets, const FacetOptics& optics, double mu,
+                                   const FacetPairs& pairs);
 
 }  // namespace lamina

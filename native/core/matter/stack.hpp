@@ -2,6 +2,7 @@
 // A stack: media and boundaries, top first, on a base.
 #pragma once
 #include <algorithm>
+#include <memory>
 #include <variant>
 #include <vector>
 
@@ -17,9 +18,12 @@ namespace lamina {
 struct Interface {
   double ior = 1.5;
   Facets facets{.alpha = 0.0};
+  std::shared_ptr<const Film> film = {};  ///< null without films
 
   /// False between media of the same index, where light passes straight.
-  bool is_rough(double ior_above) const { return facets.alpha > 0.0 && ior != ior_above; }
+  bool reflects(double ior_above) const { return film || ior != ior_above; }
+  bool is_rough(double ior_above) const { return facets.alpha > 0.0 && reflects(ior_above); }
+  FacetOptics optics(double ior_above) const { return {ior_above, ior, {}, film}; }
 };
 
 using Layer = std::variant<Medium, Interface, GradedMedium>;

@@ -3,19 +3,24 @@
 
 #include <algorithm>
 
-#include "matter/fresnel.hpp"
+#include "matter/smooth_boundary.hpp"
 
 namespace lamina {
 
-ScatteringFunction smooth_interface(const Directions& above, const Directions& below) {
+ScatteringFunction smooth_interface(const Directions& above, const Directions& below, const FacetOptics& optics) {
   ScatteringFunction s = ScatteringFunction::bare(above.size(), above.nodes);
   const Eigen::Index common = std::min(above.live, below.live);
-  s.reflect_above.delta.head(above.live).tail(above.live - common).setOnes();
-  s.reflect_below.delta.head(below.live).tail(below.live - common).setOnes();
+  for (Eigen::Index node = common; node < above.live; ++node) {
+    s.reflect_above.delta[node] = SmoothBoundary(optics, above.mu[node], 0.0).above;
+  }
+  for (Eigen::Index node = common; node < below.live; ++node) {
+    s.reflect_below.delta[node] = SmoothBoundary(optics, 0.0, below.mu[node]).below;
+  }
   const auto set = [&](Eigen::Index direction, Eigen::Index at_above, Eigen::Index at_below) {
-    const double reflected = fresnel(above.mu[at_above], below.mu[at_below], above.ior, below.ior);
-    s.reflect_above.delta[direction] = s.reflect_below.delta[direction] = reflected;
-    s.transmit.delta[direction] = 1.0 - reflected;
+    const SmoothBoundary boundary(optics, above.mu[at_above], below.mu[at_below]);
+    s.reflect_above.delta[direction] = boundary.above;
+    s.reflect_below.delta[direction] = boundary.below;
+    s.transmit.delta[direction] = boundary.passed;
   };
   for (Eigen::Index node = 0; node < common; ++node) {
     set(node, node, node);

@@ -34,9 +34,9 @@ std::vector<Deltas> deltas_of(const OrientedSolution& solution, const std::vecto
         here.reflect_above = gaps[layer].mu.tail(targets).array().unaryExpr(
             [&](double mu) { return stack.base.mirror_reflectance(mu, gaps[layer].ior); });
       }
-    } else if (std::holds_alternative<Interface>(stack.layers[layer])) {
+    } else if (const auto* interface = std::get_if<Interface>(&stack.layers[layer])) {
       if (solution.surface(layer) == nullptr) {
-        const ScatteringFunction s = smooth_interface(gaps[layer], gaps[layer + 1]);
+        const ScatteringFunction s = smooth_interface(gaps[layer], gaps[layer + 1], interface->optics(gaps[layer].ior));
         here = {s.reflect_above.delta.tail(targets), s.transmit.delta.tail(targets),
                 s.reflect_below.delta.tail(targets)};
       }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "matter/fresnel.hpp"
 #include "numeric/quadrature.hpp"
 
 namespace lamina {
@@ -15,10 +14,6 @@ using std::numbers::pi;
 Heading Heading::of(double mu, double phi) {
   const double sine = std::sqrt(std::max(0.0, 1.0 - mu * mu));
   return {sine * std::cos(phi), sine * std::sin(phi), mu};
-}
-
-double FacetOptics::reflectance(double cosine) const {
-  return metal ? conductor_fresnel(cosine, *metal) : fresnel(cosine, beyond / here);
 }
 
 FacetBundle::FacetBundle(const Facets& facets, int fineness) : facets_(facets), circles_(fineness) {
@@ -45,7 +40,7 @@ class Scattering {
         x_(-in.x),
         y_(-in.y),
         mu_(in.mu),
-        ratio_(optics.beyond / optics.here),
+        ratio_(optics.ratio()),
         hidden_(facets.lambda(x_, y_, mu_)),
         critical_(ratio_ < 1.0 ? std::sqrt(1.0 - ratio_ * ratio_) : 0.0) {}
 
@@ -93,8 +88,9 @@ class Scattering {
     if (down > 0.0) {
       const Heading out{along * h.x - x_ / ratio_, along * h.y - y_ / ratio_, std::min(1.0, down)};
       const double shown = weight * (1.0 + hidden_) * facets_.passed(hidden_, facets_.lambda(out.x, out.y, out.mu));
-      transmitted.add((1.0 - fresnel) * shown, out);
-      kept += (1.0 - fresnel) * shown;
+      const double passed = optics_.transmittance(cosine) * shown;
+      transmitted.add(passed, out);
+      kept += passed;
     }
     return kept;
   }
@@ -306,7 +302,7 @@ double facet_value(const Facets& facets, const FacetOptics& optics, const Headin
   if (!(cosine > 0.0 && leaving < 0.0)) {
     return 0.0;
   }
-  return facets.density(x, y, std::min(1.0, z)) * (1.0 - optics.reflectance(cosine)) * facets.passed(hidden, unseen) *
+  return facets.density(x, y, std::min(1.0, z)) * optics.transmittance(cosine) * facets.passed(hidden, unseen) *
          -cosine * leaving / (in.mu * out.mu * length * length);
 }
 

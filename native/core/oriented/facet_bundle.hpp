@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light from one direction, scattered once by the facets of an anisotropic boundary, as a bundle of rays.
 #pragma once
-#include <complex>
-#include <optional>
 #include <vector>
 
+#include "matter/facet_optics.hpp"
 #include "matter/microfacet.hpp"
 #include "numeric/quadrature.hpp"
 
@@ -28,16 +27,6 @@ struct RayList {
     share.push_back(flux);
     ray.push_back(heading);
   }
-};
-
-/// What the facets of a boundary separate: two media, or a medium and a metal.
-struct FacetOptics {
-  double here = 1.0;                          ///< index where the light is
-  double beyond = 1.0;                        ///< index beyond; not used with a metal
-  std::optional<std::complex<double>> metal;  ///< relative to `here`
-
-  /// The reflectance by the cosine between ray and facet.
-  double reflectance(double cosine) const;
 };
 
 /// Cosines on either side of a boundary at which functions of the scattered light are not smooth.

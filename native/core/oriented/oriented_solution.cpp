@@ -147,12 +147,9 @@ void OrientedSolution::add_surfaces(int fineness, ThreadPool& pool) {
     if (facets == nullptr) {
       continue;
     }
-    FacetOptics optics{gaps_[layer].ior, gaps_[layer].ior, {}};
-    if (layer == stack_.layers.size()) {
-      optics.metal = stack_.base.ior / optics.here;
-    } else {
-      optics.beyond = gaps_[layer + 1].ior;
-    }
+    const double here = gaps_[layer].ior;
+    const FacetOptics optics = layer == stack_.layers.size() ? stack_.base.optics(here)
+                                                             : std::get<Interface>(stack_.layers[layer]).optics(here);
     const Facets turned = facets->is_oriented() ? facets->turned(-frame_) : *facets;
     if (optics.metal) {
       base_surface_ = std::make_shared<OrientedSurface>(turned, optics, set, azimuths_, fineness, pool);
@@ -191,8 +188,8 @@ void OrientedSolution::add_layers(ThreadPool& pool) {
         const OrientedSurface::Block& own = surfaces_[layer]->block(b);
         layers.push_back({BlockOperator::coupled(own.reflect_above), BlockOperator::coupled(own.transmit),
                           BlockOperator::coupled(own.reflect_below)});
-      } else if (std::holds_alternative<Interface>(stack_.layers[layer])) {
-        const ScatteringFunction s = smooth_interface(above, below);
+      } else if (const auto* interface = std::get_if<Interface>(&stack_.layers[layer])) {
+        const ScatteringFunction s = smooth_interface(above, below, interface->optics(above.ior));
         layers.push_back(
             {BlockOperator::specular(s.reflect_above.delta.head(above.live), above.live, above.live),
              BlockOperator::specular(s.transmit.delta.head(std::min(above.live, below.live)), below.live, above.live),

@@ -36,7 +36,6 @@ Facets straightened(const Facets& facets, bool mirrored) {
   return own;
 }
 
-FacetOptics from_beyond(const FacetOptics& optics) { return {optics.beyond, optics.here, optics.metal}; }
 
 /// The part of a matrix between two functions.
 template <typename Matrix>
@@ -60,7 +59,7 @@ OrientedSurface::OrientedSurface(const Facets& facets, const FacetOptics& optics
     : facets_(straightened(facets, azimuths.mirrored)),
       angle_(remaining_angle(facets, azimuths.mirrored)),
       optics_(optics),
-      turned_optics_(from_beyond(optics)),
+      turned_optics_(optics.turned()),
       set_(set),
       own_(azimuths.orders, true),
       bundle_(facets_, fineness),
@@ -266,7 +265,7 @@ void OrientedSurface::compensate(const Lobes& above, const Lobes& below) {
   if (facets_.compensate) {
     double whole = above.lost.head(over.size()).dot(over);
     if (is_opaque()) {
-      const double fresnel = mean_conductor_fresnel(*optics_.metal);
+      const double fresnel = optics_.mean_reflectance();
       const double lost = whole / over.squaredNorm();
       share_ = whole > 0.0 ? fresnel * fresnel * (1.0 - lost) / (1.0 - fresnel * lost) / whole : 0.0;
     } else {

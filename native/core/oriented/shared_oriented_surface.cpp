@@ -26,6 +26,9 @@ std::shared_ptr<const OrientedSurface> shared_oriented_surface(const Facets& fac
   if (optics.metal) {
     key.insert(key.end(), {optics.metal->real(), optics.metal->imag()});
   }
+  if (optics.film) {
+    key.insert(key.end(), optics.film->key().begin(), optics.film->key().end());
+  }
   for (const DirectionSet::Range& range : set.ranges()) {
     key.insert(key.end(),
                {range.ior, range.nodes.low(), range.nodes.high(), static_cast<double>(range.nodes.mu.size())});

@@ -64,10 +64,11 @@ void Rays::add(double flux, double cosine, double x, double y) {
   azimuth.push_back(across > 0.0 ? -x / across : 1.0);
 }
 
-FacetRays::FacetRays(const Facets& facets, double ratio, Pieces pieces)
+FacetRays::FacetRays(const Facets& facets, FacetOptics optics, Pieces pieces)
     : FacetRays(facets, std::function<double(double)>(), std::move(pieces)) {
-  ratio_ = ratio;
-  critical_ = ratio < 1.0 ? sine(ratio) : 0.0;
+  optics_ = std::move(optics);
+  ratio_ = optics_.ratio();
+  critical_ = ratio_ < 1.0 ? sine(ratio_) : 0.0;
 }
 
 FacetRays::FacetRays(const Facets& facets, std::function<double(double)> reflectance, Pieces pieces)
@@ -217,6 +218,8 @@ void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, doub
   double back = 1.0;
   if (ratio_ == 0.0) {
     back = reflectance_(cosine);
+  } else if (optics_.film) {
+    back = optics_.reflectance(cosine);
   } else if (refracted2 > 0.0) {
     back = reflectance_between(cosine, refracted, ratio_);
   }
@@ -229,7 +232,8 @@ void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, doub
     const double along = cosine / ratio_ - refracted;
     const double down = mu / ratio_ - along * z;
     if (down > 0.0) {
-      transmitted.add(weight * cosine * (1.0 - back) * facets_.passed(facets_.lambda(down), lambda), down,
+      const double passed = optics_.film ? optics_.transmittance(cosine) : 1.0 - back;
+      transmitted.add(weight * cosine * passed * facets_.passed(facets_.lambda(down), lambda), down,
                       along * x - across / ratio_, along * y);
     }
   }

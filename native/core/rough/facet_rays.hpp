@@ -36,8 +36,8 @@ class FacetRays {
     double density = 1.0;  ///< factor on the number of points per lobe
   };
 
-  /// Facets between dielectrics; `ratio` = index on the other side / index on the ray's side.
-  FacetRays(const Facets& facets, double ratio, Pieces pieces);
+  /// Facets between dielectrics.
+  FacetRays(const Facets& facets, FacetOptics optics, Pieces pieces);
   /// Opaque facets with a reflectance by cosine.
   FacetRays(const Facets& facets, std::function<double(double)> reflectance, Pieces pieces);
 
@@ -62,7 +62,8 @@ class FacetRays {
   std::vector<double> divisions(double mu) const;
 
   Facets facets_;
-  double ratio_ = 0.0;                         // 0 if the facets are opaque
+  FacetOptics optics_;
+  double ratio_ = 0.0;                         // of indices, beyond / here; 0 if the facets are opaque
   double critical_ = 0.0;                      // cosine with a facet where total reflection ends; 0 if there is none
   std::function<double(double)> reflectance_;  // empty for dielectrics
   double steepest_;                            // angle beyond which there are no facets

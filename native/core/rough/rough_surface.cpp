@@ -95,12 +95,15 @@ void fill(MatrixXd& kernel, const Directions& out, const Directions& in, const M
 
 RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders,
                            ThreadPool& pool, double fineness)
-    : facets_(interface.facets), ior_above_(ior_above), ior_below_(interface.ior), compensate_(facets_.compensate) {
+    : facets_(interface.facets),
+      above_(interface.optics(ior_above)),
+      below_(above_.turned()),
+      compensate_(facets_.compensate) {
   const double ior_below = interface.ior;
-  from_above_.emplace(FacetRays(facets_, ior_below / ior_above, pieces(set, ior_above, ior_below, orders, fineness)),
-                      set, ior_above, ior_below, orders);
-  from_below_.emplace(FacetRays(facets_, ior_above / ior_below, pieces(set, ior_below, ior_above, orders, fineness)),
-                      set, ior_below, ior_above, orders);
+  from_above_.emplace(FacetRays(facets_, above_, pieces(set, ior_above, ior_below, orders, fineness)), set, ior_above,
+                      ior_below, orders);
+  from_below_.emplace(FacetRays(facets_, below_, pieces(set, ior_below, ior_above, orders, fineness)), set, ior_below,
+                      ior_above, orders);
   LobeOperator::Columns above = from_above_->on_nodes(pool);
   LobeOperator::Columns below = from_below_->on_nodes(pool);
   const Directions over = set.in_medium(ior_above, VectorXd());
@@ -133,8 +136,8 @@ RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior
     : facets_(base.facets),
       base_(base),
       reflectance_([base, ior_above](double cosine) { return base.facet_reflectance(cosine, ior_above); }),
-      ior_above_(ior_above),
-      ior_below_(ior_above),
+      above_(base.optics(ior_above)),
+      below_(above_),
       compensate_(base.compensates()) {
   const FacetRays::Pieces own = pieces(set, ior_above, 0.0, orders, fineness);
   from_above_.emplace(FacetRays(facets_, reflectance_, own), set, ior_above, 0.0, orders);
@@ -145,7 +148,7 @@ RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior
         {nodes_.empty() ? merged_keeping_flux(matrix, modes, over) : merged(matrix, modes), MatrixXd(), MatrixXd()});
   }
   if (compensate_) {
-    mean_fresnel_ = mean_conductor_fresnel(base.ior / ior_above);
+    mean_fresnel_ = above_.mean_reflectance();
     perfect_.emplace(FacetRays(facets_, [](double) { return 1.0; }, own), set, ior_above, 0.0, 1);
     perfect_nodes_ = merged_keeping_flux(perfect_->on_nodes(pool).reflected.front(), modes, over);
   }
@@ -163,13 +166,13 @@ RoughSurface::Operators RoughSurface::on(const Directions& above, const Directio
 
 std::vector<FacetRays> RoughSurface::rays_on(const DirectionSet& set, int degree) const {
   std::vector<FacetRays> rays;
-  const std::vector<double> above = set.ends(ior_above_);
+  const std::vector<double> above = set.ends(above_.here);
   if (base_) {
     rays.emplace_back(facets_, reflectance_, FacetRays::Pieces{degree, above, {}});
   } else {
-    const std::vector<double> below = set.ends(ior_below_);
-    rays.emplace_back(facets_, ior_below_ / ior_above_, FacetRays::Pieces{degree, above, below});
-    rays.emplace_back(facets_, ior_above_ / ior_below_, FacetRays::Pieces{degree, below, above});
+    const std::vector<double> below = set.ends(below_.here);
+    rays.emplace_back(facets_, above_, FacetRays::Pieces{degree, above, below});
+    rays.emplace_back(facets_, below_, FacetRays::Pieces{degree, below, above});
   }
   return rays;
 }
@@ -177,9 +180,8 @@ std::vector<FacetRays> RoughSurface::rays_on(const DirectionSet& set, int degree
 std::vector<LobeOperator> RoughSurface::lobes_on(const DirectionSet& set, int orders) const {
   std::vector<LobeOperator> lobes;
   for (FacetRays& rays : rays_on(set, orders)) {
-    const bool upward = !lobes.empty();
-    const double beyond = base_ ? 0.0 : (upward ? ior_above_ : ior_below_);
-    lobes.emplace_back(std::move(rays), set, upward ? ior_below_ : ior_above_, beyond, orders);
+    const FacetOptics& own = optics(lobes.empty() ? Face::kTop : Face::kBottom);
+    lobes.emplace_back(std::move(rays), set, own.here, base_ ? 0.0 : own.beyond, orders);
   }
   return lobes;
 }
@@ -254,19 +256,13 @@ void RoughSurface::Operators::compensate(ThreadPool& pool) {
 
 template <typename... Towards>
 auto RoughSurface::lobe(Face from, Face to, double mu_from, const Towards&... towards) const {
-  const double here = from == Face::kTop ? ior_above_ : ior_below_;
-  const double beyond = from == Face::kTop ? ior_below_ : ior_above_;
+  const FacetOptics& own = optics(from);
   if (from != to) {
-    return dielectric_transmission(facets_, here, beyond, mu_from, towards...);
+    return facet_transmission(facets_, own, mu_from, towards...);
   }
-  auto reflected = [&] {
-    if (!base_) {
-      return dielectric_reflection(facets_, here, beyond, mu_from, towards...);
-    }
-    return is_reciprocal() ? conductor_reflection(facets_, base_->ior / here, mu_from, towards...)
-                           : opaque_reflection(facets_, reflectance_, mu_from, towards...);
-  }();
-  reflected /= here * here;
+  auto reflected = is_reciprocal() ? facet_reflection(facets_, own, mu_from, towards...)
+                                   : opaque_reflection(facets_, reflectance_, mu_from, towards...);
+  reflected /= own.here * own.here;
   return reflected;
 }
 

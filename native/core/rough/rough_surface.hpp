@@ -66,6 +66,9 @@ class RoughSurface {
   /// The rays of the lobes, for integrands that are polynomials of `degree`; in the order of lobes_on.
   std::vector<FacetRays> rays_on(const DirectionSet& set, int degree) const;
 
+  /// The boundary as light that arrives at this face meets it.
+  const FacetOptics& optics(Face from) const { return from == Face::kTop ? above_ : below_; }
+
   /// The lobes in closed form, for light that arrives at the face `from` and leaves at the face `to`. `mu_from` and
   /// `mu_to` are cosines in the media there, `cosines` those of the azimuths dphi. Radiance in 1/sr for unit
   /// irradiance, divided by the square of the index on the side `to`.
@@ -94,14 +97,14 @@ class RoughSurface {
   Facets facets_;
   std::optional<Base> base_;
   std::function<double(double)> reflectance_;  // of a facet of the base, by the cosine between ray and facet
+  FacetOptics above_;
+  FacetOptics below_;
   std::optional<LobeOperator> from_above_;
   std::optional<LobeOperator> from_below_;  // empty for a base
   std::vector<Nodes> nodes_;                // by order
   std::optional<LobeOperator> perfect_;     // of a conductor with compensation: its facets, reflecting everything
   Eigen::MatrixXd perfect_nodes_;
   double mean_fresnel_ = 1.0;
-  double ior_above_;
-  double ior_below_;
   bool compensate_ = true;
 };
 

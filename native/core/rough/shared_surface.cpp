@@ -26,6 +26,12 @@ Key key_of(const Facets& facets, const DirectionSet& set, double ior_above, int 
   return key;
 }
 
+void add_film(Key& key, const Film* film) {
+  if (film != nullptr) {
+    key.insert(key.end(), film->key().begin(), film->key().end());
+  }
+}
+
 template <typename Make>
 std::shared_ptr<const RoughSurface> known_or_made(const Key& key, const Make& make) {
   static std::mutex lock;
@@ -51,6 +57,7 @@ std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, c
                                                    double ior_above, int orders, ThreadPool& pool, double fineness) {
   Key key = key_of(interface.facets, set, ior_above, orders, fineness);
   key.push_back(interface.ior);
+  add_film(key, interface.film.get());
   return known_or_made(
       key, [&] { return std::make_shared<RoughSurface>(interface, set, ior_above, orders, pool, fineness); });
 }
@@ -59,6 +66,7 @@ std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const Direc
                                                    int orders, ThreadPool& pool, double fineness) {
   Key key = key_of(base.facets, set, ior_above, orders, fineness);
   key.insert(key.end(), {base.ior.real(), base.ior.imag()});
+  add_film(key, base.film.get());
   if (base.law) {
     const std::vector<double> sockets = base.law->key();
     key.insert(key.end(), sockets.begin(), sockets.end());

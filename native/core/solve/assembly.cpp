@@ -53,7 +53,7 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
       if (interface->is_rough(here.ior)) {
         rough(here);
       } else {
-        functions.push_back(smooth_interface(here, directions_[layer + 1]));
+        functions.push_back(smooth_interface(here, directions_[layer + 1], interface->optics(here.ior)));
       }
       continue;
     }

@@ -80,10 +80,11 @@ FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), se
           facets(boundary), [base = stack.base, above](double c) { return base.facet_reflectance(c, above); },
           FacetRays::Pieces{kDegree, own, {}, density});
     } else {
-      const double below = indices[boundary.layer + 1];
-      const std::vector<double> other = critical_cosines(indices, below);
-      made.rays.emplace_back(facets(boundary), below / above, FacetRays::Pieces{kDegree, own, other, density});
-      made.rays.emplace_back(facets(boundary), above / below, FacetRays::Pieces{kDegree, other, own, density});
+      const std::vector<double> other = critical_cosines(indices, indices[boundary.layer + 1]);
+      made.rays.emplace_back(facets(boundary), boundary.surface->optics(Face::kTop),
+                             FacetRays::Pieces{kDegree, own, other, density});
+      made.rays.emplace_back(facets(boundary), boundary.surface->optics(Face::kBottom),
+                             FacetRays::Pieces{kDegree, other, own, density});
     }
     boundaries_.push_back(std::move(made));
   }

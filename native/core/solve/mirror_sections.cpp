@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "matter/fresnel.hpp"
+#include "matter/smooth_boundary.hpp"
 
 namespace lamina {
 
@@ -39,14 +39,14 @@ Deltas MirrorSections::layer(std::size_t layer, const Cosines& cosines) const {
     }
     return deltas;
   }
-  if (std::holds_alternative<Interface>(stack.layers[layer])) {
+  if (const auto* interface = std::get_if<Interface>(&stack.layers[layer])) {
     const ArrayXd below = cosines(layer + 1);
+    const FacetOptics optics = interface->optics(indices_[layer]);
     for (Eigen::Index k = 0; k < above.size(); ++k) {
-      // Light is totally reflected where the direction exists on one side only.
-      const double back =
-          above[k] > 0.0 && below[k] > 0.0 ? fresnel(above[k], below[k], indices_[layer], indices_[layer + 1]) : 1.0;
-      deltas.reflect_above[k] = deltas.reflect_below[k] = back;
-      deltas.transmit[k] = 1.0 - back;
+      const SmoothBoundary boundary(optics, above[k], below[k]);
+      deltas.reflect_above[k] = boundary.above;
+      deltas.reflect_below[k] = boundary.below;
+      deltas.transmit[k] = boundary.passed;
     }
     return deltas;
   }

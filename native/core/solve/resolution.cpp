@@ -107,8 +107,8 @@ std::vector<Reflector> reflectors_of(const Stack& stack) {
       depth += medium->tau;
     } else if (const auto* graded = std::get_if<GradedMedium>(&stack.layers[layer])) {
       depth += graded->tau();
-    } else if (above != below) {
-      const double alpha = std::get<Interface>(stack.layers[layer]).facets.alpha;
+    } else if (const auto& interface = std::get<Interface>(stack.layers[layer]); interface.reflects(above)) {
+      const double alpha = interface.facets.alpha;
       found.push_back({alpha, std::abs(below - above) * alpha, 2.0 * std::min(above, below) * alpha, depth});
     }
   }

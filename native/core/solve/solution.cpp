@@ -64,7 +64,8 @@ int reflectors(const Stack& stack) {
   const std::vector<double> indices = refractive_indices(stack);
   int count = stack.base.is_glossy() ? 1 : 0;
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
-    count += indices[layer + 1] != indices[layer] ? 1 : 0;
+    const auto* interface = std::get_if<Interface>(&stack.layers[layer]);
+    count += interface != nullptr && interface->reflects(indices[layer]) ? 1 : 0;
   }
   return count;
 }

@@ -11,7 +11,7 @@ SublayerStack::SublayerStack(const Stack& given, const std::vector<double>& coar
   for (std::size_t layer = 0; layer < given.layers.size(); ++layer) {
     first.push_back(stack.layers.size());
     if (const auto* interface = std::get_if<Interface>(&given.layers[layer])) {
-      if (interface->ior == ior) {
+      if (!interface->reflects(ior)) {
         continue;
       }
       ior = interface->ior;

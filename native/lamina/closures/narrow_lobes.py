@@ -12,6 +12,7 @@ from .. import _core
 from ..kinds.bases import LEAST_ALPHA, Conductor, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
+from ..kinds.films import Film
 from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.sharp_facets import is_sharp
@@ -55,7 +56,7 @@ def closures(stack) -> list[str]:
         ids.append(_id(surface.distribution, surface.alpha))
         # F as a function of the half angle. For GGX facets of a dielectric, F0 ggx + (1 - F0) fresnel_ggx is exact; for
         # metals and Beckmann facets its shape is a good approximation.
-        index = below / above if isinstance(surface, Interface) else 1.5
+        index = below / above if isinstance(surface, Interface) and below != above else 1.5
         index = surface.ior / above if isinstance(surface, PrincipledBase) else index
         widths = (1.0,) if surface.distribution == "ggx" else (0.9, 1.6)
         ids += [f"fresnel_ggx:{max(index, 1.0 / index):.4g}:{_rounded(min(1.0, surface.alpha * w)):g}" for w in widths]
@@ -125,13 +126,17 @@ def mirror(stack: Stack) -> str:
 
 
 def _in_order(stack: Stack) -> list[tuple]:
-    """(layer or base, index above, index below), top first, without interfaces between media of one index."""
-    found, above = [], 1.0
+    """(layer or base, index above, index below), top first. Left out are thin films, and interfaces without films
+    between media of one index."""
+    found, above, filmed = [], 1.0, False
     for layer in stack.layers:
+        if isinstance(layer, Film):
+            filmed = True
+            continue
         below = mean(layer.ior) if isinstance(layer, Interface) else above
-        if not isinstance(layer, Interface) or below != above:
+        if not isinstance(layer, Interface) or below != above or filmed:
             found.append((layer, above, below))
-        above = below
+        above, filmed = below, False
     return [*found, (stack.base, above, above)]
 
 

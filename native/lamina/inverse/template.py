@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from ..common.errors import ArgumentError, quoted
 from ..kinds.bases import Base
 from ..kinds.boundaries import Interface
+from ..kinds.films import Film
 from ..kinds.hashable import Hashable, as_tuples
 from ..material.layers import Medium
 from ..material.stack import Stack
@@ -26,7 +27,7 @@ class Template:
     starting values, or with all parameters at either end, is not one, and ArgumentError if two parameters have one
     name."""
 
-    layers: Sequence[Medium | Interface]
+    layers: Sequence[Medium | Interface | Film]
     base: Base | None = None
 
     def __post_init__(self):

@@ -12,6 +12,7 @@ from ..common.errors import StackError
 from ..kinds.bases import HalfSpace
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel, to_plain
+from ..kinds.films import Film
 from .layers import Medium
 from .stack import Stack
 
@@ -29,9 +30,11 @@ def require_millimetres(stack: Stack) -> None:
     and media that neither scatter nor absorb have a finite thickness; and for a base that such light does not take."""
     stack.require_walked_base()
     for index, layer in enumerate(stack.layers):
+        path = f"layers[{index}]"
+        if isinstance(layer, Film):
+            raise StackError(f"{path}.kind = 'film': must be left out where light moves sideways")
         if not isinstance(layer, Medium):
             continue
-        path = f"layers[{index}]"
         if layer.thickness is None:
             given = "albedo" if layer.color is None else "color"
             given = given if layer.profile is None else "a profile of albedos"

@@ -11,6 +11,7 @@ from ..common import svg
 from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import Channels, as_channels, channel
+from ..kinds.films import Film, Spectrum
 from .colours import shown
 from .layers import Medium
 
@@ -30,6 +31,10 @@ def stack_picture(stack: Stack) -> str:
             words = f"interface, ior {_range(layer.ior, stack)}" + (f", alpha {layer.alpha:g}" if layer.alpha else "")
             words += f" and {layer.alpha_v:g}" if is_oriented(layer) else ""
             words += ", varying" if layer.varying else ""
+        elif isinstance(layer, Film):
+            height, fill = BOUNDARY, "#c060c0"
+            words = f"thin film, {layer.thickness:g} nm"
+            words += "" if isinstance(layer.ior, Spectrum) else f", ior {_range(layer.ior, stack)}"
         else:
             taus = [stack.optics(number, c)[1] for c in range(stack.channels)]
             height = THIN + (THICK - THIN) * _share(max(taus))

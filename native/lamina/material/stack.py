@@ -17,19 +17,22 @@ from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
 from ..kinds.bases import Base, Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
-from ..kinds.fields import all_fields, channel, channel_count, check_forms, check_keys, to_plain
+from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
+from ..kinds.films import WAVELENGTH, Film, Spectrum
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from .colours import albedos_of
 from .coverage import NOTHING, without_film
 from .layers import Medium
 from .metals import indices_of
-from .phase import check_phase
 from .picture import stack_picture
 from .profile import optical_knots
+from .stack_checks import Layer, check_base, check_films, check_layer
 from .stack_entries import read_parts
+from .stack_plain import canonical, given, plain
 
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
+RGB = 3
 
 
 @dataclass(frozen=True)
@@ -37,21 +40,25 @@ class Stack:
     """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom. `name`, `category` and
     `source` (of the numbers) are texts for the user and not part of the hash.
 
+    `wavelengths`, in nm, says that each channel is light of one wavelength; None: red, green and blue, or any channels.
+    It matters to thin films, see Film, which without it need a stack of one or three channels and make it three.
+
     A stack has at most 64 layers. Raises StackError if a value is out of range, channels disagree, or the stack is
     empty."""
 
-    layers: Sequence[Medium | Interface]
+    layers: Sequence[Layer]
     base: Base | None = None
     name: str = ""
     category: str = ""
     source: str = ""
+    wavelengths: Sequence[float] | None = None
     _albedos: tuple = field(init=False, repr=False, compare=False)
     _indices: tuple = field(init=False, repr=False, compare=False)
 
     texts = ("name", "category", "source")
 
-    def __init__(self, layers: Sequence[Medium | Interface] = (), base: Base | None = None, name: str = "",
-                 category: str = "", source: str = ""):
+    def __init__(self, layers: Sequence[Layer] = (), base: Base | None = None, name: str = "",
+                 category: str = "", source: str = "", wavelengths: Sequence[float] | None = None):
         if not isinstance(layers, Sequence) or isinstance(layers, str):
             raise StackError(f"layers = {quoted(layers)}: must be a list, top layer first")
         layers = list(layers)
@@ -59,15 +66,18 @@ class Stack:
             base = layers.pop()
         if len(layers) > MOST_LAYERS:
             raise StackError(f"layers has {len(layers)} entries: a stack must have at most {MOST_LAYERS}")
-        checked = tuple(_check_layer(layer, f"layers[{i}]") for i, layer in enumerate(layers))
+        checked = tuple(check_layer(layer, f"layers[{i}]") for i, layer in enumerate(layers))
         object.__setattr__(self, "layers", checked)
-        object.__setattr__(self, "base", _check_base(base))
+        object.__setattr__(self, "base", check_base(base))
         if not checked and base is None:
             raise StackError("layers = []: a stack must hold at least one layer or a base")
         for text, value in zip(self.texts, (name, category, source), strict=True):
             if not isinstance(value, str):
                 raise StackError(f"{text} = {quoted(value)}: must be a text")
             object.__setattr__(self, text, value)
+        object.__setattr__(self, "wavelengths", None if wavelengths is None else _checked_wavelengths(wavelengths))
+        self._check_channels()
+        check_films(checked, self.base, self.channels)
         for kind in (Medium, Interface):
             varying = self._varying(kind)
             if len(varying) > 1:
@@ -84,8 +94,32 @@ class Stack:
 
     @property
     def channels(self) -> int:
-        """Number of channels: 1 when every quantity is a single number."""
-        return channel_count(self._quantities())
+        """Number of channels: 1 when every quantity is a single number, but 3 with films in white light."""
+        if self.wavelengths is not None:
+            return len(self.wavelengths)
+        count = channel_count(self._quantities())
+        return RGB if count == 1 and self.has_films else count
+
+    @property
+    def has_films(self) -> bool:
+        """True if a layer is a thin film."""
+        return any(isinstance(layer, Film) for layer in self.layers)
+
+    def films(self, position: int) -> tuple[Film, ...]:
+        """The films, top first, that lie on the layer at `position`, or on the base at len(layers)."""
+        above = itertools.takewhile(lambda layer: isinstance(layer, Film), reversed(self.layers[:position]))
+        return tuple(above)[::-1] if self._carries(position) else ()
+
+    def _carries(self, position: int) -> bool:
+        return position == len(self.layers) or isinstance(self.layers[position], Interface)
+
+    def _check_channels(self) -> None:
+        count = channel_count(self._quantities())
+        if self.wavelengths is not None and count not in (1, len(self.wavelengths)):
+            raise StackError(f"wavelengths has {len(self.wavelengths)} entries: must have {count} like the channels")
+        if self.wavelengths is None and self.has_films and count not in (1, RGB):
+            raise StackError(f"layers: have {count} channels and thin films: must have 1 or {RGB} channels, or "
+                             "wavelengths")
 
     @property
     def varying(self) -> int | None:
@@ -104,7 +138,7 @@ class Stack:
         if self.covering is None:
             return None
         layers = without_film(self.layers, self.covering, self.channels)
-        return Stack(layers if layers or self.base is not None else [NOTHING], self.base)
+        return Stack(layers if layers or self.base is not None else [NOTHING], self.base, wavelengths=self.wavelengths)
 
     def _varying(self, kind: type) -> list[int]:
         return [i for i, layer in enumerate(self.layers) if isinstance(layer, kind) and layer.varying]
@@ -126,12 +160,12 @@ class Stack:
                    for layer, found in zip(self.layers, self._albedos, strict=True)]
         return self._derived(layers, self.base, reversed(albedos))
 
-    def with_facets(self, layers: Sequence[Medium | Interface], base: Base | None) -> Stack:
+    def with_facets(self, layers: Sequence[Layer], base: Base | None) -> Stack:
         """The same stack with other facets: `layers` and `base` may differ from the stack's only in the width of
         facets."""
         return self._derived(layers, base, self._albedos)
 
-    def with_sizes(self, layers: Sequence[Medium | Interface]) -> Stack:
+    def with_sizes(self, layers: Sequence[Layer]) -> Stack:
         """The same stack with other thicknesses: `layers` may differ from the stack's only in the thickness of media
         without a profile, and in an albedo in place of a colour with this albedo."""
         return self._derived(layers, self.base, self._albedos)
@@ -201,8 +235,8 @@ class Stack:
         channels = range(self.channels)
         layers = []
         for index, layer in enumerate(self.layers):
-            if isinstance(layer, Interface):
-                layers.append(_canonical(layer, self.channels))
+            if isinstance(layer, Interface | Film):
+                layers.append(canonical(layer, self.channels))
                 continue
             if layer.profile is not None:
                 layers.append(self._canonical_profile(index))
@@ -215,13 +249,14 @@ class Stack:
                 "phase": layer.phase.canonical(self.channels),
                 "varying": layer.varying,
             })
-        base: dict = {} if self.base is None else _canonical(self.base, self.channels)
+        base: dict = {} if self.base is None else canonical(self.base, self.channels)
         if isinstance(self.base, Conductor):
             indices = [self.indices(c) for c in channels]
             base["eta"], base["k"] = [eta for eta, _ in indices], [k for _, k in indices]
         if isinstance(self.base, HalfSpace):
             base["albedo"] = [self.base.albedo_of(c) for c in channels]
-        return json.dumps({"schema": SCHEMA, "layers": layers, "base": base or None}, sort_keys=True)
+        spectral = {} if self.wavelengths is None else {"wavelengths": self.wavelengths}
+        return json.dumps({"schema": SCHEMA, **spectral, "layers": layers, "base": base or None}, sort_keys=True)
 
     def to_json(self) -> dict:
         """A JSON object; from_json reads it."""
@@ -230,24 +265,26 @@ class Stack:
             entry: dict = {"kind": layer.kind}
             if layer.name:
                 entry["name"] = layer.name
-            if isinstance(layer, Interface):
-                layers.append({**entry, **_plain(layer)})
+            if isinstance(layer, Interface | Film):
+                layers.append({**entry, **plain(layer)})
                 continue
-            entry.update(_given(layer))
+            entry.update(given(layer))
             entry["phase"] = layer.phase.to_json()
             if layer.profile is not None:
                 entry["profile"] = [knot.to_json() for knot in layer.profile]
             if layer.varying:
                 entry["varying"] = True
             layers.append(entry)
-        base = None if self.base is None else _plain(self.base)
+        base = None if self.base is None else plain(self.base)
         texts = {text: getattr(self, text) for text in self.texts if getattr(self, text)}
-        return {"schema": SCHEMA, **texts, "layers": layers, "base": base}
+        spectral = {} if self.wavelengths is None else {"wavelengths": list(self.wavelengths)}
+        return {"schema": SCHEMA, **texts, **spectral, "layers": layers, "base": base}
 
     @classmethod
     def from_json(cls, data) -> Stack:
         """Reads a JSON object, written by to_json or by hand. Raises StackError."""
-        check_keys(data, {"schema", "layers", "base", *cls.texts}, "stack", required={"schema", "layers"})
+        known = {"schema", "layers", "base", "wavelengths", *cls.texts}
+        check_keys(data, known, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
             raise StackError(f"schema = {quoted(schema)}: must be {SCHEMA}")
@@ -257,7 +294,7 @@ class Stack:
             raise StackError(f"layers = {quoted(data['layers'])}: must be a list, top layer first")
         layers, base = read_parts(data["layers"], data.get("base"))
         texts = {text: data[text] for text in cls.texts if text in data}
-        return cls(layers, base, **texts)
+        return cls(layers, base, **texts, wavelengths=data.get("wavelengths"))
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Stack:
@@ -331,76 +368,11 @@ class Stack:
 
 def _fields_of(thing, path):
     for quantity in all_fields(thing):
-        yield f"{path}.{quantity.name}", getattr(thing, quantity.name)
-
-
-def _checked(thing, path):
-    values = {q.name: q.check(getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
-    values |= {one.name: one.check(getattr(thing, one.name), f"{path}.{one.name}") for one in thing.options}
-    values |= {one.name: one.check(getattr(thing, one.name), f"{path}.{one.name}") for one in thing.rare}
-    if getattr(thing, "forms", ()):
-        values.update(check_forms(thing, path))
-    checked = replace(thing, **values)
-    if values.get("alpha_v") is not None and values["alpha"] == 0.0:
-        raise StackError(f"{path}.alpha_v = {values['alpha_v']:g}: needs an alpha above 0, the width along the tangent")
-    if values.get("angle") and values["alpha_v"] is None:
-        raise StackError(f"{path}.angle = {values['angle']:g}: needs an alpha_v, the width across the tangent")
-    return checked
-
-
-def _check_layer(layer, path: str) -> Medium | Interface:
-    if isinstance(layer, Base):
-        raise StackError(f"{path}.kind = '{layer.kind}': a base can only stand at the bottom")
-    if not isinstance(layer, Medium | Interface):
-        raise StackError(f"{path} = {quoted(layer)}: must be a layer")
-    if not isinstance(layer.name, str):
-        raise StackError(f"{path}.name = {quoted(layer.name)}: must be a text")
-    if isinstance(layer, Interface):
-        return _checked(layer, path)
-    return layer.checked(path)
-
-
-def _check_base(base):
-    if base is None:
-        return None
-    if not isinstance(base, Base):
-        raise StackError(f"base = {quoted(base)}: must be a base or none")
-    base = _checked(base, "base")
-    if base.has_phase:
-        base = replace(base, phase=check_phase(base.phase, "base.phase"))
-    return base
-
-
-def _given(thing) -> dict:
-    """JSON object of the quantities by which a layer or base is given."""
-    values = {quantity.name: getattr(thing, quantity.name) for quantity in all_fields(thing)}
-    return {name: to_plain(value) for name, value in values.items() if value is not None}
-
-
-def _plain(thing) -> dict:
-    """JSON object of a base or an interface, without options that have their usual value."""
-    entry = {"kind": thing.kind, **_given(thing), **_unusual(thing)}
-    entry |= {one.name: getattr(thing, one.name) for one in thing.rare if getattr(thing, one.name) != one.usual}
-    if thing.has_phase:
-        entry["phase"] = thing.phase.to_json()
-    return entry
-
-
-def _unusual(thing) -> dict:
-    """Options with an unusual value. Usual values are omitted, so a new option does not change earlier hashes."""
-    chosen = {one.name: getattr(thing, one.name) for one in thing.options}
-    return {one.name: list(chosen[one.name]) if one.several else chosen[one.name]
-            for one in thing.options if chosen[one.name] != one.usual}
-
-
-def _canonical(thing, channels: int) -> dict:
-    """The JSON object with every quantity repeated for each channel."""
-    entry = {"kind": thing.kind, **_unusual(thing)}
-    for quantity in thing.fields:
         value = getattr(thing, quantity.name)
-        entry[quantity.name] = [to_plain(channel(value, c)) for c in range(channels)]
-    if is_oriented(thing):
-        entry |= {"alpha_v": thing.alpha_v, "angle": thing.angle % math.pi}
-    if thing.has_phase:
-        entry["phase"] = thing.phase.canonical(channels)
-    return entry
+        if not isinstance(value, Spectrum):
+            yield f"{path}.{quantity.name}", value
+
+
+def _checked_wavelengths(given) -> tuple[float, ...]:
+    values = WAVELENGTH.check(given, WAVELENGTH.name)
+    return values if isinstance(values, tuple) else (values,)

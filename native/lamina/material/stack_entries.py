@@ -10,15 +10,19 @@ from ..common.errors import StackError, quoted
 from ..kinds.bases import BASES, Base
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, check_keys, read_kind
+from ..kinds.films import Film, read_spectrum
 from .layers import Medium
 from .phase import read_phase
 from .profile import read_profile
+from .stack_checks import Layer
+
+BOUNDARIES = {cls.kind: cls for cls in (Interface, Film)}
 
 
-def read_parts(entries: list, base) -> tuple[list[Medium | Interface], Base | None]:
+def read_parts(entries: list, base) -> tuple[list[Layer], Base | None]:
     """(layers, base) from the members `layers` and `base`. If `base` is None, the last layer may be the base. Raises
     StackError."""
-    layers: list[Medium | Interface] = []
+    layers: list[Layer] = []
     bottom = None
     for index, entry in enumerate(entries):
         path = f"layers[{index}]"
@@ -31,10 +35,11 @@ def read_parts(entries: list, base) -> tuple[list[Medium | Interface], Base | No
             raise StackError(f"{path}.kind = '{kind}': a base can only stand at the bottom")
         elif is_text and kind == Medium.kind:
             layers.append(_read_medium(entry, path))
-        elif is_text and kind == Interface.kind:
-            layers.append(_read(Interface, entry, path, {"name"}))
+        elif is_text and kind in BOUNDARIES:
+            layers.append(_read(BOUNDARIES[kind], entry, path, {"name"}))
         else:
-            raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', or a base at the bottom")
+            raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', 'film', or a base at the "
+                             "bottom")
     return layers, bottom if base is None else _read_base(base, "base")
 
 
@@ -65,4 +70,4 @@ def _read(cls, entry, path: str, optional: Collection[str] = ()):
     usual = {field.name for field in fields(cls) if field.default is not MISSING}
     allowed = {"kind", *names, *(one.name for one in (*cls.options, *cls.rare)), *optional}
     check_keys(entry, allowed, path, required=names - usual)
-    return cls(**{key: value for key, value in entry.items() if key != "kind"})
+    return cls(**{key: read_spectrum(value, f"{path}.{key}") for key, value in entry.items() if key != "kind"})

@@ -10,16 +10,26 @@ from .. import _core
 from ..kinds.bases import Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import channel
+from ..kinds.films import Film
 from ..material.stack import Stack
+from .films import absorbs, core_film
 
 
 def core_stack(stack: Stack, index: int, all_facets: bool = False):
     """(key, layers, base) of one channel, as the core takes them; channels with the same key share one solution.
     `all_facets`: a PrincipledBase keeps facets that are too narrow for a solve of all azimuth orders."""
     entries: list[tuple] = []
+    above = 1.0
     for number, layer in enumerate(stack.layers):
         if isinstance(layer, Interface):
-            entries.append((_core.Interface, (channel(layer.ior, index), _facets(layer, index))))
+            below = channel(layer.ior, index)
+            film = core_film(stack, number, index, above, below)
+            facets = _facets(layer, index, film is not None and absorbs(stack.films(number)))
+            entries.append((_core.Interface, (below, facets, film)))
+            above = below
+        elif isinstance(layer, Film):
+            # Nothing by itself, so that layers keep their numbers: the boundary below holds the film.
+            entries.append((_core.Interface, (above, _core.Facets(), None)))
         elif layer.profile is not None and layer.optics(index)[1] > 0.0:
             entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
         else:
@@ -29,18 +39,14 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
         entries.append((_core.Medium, endless))
     base: tuple = ("none",)
     if isinstance(stack.base, Conductor):
-        base = (stack.base.kind, *stack.indices(index), _facets(stack.base, index))
+        eta, k = stack.indices(index)
+        film = core_film(stack, len(stack.layers), index, above, complex(eta, k))
+        base = (stack.base.kind, eta, k, _facets(stack.base, index), film)
     elif isinstance(stack.base, PrincipledBase):
-        base = stack.base.below(_index_above_base(stack, index), index, all_facets)
+        base = stack.base.below(above, index, all_facets)
     elif stack.base is not None:
         base = stack.base.in_channel(index)
     return (tuple(entries), base), [kind(*values) for kind, values in entries], core_base(base)
-
-
-def _index_above_base(stack: Stack, index: int) -> float:
-    """The refractive index of the medium above the base, in one channel."""
-    indices = [channel(layer.ior, index) for layer in stack.layers if isinstance(layer, Interface)]
-    return indices[-1] if indices else 1.0
 
 
 @functools.lru_cache(maxsize=16)
@@ -51,7 +57,8 @@ def core_base(base: tuple) -> _core.Base:
     return getattr(_core.Base, name)(*parameters)
 
 
-def _facets(surface: Interface | Conductor, index: int) -> _core.Facets:
-    """The surface's facets in one channel."""
+def _facets(surface: Interface | Conductor, index: int, absorbing: bool = False) -> _core.Facets:
+    """The surface's facets in one channel; `absorbing`: below films that absorb, see Film."""
+    oriented = (surface.alpha_v, surface.angle) if is_oriented(surface) else ()
     return _core.Facets(channel(surface.alpha, index), surface.distribution, surface.correlated,
-                        surface.compensate, *((surface.alpha_v, surface.angle) if is_oriented(surface) else ()))
+                        surface.compensate and not absorbing, *oriented)

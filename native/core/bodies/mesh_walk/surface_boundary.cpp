@@ -63,7 +63,7 @@ SurfaceBoundary::SurfaceBoundary(double ior, const Facets* facets)
     kind_ = facets == nullptr ? Kind::kSmooth : Kind::kRough;
   }
   if (kind_ == Kind::kRough) {
-    rough_ = std::make_shared<const FacetScatter>(*facets, 1.0, ior);
+    rough_ = std::make_shared<const FacetScatter>(*facets, FacetOptics{1.0, ior});
   }
 }
 

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "events/survival.hpp"
-#include "matter/fresnel.hpp"
 
 namespace lamina {
 namespace {
@@ -13,24 +12,27 @@ namespace {
 using Kind = WalkElements::Element::Kind;
 using std::numbers::pi;
 
-void meet_smooth(const WalkElements& stack, std::size_t element, Ray& ray, Rng& rng) {
-  const bool down = ray.z < 0.0;
-  const double from = stack.ior[down ? element : element + 1];
-  const double to = stack.ior[down ? element + 1 : element];
-  if (from == to) {
-    return;
+/// Returns the share of the light that a film does not absorb.
+double meet_smooth(const FacetOptics& optics, Ray& ray, Rng& rng) {
+  if (optics.here == optics.beyond && !optics.film) {
+    return 1.0;
   }
-  const double ratio = from / to;
+  const double ratio = optics.here / optics.beyond;
   const double mu = std::abs(ray.z);
   const double sine2 = (1.0 - mu * mu) * ratio * ratio;
+  double kept = 1.0;
   if (sine2 < 1.0) {
     const double refracted = std::sqrt(1.0 - sine2);
-    if (rng.uniform() >= fresnel(mu, refracted, from, to)) {
+    const double reflected = optics.film ? optics.reflectance(mu) : fresnel(mu, refracted, optics.here, optics.beyond);
+    if (rng.uniform() >= reflected) {
       ray = {ray.x * ratio, ray.y * ratio, std::copysign(refracted, ray.z)};
-      return;
+      return optics.film ? optics.transmittance(mu) / (1.0 - reflected) : 1.0;
     }
+  } else if (optics.film) {
+    kept = optics.reflectance(mu);
   }
   ray = ray.mirrored();
+  return kept;
 }
 
 }  // namespace
@@ -38,8 +40,9 @@ void meet_smooth(const WalkElements& stack, std::size_t element, Ray& ray, Rng& 
 bool meet_polished(const WalkElements& stack, std::size_t element, Ray& ray, double& weight, Rng& rng) {
   const WalkElements::Element& here = stack.elements[element];
   if (here.kind == Kind::kSmooth) {
-    meet_smooth(stack, element, ray, rng);
-    return true;
+    const double kept = meet_smooth(ray.z < 0.0 ? here.optics : here.optics.turned(), ray, rng);
+    weight *= kept;
+    return kept == 1.0 || survives(weight, rng);
   }
   weight *= here.mirror.mirror_reflectance(-ray.z, stack.ior[element]);
   ray = ray.mirrored();

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "matter/fresnel.hpp"
+#include "matter/smooth_boundary.hpp"
 #include "operators/delta_field.hpp"
 
 namespace lamina {
@@ -17,7 +17,8 @@ using Kind = Element::Kind;
 /// Thickness in transport lengths at which a conservative layer equals an infinite one within rounding.
 constexpr double kEffectivelyInfinite = 30.0;
 
-Element element_of(const Layer& layer, double ior_above, double ior_below, double turn) {
+/// `reversed`: the stack is upside down.
+Element element_of(const Layer& layer, double ior_above, double ior_below, double turn, bool reversed) {
   Element element;
   if (const auto* medium = std::get_if<Medium>(&layer)) {
     element.medium = *medium;
@@ -30,9 +31,10 @@ Element element_of(const Layer& layer, double ior_above, double ior_below, doubl
   }
   const auto& boundary = std::get<Interface>(layer);
   element.kind = Kind::kSmooth;
-  if (boundary.is_rough(boundary.ior == ior_above ? ior_below : ior_above)) {
+  element.optics = reversed ? boundary.optics(ior_below).turned() : boundary.optics(ior_above);
+  if (boundary.is_rough(reversed ? ior_below : ior_above)) {
     element.kind = Kind::kRough;
-    element.facets = std::make_shared<FacetScatter>(boundary.facets.turned(turn), ior_above, ior_below);
+    element.facets = std::make_shared<FacetScatter>(boundary.facets.turned(turn), element.optics);
   }
   return element;
 }
@@ -46,7 +48,7 @@ Element element_of(const Base& base, double ior_above, double turn) {
     element.mirror = base;
   } else if (base.is_rough()) {
     element.kind = Kind::kRough;
-    element.facets = std::make_shared<FacetScatter>(base.facets.turned(turn), ior_above, base.ior);
+    element.facets = std::make_shared<FacetScatter>(base.facets.turned(turn), base.optics(ior_above));
   }
   return element;
 }
@@ -69,7 +71,7 @@ WalkElements::WalkElements(const Stack& stack, const WalkTarget& target, bool en
     }
   }
   for (std::size_t k = 0; k < layers.size(); ++k) {
-    elements.push_back(element_of(layers[k], ior[k], ior[k + 1], target.turn()));
+    elements.push_back(element_of(layers[k], ior[k], ior[k + 1], target.turn(), side == Side::kBottom));
     Medium& medium = elements.back().medium;
     if (elements.back().kind == Kind::kMedium && std::isinf(medium.tau)) {
       // Elements below an infinite medium have no effect.
@@ -121,11 +123,10 @@ void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t la
       s.transmit.delta[0] = std::exp(-element.medium.tau / cosine(k));
     } else if (element.kind == Kind::kSmooth) {
       // A cosine of 0 means that the ray does not exist there.
-      const double above = cosine(k);
-      const double below = cosine(k + 1);
-      const double back = above > 0.0 && below > 0.0 ? fresnel(above, below, stack.ior[k], stack.ior[k + 1]) : 1.0;
-      s.reflect_above.delta[0] = s.reflect_below.delta[0] = back;
-      s.transmit.delta[0] = 1.0 - back;
+      const SmoothBoundary boundary(element.optics, cosine(k), cosine(k + 1));
+      s.reflect_above.delta[0] = boundary.above;
+      s.reflect_below.delta[0] = boundary.below;
+      s.transmit.delta[0] = boundary.passed;
     } else if (element.kind == Kind::kMirror) {
       s.reflect_above.delta[0] = element.mirror.mirror_reflectance(cosine(k), stack.ior[k]);
     }

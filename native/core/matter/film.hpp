@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Thin films between two media, or on a metal, whose reflections interfere.
+#pragma once
+#include <array>
+#include <complex>
+#include <functional>
+#include <vector>
+
+namespace lamina {
+
+/// Thin films on one boundary: coherent within the films, for unpolarised light. The transfer matrix gives the
+/// reflectance from both sides and the transmittance of each wavelength, and a channel is a weighted sum of them.
+/// Both are tabulated by cosine as piecewise Chebyshev polynomials, to 1e-12, because walks and facets ask for millions
+/// of values. Method: Macleod, Thin-Film Optical Filters, 2.4; here with refractive indices n + ik.
+class Film {
+ public:
+  enum class Side { kAbove, kBelow };
+  /// One film: its index at a wavelength, and its thickness in wavelengths.
+  struct Sheet {
+    std::complex<double> ior;
+    double thickness;
+  };
+  /// A wavelength of the channel: its weight, which may be negative, the index below, and the films, top first.
+  struct Wave {
+    double weight;
+    std::complex<double> ior_below;
+    std::vector<Sheet> sheets;
+  };
+
+  /// Films between two dielectrics; the index below is the same in all waves. Or, if `opaque`, films on a metal.
+  Film(double ior_above, bool opaque, std::vector<Wave> waves);
+
+  /// The reflectance for light at this cosine on this side, also beyond the critical angle. Weights of both signs can
+  /// give values outside [0, 1], colours that no display shows; these are clipped.
+  double reflectance(double mu, Side side) const;
+  /// The share of the power that passes from this side to the other. It is the same along the path back.
+  double transmittance(double mu, Side side) const;
+  /// The reflectance from above for uniform diffuse light.
+  double mean_reflectance() const;
+  /// All parameters: equal films have equal keys.
+  const std::vector<double>& key() const { return key_; }
+
+ private:
+  static constexpr int kTerms = 16;
+  static constexpr int kFunctions = 3;
+  using Values = std::array<double, kFunctions>;  // reflectance from above, from below, transmittance
+
+  /// Functions of one variable, in panels that are halved until the polynomials are exact.
+  class Table {
+   public:
+    Table() = default;
+    Table(double high, const std::function<Values(double)>& values);
+    double at(int function, double x) const;
+
+   private:
+    std::vector<double> ends_;  // the upper ends of the panels
+    std::vector<double> starts_;
+    std::vector<std::array<std::array<double, kTerms>, kFunctions>> panels_;
+  };
+
+  double ior_of(Side side) const { return side == Side::kAbove ? ior_above_ : ior_below_; }
+  struct Normals;
+  /// Sums over wavelengths. Beyond the critical angle, only the reflectance on the denser side has a meaning.
+  Values sums(const Normals& normals) const;
+
+  double ior_above_;
+  double ior_below_;  // that above for an opaque boundary
+  bool lossless_;     // without absorption, and not opaque
+  std::vector<Wave> waves_;
+  std::vector<double> key_;
+  Table passing_;  // by the cosine on the side of the smaller index
+  Table total_;    // beyond the critical angle: by the angle with the sine that is proportional to the decay
+};
+
+}  // namespace lamina

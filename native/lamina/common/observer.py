@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The CIE 1931 standard observer: spectra as linear Rec. 709."""
+
+from __future__ import annotations
+
+import csv
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+
+PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G and B: Rec. ITU-R BT.709
+
+
+@cache
+def rec709_of_d65() -> tuple[np.ndarray, np.ndarray]:
+    """(wavelengths in nm, 380 to 780 in steps of 5; linear Rec. 709 of a surface under D65 that reflects one of these
+    wavelengths only, shape (3, 81)). D65 is the white of Rec. 709, so each row has the sum 1."""
+    wavelengths, x, y, z, d65 = _table()
+    weights = np.array([x, y, z]) * d65
+    # XYZ of the primaries in the columns, each scaled so that R = G = B = 1 is the white of D65.
+    xyz = np.array([PRIMARIES[:, 0], PRIMARIES[:, 1], 1.0 - PRIMARIES.sum(axis=1)]) / PRIMARIES[:, 1]
+    primaries = xyz * np.linalg.solve(xyz, weights.sum(axis=1))
+    return wavelengths, np.linalg.solve(primaries, weights)
+
+
+def _table() -> np.ndarray:
+    lines = (files(__package__) / "cie_1931_d65.csv").read_text(encoding="utf-8").splitlines()
+    rows = list(csv.reader(line for line in lines if not line.startswith("#")))[1:]
+    return np.array([[float(cell) for cell in row] for row in rows]).T
