@@ -3,7 +3,7 @@
 
     python tools/metal_colours.py
 
-Input: tools/metal_spectra/NAME.csv, the published indices n and k of each metal, and lamina's table of the
+Input: the published indices n and k of each metal, in native/lamina/material/metal_spectra, and lamina's table of the
 observer.
 A colour is the Fresnel reflectance at one angle, integrated over 380 to 780 nm with the CIE 1931 standard observer
 under illuminant D65, as linear Rec. 709. D65 is the white point of Rec. 709, so a perfect mirror is (1, 1, 1).
@@ -19,7 +19,7 @@ from lamina.common.observer import rec709_of_d65
 from lamina.metals import GRAZING, reflectance
 
 TOOLS = Path(__file__).resolve().parent
-SPECTRA = TOOLS / "metal_spectra"
+SPECTRA = TOOLS.parent / "native/lamina/material/metal_spectra"
 OUTPUT = TOOLS.parent / "native/lamina/kinds/metals.json"
 DIGITS = 4
 SOURCE = "# Source: "

@@ -37,8 +37,9 @@ from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
-from .kinds.films import Film, Spectrum
+from .kinds.films import Film
 from .kinds.phases import *  # noqa: F403 - each phase function
+from .kinds.spectra import WAVELENGTHS, Spectrum
 from .lateral.searchlight import Searchlight, searchlight
 from .maps.lit import LitImages, lit_images
 from .maps.relightable import RelightableImages, relightable_images
@@ -100,6 +101,7 @@ __all__ = [
     "Solid",
     "SolveError",
     "Spectrum",
+    "WAVELENGTHS",
     "SpotLamp",
     "Stack",
     "StackError",

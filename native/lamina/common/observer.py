@@ -24,6 +24,21 @@ def rec709_of_d65() -> tuple[np.ndarray, np.ndarray]:
     return wavelengths, np.linalg.solve(primaries, weights)
 
 
+@cache
+def rec709_of(wavelengths: tuple[float, ...]) -> np.ndarray:
+    """The matrix, shape (3, n), from reflectances at these wavelengths in nm to linear Rec. 709 under D65, with
+    reflectances that are linear between the wavelengths and constant beyond. Each row has the sum 1."""
+    every, rows = rec709_of_d65()
+    order = np.argsort(wavelengths)
+    shares = [np.interp(every, np.array(wavelengths)[order], one) for one in np.eye(len(wavelengths))[:, order]]
+    return rows @ np.array(shares).T
+
+
+def rec709(values: np.ndarray, wavelengths: tuple[float, ...], axis: int = -1) -> np.ndarray:
+    """Values by wavelength along `axis` as red, green and blue, not clipped."""
+    return np.moveaxis(np.tensordot(rec709_of(wavelengths), values, (1, axis)), 0, axis)
+
+
 def _table() -> np.ndarray:
     lines = (files(__package__) / "cie_1931_d65.csv").read_text(encoding="utf-8").splitlines()
     rows = list(csv.reader(line for line in lines if not line.startswith("#")))[1:]

@@ -1,18 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Thin films on boundaries, whose reflections interfere, and spectra of their refractive index."""
+"""Thin films on boundaries, whose reflections interfere."""
 
 from __future__ import annotations
 
-import bisect
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .errors import StackError, quoted
-from .fields import Channels, Field, check_keys, check_table
+from .fields import Channels, Field
 from .hashable import Hashable
 from .panel import Item, Panel
+from .spectra import Spectrum
 
-WAVELENGTH = Field("wavelengths", 100.0, 1e5, "nm")
 FILM_IOR = Field("ior", 0.01, 10.0, panel=Panel(
     "Film Index", "Refractive index of the film, real part", 1.8, step=1, precision=3, words="film index",
     prop="film_ior"))
@@ -22,48 +20,6 @@ EXTINCTION = Field("k", 0.0, 20.0, panel=Panel(
 FILM_THICKNESS = Field("thickness", 0.0, 5000.0, "nm", single=True, panel=Panel(
     "Film Thickness (nm)", "Thickness of the film in nanometres: the colors of the first order lie below about 300",
     100.0, soft_high=1000.0, step=100, precision=1, words="film thickness", prop="film_thickness"))
-MOST_SAMPLES = 4096
-
-
-@dataclass(frozen=True)
-class Spectrum(Hashable):
-    """A quantity by wavelength: `wavelengths` in nm, ascending, in [100, 1e5], and as many `values`. Linear in between,
-    constant beyond the ends. Values of a film's `ior` may be complex, n + ik."""
-
-    wavelengths: Sequence[float]
-    values: Sequence[complex]
-
-    def at(self, wavelength: float):
-        """The value at a wavelength in nm."""
-        place = bisect.bisect_left(self.wavelengths, wavelength)
-        if place in (0, len(self.wavelengths)):
-            return self.values[min(place, len(self.values) - 1)]
-        low, high = self.wavelengths[place - 1:place + 1]
-        share = (wavelength - low) / (high - low)
-        return self.values[place - 1] * (1.0 - share) + self.values[place] * share
-
-    def checked(self, field: Field, path: str) -> Spectrum:
-        """A copy with floats in the range of `field`. Raises StackError, naming `path`."""
-        where = f"{path}.wavelengths"
-        nm = check_table(self.wavelengths, where, WAVELENGTH.low, WAVELENGTH.high, WAVELENGTH.rule, MOST_SAMPLES)
-        if any(not isinstance(one, float) for one in nm) or any(a >= b for a, b in zip(nm, nm[1:], strict=False)):
-            raise StackError(f"{where}: must be ascending numbers")
-        values = check_table(self.values, f"{path}.values", field.low, field.high, field.rule, MOST_SAMPLES)
-        if len(values) != len(nm) or any(not isinstance(one, float) for one in values):
-            raise StackError(f"{path}.values has {len(values)} entries: must have {len(nm)} like the wavelengths")
-        return Spectrum(nm, values)
-
-    def to_json(self) -> dict:
-        """A JSON object; read_spectrum reads it."""
-        return {"wavelengths": list(self.wavelengths), "values": list(self.values)}
-
-
-def read_spectrum(value, path: str):
-    """A Spectrum from its JSON object; any other value as it is. Raises StackError."""
-    if not isinstance(value, dict):
-        return value
-    check_keys(value, {"wavelengths", "values"}, path, required={"wavelengths", "values"})
-    return Spectrum(value["wavelengths"], value["values"])
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from ..common import svg
 from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import Channels, as_channels, channel
-from ..kinds.films import Film, Spectrum
+from ..kinds.films import Film
+from ..kinds.spectra import Spectrum
 from .colours import shown
 from .layers import Medium
 

@@ -18,8 +18,9 @@ from ..common.errors import StackError, quoted
 from ..kinds.bases import Base, Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
-from ..kinds.films import WAVELENGTH, Film, Spectrum
+from ..kinds.films import Film
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
+from ..kinds.spectra import WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum, sampled
 from .colours import albedos_of
 from .coverage import NOTHING, without_film
 from .layers import Medium
@@ -40,8 +41,10 @@ class Stack:
     """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom. `name`, `category` and
     `source` (of the numbers) are texts for the user and not part of the hash.
 
-    `wavelengths`, in nm, says that each channel is light of one wavelength; None: red, green and blue, or any channels.
-    It matters to thin films, see Film, which without it need a stack of one or three channels and make it three.
+    `wavelengths`, in nm, says that each channel is light of one wavelength; None: red, green and blue, or any channels,
+    but lamina.WAVELENGTHS if a quantity is a Spectrum, which becomes one value per wavelength. Tables of stacks with
+    wavelengths are red, green and blue: linear Rec. 709 under D65. Thin films in a stack without wavelengths need one
+    or three channels and make it three, see Film.
 
     A stack has at most 64 layers. Raises StackError if a value is out of range, channels disagree, or the stack is
     empty."""
@@ -66,6 +69,13 @@ class Stack:
             base = layers.pop()
         if len(layers) > MOST_LAYERS:
             raise StackError(f"layers has {len(layers)} entries: a stack must have at most {MOST_LAYERS}")
+        if wavelengths is None and any(map(has_spectrum, (*layers, base))):
+            wavelengths = WAVELENGTHS
+        if wavelengths is not None:
+            wavelengths = _checked_wavelengths(wavelengths)
+            layers = [sampled(layer, wavelengths, f"layers[{i}]") for i, layer in enumerate(layers)]
+            base = sampled(base, wavelengths, "base")
+        object.__setattr__(self, "wavelengths", wavelengths)
         checked = tuple(check_layer(layer, f"layers[{i}]") for i, layer in enumerate(layers))
         object.__setattr__(self, "layers", checked)
         object.__setattr__(self, "base", check_base(base))
@@ -75,7 +85,6 @@ class Stack:
             if not isinstance(value, str):
                 raise StackError(f"{text} = {quoted(value)}: must be a text")
             object.__setattr__(self, text, value)
-        object.__setattr__(self, "wavelengths", None if wavelengths is None else _checked_wavelengths(wavelengths))
         self._check_channels()
         check_films(checked, self.base, self.channels)
         for kind in (Medium, Interface):
@@ -99,6 +108,11 @@ class Stack:
             return len(self.wavelengths)
         count = channel_count(self._quantities())
         return RGB if count == 1 and self.has_films else count
+
+    @property
+    def table_channels(self) -> int:
+        """Number of channels of a lookup table: 3, red, green and blue, for wavelengths."""
+        return self.channels if self.wavelengths is None else RGB
 
     @property
     def has_films(self) -> bool:
@@ -378,4 +392,7 @@ def _fields_of(thing, path):
 
 def _checked_wavelengths(given) -> tuple[float, ...]:
     values = WAVELENGTH.check(given, WAVELENGTH.name)
-    return values if isinstance(values, tuple) else (values,)
+    values = values if isinstance(values, tuple) else (values,)
+    if len(set(values)) < len(values):
+        raise StackError("wavelengths: must differ from one another")
+    return values

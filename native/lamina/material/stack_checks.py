@@ -10,7 +10,8 @@ from ..common.errors import StackError, quoted
 from ..kinds.bases import Base, Conductor
 from ..kinds.boundaries import Interface
 from ..kinds.fields import Channels, channel, check_forms
-from ..kinds.films import Film, Spectrum
+from ..kinds.films import Film
+from ..kinds.spectra import Spectrum
 from .layers import Medium
 from .phase import check_phase
 

@@ -10,7 +10,8 @@ from ..common.errors import StackError, quoted
 from ..kinds.bases import BASES, Base
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, check_keys, read_kind
-from ..kinds.films import Film, read_spectrum
+from ..kinds.films import Film
+from ..kinds.spectra import read_spectrum
 from .layers import Medium
 from .phase import read_phase
 from .profile import read_profile
@@ -56,7 +57,8 @@ def _read_base(entry, path: str) -> Base:
 def _read_medium(entry, path: str) -> Medium:
     names = {quantity.name for quantity in all_fields(Medium)}
     check_keys(entry, {"kind", "name", "phase", "profile", "varying", *names}, path)
-    values = {key: value for key, value in entry.items() if key not in ("kind", "phase", "profile")}
+    values = {key: read_spectrum(value, f"{path}.{key}") for key, value in entry.items()
+              if key not in ("kind", "phase", "profile")}
     if "profile" in entry:
         values["profile"] = read_profile(entry["profile"], f"{path}.profile")
     if "phase" in entry:

@@ -7,7 +7,7 @@ import math
 
 from ..kinds.boundaries import is_oriented
 from ..kinds.fields import all_fields, channel, to_plain
-from ..kinds.films import Spectrum
+from ..kinds.spectra import Spectrum
 
 
 def given(thing) -> dict:

@@ -37,7 +37,7 @@ def is_sheet(subject: Subject) -> bool:
 def values(subject: Subject, mu_o, mu_i, dphi, path: str, side: str) -> np.ndarray:
     """BRDF or BTDF in 1/sr, shape: broadcast + (channels,)."""
     if isinstance(subject, Lut):
-        return subject.evaluate(mu_o, mu_i, dphi, path=path, side=side)[..., :subject.stack.channels]
+        return subject.evaluate(mu_o, mu_i, dphi, path=path, side=side)[..., :subject.stack.table_channels]
     check_choice(path, "path", ("reflect", "transmit"))
     return (subject.brdf if path == "reflect" else subject.btdf)(mu_o, mu_i, dphi, side)
 
@@ -45,7 +45,7 @@ def values(subject: Subject, mu_o, mu_i, dphi, path: str, side: str) -> np.ndarr
 def albedo(subject: Subject, mu, path: str, side: str) -> np.ndarray:
     """Directional albedo, shape: that of mu + (channels,)."""
     found = (subject.reflectance if path == "reflect" else subject.transmittance)(mu, side)
-    return found[..., :subject.stack.channels]
+    return found[..., :subject.stack.table_channels] if isinstance(subject, Lut) else found
 
 
 def label_of(subject: Subject) -> str:

@@ -8,7 +8,8 @@ import functools
 from .. import _core
 from ..common.observer import rec709_of_d65
 from ..kinds.fields import channel
-from ..kinds.films import Film, Spectrum
+from ..kinds.films import Film
+from ..kinds.spectra import Spectrum
 from ..material.stack import Stack
 
 Sheet = tuple  # (ior, k, thickness in nm); index and k a number or a Spectrum

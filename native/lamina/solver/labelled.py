@@ -50,5 +50,7 @@ def dataset(function, mu_o=None, mu_i=None, dphi=None):
         "dphi": ("dphi", axes[2], {"units": "rad", "long_name": "azimuth; 0: light keeps its azimuth"}),
         "channel": ("channel", channel_names(stack.channels)),
     }
+    if stack.wavelengths is not None:
+        coordinates["channel"] = ("channel", list(stack.wavelengths), {"units": "nm", "long_name": "wavelength"})
     attributes = {"stack": stack.label, "stack_hash": stack.hash, "nodes": function.nodes, "orders": function.orders}
     return xarray.Dataset(found, coordinates, attributes)

@@ -15,6 +15,7 @@ from ...closures import narrow_lobes
 from ...closures.axes import tau_at, tau_rows
 from ...closures.closure_table import LightGrid, grid_for, view_cosines
 from ...common.errors import StackError
+from ...common.observer import rec709
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.boundaries import Interface
 from ...material.stack import Stack
@@ -79,8 +80,12 @@ class SolvedRows:
 
 def require_table(stack: Stack) -> None:
     """Raises StackError for a stack that no lookup table can hold."""
-    if stack.channels not in (1, 3):
+    if stack.table_channels not in (1, 3):
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
+    base = stack.base
+    if stack.wavelengths is not None and (isinstance(base, PrincipledBase | ShaderBase)
+                                          or (isinstance(base, Lambert) and base.textured)):
+        raise StackError("base: must have no input of the node group for a lookup table of wavelengths")
     stack.require_air_below()
 
 
@@ -216,4 +221,19 @@ def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, gri
         albedo, direct = take_lost(solved, direct, np.stack(lost).swapaxes(1, 2)[None])
         share = np.divide(albedo, solved, out=np.ones_like(solved), where=solved > 0.0)[..., None]
         values, lobes = values * share, None if lobes is None else lobes * share
-    return values, lobes, albedo, direct
+    wavelengths = functions[0].stack.wavelengths
+    if wavelengths is None:
+        return values, lobes, albedo, direct
+    return _in_colours(values, lobes, albedo, direct, tuple(wavelengths))
+
+
+def _in_colours(values, lobes, albedo, direct, wavelengths: tuple[float, ...]):
+    """What `_evaluate` returns, in red, green and blue in place of wavelengths. Negative values, of colours outside of
+    the gamut, become 0."""
+    def shown(part):
+        return np.maximum(rec709(part, wavelengths, 2), 0.0)
+
+    if lobes is None:
+        return shown(values), None, shown(albedo), shown(direct)
+    own = shown(lobes)
+    return own + shown(values - lobes), own, shown(albedo), shown(direct)

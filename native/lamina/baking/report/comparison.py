@@ -67,7 +67,7 @@ def compare(header: dict, weights: np.ndarray, own: Stack, stack: Stack, threads
     """The comparison of a table, baked from `own`, with `stack`: see Lut.compare."""
     _refuse(header, own, stack)
     steps = portions(stepper("the comparison", progress, cancel), TIME)
-    channels = max(own.channels, stack.channels)
+    channels = max(own.table_channels, stack.table_channels)
     quality = header["quality"]
     gauge = Gauge(grid_of(own if covers_inputs(own) else stack, quality), quality, threads, channels)
 

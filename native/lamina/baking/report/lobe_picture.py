@@ -38,7 +38,7 @@ def lobe(values: Callable[..., np.ndarray], sheet: bool, mu_o: float, side: str)
 
 def lut_picture(lut) -> str:
     """The SVG of a table's lobes for views at 0, 45 and 73 degrees."""
-    sheet, channels = lut.stack.base is None, lut.stack.channels
+    sheet, channels = lut.stack.base is None, lut.stack.table_channels
 
     def values(mu_o, mu_i, dphi, path, side):
         return lut.evaluate(mu_o, mu_i, dphi, path=path, side=side)[..., :channels]
