@@ -74,8 +74,8 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     require_table(stack)
     if stack.is_oriented:
         if CLOSURE_BASES[basis].moving == 0:
-            raise ArgumentError(f"basis = {quoted(basis)}: must be 'moving' or 'moving-accurate' for anisotropic "
-                                "facets, which need Blender 5.0 or newer")
+            raise ArgumentError("anisotropic facets need Blender 5.0 or newer, with basis = 'moving' or "
+                                f"'moving-accurate' in place of {quoted(basis)}")
         nodes = None
     bare = _bare(stack)
     started = time.perf_counter()
