@@ -13,7 +13,7 @@ from bpy.app.handlers import persistent
 from ..base import changes, handlers, messages, native, preferences
 from ..base.worker import OfMaterial, Place, Worker
 from ..editing import stack_io
-from ..nodes import detail_wiring, displacement, film_wiring, node_group, thickness
+from ..nodes import detail_wiring, displacement, film_wiring, node_group, tangent, thickness
 from ..stack_json import stack_check
 
 log = logging.getLogger(__name__)
@@ -106,6 +106,7 @@ def apply(material, lut, curves=None, in_place=False, coarse=False):
         displacement.remove(material)
     detail_wiring.add_if_wanted(material)
     film_wiring.follow(material)
+    tangent.follow(material)
     material.lamina.result.note(lut)
     if curves is not None:
         material.lamina.result.curves = curves
@@ -195,6 +196,7 @@ HANDLERS = {"load_pre": _on_load}
 
 def register():
     changes.removals.append(clear_failure)
+    changes.turns.append(tangent.follow)
     handlers.add(HANDLERS)
 
 
@@ -202,4 +204,5 @@ def unregister():
     stop()
     _failures.clear()
     changes.removals.remove(clear_failure)
+    changes.turns.remove(tangent.follow)
     handlers.remove(HANDLERS)

@@ -4,13 +4,15 @@ without importing them.
 
 Property callbacks and the functions that add, remove or move layers call `tell`; the functions in
 `listeners` only take note. Those in `refinements` are called when the wanted quality or fit of a material
-changes, those in `removals` when a material loses its stack. Those in `dust_listeners` are called likewise,
-with an object, and those in `dust_switches` when its dust turns live. Those in `losses` are called after an
-undo that has freed the image of a material, node group or object.
+changes, those in `turns` when the wanted source of its tangent does, those in `removals` when a material
+loses its stack. Those in `dust_listeners` are called likewise, with an object, and those in `dust_switches`
+when its dust turns live. Those in `losses` are called after an undo that has freed the image of a material,
+node group or object.
 """
 
 listeners = []
 refinements = []
+turns = []
 removals = []
 dust_listeners = []
 dust_switches = []
@@ -31,6 +33,12 @@ def edited(owner, _context=None):
 def wished(settings, _context=None):
     """Update callback of the properties that choose the quality and fit of a material."""
     for listener in refinements:
+        listener(settings.id_data)
+
+
+def turned(settings, _context=None):
+    """Update callback of the property that chooses the tangent of a material."""
+    for listener in turns:
         listener(settings.id_data)
 
 

@@ -78,10 +78,15 @@ def default_basis():
     return _value("default_basis", "standard")
 
 
+def shows_anisotropy():
+    """True if Cycles samples lobes that move with the view rightly: from Blender 5.0 on. Anisotropic surfaces
+    need them."""
+    return bpy.app.version >= (5, 0)
+
+
 def table_basis(basis):
-    """The basis of lamina.bake for a material's fit. From Blender 5.0 on, Cycles samples lobes that move with
-    the view rightly."""
-    return MOVING.get(basis, basis) if bpy.app.version >= (5, 0) else basis
+    """The basis of lamina.bake for a material's fit."""
+    return MOVING.get(basis, basis) if shows_anisotropy() else basis
 
 
 def fit_of(basis):

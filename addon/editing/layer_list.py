@@ -10,7 +10,7 @@ from ..properties import migration
 from ..stack_json import stack_write
 from ..stack_json.stack_read import FIRST_NAMES
 
-NOT_COPIED = ("name", "varying", "roughness")  # roughness is computed from alpha
+NOT_COPIED = ("name", "varying", "roughness", "roughness_v")  # roughness is computed from alpha
 
 
 def add_stack(material):

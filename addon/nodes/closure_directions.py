@@ -19,12 +19,12 @@ class UnknownClosureError(RefusedError):
 class Directions:
     """The directions of the recipes, each built once: see lamina.lobes.NodeRecipe."""
 
-    def __init__(self, graph, incoming, normal, cosine, angle):
+    def __init__(self, graph, incoming, normal, cosine, angle, tangent=None):
         self.graph = graph
         self.cosine = cosine
         self.angle = angle
         self.multiples, self.powers, self.numbers = {}, {}, {}
-        self.known = {"N": normal, "I": incoming}
+        self.known = {"N": normal, "I": incoming, "tangent": tangent}
         self.line = 10.2
 
     def of(self, wanted):
@@ -58,6 +58,8 @@ class Directions:
     def _make(self, wanted):
         graph, normal, incoming = self.graph, self.known["N"], self.known["I"]
         self.line += 1
+        if wanted == "N x I":  # its length is a part of the tilt, see lamina's closures.oriented_lobes
+            return graph.vector("CROSS_PRODUCT", 2.4, self.line, "N x I", normal, incoming)
         if wanted == "N+I":
             total = graph.vector("ADD", 2.4, self.line, "N + I", normal, incoming)
         elif isinstance(wanted, tuple) and wanted[0] == "lean":

@@ -13,18 +13,9 @@ import math
 import numpy as np
 
 from ..base import native
-from ..kinds.table import (
-    BASE,
-    BASE_WEIGHT,
-    PRINCIPLED,
-    SHAPE,
-    TAU_BEND,
-    THROWN_BACK,
-    Strip,
-    is_covered,
-    strips_of,
-)
+from ..kinds.table import BASE, BASE_WEIGHT, PRINCIPLED, TAU_BEND, THROWN_BACK, Strip, is_covered, strips_of
 from . import (
+    azimuth_graph,
     covered_graph,
     eevee_graph,
     eevee_lookup,
@@ -36,6 +27,7 @@ from . import (
     side_graph,
 )
 from .closure_directions import Directions, UnknownClosureError
+from .shape_sockets import Shapes
 
 SCALE_LABEL = "rows"
 
@@ -70,7 +62,7 @@ def draw(graph, table, image, recipe_of):
     `recipe_of(closure id)` -> NodeRecipe. Raises UnknownClosureError."""
     lut, eevee, height = table.lut, table.eevee, table.height
     rows = lut.header["axes"]["tau"]["count"]
-    strip_rows = rows * roughness_rows(lut)
+    strip_rows = rows * roughness_rows(lut) * azimuth_graph.rows(lut)
     strips = strips_of(lut.header)
     columns = lut.header["axes"]["view"]["count"]
     covered = is_covered(strips)
@@ -88,14 +80,19 @@ def draw(graph, table, image, recipe_of):
     cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
     angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
     graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
-    v = _row(graph, lut, inputs, backfacing, rows, height)
+    v, tangent = _row(graph, lut, inputs, backfacing, rows, height), None
+    if azimuth_graph.rows(lut) > 1:
+        graph.begin_frame("Azimuth of the view from the tangent to row v", ROW_COLOUR)
+        tangent, azimuth = azimuth_graph.draw(graph, lut, inputs, normal, incoming)
+        step = (azimuth_graph.rows(lut) - 1) / math.pi / height
+        v = graph.math("MULTIPLY_ADD", 9.4, 22, "v of the azimuth", azimuth, step, v)
     graph.end_frame()
     corner = graph.node("ShaderNodeCombineXYZ", 5.6, 3, "view angle, v")
     graph.set(corner.inputs[0], angle)
     graph.set(corner.inputs[1], v)
 
     graph.begin_frame("Directions of the closures", NORMAL_COLOUR)
-    directions = Directions(graph, incoming, normal, cosine, angle)
+    directions = Directions(graph, incoming, normal, cosine, angle, tangent)
     for recipe in recipes:
         for wanted in (recipe.normal, *recipe.vectors.values()):
             directions.of(wanted)
@@ -153,7 +150,7 @@ def draw(graph, table, image, recipe_of):
 
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
     widths = covered_graph.Widths(graph, inputs)
-    shapes = _Shapes(graph, read, directions)
+    shapes = Shapes(graph, read, directions)
     totals = {}
     for line, (same, recipe) in enumerate(zip(sums, recipes, strict=True)):
         closure = same[0].closure
@@ -275,24 +272,6 @@ def rescale(tree, table):
                 node.inputs[1].default_value = values[node.label]
 
 
-class _Shapes:
-    """The sockets of closures that move with the view, whose values are read from a strip of the table."""
-
-    def __init__(self, graph, read, directions):
-        self._graph, self._read, self._directions = graph, read, directions
-
-    def link(self, node, closure, line):
-        """Roughness, Anisotropy, and the normal N + k I."""
-        graph, of = self._graph, self._directions.of
-        place = line + 0.5
-        shape = self._read(Strip(closure, SHAPE), 7, place, f"shape {closure}")
-        roughness, anisotropy, tilt = graph.separate(8.6, place, "roughness, anisotropy, k", shape)
-        graph.link(roughness, node.inputs["Roughness"])
-        graph.link(anisotropy, node.inputs["Anisotropy"])
-        towards = graph.scale(9.2, place, "k I", of("I"), tilt)
-        graph.link(graph.vector("ADD", 9.8, place, "N + k I", of("N"), towards), node.inputs["Normal"])
-
-
 def _closure(graph, line, name, recipe, weight, directions, widths, shapes):
     try:
         node = graph.node(recipe.type, 10.6, line, name)
@@ -313,7 +292,7 @@ def _closure(graph, line, name, recipe, weight, directions, widths, shapes):
         for key, (factor, power) in recipe.of_width.items():
             graph.link(widths.of(recipe.width, factor, power), node.inputs[key])
         if recipe.moves:
-            shapes.link(node, name, line)
+            shapes.link(node, name, line, recipe.turns)
         for socket in node.inputs:
             socket.hide = not socket.is_linked  # a folded node grows with every visible socket
     except (KeyError, TypeError, RuntimeError) as error:

@@ -13,7 +13,7 @@ from ..kinds.table import BASE_WEIGHT, THROWN_BACK, Strip, strips_of
 from . import principled, principled_graph, shader_base_graph, side_graph
 from .graph import rgba
 
-COVERAGE = "Coverage"
+COVERAGE, TANGENT = "Coverage", "Tangent"
 LARGEST = 1.0e6  # the panel's largest optical thickness
 
 _COLOR, _NUMBER, _SHADER = "NodeSocketColor", "NodeSocketFloat", "NodeSocketShader"
@@ -21,6 +21,8 @@ _COLOR, _NUMBER, _SHADER = "NodeSocketColor", "NodeSocketFloat", "NodeSocketShad
 # (name, type, description) of each input that a group may have, from the top.
 INPUTS = (
     ("Normal", "NodeSocketVector", "Normal map or bump; empty: the surface's own normal"),
+    (TANGENT, "NodeSocketVector",
+     "Direction of brushing, such as that of a Tangent node; empty: along u of the active UV map"),
     (side_graph.FRONT, _NUMBER, "Optical thickness of the varying layer, from 0 to what was baked"),
     (side_graph.BACK, _NUMBER,
      "Optical thickness of the varying layer on back faces; below 0: as on front faces"),
@@ -35,9 +37,11 @@ INPUTS = (
 
 
 def of_table(lut):
-    """{name: default} of the coverage and of the inputs that describe the base of `lut`, where it has them;
-    the default is None for a shader."""
-    return ({} if lut.uncovered is None else {COVERAGE: 1.0}) | _of_base(lut)
+    """{name: default} of the coverage, the tangent and the inputs that describe the base of `lut`, where it
+    has them; the default is None for a shader and for the tangent."""
+    coverage = {} if lut.uncovered is None else {COVERAGE: 1.0}
+    tangent = {TANGENT: None} if "azimuth" in lut.header["axes"] else {}
+    return coverage | tangent | _of_base(lut)
 
 
 def _of_base(lut):
@@ -63,7 +67,7 @@ def add_missing(group, tau, base):
         if name not in wanted or name in named(group, "INPUT"):
             continue
         socket = group.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=description)
-        if name == "Normal":
+        if name in ("Normal", TANGENT):
             socket.hide_value = True
         if wanted[name] is not None:
             socket.default_value = wanted[name]

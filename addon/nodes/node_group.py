@@ -268,7 +268,7 @@ def _layout(tables):
         "sides": lut.header["sides"],
         "turns over": side_graph.turns_over(lut),
         "size": [axes["view"]["count"], axes["tau"]["count"], closure_graph.roughness_rows(lut)],
-    }
+    } | ({"azimuth": axes["azimuth"]} if "azimuth" in axes else {})
     return layout | {"uncovered": _layout(more)} if more else layout
 
 

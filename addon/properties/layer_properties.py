@@ -37,8 +37,24 @@ class PhaseProperties:
     )
 
 
-def _set_roughness(owner, value):
-    owner.alpha = decimals.shortest(value) ** 2
+def _roughness(name, label, tip):
+    """The property that shows the width `name` of facets as Blender's Roughness."""
+
+    def set_alpha(owner, value):
+        setattr(owner, name, max(decimals.shortest(value) ** 2, owner.bl_rna.properties[name].hard_min))
+
+    return FloatProperty(
+        name=label,
+        description=tip,
+        min=0.0,
+        max=1.0,
+        step=1,
+        precision=3,
+        subtype="FACTOR",
+        get=lambda owner: getattr(owner, name) ** 0.5,
+        set=set_alpha,
+        options=set(),
+    )
 
 
 @having({one.name: option(one) for one in boundaries.FACETS})
@@ -46,18 +62,23 @@ class FacetProperties:
     """A rough surface. Stacks hold `alpha`; the panel shows its square root, Blender's Roughness."""
 
     alpha: number(boundaries.ALPHA)
-    roughness: FloatProperty(
-        name="Roughness",
-        description="0 is smooth; as in Blender's own shaders, the square root of the microfacet width",
-        min=0.0,
-        max=1.0,
-        step=1,
-        precision=3,
-        subtype="FACTOR",
-        get=lambda owner: owner.alpha**0.5,
-        set=_set_roughness,
-        options=set(),
+    roughness: _roughness(
+        "alpha",
+        "Roughness",
+        "0 is smooth; as in Blender's own shaders, the square root of the microfacet width",
     )
+    anisotropic: switch(
+        "Anisotropic",
+        "The surface is brushed: its roughness differs along and across. For Blender 5.0 and newer",
+    )
+    alpha_v: number(boundaries.ALPHA_V)
+    roughness_v: _roughness(
+        "alpha_v",
+        "Roughness Across",
+        "Roughness across the tangent; Roughness is that along it. Brushed metal is rougher across its "
+        "scratches",
+    )
+    angle: number(boundaries.ANGLE)
 
 
 def _kind_changed(layer, _context):

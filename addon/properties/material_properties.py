@@ -32,6 +32,12 @@ DEPTHS = (
     ("EXACT", "Exact", "Light is followed through the shape of the active object, which one medium fills"),
     ("VEINS", "Veins", "Light is followed through the active object, which two materials fill"),
 )
+TANGENTS = (
+    ("UV", "UV Map", "Brushed along u of the active UV map"),
+    ("X", "Around X", "Turned on a lathe: brushed in circles about the object's X axis"),
+    ("Y", "Around Y", "Turned on a lathe: brushed in circles about the object's Y axis"),
+    ("Z", "Around Z", "Turned on a lathe: brushed in circles about the object's Z axis"),
+)
 AUTOMATIC = "AUTO"  # the first of LATERAL_OUTPUTS
 LATERAL_OUTPUTS = (
     (
@@ -112,6 +118,14 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         items=CLOSURE_BASES,
         default="standard",
         update=changes.wished,
+        options=set(),
+    )
+    tangent: EnumProperty(
+        name="Tangent",
+        description="The direction from which the angle of anisotropic surfaces counts. A link to the node's "
+        "input Tangent comes before it",
+        items=TANGENTS,
+        update=changes.turned,
         options=set(),
     )
     result: PointerProperty(type=LaminaResult)

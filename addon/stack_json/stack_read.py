@@ -53,7 +53,7 @@ def base(base):
         fields = (*form, *fields)
     for field in fields:
         values[field.prop] = _number(field, base, "base")
-    _refuse_rare(cls, base, "base")
+    values |= _orientation(cls, base, "base")
     values |= _options(cls, base, "base")
     if cls.has_phase:
         values |= phases.values(base.get("phase"), "base.phase")
@@ -64,16 +64,18 @@ def _interface(layer, where):
     ior = _triple(layer["ior"], f"{where}.ior")
     values = {"ior": ior[0], "ior_per_channel": len(set(ior)) > 1, "ior_rgb": ior}
     values["alpha"] = _number(boundaries.ALPHA, layer, where)
-    _refuse_rare(boundaries.Interface, layer, where)
+    values |= _orientation(boundaries.Interface, layer, where)
     return values | _options(boundaries.Interface, layer, where)
 
 
-def _refuse_rare(cls, entry, where):
-    """Refuses quantities that the panel does not have. Raises RefusedError."""
-    for one in cls.rare:
-        if entry.get(one.name, one.usual) != one.usual:
-            raise RefusedError(f"{where}.{one.name} = {entry[one.name]:g}: in Blender the facets of a "
-                               "surface have the same width in all directions")
+def _orientation(cls, entry, where):
+    """Values of the anisotropy of facets; none for surfaces that know none."""
+    if not cls.rare:
+        return {}
+    if entry.get("alpha_v") is None:
+        return {"anisotropic": False}
+    values = {one.name: _single(entry.get(one.name, one.usual), f"{where}.{one.name}") for one in cls.rare}
+    return {"anisotropic": True, **values}
 
 
 def _number(field, entry, where):

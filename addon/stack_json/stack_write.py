@@ -36,7 +36,8 @@ def layer(layer):
     entry = {"kind": layer.kind, "name": layer.name}
     if layer.kind == "interface":
         entry["ior"] = _channels(layer.ior_rgb) if layer.ior_per_channel else shortest(layer.ior)
-        return entry | {"alpha": shortest(layer.alpha)} | _options(boundaries.Interface, layer)
+        facets = {"alpha": shortest(layer.alpha)} | _orientation(layer)
+        return entry | facets | _options(boundaries.Interface, layer)
     if layer.kind == "film":
         return entry | {field.name: shortest(getattr(layer, field.prop)) for field in films.Film.fields}
     if layer.profile_text:
@@ -70,7 +71,15 @@ def base(base):
     entry |= {field.name: _number(field, base) for field in cls.panel_fields(base)}
     if cls.has_phase:
         entry["phase"] = phases.to_json(base)
-    return entry | _options(cls, base)
+    return entry | (_orientation(base) if cls.rare else {}) | _options(cls, base)
+
+
+def _orientation(owner):
+    """The anisotropy of facets, for a surface that is rough and has some."""
+    if not (owner.anisotropic and owner.alpha > 0.0):
+        return {}
+    angle = shortest(owner.angle)
+    return {"alpha_v": shortest(owner.alpha_v)} | ({"angle": angle} if angle else {})
 
 
 def _amount(layer):

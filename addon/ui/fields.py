@@ -4,7 +4,7 @@
 Labels are short because the editor is narrow; tooltips give the details.
 """
 
-from ..base import native
+from ..base import native, preferences
 from ..base.decimals import shortest
 from ..editing import metals
 from ..kinds import boundaries, films
@@ -102,10 +102,22 @@ def draw_color(column, layer, end):
 def draw_number(column, owner, field):
     if field is boundaries.ALPHA:  # the panel shows Blender's Roughness instead
         column.prop(owner, "roughness", slider=True)
+        if owner.alpha > 0.0:
+            _draw_orientation(column, owner)
     elif field.panel.rgb and field.panel.subtype != "COLOR":
         rgb_column(column, owner, field.prop, field.panel.label)
     else:
         column.prop(owner, field.prop, slider=field.panel.slider)
+
+
+def _draw_orientation(column, owner):
+    row = column.row()
+    row.enabled = owner.anisotropic or preferences.shows_anisotropy()
+    row.prop(owner, "anisotropic")
+    if owner.anisotropic:
+        column.prop(owner, "roughness_v", slider=True)
+        column.prop(owner, "angle")
+        column.prop(owner.id_data.lamina, "tangent")
 
 
 def _metal_name(base):

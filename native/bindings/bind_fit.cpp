@@ -4,9 +4,13 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "bindings.hpp"
 #include "fit/closure_fit.hpp"
 #include "fit/moving_fit.hpp"
+#include "fit/oriented_lobe.hpp"
 #include "numeric/thread_pool.hpp"
 
 namespace py = pybind11;
@@ -125,11 +129,56 @@ py::array_t<double> moving_albedos(const Array& shapes, const Array& mu_o) {
   return albedos;
 }
 
-/// Shapes [row, view, lobe, 3] for `slices` [row, channel, view, light] with broad closures [view, closure, light].
-/// `first_row` [view, lobe, 3]: known shapes of row 0, or empty.
-py::array_t<double> fit_moving(const Array& slices, const Array& broad, const Eigen::VectorXd& mu_o,
+/// Lobes with `shapes` [point, 5] (see OrientedShape) at views with `mu_o` [point] and `phi_o` [point].
+OrientedLobe oriented_lobe(const Array& shapes, const Array& mu_o, const Array& phi_o, py::ssize_t point) {
+  const double* shape = shapes.data(point, 0);
+  return {{shape[0], shape[1], shape[2], shape[3], shape[4]}, *mu_o.data(point), *phi_o.data(point)};
+}
+
+void require_oriented(const Array& shapes, const Array& mu_o, const Array& phi_o) {
+  require(shapes.ndim() == 2 && shapes.shape(1) == 5 && mu_o.ndim() == 1 && phi_o.ndim() == 1 &&
+              mu_o.shape(0) == shapes.shape(0) && phi_o.shape(0) == shapes.shape(0),
+          "shapes must be [point, 5], mu_o and phi_o [point]");
+}
+
+/// Their values [point, light].
+py::array_t<double> oriented_values(const Array& shapes, const Array& mu_o, const Array& phi_o,
+                                    const LightDirections& light) {
+  require_oriented(shapes, mu_o, phi_o);
+  const auto lights = light.x.size();
+  py::array_t<double> values({shapes.shape(0), static_cast<py::ssize_t>(lights)});
+  for (py::ssize_t k = 0; k < shapes.shape(0); ++k)
+    oriented_lobe(shapes, mu_o, phi_o, k).values(light, Eigen::Map<Eigen::VectorXd>(values.mutable_data(k, 0), lights));
+  return values;
+}
+
+/// Their directional albedos [point].
+py::array_t<double> oriented_albedos(const Array& shapes, const Array& mu_o, const Array& phi_o) {
+  require_oriented(shapes, mu_o, phi_o);
+  py::array_t<double> albedos(shapes.shape(0));
+  for (py::ssize_t k = 0; k < shapes.shape(0); ++k)
+    *albedos.mutable_data(k) = oriented_lobe(shapes, mu_o, phi_o, k).albedo();
+  return albedos;
+}
+
+/// The views of rows: the cosines of each, and the azimuths of all. Without azimuths, lobes are moving ones.
+/// `mirrored`: rows in the planes of symmetry of the facets, at multiples of a quarter turn, are symmetric.
+struct FitViews {
+  Eigen::VectorXd mu_o;
+  Eigen::VectorXd phi_o;
+  bool mirrored = false;
+
+  [[nodiscard]] ViewSlices at(Eigen::Index view, Eigen::Index row) const {
+    if (phi_o.size() == 0) return {mu_o[view], 0.0, false, {}, {}};
+    return {mu_o[view], phi_o[row], mirrored && std::abs(std::sin(2.0 * phi_o[row])) < 1e-9, {}, {}};
+  }
+};
+
+/// Shapes [row, view, lobe, number] for `slices` [row, channel, view, light] with broad closures [view, closure,
+/// light]. `first_row` [view, lobe, number]: known shapes of row 0, or empty.
+py::array_t<double> fit_moving(const Array& slices, const Array& broad, const FitViews& views_of_rows,
                                const LightDirections& light, const Eigen::VectorXd& solid_angle,
-                               const MovingFitOptions& options, const Array& first_row, ThreadPool& pool) {
+                               MovingFitOptions options, const Array& first_row, ThreadPool& pool) {
   require(slices.ndim() == 4 && broad.ndim() == 3 && slices.shape(2) == broad.shape(0) &&
               slices.shape(3) == broad.shape(2) && slices.shape(3) == solid_angle.size(),
           "slices and broad closures must have the same views and lights");
@@ -137,7 +186,7 @@ py::array_t<double> fit_moving(const Array& slices, const Array& broad, const Ei
   std::vector<std::vector<ViewSlices>> rows(static_cast<std::size_t>(slices.shape(0)));
   for (std::size_t row = 0; row < rows.size(); ++row)
     for (std::size_t v = 0; v < views; ++v) {
-      ViewSlices seen{mu_o[static_cast<Eigen::Index>(v)], {}, {}};
+      ViewSlices seen = views_of_rows.at(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(row));
       const auto view = static_cast<py::ssize_t>(v);
       seen.broad = Eigen::Map<const RowMajor>(broad.data(view, 0, 0), broad.shape(1), broad.shape(2)).transpose();
       seen.slices.resize(slices.shape(3), slices.shape(1));
@@ -146,27 +195,21 @@ py::array_t<double> fit_moving(const Array& slices, const Array& broad, const Ei
             Eigen::Map<const Eigen::VectorXd>(slices.data(static_cast<py::ssize_t>(row), c, view, 0), slices.shape(3));
       rows[row].push_back(std::move(seen));
     }
+  if (views_of_rows.phi_o.size() > 0) options.family = &oriented_family();
+  const auto numbers = static_cast<py::ssize_t>(options.family->unknowns());
   std::vector<LobeShapes> known;
-  for (py::ssize_t v = 0; first_row.ndim() == 3 && v < first_row.shape(0); ++v) {
-    LobeShapes& view = known.emplace_back();
-    for (py::ssize_t k = 0; k < first_row.shape(1); ++k) {
-      const double* shape = first_row.data(v, k, 0);
-      view.push_back({shape[0], shape[1], shape[2]});
-    }
-  }
+  for (py::ssize_t v = 0; first_row.ndim() == 3 && v < first_row.shape(0); ++v)
+    known.emplace_back(Eigen::Map<const Eigen::VectorXd>(first_row.data(v, 0, 0), options.lobes * numbers));
   std::vector<std::vector<LobeShapes>> found;
   {
     const py::gil_scoped_release release;
     found = fit_moving_lobes(
         rows, light, solid_angle, options, [&](std::size_t count, const auto& body) { pool.run(count, body); }, known);
   }
-  py::array_t<double> result(
-      {slices.shape(0), slices.shape(2), static_cast<py::ssize_t>(options.lobes), static_cast<py::ssize_t>(3)});
+  py::array_t<double> result({slices.shape(0), slices.shape(2), static_cast<py::ssize_t>(options.lobes), numbers});
   double* out = result.mutable_data();
   for (const auto& row : found)
-    for (const auto& shapes : row)
-      for (const LobeShape& shape : shapes)
-        for (const double value : {shape.roughness, shape.anisotropy, shape.tilt}) *out++ = value;
+    for (const LobeShapes& shapes : row) out = std::copy(shapes.begin(), shapes.end(), out);
   return result;
 }
 
@@ -206,11 +249,19 @@ void lamina::bind_fit(py::module_& module) {
       .def(py::init<>())
       .def_readwrite("lobes", &MovingFitOptions::lobes)
       .def_readwrite("stiffness", &MovingFitOptions::stiffness)
-      .def_readwrite("iterations", &MovingFitOptions::iterations);
+      .def_readwrite("iterations", &MovingFitOptions::iterations)
+      .def_readwrite("most_change", &MovingFitOptions::most_change)
+      .def_readwrite("following", &MovingFitOptions::following);
   py::class_<LightDirections>(module, "LightDirections")
       .def(py::init<const Eigen::VectorXd&, const Eigen::VectorXd&>(), py::arg("mu"), py::arg("dphi"));
   module.def("moving_values", &moving_values, py::arg("shapes"), py::arg("mu_o"), py::arg("light"));
   module.def("moving_albedos", &moving_albedos, py::arg("shapes"), py::arg("mu_o"));
-  module.def("fit_moving", &fit_moving, py::arg("slices"), py::arg("broad"), py::arg("mu_o"), py::arg("light"),
+  module.def("oriented_values", &oriented_values, py::arg("shapes"), py::arg("mu_o"), py::arg("phi_o"),
+             py::arg("light"));
+  module.def("oriented_albedos", &oriented_albedos, py::arg("shapes"), py::arg("mu_o"), py::arg("phi_o"));
+  py::class_<FitViews>(module, "FitViews")
+      .def(py::init<const Eigen::VectorXd&, const Eigen::VectorXd&, bool>(), py::arg("mu_o"), py::arg("phi_o"),
+           py::arg("mirrored"));
+  module.def("fit_moving", &fit_moving, py::arg("slices"), py::arg("broad"), py::arg("views"), py::arg("light"),
              py::arg("solid_angle"), py::arg("options"), py::arg("first_row"), py::arg("pool"));
 }

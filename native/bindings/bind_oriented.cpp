@@ -5,6 +5,7 @@
 
 #include "bindings.hpp"
 #include "oriented/oriented_evaluation.hpp"
+#include "oriented/oriented_slices.hpp"
 
 namespace py = pybind11;
 
@@ -25,6 +26,15 @@ void lamina::bind_oriented(py::module_& module) {
           py::arg("side"), py::arg("path"), py::arg("mu_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("phi_o"),
           py::arg("pool"), unlocked)
       .def("fluxes", &oriented_fluxes, py::arg("side"), py::arg("mu"), py::arg("phi"), py::arg("pool"), unlocked)
+      .def(
+          "slices",
+          [](const OrientedSolution& solution, const Eigen::VectorXd& mu_o, const Eigen::VectorXd& phi_o,
+             const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
+            OrientedSlices found = oriented_slices(solution, OrientedGrid{mu_o, phi_o, mu_i, dphi}, pool);
+            return std::make_tuple(Eigen::MatrixXd(found.values.transpose()), found.albedo, found.mirrored);
+          },
+          py::arg("mu_o"), py::arg("phi_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"), unlocked,
+          "(f mu_i [view, light], albedo [view], specular reflectance [view]), see oriented_slices")
       .def("diffuse_fluxes", &oriented_diffuse_fluxes, py::arg("side"), py::arg("pool"), unlocked);
   module.def(
       "solve_oriented",

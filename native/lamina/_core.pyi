@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'FitViews', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'oriented_albedos', 'oriented_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -244,6 +244,10 @@ class OrientedSolution:
         ...
     def points(self, side: Side, path: Path, mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         ...
+    def slices(self, mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
+        """
+        (f mu_i [view, light], albedo [view], specular reflectance [view]), see oriented_slices
+        """
     @property
     def checks(self) -> SolveChecks:
         ...
@@ -331,6 +335,12 @@ class MovingFitOptions:
     def __init__(self) -> None:
         ...
     @property
+    def following(self) -> float:
+        ...
+    @following.setter
+    def following(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def iterations(self) -> int:
         ...
     @iterations.setter
@@ -343,6 +353,12 @@ class MovingFitOptions:
     def lobes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def most_change(self) -> float:
+        ...
+    @most_change.setter
+    def most_change(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def stiffness(self) -> float:
         ...
     @stiffness.setter
@@ -350,6 +366,9 @@ class MovingFitOptions:
         ...
 class LightDirections:
     def __init__(self, mu: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+class FitViews:
+    def __init__(self, mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mirrored: bool) -> None:
         ...
 class Walk:
     pass
@@ -491,7 +510,7 @@ def count_sublayers(stack: Stack, tolerance: typing.SupportsFloat | typing.Suppo
     """
     The number of layers of the stack as it is solved.
     """
-def fit_moving(slices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], broad: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], light: LightDirections, solid_angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: MovingFitOptions, first_row: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+def fit_moving(slices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], broad: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: FitViews, light: LightDirections, solid_angle: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: MovingFitOptions, first_row: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
     ...
 def guided_transfer_walk(medium: GradedMedium, mu_o: typing.SupportsFloat | typing.SupportsIndex, mu_i: typing.SupportsFloat | typing.SupportsIndex, dphi: typing.SupportsFloat | typing.SupportsIndex) -> Walk:
     """
@@ -512,6 +531,10 @@ def lateral_flux(stack: MeasuredStack, mu: typing.SupportsFloat | typing.Support
 def moving_albedos(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
     ...
 def moving_values(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], light: LightDirections) -> numpy.typing.NDArray[numpy.float64]:
+    ...
+def oriented_albedos(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    ...
+def oriented_values(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], light: LightDirections) -> numpy.typing.NDArray[numpy.float64]:
     ...
 def photon_walk(stack: Stack, depth_knots: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]], mu_i: typing.SupportsFloat | typing.SupportsIndex) -> LateralWalk:
     ...

@@ -20,61 +20,23 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Unknowns of one lobe: ln alpha; half the logarithm of alpha_x / alpha_y; k.
-constexpr Index kUnknowns = 3;
-constexpr double kLeastLogAlpha = -4.6;  // alpha .01
-constexpr double kMostSqueeze = 3.0;
-constexpr double kMostAway = 0.5;  // of -k, as a share of the view cosine
-constexpr double kMostTilt = 0.6;  // radians
-constexpr double kStep = 1e-3;     // of a difference quotient
-constexpr double kFixed = 1e3;     // stiffness of an unknown that stays
+constexpr double kStep = 1e-3;  // of a difference quotient
+constexpr double kFixed = 1e3;  // stiffness of an unknown that stays
 constexpr int kMostLobes = 3;
-// Of the penalty, relative to that of the first row: between rows, and between views of a row that follows another.
-constexpr double kBetweenRows = 0.8;
-constexpr double kFollowing = 4.0;
+constexpr double kBetweenRows = 0.8;  // of the penalty, relative to that of the first row
 constexpr int kSweeps = 3;
 constexpr int kStartIterations = 30;
-// Most change of an unknown from row to row, so that all views of a row stay near the same minimum.
-constexpr double kMostChange = 0.12;
-// Widths of lobes along the normal, to begin with.
-constexpr double kLeastWidth = 0.01;
-constexpr double kMostWidth = 0.7;
-constexpr std::size_t kWidths = 14;
-constexpr std::size_t kStarts = 4;  // sets of widths that are tried
+constexpr std::size_t kStarts = 4;  // sets of starts that are tried
 // Weight of the squared relative error of the albedo against the squared relative L2 error.
 constexpr double kAlbedoWeight = 10.0;
 
-LobeShape shape_of(const double* p) {
-  const double squeeze = std::exp(-std::abs(p[1]));
-  const double alpha = std::exp(p[0]);
-  return {std::sqrt(std::min(alpha, 1.0)), p[1] < 0.0 ? 1.0 - squeeze : squeeze - 1.0, p[2]};
-}
-
-VectorXd unknowns_of(const LobeShapes& shapes) {
-  VectorXd p(static_cast<Index>(shapes.size()) * kUnknowns);
-  double* out = p.data();
-  for (const LobeShape& shape : shapes) {
-    *out++ = 2.0 * std::log(shape.roughness);
-    *out++ = shape.anisotropy > 0.0 ? std::log(1.0 - shape.anisotropy) : -std::log(1.0 + shape.anisotropy);
-    *out++ = shape.tilt;
-  }
-  return p;
-}
-
-// The largest |k| whose tilt is at most kMostTilt.
-double most_k(double mu_o) {
-  const double sine = std::sqrt(std::max(1e-6, 1.0 - mu_o * mu_o));
-  const double tangent = std::tan(kMostTilt);
-  const double left = sine - tangent * mu_o;
-  return left > 0.3 * sine ? std::min(tangent / left, 3.0) : 3.0;
-}
-
 class ViewFit {
  public:
-  ViewFit(const ViewSlices& view, const LightDirections& light, const VectorXd& solid_angle, int lobes)
-      : view_(view), light_(light), lobes_(lobes), root_(solid_angle.cwiseSqrt()) {
+  ViewFit(const ViewSlices& view, const LightDirections& light, const VectorXd& solid_angle,
+          const MovingFitOptions& options)
+      : view_(view), light_(light), options_(options), lobes_(options.lobes), root_(solid_angle.cwiseSqrt()) {
     const Index broad = view.broad.cols();
-    basis_.resize(solid_angle.size(), broad + lobes);
+    basis_.resize(solid_angle.size(), broad + lobes_);
     basis_.leftCols(broad) = root_.asDiagonal() * view.broad;
     targets_ = root_.asDiagonal() * view.slices;
     for (Index c = 0; c < targets_.cols(); ++c)
@@ -88,8 +50,7 @@ class ViewFit {
     const Index lights = root_.size();
     const Index broad = view_.broad.cols();
     for (int k = 0; k < lobes_; ++k) {
-      const MovingLobe lobe(shape_of(p.data() + k * kUnknowns), view_.mu_o);
-      lobe.values(light_, value_);
+      options_.family->values(p.data() + k * options_.family->unknowns(), view_.mu_o, view_.phi_o, light_, value_);
       basis_.col(broad + k) = root_.cwiseProduct(value_);
     }
     const Index count = basis_.cols();
@@ -153,23 +114,24 @@ class ViewFit {
   // The objective that `minimise` reached.
   [[nodiscard]] double reached() const { return reached_; }
 
-  // The best of all sets of widths on a ladder, best first, as unknowns. `gain`: by how much the first lowers the
+  // The best of all sets on a ladder of lobes, best first, as unknowns. `gain`: by how much the first lowers the
   // squared residual of the broad closures alone.
-  std::vector<VectorXd> widths(double& gain) {
+  std::vector<VectorXd> starts(double& gain) {
+    const std::vector<VectorXd> ladder = options_.family->starts();
+    const Index size = options_.family->unknowns();
     std::vector<std::size_t> rung(static_cast<std::size_t>(lobes_));
     std::iota(rung.begin(), rung.end(), 0);
     std::vector<std::pair<double, VectorXd>> found;
     for (bool is_last = false; !is_last;) {
-      VectorXd p = VectorXd::Zero(lobes_ * kUnknowns);
-      for (int k = 0; k < lobes_; ++k)
-        p[k * kUnknowns] = std::log(kLeastWidth) + std::log(kMostWidth / kLeastWidth) *
-                                                       static_cast<double>(rung[static_cast<std::size_t>(k)]) /
-                                                       (kWidths - 1);
+      VectorXd p(lobes_ * size);
+      for (int k = 0; k < lobes_; ++k) p.segment(k * size, size) = ladder[rung[static_cast<std::size_t>(k)]];
       found.emplace_back(residual(p).squaredNorm(), p);
-      is_last = !next(rung);
+      is_last = !next(rung, ladder.size());
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    gain = ViewFit(view_, light_, root_.cwiseAbs2(), 0).residual({}).squaredNorm() - found.front().first;
+    MovingFitOptions none = options_;
+    none.lobes = 0;
+    gain = ViewFit(view_, light_, root_.cwiseAbs2(), none).residual({}).squaredNorm() - found.front().first;
     found.resize(std::min<std::size_t>(found.size(), kStarts));
     std::vector<VectorXd> best;
     for (auto& [reached, p] : found) best.push_back(std::move(p));
@@ -178,10 +140,10 @@ class ViewFit {
 
  private:
   // The next set of ascending rungs of the ladder; false after the last one.
-  static bool next(std::vector<std::size_t>& rung) {
+  static bool next(std::vector<std::size_t>& rung, std::size_t rungs) {
     const std::size_t count = rung.size();
     for (std::size_t k = count; k-- > 0;) {
-      if (rung[k] == kWidths - count + k) continue;
+      if (rung[k] == rungs - count + k) continue;
       ++rung[k];
       for (std::size_t j = k + 1; j < count; ++j) rung[j] = rung[j - 1] + 1;
       return true;
@@ -190,21 +152,15 @@ class ViewFit {
   }
 
   void clamp(VectorXd& p, const VectorXd* centre) const {
+    const double most = options_.most_change;
     if (centre != nullptr)
-      p = p.cwiseMax((centre->array() - kMostChange).matrix()).cwiseMin((centre->array() + kMostChange).matrix());
-    const double most = most_k(view_.mu_o);
-    for (int k = 0; k < lobes_; ++k) {
-      double* mine = p.data() + k * kUnknowns;
-      mine[0] = std::clamp(mine[0], kLeastLogAlpha, -1e-3);
-      // Neither width above 1
-      mine[1] = std::clamp(mine[1], std::max(-kMostSqueeze, mine[0]), std::min(kMostSqueeze, -mine[0]));
-      // The tilted normal faces the viewer
-      mine[2] = std::clamp(mine[2], -kMostAway * view_.mu_o, most);
-    }
+      p = p.cwiseMax((centre->array() - most).matrix()).cwiseMin((centre->array() + most).matrix());
+    for (int k = 0; k < lobes_; ++k) options_.family->clamp(p.data() + k * options_.family->unknowns(), view_.mu_o);
   }
 
   const ViewSlices& view_;
   const LightDirections& light_;
+  const MovingFitOptions& options_;
   int lobes_;
   VectorXd root_;
   MatrixXd basis_;    // times the root of the solid angle
@@ -223,22 +179,43 @@ void one_by_one(std::size_t count, const std::function<void(std::size_t)>& body)
   for (std::size_t k = 0; k < count; ++k) body(k);
 }
 
-// The views of one row. `start`: shapes of the neighbouring row, or those of the view `first` alone.
+// The penalty's stiffness for each unknown of all lobes. Odd unknowns stay 0 where the slices are symmetric, so that
+// the lobes of a row and of its mirror image meet.
+VectorXd stiffness_at(const ViewSlices& view, const MovingFitOptions& options, double usual) {
+  const Index unknowns = options.family->unknowns();
+  VectorXd stiffness = VectorXd::Constant(options.lobes * unknowns, usual);
+  for (Index lobe = 0; view.is_mirrored && lobe < options.lobes; ++lobe)
+    for (const Index odd : options.family->odd()) stiffness[lobe * unknowns + odd] = kFixed;
+  return stiffness;
+}
+
+// Unknowns of a neighbouring row, as the fit of this view begins with them.
+VectorXd started(const ViewSlices& view, const MovingFitOptions& options, VectorXd p) {
+  for (Index lobe = 0; view.is_mirrored && lobe < options.lobes; ++lobe)
+    for (const Index odd : options.family->odd()) p[lobe * options.family->unknowns() + odd] = 0.0;
+  return p;
+}
+
+// The views of one row. `neighbours`: shapes of the neighbouring row, or those of the view `first` alone.
 RowFit fit_row(std::span<const ViewSlices> views, const LightDirections& light, const VectorXd& solid_angle,
-               const MovingFitOptions& options, std::span<const VectorXd> start, std::size_t first,
+               const MovingFitOptions& options, std::span<const VectorXd> neighbours, std::size_t first,
                const ForEach& for_each) {
-  const Index size = options.lobes * kUnknowns;
-  const bool follows_row = start.size() == views.size();
+  const Index unknowns = options.family->unknowns();
+  const Index tilts = options.family->tilts();
+  const bool follows_row = neighbours.size() == views.size();
+  std::vector<VectorXd> start;
+  for (const VectorXd& p : neighbours) start.push_back(started(views[start.size()], options, p));
   std::vector<VectorXd> found(views.size());
   const auto fit_view = [&](std::size_t v, const VectorXd& prior) {
-    VectorXd stiff = VectorXd::Constant(size, options.stiffness * (follows_row ? kBetweenRows : 1.0));
+    VectorXd stiff = stiffness_at(views[v], options, options.stiffness * (follows_row ? kBetweenRows : 1.0));
     VectorXd from = prior;
-    if (v == 0)  // round about the normal, where a tilt has no effect
-      for (int k = 0; k < options.lobes; ++k) {
-        from[k * kUnknowns + 1] = 0.0;
-        stiff[k * kUnknowns + 1] = stiff[k * kUnknowns + 2] = kFixed;
-      }
-    found[v] = ViewFit(views[v], light, solid_angle, options.lobes)
+    for (int k = 0; v == 0 && k < options.lobes; ++k) {  // at the normal, where a tilt has no effect
+      stiff.segment((k + 1) * unknowns - tilts, tilts).setConstant(kFixed);
+      if (!options.family->is_round_at_normal()) continue;
+      from[k * unknowns + 1] = 0.0;
+      stiff[k * unknowns + 1] = kFixed;
+    }
+    found[v] = ViewFit(views[v], light, solid_angle, options)
                    .minimise(from, from, stiff, options.iterations, follows_row ? &from : nullptr);
   };
   if (follows_row) {
@@ -250,7 +227,7 @@ RowFit fit_row(std::span<const ViewSlices> views, const LightDirections& light, 
   }
 
   // Towards the mean of the neighbours
-  const VectorXd stiff = VectorXd::Constant(size, options.stiffness * (follows_row ? kFollowing : 1.0));
+  const double usual = options.stiffness * (follows_row ? options.following : 1.0);
   std::vector<VectorXd> smooth = found;
   VectorXd objective = VectorXd::Zero(static_cast<Index>(views.size()));
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -258,7 +235,8 @@ RowFit fit_row(std::span<const ViewSlices> views, const LightDirections& light, 
     for_each(views.size() - 1, [&](std::size_t k) {
       const std::size_t v = k + 1;
       const VectorXd prior = v + 1 < views.size() ? VectorXd(0.5 * (found[v - 1] + found[v + 1])) : found[v - 1];
-      ViewFit fit(views[v], light, solid_angle, options.lobes);
+      const VectorXd stiff = stiffness_at(views[v], options, usual);
+      ViewFit fit(views[v], light, solid_angle, options);
       smooth[v] = fit.minimise(found[v], prior, stiff, options.iterations / 2, follows_row ? &start[v] : nullptr);
       double least = fit.reached();
       // A neighbour may have found a lower minimum
@@ -273,30 +251,34 @@ RowFit fit_row(std::span<const ViewSlices> views, const LightDirections& light, 
       objective[static_cast<Index>(v)] = least;
     });
   }
-  // At the normal, k continues that of the next view
+  // At the normal, tilts continue those of the next view
   for (int k = 0; k < options.lobes && views.size() > 1; ++k)
-    smooth[0][k * kUnknowns + 2] = smooth[1][k * kUnknowns + 2];
+    smooth[0].segment((k + 1) * unknowns - tilts, tilts) = smooth[1].segment((k + 1) * unknowns - tilts, tilts);
   return {smooth, objective.sum()};
 }
 
-// The unknowns of the row that lobes improve most, `first`: the best of several starts at the oblique view.
+// The unknowns of the row `first`, the best of several starts at the oblique view. This is the last symmetric row, if
+// there is any, or the row that lobes improve most.
 std::vector<VectorXd> fit_best_row(std::span<const std::vector<ViewSlices>> rows, const LightDirections& light,
                                    const VectorXd& solid_angle, const MovingFitOptions& options, std::size_t oblique,
                                    const ForEach& for_each, std::size_t& first) {
-  std::vector<std::vector<VectorXd>> widths(rows.size());
+  std::vector<std::vector<VectorXd>> starts(rows.size());
   VectorXd gain(static_cast<Index>(rows.size()));
   for_each(rows.size(), [&](std::size_t row) {
-    ViewFit fit(rows[row][oblique], light, solid_angle, options.lobes);
-    widths[row] = fit.widths(gain[static_cast<Index>(row)]);
+    ViewFit fit(rows[row][oblique], light, solid_angle, options);
+    starts[row] = fit.starts(gain[static_cast<Index>(row)]);
   });
   Index best = 0;
   gain.maxCoeff(&best);
+  // Symmetric lobes can't be reached from others by small changes
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    if (rows[row].front().is_mirrored) best = static_cast<Index>(row);
   first = static_cast<std::size_t>(best);
-  std::vector<RowFit> tried(widths[first].size());
+  std::vector<RowFit> tried(starts[first].size());
   for_each(tried.size(), [&](std::size_t k) {
-    ViewFit view(rows[first][oblique], light, solid_angle, options.lobes);
-    const VectorXd free = VectorXd::Zero(widths[first][k].size());
-    const VectorXd start = view.minimise(widths[first][k], widths[first][k], free, kStartIterations, nullptr);
+    ViewFit view(rows[first][oblique], light, solid_angle, options);
+    const VectorXd free = stiffness_at(rows[first][oblique], options, 0.0);
+    const VectorXd start = view.minimise(starts[first][k], starts[first][k], free, kStartIterations, nullptr);
     tried[k] = fit_row(rows[first], light, solid_angle, options, std::span(&start, 1), oblique, one_by_one);
   });
   const auto less = [](const RowFit& a, const RowFit& b) { return a.objective < b.objective; };
@@ -312,6 +294,7 @@ std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vecto
   if (options.lobes < 1 || options.lobes > kMostLobes || rows.empty())
     throw std::invalid_argument("fit_moving_lobes: number of lobes or rows out of range");
   const std::size_t oblique = rows.front().size() * 2 / 3;
+  const Index unknowns = options.family->unknowns();
   std::vector<std::vector<VectorXd>> found(rows.size());
   const auto fit = [&](std::size_t row, std::span<const VectorXd> start) {
     found[row] = fit_row(rows[row], light, solid_angle, options, start, oblique, for_each).unknowns;
@@ -321,7 +304,11 @@ std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vecto
     std::vector<VectorXd> best = fit_best_row(rows, light, solid_angle, options, oblique, for_each, first);
     found[first] = std::move(best);
   } else {
-    for (const LobeShapes& view : first_row) found[0].push_back(unknowns_of(view));
+    for (const LobeShapes& view : first_row) {
+      VectorXd& p = found[0].emplace_back(options.lobes * unknowns);
+      for (int k = 0; k < options.lobes; ++k)
+        p.segment(k * unknowns, unknowns) = options.family->unknowns_of(view.data() + k * unknowns);
+    }
   }
   for (std::size_t row = first + 1; row < rows.size(); ++row) fit(row, found[row - 1]);
   for (std::size_t row = first; row-- > 0;) fit(row, found[row + 1]);
@@ -329,8 +316,9 @@ std::vector<std::vector<LobeShapes>> fit_moving_lobes(std::span<const std::vecto
   std::vector<std::vector<LobeShapes>> shapes(rows.size());
   for (std::size_t row = 0; row < rows.size(); ++row)
     for (const VectorXd& p : found[row]) {
-      LobeShapes& view = shapes[row].emplace_back();
-      for (int k = 0; k < options.lobes; ++k) view.push_back(shape_of(p.data() + k * kUnknowns));
+      LobeShapes& view = shapes[row].emplace_back(options.lobes * unknowns);
+      for (int k = 0; k < options.lobes; ++k)
+        view.segment(k * unknowns, unknowns) = options.family->shape(p.data() + k * unknowns);
     }
   return shapes;
 }

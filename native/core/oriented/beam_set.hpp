@@ -3,13 +3,11 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
-#include <map>
 #include <vector>
 
 #include "numeric/thread_pool.hpp"
-#include "operators/delta_field.hpp"
 #include "oriented/medium_orders.hpp"
-#include "oriented/oriented_solution.hpp"
+#include "oriented/specular_paths.hpp"
 
 namespace lamina {
 
@@ -22,40 +20,31 @@ struct Beam {
   auto operator<=>(const Beam&) const = default;
 };
 
-/// The specular light of the whole stack for cosines in air.
-Deltas specular_light(const OrientedSolution& solution, const Eigen::VectorXd& mu);
-
 /// Some directions outside a stack. Rough surfaces and media scatter the light of each for the first time, where its
 /// specular path meets them; by reciprocity the same numbers hold for light that is scattered into it for the last
 /// time.
 class BeamSet {
  public:
-  BeamSet(const OrientedSolution& solution, std::vector<Beam> beams, ThreadPool& pool);
+  BeamSet(const OrientedSolution& solution, const std::vector<Beam>& beams, ThreadPool& pool);
 
   /// The light of the beams after its first scattering, a column for each beam.
   const GapLight& scattered() const { return scattered_; }
   /// Light that one layer scatters from a beam into another, in 1/sr: once by facets, or any number of times by a
   /// medium.
   double by_one_layer(std::size_t out, std::size_t in) const;
+  /// Of by_one_layer, what is left without the light that facets scatter once in closed form. The azimuth of `in` is
+  /// turned by `turn`, 0 or half a turn, which facets don't see.
+  double smooth_by_one_layer(std::size_t out, std::size_t in, double turn) const;
 
  private:
-  struct Arrival {
-    double down;  ///< share at the top of the layer
-    double up;    ///< share at its bottom
-  };
-  Arrival arrival(std::size_t beam, std::size_t layer) const;
-  Heading heading(std::size_t beam, std::size_t gap) const;
   void add_surface(std::size_t layer, std::size_t beam);
   void add_medium(std::size_t layer, const MediumOnTargets& medium, std::size_t beam);
   void add(std::size_t gap, bool up, std::size_t beam, const Eigen::MatrixXd& values);
-  double by_facets(std::size_t layer, std::size_t out, std::size_t in) const;
-  double by_medium(std::size_t scatterer, std::size_t out, std::size_t in) const;
+  double by_medium(std::size_t scatterer, std::size_t out, std::size_t in, double turn) const;
 
   const OrientedSolution& solution_;
-  std::vector<Beam> beams_;
-  std::vector<Eigen::Index> target_;  // by beam
-  std::vector<Directions> gaps_;
-  DeltaField deltas_;
+  SpecularPaths paths_;
+  std::vector<SpecularPaths::Arrived> beams_;
   std::vector<MediumOnTargets> media_;
   std::vector<std::vector<std::array<double, 2>>> lost_;  // [layer][beam], at its top and at its bottom
   GapLight scattered_;

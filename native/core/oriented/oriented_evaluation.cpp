@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
+#include <numeric>
 
 #include "oriented/beam_set.hpp"
 
@@ -98,16 +99,17 @@ std::vector<double> evaluate_oriented(const OrientedSolution& solution, Side sid
   return values;
 }
 
-namespace {
+GapLight columns(const GapLight& light, Index first, Index size) {
+  std::vector<Index> some(static_cast<std::size_t>(size));
+  std::iota(some.begin(), some.end(), first);
+  return chosen(light, some);
+}
 
-/// The flux of radiance on nodes that leaves a face, for each problem.
 VectorXd leaving(const OrientedSolution& solution, const GapLight& light, bool above) {
   const Directions outside = above ? solution.directions(VectorXd()).front() : solution.directions(VectorXd()).back();
   const Eigen::MatrixXd& values = above ? light.up[0].front() : light.down[0].back();
   return values.topRows(outside.live).transpose() * (outside.ior * outside.scale);
 }
-
-}  // namespace
 
 Fluxes oriented_fluxes(const OrientedSolution& solution, Side side, const VectorXd& mu, const VectorXd& phi,
                        ThreadPool& pool) {

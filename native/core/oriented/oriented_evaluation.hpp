@@ -21,6 +21,12 @@ struct OrientedPoints {
 std::vector<double> evaluate_oriented(const OrientedSolution& solution, Side side, Path path,
                                       const OrientedPoints& points, ThreadPool& pool);
 
+/// The problems `first` to `first` + `size` - 1.
+GapLight columns(const GapLight& light, Eigen::Index first, Eigen::Index size);
+
+/// The flux of radiance on nodes that leaves a face, for each problem.
+Eigen::VectorXd leaving(const OrientedSolution& solution, const GapLight& light, bool above);
+
 /// Hemispherical fluxes for beams that travel along azimuths `phi`, relative to the incident flux.
 Fluxes oriented_fluxes(const OrientedSolution& solution, Side side, const Eigen::VectorXd& mu,
                        const Eigen::VectorXd& phi, ThreadPool& pool);

@@ -358,10 +358,8 @@ OrientedSurface::Column OrientedSurface::column(Face from, const Heading& in) co
   return column;
 }
 
-double OrientedSurface::value(Face from, Face to, const Heading& in, const Heading& out, double lost_in,
-                              double lost_out) const {
-  return facet_value(facets_, optics_of(from), turned(in, -angle_), turned(out, -angle_), from != to) +
-         share_ * lost_in * lost_out / pi;
+double OrientedSurface::once(Face from, Face to, const Heading& in, const Heading& out) const {
+  return facet_value(facets_, optics_of(from), turned(in, -angle_), turned(out, -angle_), from != to);
 }
 
 }  // namespace lamina

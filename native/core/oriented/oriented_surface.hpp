@@ -2,6 +2,7 @@
 // A rough boundary, isotropic or anisotropic, as operators that couple azimuths.
 #pragma once
 #include <Eigen/Core>
+#include <numbers>
 #include <vector>
 
 #include "numeric/thread_pool.hpp"
@@ -43,7 +44,13 @@ class OrientedSurface {
   Column column(Face from, const Heading& in) const;
   /// Single scattering and compensation between two directions: radiance in 1/sr divided by the square of the index
   /// there, for unit irradiance. The losses are those of their columns.
-  double value(Face from, Face to, const Heading& in, const Heading& out, double lost_in, double lost_out) const;
+  double value(Face from, Face to, const Heading& in, const Heading& out, double lost_in, double lost_out) const {
+    return once(from, to, in, out) + returned(lost_in, lost_out);
+  }
+  /// Of `value`, the light that one facet scatters.
+  double once(Face from, Face to, const Heading& in, const Heading& out) const;
+  /// Of `value`, the compensation.
+  double returned(double lost_in, double lost_out) const { return share_ * lost_in * lost_out / std::numbers::pi; }
 
  private:
   /// Light from one side in the frame of the tangent: sums over rays, by block, and what facets hide.

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..common.arguments import check_choice, check_whole
-from ..common.errors import StackError
+from ..common.errors import ArgumentError, StackError, quoted
 from ..common.progress import Progress, portion, stepper
 from ..kinds.table import TAU_ROWS, Strip
 from ..material.any_stack import AnyStack, as_stack
@@ -36,7 +36,10 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     `row_stride`: with n > 1 only every n-th row of a varying layer's thickness is solved, and the others are
     interpolated. This is for previews while a slider moves; errors are some per cent, more for dark bases at grazing
     views.
-    `nodes` replaces the solver's choice of nodes per hemisphere, without its guarantee of accuracy; also for previews.
+    `nodes` replaces the solver's choice of nodes per hemisphere, without its guarantee of accuracy; also for previews,
+    and not for anisotropic facets.
+    A stack with anisotropic facets has rows for azimuths of the view from the tangent in place of thicknesses. It needs
+    an opaque base, no varying layer, and a basis with lobes that move.
     `basis`: "standard" takes 1.1 to 2.1 times as long to render as a Principled BSDF, see docs/figures.md; "moving" may
     replace some of its closures by two lobes whose width, anisotropy and tilt follow the view, for Blender 5.0 and
     newer, on opaque bases; "accurate" takes some twenty closures, and "moving-accurate" does so with such lobes.
@@ -63,13 +66,17 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in
     [8, 160], `threads` in [0, 1024]."""
     stack = as_stack(stack)
-    stack.require_isotropic("a bake")
     tolerance_of(quality)
     nodes = check_nodes(nodes)
     row_stride = check_whole(row_stride, "row_stride", 1, TAU_ROWS)
     check_choice(basis, "basis", CLOSURE_BASES)
     given = given_strips(closures)
     require_table(stack)
+    if stack.is_oriented:
+        if CLOSURE_BASES[basis].moving == 0:
+            raise ArgumentError("anisotropic facets need Blender 5.0 or newer, with basis = 'moving' or "
+                                f"'moving-accurate' in place of {quoted(basis)}")
+        nodes = None
     bare = _bare(stack)
     started = time.perf_counter()
     step = stepper("the bake", progress, cancel)

@@ -23,6 +23,8 @@ SHARP_NODES = {"preview": (40, 32), "final": (64, 48)}
 DENSITY = 5.0
 # For the halos of light scattered above a mirror, alpha .05 and more.
 HALO_NODES, HALO_DENSITY = {"preview": (24, 16), "final": (40, 28)}, 3.0
+# For brushed lobes of width .03 and more, which are long across or along the plane of incidence.
+ORIENTED_NODES, ORIENTED_DENSITY = {"preview": (40, 28), "final": (56, 40)}, 3.0
 # Grazing columns are sampled a little above the horizon, where slices are still defined.
 LOWEST_COSINE = 6e-3
 # In a sheet, the largest share of a tilted lobe beyond the horizon: small if Cycles loses this light, larger if the
@@ -56,6 +58,16 @@ def light_grid(cosines: int, azimuths: int, density: float = 0.0) -> LightGrid:
         dphi = math.pi * np.sinh(density * y) / math.sinh(density)
         slope = math.pi * density * np.cosh(density * y) / math.sinh(density)
     return LightGrid(mu, dphi, np.outer(0.5 * wx, wy * slope).ravel())
+
+
+@functools.lru_cache(maxsize=2)
+def oriented_grid(quality: str) -> LightGrid:
+    """The light grid for anisotropic stacks, whose slices are not symmetric: azimuths from -pi to pi."""
+    cosines, azimuths = ORIENTED_NODES[quality]
+    half = light_grid(cosines, azimuths, ORIENTED_DENSITY)
+    weight = 0.5 * half.solid_angle.reshape(cosines, azimuths)
+    return LightGrid(half.mu, np.concatenate([-half.dphi[::-1], half.dphi]),
+                     np.concatenate([weight[:, ::-1], weight], axis=1).ravel())
 
 
 @functools.lru_cache(maxsize=4)

@@ -37,6 +37,7 @@ class NodeRecipe:
     `width`, (scale, least), belongs to a closure that follows the roughness of the base: its width is
     following_lobes.width. `of_width` are sockets by (factor, power): their value is factor * width ** power, at most 1.
     `moves`: the table holds Roughness, Anisotropy and the tilt k of the normal, which is N + k I: see moving_lobes.
+    `turns`: it also holds the rotation from the layer's tangent, and a tilt l along N x I: see oriented_lobes.
     """
 
     type: str
@@ -51,6 +52,7 @@ class NodeRecipe:
     width: tuple[float, float] | None = None
     of_width: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     moves: bool = False
+    turns: bool = False
 
 
 @dataclass(frozen=True)

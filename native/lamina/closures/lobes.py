@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..common.errors import quoted
-from . import following_lobes, moving_lobes
+from . import following_lobes, moving_lobes, oriented_lobes
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, halo, mirror
 from .through_lobes import through
@@ -220,6 +220,7 @@ _MADE: dict[str, Callable[..., Lobe]] = {
     "fresnel_ggx": lambda ior, alpha: fresnel_ggx(ior, math.sqrt(alpha), name=f"fresnel_ggx:{ior:g}:{alpha:g}"),
     "halo": lambda alpha: halo(alpha, name=f"halo:{alpha:g}"),
     "moving": moving_lobes.lobe,
+    "oriented": oriented_lobes.lobe,
     following_lobes.GGX: lambda scale, least: _following(
         following_lobes.ggx(scale, least), scale, least, {"Roughness": (1.0, 0.5)}),
     following_lobes.TOON: lambda scale, least, lean, size, smooth: _following(

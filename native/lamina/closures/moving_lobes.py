@@ -19,10 +19,6 @@ from .microfacet_lobes import ggx_reflection, widths
 PREFIX = "moving:"
 
 
-def ids(count: int) -> list[str]:
-    return [f"{PREFIX}{number}" for number in range(count)]
-
-
 def is_moving(name: str) -> bool:
     return name.startswith(PREFIX)
 

@@ -24,11 +24,14 @@ COMPENSATE = Option("compensate", (True, False), "Keep Energy",
 CORRELATED = Option("correlated", (True, False), "Shared Shadows",
                     "Facets hidden from one side are more often hidden from the other too")
 FACETS = (DISTRIBUTION, COMPENSATE, CORRELATED)
-# Facets with a direction: no panel has these yet.
-ORIENTATION = (
-    Rare(Field("alpha_v", 0.0, 1.0, above=True, single=True), None),
-    Rare(Field("angle", -2.0 * math.pi, 2.0 * math.pi, "rad", single=True, rule="must lie in [-2 pi, 2 pi] rad"), 0.0),
-)
+# Facets with a direction
+ALPHA_V = Field("alpha_v", 0.0, 1.0, above=True, single=True, panel=Panel(
+    "Alpha Across", "Microfacet width across the direction of brushing: roughness squared", 0.09, low=1e-4, step=1,
+    precision=4, words="microfacet width across (roughness squared)"))
+ANGLE = Field("angle", -2.0 * math.pi, 2.0 * math.pi, "rad", single=True, rule="must lie in [-2 pi, 2 pi] rad",
+              panel=Panel("Angle", "Turns the direction of brushing from the tangent, about the normal", 0.0,
+                          subtype="ANGLE"))
+ORIENTATION = (Rare(ALPHA_V, None), Rare(ANGLE, 0.0))
 VARYING = Option("varying", (False, True), "Varying",
                  "Give the node group a Coverage input: 0 without the film of this interface, 1 with it")
 
@@ -43,8 +46,8 @@ class Interface(Hashable):
 
     `alpha_v` makes the facets anisotropic, as brushing does: `alpha` is then the width along the surface's tangent, and
     `alpha_v`, in (0, 1], the width across. `angle`, in [-2 pi, 2 pi], turns the tangent of this interface about the
-    normal, in radians. None: the same width in all directions. Only lamina.solve and lamina.estimate take anisotropic
-    facets.
+    normal, in radians. None: the same width in all directions. lamina.solve, lamina.estimate and lamina.bake take
+    anisotropic facets.
 
     `varying` marks the one interface whose coverage becomes an input of the baked material: the share of the surface
     that has its film, which is the interface and the media below it, down to the next interface or the base. Where the

@@ -22,8 +22,12 @@ DARK, FIRST, AGAIN = "dark/", "first/", "again/"
 # has the sockets' values; and the share of trapped light that a metal keeps in.
 THROWN_BACK, BASE_WEIGHT, PRINCIPLED, TRAPPED = "base/thrown back", "base/weight", "principled", "metal/trapped"
 
-# The role of strips that hold the shape of a closure "moving:N" in place of R G B, see closures.moving_lobes.
-SHAPE = "shape/"
+# The roles of strips that hold the shape of a closure "moving:N" in place of R G B, see closures.moving_lobes, and of
+# one "oriented:N", whose shape needs two strips, see closures.oriented_lobes.
+SHAPE, TILT = "shape/", "tilt/"
+# Azimuths of the view, from the layer's tangent to half a turn: rows of the table of an anisotropic stack. Facets look
+# the same after half a turn, so the last row equals the first.
+AZIMUTH_ROWS = {"preview": 13, "final": 33}
 
 _WITHOUT_CLOSURE = (THROWN_BACK, BASE_WEIGHT, PRINCIPLED)
 _METAL = "metal/"
@@ -45,7 +49,7 @@ class Strip:
         if name == TRAPPED:
             return cls(role=TRAPPED)
         rest = name.removeprefix(_METAL)
-        roles = _WITHOUT_CLOSURE if rest in _WITHOUT_CLOSURE else (BASE, DARK, FIRST, AGAIN, SHAPE)
+        roles = _WITHOUT_CLOSURE if rest in _WITHOUT_CLOSURE else (BASE, DARK, FIRST, AGAIN, SHAPE, TILT)
         role = next((role for role in roles if rest.startswith(role)), OWN)
         return cls(rest.removeprefix(role), role, name != rest)
 
@@ -57,7 +61,7 @@ class Strip:
     @property
     def is_weight(self) -> bool:
         """True if it holds the weights of a closure."""
-        return bool(self.closure) and self.role != SHAPE
+        return bool(self.closure) and self.role not in (SHAPE, TILT)
 
 
 def strips_of(header: dict) -> list[Strip]:
@@ -67,7 +71,7 @@ def strips_of(header: dict) -> list[Strip]:
 
 def closure_count(header: dict) -> int:
     """The number of strips of the table with this header, without those that hold the shapes of closures."""
-    return sum(strip.role != SHAPE for strip in strips_of(header))
+    return sum(strip.role not in (SHAPE, TILT) for strip in strips_of(header))
 
 
 def is_covered(strips: Iterable[Strip]) -> bool:

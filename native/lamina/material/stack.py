@@ -239,12 +239,19 @@ class Stack:
         """True if a surface of the stack has anisotropic facets."""
         return any(map(is_oriented, (*self.layers, self.base)))
 
+    @property
+    def tangent(self) -> tuple[float, bool]:
+        """(angle of the first anisotropic surface in [0, pi), true if all others lie along or across it)."""
+        surfaces = (*self.layers, self.base)
+        angles = [s.angle for s in surfaces if isinstance(s, Interface | Conductor) and is_oriented(s)]
+        return angles[0] % math.pi, all(abs(math.sin(2.0 * (angle - angles[0]))) < 1e-12 for angle in angles)
+
     def require_isotropic(self, user: str) -> None:
         """Raises StackError for anisotropic facets, which `user` does not take."""
         for surface, path in ((self.base, "base"), *((layer, f"layers[{i}]") for i, layer in enumerate(self.layers))):
             if isinstance(surface, Interface | Conductor) and is_oriented(surface):
                 raise StackError(f"{path}.alpha_v = {surface.alpha_v:g}: must be left out for {user}; only "
-                                 "lamina.solve and lamina.estimate take anisotropic facets")
+                                 "lamina.solve, lamina.estimate and lamina.bake take anisotropic facets")
 
     def canonical(self) -> str:
         """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, without

@@ -89,6 +89,10 @@ STACKS = {
         None,
     ),
     "metal by colours": stack([], conductor(facing=[1.0, 0.766, 0.336], grazing=[1.0, 0.9, 0.8], alpha=0.0)),
+    "brushed": stack(
+        [interface("coat", ior=1.5, alpha=0.1, alpha_v=0.3)],
+        conductor(eta=0.2, k=3.0, alpha=0.08, alpha_v=0.35, angle=-0.6),
+    ),
     "films": stack(
         [interface("lacquer", ior=1.5, alpha=0.0), film("seal", ior=1.38, k=0.0, thickness=100.0),
          film("oxide", ior=2.4, k=0.05, thickness=49.0)],
@@ -167,14 +171,6 @@ REFUSED = {
     "roughness per channel": (
         stack([interface("odd", ior=1.5, alpha=[0.1, 0.2, 0.3])], None),
         "layers[0].alpha = [0.1, 0.2, 0.3]: in Blender it is one number",
-    ),
-    "anisotropic interface": (
-        stack([interface("brushed", ior=1.5, alpha=0.1, alpha_v=0.3)], None),
-        "layers[0].alpha_v = 0.3: in Blender the facets of a surface have the same width in all directions",
-    ),
-    "anisotropic metal": (
-        stack([], {"kind": "conductor", "eta": 0.2, "k": 3.0, "alpha": 0.1, "alpha_v": 0.3}),
-        "base.alpha_v = 0.3: in Blender the facets of a surface have the same width in all directions",
     ),
     "a film's spectrum": (
         stack([film("oxide", ior={"wavelengths": [400, 700], "values": [2.5, 2.3]}, thickness=49)], conductor(**GOLD)),

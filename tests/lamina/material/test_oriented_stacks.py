@@ -59,7 +59,6 @@ def test_a_metal_out_of_range():
 
 
 @pytest.mark.parametrize("call, user", [
-    (lambda s, p: lamina.bake(s), "a bake"),
     (lambda s, p: lamina.searchlight(s), "a searchlight"),
     (lambda s, p: lamina.estimate_searchlight(s, r=[1.0]), "a searchlight"),
     (lambda s, p: lamina.subsurface_nodes(s), "subsurface scattering"),
@@ -79,8 +78,8 @@ def test_who_refuses_anisotropic_facets(call, user, tmp_path, monkeypatch):
         monkeypatch.setattr(lamina._core, name, no_work)
     with pytest.raises(StackError) as caught:
         call(BRUSHED, tmp_path)
-    assert str(caught.value) == (f"layers[0].alpha_v = 0.3: must be left out for {user}; only lamina.solve and "
-                                 "lamina.estimate take anisotropic facets")
+    assert str(caught.value) == (f"layers[0].alpha_v = 0.3: must be left out for {user}; only lamina.solve, "
+                                 "lamina.estimate and lamina.bake take anisotropic facets")
     assert not list(tmp_path.iterdir())
 
 

@@ -54,7 +54,8 @@ class BakedBase(ABC):
 
     def _all_rows(self, part: Part) -> np.ndarray:
         """Weights [side, strip, row, channel, column] of all rows."""
-        return linear(part.weights, self.solved, 2)
+        azimuths = self.solved.azimuths
+        return linear(part.weights, self.solved, 2) if azimuths is None else azimuths.whole(part.strips, part.weights)
 
     def _errors_of_inputs(self, header: dict, weights: np.ndarray, solved: SolvedRows, own: Slices,
                           step: Progress) -> dict:

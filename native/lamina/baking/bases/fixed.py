@@ -39,6 +39,8 @@ class Fixed(BakedBase):
     @staticmethod
     def most_strips(stack: Stack, limits: Basis) -> int:
         strips = limits.reflected[2] + limits.moving + 1  # and the mirror
+        if stack.is_oriented:
+            strips += limits.moving  # tilts
         if stack.varying is not None:
             strips += limits.reflected[0]  # closures of the row without the varying layer
         return strips if stack.base is not None else 2 * (strips + limits.transmitted[2] + 1)  # the unscattered light

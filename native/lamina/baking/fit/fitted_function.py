@@ -7,19 +7,20 @@ varying layer and in roughness, and the closures are evaluated at the view itsel
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...closures import following_lobes, lobes, moving_lobes
+from ...closures import following_lobes, lobes, shaped_lobes
 from ...closures.axes import column_angles
 from ...closures.closure_table import column_albedos
 from ...common.arguments import broadcast, check_choice, check_number, cosines, finite_array
 from ...common.errors import ArgumentError
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.fields import channel
-from ...kinds.table import COLUMNS, PRINCIPLED, SHAPE, TAU_BEND, Strip, strips_of
+from ...kinds.table import COLUMNS, PRINCIPLED, SHAPE, TAU_BEND, TILT, Strip, strips_of
 from ...material.stack import Stack
 from ...solver.solve import ScatteringFunction, solve
 from .strip_factors import strip_factors
@@ -67,7 +68,7 @@ class FittedFunction:
     def __init__(self, header: dict, weights: np.ndarray, base, color=None, metallic=None, roughness=None):
         self.header, self.weights = header, weights
         self._strips, self._sides = strips_of(header), header["sides"]
-        self._tau = header["axes"]["tau"]
+        self._tau, self._azimuth = header["axes"]["tau"], header["axes"].get("azimuth")
         self._base = base
         self._inputs = self._checked(Inputs.of(base), color, metallic, roughness)
         count = header["axes"].get("roughness", {}).get("count", 1)
@@ -113,7 +114,7 @@ class FittedFunction:
         return self._weights(lambda index: texels[:, index])
 
     def shapes_at_texels(self, sides: int) -> dict[str, np.ndarray]:
-        """Shapes of the closures that move with the view at all texels, [side, row, column, 3]."""
+        """Shapes of the closures that move with the view at all texels, [side, row, column, numbers]."""
         texels = np.broadcast_to(self._texels, (sides, *self._texels.shape[1:]))
         return self._shapes(lambda index: texels[:, index])
 
@@ -130,12 +131,13 @@ class FittedFunction:
         own_facets = following_lobes.is_sharp(closure, 0.0, LEAST_ALPHA)
         return closure.startswith("mirror:") or (own_facets and self._inputs.roughness**2 < LEAST_ALPHA)
 
-    def _at(self, mu_o: np.ndarray, tau: np.ndarray,
+    def _at(self, mu_o: np.ndarray, tau: np.ndarray, phi: np.ndarray | None,
             viewer: str) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """(weights, shapes), each (points, 3), of the closures for these views."""
+        """(weights, shapes), (points, 3) and (points, numbers), of the closures for these views; `phi`: azimuths from
+        the tangent of the rows."""
         side = min(self._sides.index(viewer) if viewer in self._sides else 0, len(self._sides) - 1)
         column = np.arccos(np.clip(mu_o, 0.0, 1.0)) / column_angles()[-1] * (COLUMNS - 1)
-        row = _row(tau, self._tau)
+        row = _row(tau, self._tau) if phi is None else phi % math.pi / math.pi * (self._azimuth["count"] - 1)
 
         def texels(index: int) -> np.ndarray:
             return _interpolated(self._texels[side, index], row, column)
@@ -143,8 +145,12 @@ class FittedFunction:
         return self._weights(texels), self._shapes(texels)
 
     def _shapes(self, texels: Callable[[int], np.ndarray]) -> dict[str, np.ndarray]:
-        """The shapes of the closures that move with the view, see closures.moving_lobes."""
-        return {strip.closure: texels(index) for index, strip in enumerate(self._strips) if strip.role == SHAPE}
+        """The shapes of the closures that move with the view, see closures.shaped_lobes."""
+        shapes = {strip.closure: texels(index) for index, strip in enumerate(self._strips) if strip.role == SHAPE}
+        for index, strip in enumerate(self._strips):
+            if strip.role == TILT:
+                shapes[strip.closure] = np.concatenate([shapes[strip.closure], texels(index)[..., :2]], axis=-1)
+        return shapes
 
     def _weights(self, texels: Callable[[int], np.ndarray]) -> dict[str, np.ndarray]:
         """The weight of each closure (a lobe's id, "transparent", "mirror:ALPHA" or PRINCIPLED) as the node group
@@ -160,21 +166,22 @@ class FittedFunction:
                 weights[strip.closure] = weights[strip.closure] + weight if strip.closure in weights else weight
         return weights | ({PRINCIPLED: texels(strips.index(own))} if own in strips else {})
 
-    def values(self, mu_o, mu_i, dphi, path: str, side: str, tau) -> np.ndarray:
+    def values(self, mu_o, mu_i, dphi, path: str, side: str, tau, phi_o) -> np.ndarray:
         """See Lut.evaluate."""
         kind, viewer = self._sight(path, side)
-        names = ("mu_o", "mu_i", "dphi", "tau")
+        names = ("mu_o", "mu_i", "dphi", "tau", "phi_o")
         given = [cosines(finite_array(mu_o, "mu_o"), "mu_o"), cosines(finite_array(mu_i, "mu_i"), "mu_i"),
-                 finite_array(dphi, "dphi"), self._thickness(tau)]
+                 finite_array(dphi, "dphi"), self._thickness(tau), finite_array(phi_o, "phi_o")]
         arrays = broadcast(given, names)
-        o, i, azimuth, taus = (np.asarray(array, float).ravel() for array in arrays)
+        o, i, azimuth, taus, phi = (np.asarray(array, float).ravel() for array in arrays)
+        turn = self._from_tangent(phi)
         found = np.zeros((o.size, 3))
-        weights, shapes = self._at(o, taus, viewer)
+        weights, shapes = self._at(o, taus, turn, viewer)
         for closure, weight in weights.items():
             name = self.shown(closure)
             if name in shapes:
                 if kind == "reflection":
-                    found += weight * moving_lobes.values(shapes[name], o, i, azimuth)[:, None]
+                    found += weight * shaped_lobes.values(shapes[name], o, i, azimuth, turn)[:, None]
             elif name == PRINCIPLED:
                 if kind == "reflection":
                     found += weight * bare(self.base).brdf(o, i, azimuth) * i[:, None]
@@ -182,19 +189,21 @@ class FittedFunction:
                 found += weight * lobe.evaluate(o, i, azimuth)[:, None]
         return (found / i[:, None]).reshape(*arrays[0].shape, 3)
 
-    def albedo(self, mu_o, path: str, side: str, tau) -> tuple[np.ndarray, np.ndarray]:
+    def albedo(self, mu_o, path: str, side: str, tau, phi_o) -> tuple[np.ndarray, np.ndarray]:
         """(by closures that spread light, by mirrors or unscattered), each of the broadcast shape + (3,)."""
         kind, _ = self._sight(path, side)
-        arrays = broadcast([cosines(finite_array(mu_o, "mu_o"), "mu_o"), self._thickness(tau)], ("mu_o", "tau"))
-        o, taus = (np.asarray(array, float).ravel() for array in arrays)
+        arrays = broadcast([cosines(finite_array(mu_o, "mu_o"), "mu_o"), self._thickness(tau),
+                            finite_array(phi_o, "phi_o")], ("mu_o", "tau", "phi_o"))
+        o, taus, phi = (np.asarray(array, float).ravel() for array in arrays)
+        turn = self._from_tangent(phi)
         spread, direct = np.zeros((2, o.size, 3))
         angle = np.arccos(o)
-        weights, shapes = self._at(o, taus, side)
+        weights, shapes = self._at(o, taus, turn, side)
         for closure, weight in weights.items():
             name = self.shown(closure)
             if name in shapes:
                 if kind == "reflection":
-                    spread += weight * moving_lobes.albedos(shapes[name], o)[:, None]
+                    spread += weight * shaped_lobes.albedos(shapes[name], o, turn)[:, None]
             elif name == PRINCIPLED:
                 if kind == "reflection":
                     scattered, mirrored = bare(self.base).reflectance(o, parts=True)
@@ -207,6 +216,10 @@ class FittedFunction:
             elif lobes.by_id(name).side == kind:
                 spread += weight * np.interp(angle, column_angles(), column_albedos((name,))[:, 0])[:, None]
         return spread.reshape(*arrays[0].shape, 3), direct.reshape(*arrays[0].shape, 3)
+
+    def _from_tangent(self, phi_o: np.ndarray) -> np.ndarray | None:
+        """Azimuths from the tangent of the rows; None for a table without such rows."""
+        return None if self._azimuth is None else phi_o - self._azimuth["tangent"]
 
     def _sight(self, path: str, side: str) -> tuple[str, str]:
         """(kind of light, side of the viewer). Raises ArgumentError."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ... import _core
-from ...closures import moving_lobes
+from ...closures import shaped_lobes
 from ...closures.closure_table import LightGrid, column_albedos, sampled, view_cosines
 from ...common.progress import silent
 from ...kinds.bases import PrincipledBase
@@ -50,7 +50,7 @@ class Gauge:
                 for name, weight in function.at_texels(len(solved.sides)).items()}
 
     def shapes(self, function: FittedFunction, solved: SolvedRows) -> dict[str, np.ndarray]:
-        """Shapes of the closures that move with the view at the solved rows, by id, [side, row, column, 3]."""
+        """Shapes of the closures that move with the view at the solved rows, by id, [side, row, column, numbers]."""
         return {name: shape[:, solved.rows, ::self.stride]
                 for name, shape in function.shapes_at_texels(len(solved.sides)).items()}
 
@@ -63,7 +63,8 @@ def slice_errors(function: FittedFunction, solved: SolvedRows, wanted: Slices, k
     shapes = gauge.shapes(function, solved)
     values = -wanted.values
     for name, shape in shapes.items():
-        values = values + weighted(closures.pop(name), shape, gauge.grid, gauge.stride)
+        azimuths = None if solved.azimuths is None else solved.azimuths.solved
+        values = values + weighted(closures.pop(name), shape, gauge.grid, gauge.stride, azimuths)
     values = values + _sum(function, closures, kind, gauge)
     if PRINCIPLED in closures:
         base = function.base
@@ -78,7 +79,7 @@ def albedo_errors(function: FittedFunction, solved: SolvedRows, wanted: Slices, 
     closures = gauge.closures(function, solved)
     total = np.zeros_like(next(iter(closures.values())))
     for name, shape in gauge.shapes(function, solved).items():
-        moving = moving_lobes.albedos(shape, view_cosines()[::gauge.stride])
+        moving = shaped_lobes.albedos(shape, view_cosines()[::gauge.stride])
         total += closures.pop(name) * moving[:, :, None]
     own = closures.pop(PRINCIPLED, None)
     if own is not None:

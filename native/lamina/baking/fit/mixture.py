@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ... import _core
-from ...closures import lobes, moving_lobes
+from ...closures import lobes, shaped_lobes
 from ...closures.closure_table import Closures, LightGrid, only, view_cosines, with_more
 from ...common.progress import Progress, portion
-from ...kinds.table import OWN, SHAPE, Strip
+from ...kinds.table import OWN, SHAPE, TILT, Strip
 from .slices import Slices, batches
 
 # The objective's factor for a Principled BSDF, which renders slower and noisier than the other closures.
@@ -50,14 +50,19 @@ class Effort:
 class Mixture:
     """Closures, their `weights` [side, closure, row, channel, column], and the errors of the fit, [side, row, channel,
     column]: `errors`, relative to each slice's norm and nan where the slice is black; `albedo_errors`, relative.
-    `shapes` [side, lobe, row, 3, column]: of the first closures, those that move with the view, see
-    closures.moving_lobes; None without them."""
+    `shapes` [side, lobe, row, numbers, column]: of the first closures, those that move with the view, see
+    closures.shaped_lobes; None without them. `azimuths` [row]: of the viewer from the layer's tangent, if the stack is
+    anisotropic."""
 
     closures: list[str]
     weights: np.ndarray
     errors: np.ndarray
     albedo_errors: np.ndarray
     shapes: np.ndarray | None = None
+    azimuths: np.ndarray | None = None
+
+    def azimuth(self, row: int) -> float | None:
+        return None if self.azimuths is None else float(self.azimuths[row])
 
 
 @dataclass(frozen=True)
@@ -78,7 +83,12 @@ class Part:
         if mixture.shapes is None:
             return []
         names = mixture.closures[:mixture.shapes.shape[1]]
-        return [cls([Strip(name, SHAPE) for name in names], mixture.shapes)]
+        first, more = mixture.shapes[:, :, :, :3], mixture.shapes[:, :, :, 3:]
+        parts = [cls([Strip(name, SHAPE) for name in names], first)]
+        if mixture.azimuths is not None:
+            more = np.concatenate([more, np.zeros_like(more[:, :, :, :1])], axis=3)
+            parts.append(cls([Strip(name, TILT) for name in names], more))
+        return parts
 
     @classmethod
     def single(cls, strip: Strip, values: np.ndarray) -> Part:
@@ -224,16 +234,20 @@ def values_of(mixture: Mixture, grid: LightGrid, mixed: bool = False) -> np.ndar
     fixed = mixture.closures[moving:]
     parts = [_Fitted(only(grid, mixed, tuple(fixed)), mixture.weights[:, moving:]).values()] if fixed else []
     if mixture.shapes is not None:
-        parts += [weighted(mixture.weights[:, lobe], np.moveaxis(mixture.shapes[:, lobe], 2, 3), grid)
-                  for lobe in range(moving)]
+        parts += [weighted(mixture.weights[:, lobe], np.moveaxis(mixture.shapes[:, lobe], 2, 3), grid,
+                           azimuths=mixture.azimuths) for lobe in range(moving)]
     return sum(parts[1:], parts[0])
 
 
-def weighted(weights: np.ndarray, shapes: np.ndarray, grid: LightGrid, stride: int = 1) -> np.ndarray:
+def weighted(weights: np.ndarray, shapes: np.ndarray, grid: LightGrid, stride: int = 1,
+             azimuths: np.ndarray | None = None) -> np.ndarray:
     """The values of a lobe that moves with the view, [side, row, channel, column, light], for weights [side, row,
-    channel, column] and shapes [side, row, column, 3] at every `stride`-th view."""
+    channel, column] and shapes [side, row, column, numbers] at every `stride`-th view; `azimuths` [row]: see
+    Mixture."""
     mu_o = view_cosines()[::stride]
-    lobes = np.stack([[moving_lobes.sampled(row, mu_o, grid.mu, grid.dphi) for row in side] for side in shapes])
+    turns = [None] * shapes.shape[1] if azimuths is None else azimuths.tolist()
+    lobes = np.stack([[shaped_lobes.sampled(row, mu_o, turn, grid) for row, turn in zip(side, turns, strict=True)]
+                      for side in shapes])
     return weights[..., None] * lobes[:, :, None]
 
 
@@ -244,7 +258,8 @@ def albedos_of(mixture: Mixture, grid: LightGrid, mixed: bool) -> np.ndarray:
     if fixed := mixture.closures[moving:]:
         parts.append(only(grid, mixed, tuple(fixed)).albedo.T[None, :, None])
     if mixture.shapes is not None:
-        parts.insert(0, moving_lobes.albedos(np.moveaxis(mixture.shapes, 3, 4), view_cosines()))
+        azimuths = None if mixture.azimuths is None else mixture.azimuths[:, None]
+        parts.insert(0, shaped_lobes.albedos(np.moveaxis(mixture.shapes, 3, 4), view_cosines(), azimuths))
         parts = [np.broadcast_to(part, (*parts[0].shape[:1], part.shape[1], *parts[0].shape[2:])) for part in parts]
     return np.concatenate(parts, axis=1)
 

@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ... import _core
-from ...closures import closure_table, lobes, moving_lobes
+from ...closures import closure_table, lobes, shaped_lobes
 from ...closures.closure_table import LightGrid, view_cosines
 from ...common.progress import Progress
 from ...kinds.table import TAU_ROWS
+from .azimuth_rows import AzimuthRows
 from .between_rows import between
 from .dropped_weights import LEAST_WEIGHT
 from .mixture import ACCURATE, Effort, Mixture, selection
@@ -29,6 +30,8 @@ BROAD = ("diffuse", "toon_03_06", "ggx_1", "diffuse_tiltm15")
 # layers. Beyond the last view whose errors are reported, they stay as they are.
 COLUMN_KNOTS = (*range(0, 48, 4), *range(48, 61, 2))
 ROW_KNOTS = (0, 1, 2, 3, *range(4, TAU_ROWS, 2))
+# All rows of azimuths are such rows. The most change of an unknown of the fit from one to the next:
+AZIMUTH_CHANGE = 0.5
 # Weight of the squared distance to the neighbours' shapes (in ln alpha, half the logarithm of the ratio of the widths,
 # and k) against squared relative errors, as a root.
 STIFFNESS = 0.05
@@ -46,48 +49,55 @@ WORST_SHARE = 0.05
 @dataclass(frozen=True)
 class MovingFit:
     """Fits for a stack on an opaque base with `count` moving lobes. `made`: closures made for the stack's boundaries;
-    `effort`: of the choice."""
+    `effort`: of the choice; `azimuths`: of the viewer, if the stack is anisotropic and rows are azimuths."""
 
     count: int
     made: Sequence[str]
     grid: LightGrid
     effort: Effort
     pool: _core.ThreadPool
+    azimuths: AzimuthRows | None = None
 
     def __call__(self, wanted: Slices, given: Sequence[str], step: Progress,
                  clean: Mixture | None = None) -> Mixture | None:
-        """The mixture of all rows; None where Cycles would drop all moving lobes. `given`: closures of an earlier
-        table; without a moving one, a choice is made. `clean`: the mixture of row 0 alone, whose closures are part of
-        the choice, and whose shapes row 0 has."""
+        """The mixture of all rows; None where Cycles would drop all moving lobes of an isotropic stack. `given`:
+        closures of an earlier table; without a moving one, a choice is made. `clean`: the mixture of row 0 alone, whose
+        closures are part of the choice, and whose shapes row 0 has."""
         step(0.0, "Fitting lobes that move with the view")
         fit = _Fit(self, wanted, self._shapes(wanted, None if clean is None else clean.shapes))
         step(0.5, "Choosing closures")
-        own = [name for name in given if not moving_lobes.is_moving(name)]
+        own = [name for name in given if not shaped_lobes.is_shaped(name)]
         if len(own) < len(given) and all(":" not in name or name in self.made for name in own):
             return fit.mixture(own)
         dictionary = [lobe.id for lobe in lobes.DICTIONARY if lobe.side == "reflection"]
-        fixed = [] if clean is None else [name for name in clean.closures if not moving_lobes.is_moving(name)]
+        fixed = [] if clean is None else [name for name in clean.closures if not shaped_lobes.is_shaped(name)]
         made = [name for name in self.made if not name.startswith(CONE)]
         names = fit.chosen(list(dict.fromkeys([*fixed, *dictionary, *made])), len(fixed))
         mixture = fit.mixture(names)
         shown = mixture.weights[0, :self.count].mean(axis=2).max(axis=(1, 2)) >= LEAST_WEIGHT
-        if not shown.any():
+        if not shown.any() and self.azimuths is None:
             return None
-        if shown.all() or (clean is not None and clean.shapes is not None):
+        if shown.all() or not shown.any() or (clean is not None and clean.shapes is not None):
             return mixture
         fewer = replace(self, count=int(shown.sum()))
         return _Fit(fewer, wanted, np.ascontiguousarray(fit.shapes[:, :, shown])).mixture(names)
 
     def _shapes(self, wanted: Slices, clean: np.ndarray | None) -> np.ndarray:
-        """Shapes of all rows and columns, [row, column, lobe, 3]; `clean`: those of row 0, see Mixture.shapes."""
+        """Shapes of all rows and columns, [row, column, lobe, numbers]; `clean`: those of row 0, see Mixture.shapes."""
         count, columns, grid = wanted.albedo.shape[1], np.array(COLUMN_KNOTS), self.grid
-        rows = sorted({row for row in ROW_KNOTS if row < count} | {count - 1})
+        knots = ROW_KNOTS if self.azimuths is None else range(count)
+        rows = sorted({row for row in knots if row < count} | {count - 1})
         options = _core.MovingFitOptions()
         options.lobes, options.stiffness = self.count, STIFFNESS
+        views, dphi = _core.FitViews(view_cosines()[columns], np.empty(0), False), grid.dphi
+        if self.azimuths is not None:
+            options.most_change, options.following = AZIMUTH_CHANGE, 1.0
+            views = _core.FitViews(view_cosines()[columns], self.azimuths.solved[rows], self.azimuths.mirrored)
+            dphi = -dphi  # the fit's light turns the other way: see oriented_lobes
         found = _core.fit_moving(
             np.ascontiguousarray(wanted.values[0][rows][:, :, columns]),
-            np.ascontiguousarray(closure_table.sampled(BROAD, grid, 1)[columns]), view_cosines()[columns],
-            _core.LightDirections(grid.mu, grid.dphi), grid.solid_angle, options,
+            np.ascontiguousarray(closure_table.sampled(BROAD, grid, 1)[columns]), views,
+            _core.LightDirections(grid.mu, dphi), grid.solid_angle, options,
             np.empty(0) if clean is None else np.ascontiguousarray(np.moveaxis(clean[0, :, 0], 2, 0)[columns]),
             self.pool)
         return between(between(found, columns, view_cosines().size, 1), np.array(rows), count, 0)
@@ -103,7 +113,7 @@ class _Fixed:
 
 @dataclass(frozen=True)
 class _Fit:
-    """The slices of one stack and the shapes [row, column, lobe, 3] of the moving lobes."""
+    """The slices of one stack and the shapes [row, column, lobe, numbers] of the moving lobes."""
 
     how: MovingFit
     wanted: Slices
@@ -112,7 +122,13 @@ class _Fit:
     @functools.cached_property
     def albedos(self) -> np.ndarray:
         """Directional albedos of the moving lobes, [row, column, lobe]."""
-        return moving_lobes.albedos(self.shapes, view_cosines()[:, None])
+        azimuths = None if self.how.azimuths is None else self.how.azimuths.solved[:, None, None]
+        return shaped_lobes.albedos(self.shapes, view_cosines()[:, None], azimuths)
+
+    @property
+    def ids(self) -> list[str]:
+        """Of the moving lobes."""
+        return shaped_lobes.ids(self.how.count, self.how.azimuths is not None)
 
     def chosen(self, candidates: Sequence[str], taken: int) -> list[str]:
         """Fixed closures for the whole material. The first `taken` candidates are part of the choice."""
@@ -121,7 +137,7 @@ class _Fit:
         rows = sorted({*range(0, last, effort.row_stride), last})
         table = self._table(self._fixed(candidates, effort.column_stride), rows, effort.column_stride)
         targets = [target for target in self._targets(table, rows, effort.column_stride) if target.norm2 > 0.0]
-        names = [*moving_lobes.ids(self.how.count), *candidates]
+        names = [*self.ids, *candidates]
         if not targets:
             return [*candidates[:1]]
         found = []
@@ -153,9 +169,10 @@ class _Fit:
         reached = (np.einsum("krxc,rck->rxc", kept[:self.how.count], self.albedos)
                    + np.einsum("krxc,ck->rxc", kept[self.how.count:], fixed.albedo))
         lost = np.abs(reached - wanted.albedo) / np.maximum(wanted.albedo, 1e-12) * ~black
-        return Mixture([*moving_lobes.ids(self.how.count), *names], joined,
+        return Mixture([*self.ids, *names], joined,
                        np.where(black, np.nan, np.concatenate(errors)[None]), lost,
-                       np.moveaxis(self.shapes, (0, 1, 2, 3), (1, 3, 0, 2))[None])
+                       np.moveaxis(self.shapes, (0, 1, 2, 3), (1, 3, 0, 2))[None],
+                       None if self.how.azimuths is None else self.how.azimuths.solved)
 
     def _fixed(self, names: Sequence[str], stride: int) -> _Fixed:
         grid, columns = self.how.grid, view_cosines()[::stride].size
@@ -170,7 +187,8 @@ class _Fit:
         values, albedo = [], []
         for row in rows:
             mine = self.shapes[row, ::stride]
-            moving = [moving_lobes.sampled(mine[:, lobe], mu_o, grid.mu, grid.dphi) for lobe in range(self.how.count)]
+            azimuth = None if self.how.azimuths is None else float(self.how.azimuths.solved[row])
+            moving = [shaped_lobes.sampled(mine[:, lobe], mu_o, azimuth, grid) for lobe in range(self.how.count)]
             values.append(np.concatenate([np.stack(moving, axis=1), fixed.values], axis=1))
             albedo.append(np.concatenate([self.albedos[row, ::stride], fixed.albedo], axis=1))
         return _core.ClosureTable(np.concatenate(values), grid.solid_angle, np.concatenate(albedo))

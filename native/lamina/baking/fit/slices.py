@@ -13,14 +13,15 @@ import numpy as np
 from ... import _core
 from ...closures import narrow_lobes
 from ...closures.axes import tau_at, tau_rows
-from ...closures.closure_table import LightGrid, grid_for, view_cosines
+from ...closures.closure_table import LightGrid, grid_for, oriented_grid, view_cosines
 from ...common.errors import StackError
 from ...common.observer import rec709
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.boundaries import Interface
 from ...material.stack import Stack
 from ...solver.sharp_facets import take_lost
-from ...solver.solve import ScatteringFunction, solve_with_mirrors
+from ...solver.solve import ScatteringFunction, solve, solve_with_mirrors
+from .azimuth_rows import AzimuthRows, require_oriented_table
 
 SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
 PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
@@ -69,6 +70,7 @@ class SolvedRows:
     functions: list[ScatteringFunction]
     sides: list[str]
     is_sheet: bool
+    azimuths: AzimuthRows | None = None  # of an anisotropic stack, whose rows are these in place of thicknesses
 
     @property
     def shares(self) -> list[float]:
@@ -87,6 +89,8 @@ def require_table(stack: Stack) -> None:
                                           or (isinstance(base, Lambert) and base.textured)):
         raise StackError("base: must have no input of the node group for a lookup table of wavelengths")
     stack.require_air_below()
+    if stack.is_oriented:
+        require_oriented_table(stack)
 
 
 def shows_bsdf(stack: Stack) -> bool:
@@ -106,6 +110,8 @@ def covers_inputs(stack: Stack) -> bool:
 
 def grid_of(stack: Stack, quality: str) -> LightGrid:
     """The light grid of a bake of this stack."""
+    if stack.is_oriented:
+        return oriented_grid(quality)
     if shows_bsdf(stack):
         narrowest = None
     elif "roughness" in inputs_of(stack):
@@ -128,6 +134,11 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     may raise to cancel. A ShaderBase counts as a Lambert surface."""
     step(0.0, "Solving the stack")
     stack = on_lambert(stack)
+    if stack.is_oriented:
+        azimuths = AzimuthRows.of(stack, quality)
+        count = len(azimuths.solved)
+        function = solve(stack, quality, threads)
+        return SolvedRows([], list(range(count)), [None] * count, [function], ["top"], False, azimuths)
     full = solve_with_mirrors(stack, quality, threads, nodes)
     # Seen from below, the sheet is the reversed stack; if both are equal, one side is used for both.
     symmetric = stack.turned().canonical() == stack.canonical()
@@ -162,6 +173,9 @@ def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.
               pool, step: Callable[[float, str], None]) -> Slices:
     """Slices of the stack `solved` with the thicknesses of `functions`, at view cosines `mu_o`. For a sheet, those of
     reflection and then those of transmission along the first axis. `step` is called before each batch of rows."""
+    if solved.azimuths is not None:
+        step(0.0, "Evaluating azimuths")
+        return _evaluate_azimuths(functions[0], solved.azimuths, mu_o, grid, pool)
     sights = _sights(solved)[1]
     made = []
     for rows in batches(len(functions)):
@@ -221,19 +235,32 @@ def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, gri
         albedo, direct = take_lost(solved, direct, np.stack(lost).swapaxes(1, 2)[None])
         share = np.divide(albedo, solved, out=np.ones_like(solved), where=solved > 0.0)[..., None]
         values, lobes = values * share, None if lobes is None else lobes * share
-    wavelengths = functions[0].stack.wavelengths
+    return _in_colours(values, lobes, albedo, direct, functions[0].stack.wavelengths)
+
+
+def _in_colours(values, lobes, albedo, direct, wavelengths: Sequence[float] | None):
+    """What `_evaluate` returns, in red, green and blue in place of wavelengths, if there are any. Negative values, of
+    colours outside of the gamut, become 0."""
     if wavelengths is None:
         return values, lobes, albedo, direct
-    return _in_colours(values, lobes, albedo, direct, tuple(wavelengths))
 
-
-def _in_colours(values, lobes, albedo, direct, wavelengths: tuple[float, ...]):
-    """What `_evaluate` returns, in red, green and blue in place of wavelengths. Negative values, of colours outside of
-    the gamut, become 0."""
     def shown(part):
-        return np.maximum(rec709(part, wavelengths, 2), 0.0)
+        return np.maximum(rec709(part, tuple(wavelengths), 2), 0.0)
 
     if lobes is None:
         return shown(values), None, shown(albedo), shown(direct)
     own = shown(lobes)
     return own + shown(values - lobes), own, shown(albedo), shown(direct)
+
+
+def _evaluate_azimuths(function: ScatteringFunction, azimuths: AzimuthRows, mu_o: np.ndarray, grid: LightGrid,
+                       pool) -> Slices:
+    """Slices of an anisotropic stack, whose rows are azimuths."""
+    phi_o = azimuths.solved + azimuths.tangent
+    made = {id(solution): solution.slices(mu_o, phi_o, grid.mu, grid.dphi, pool) for solution in function.solutions}
+    values, albedo, direct = (
+        np.stack([made[id(solution)][part].reshape(len(phi_o), len(mu_o), *more) for solution in function.solutions], 1)
+        for part, more in ((0, (grid.solid_angle.size,)), (1, ()), (2, ())))
+    parts = values[None], None, np.maximum(albedo, 0.0)[None], direct[None]
+    values, _, albedo, direct = _in_colours(*parts, function.stack.wavelengths)
+    return Slices(values, albedo, None, direct)

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ...closures import moving_lobes, narrow_lobes
+from ...closures import narrow_lobes, shaped_lobes
 from ...closures.closure_table import LightGrid
 from ...common.progress import Progress, portion
 from ...material.stack import Stack
@@ -46,6 +46,11 @@ class StackFit:
         """`counts`: largest numbers of closures, see bases.job.Basis; `at_boundaries`: with closures made for the
         stack's boundaries. With `given` closures, row 0 has its own choice only if that choice is among them."""
         effort = Effort(*counts, **self._search)
+        if self._solved.azimuths is not None:
+            fit = MovingFit(self._moving, [], self._grid, effort, self._pool, self._solved.azimuths)
+            oriented = fit(wanted, given, step)
+            assert oriented is not None  # no closures of one width serve such a stack
+            return oriented
         made, made_clean = (self._made, self._made_clean) if at_boundaries else ([], [])
         may_move = at_boundaries and self._moving > 0
 
@@ -53,7 +58,7 @@ class StackFit:
                  clean: Mixture | None = None) -> Mixture:
             """A mixture with or without moving lobes. `clean`: that of row 0, whose closures are part of the choice."""
             kept = [] if clean is None else clean.closures
-            moves = sum(map(moving_lobes.is_moving, given or kept))
+            moves = sum(map(shaped_lobes.is_shaped, given or kept))
             moving = None
             if may_move and (moves or not given):
                 fit = MovingFit(moves or self._moving, made, self._grid, effort, self._pool)
@@ -63,7 +68,7 @@ class StackFit:
                 step = portion(step, 0.5, 1.0)
             fixed = mix(kind, wanted, self._grid, effort, self._pool, step, mixed=self._solved.is_sheet, made=made,
                         given=[] if moves else given,
-                        fixed=[name for name in kept if not moving_lobes.is_moving(name)])
+                        fixed=[name for name in kept if not shaped_lobes.is_shaped(name)])
             if moving is None or mean_error(fixed.errors) < ACCURATE_ENOUGH:
                 return fixed
             return moving if score(moving) <= (1.0 if moves else CLEARLY) * score(fixed) else fixed
@@ -78,7 +83,7 @@ def _with_first_row(whole: Mixture, clean: Mixture, given: Sequence[str]) -> Mix
     """The mixture of all rows with row 0 of the clean stack."""
     if given and not set(clean.closures) <= {*whole.closures, *given}:
         return whole
-    moving = [name for name in clean.closures if moving_lobes.is_moving(name)]
+    moving = [name for name in clean.closures if shaped_lobes.is_shaped(name)]
     names = list(dict.fromkeys([*moving, *whole.closures, *clean.closures]))
     names = list(given) if set(names) == set(given) else names
     sides, _, *rest = whole.weights.shape

@@ -94,6 +94,8 @@ def _refuse(header: dict, own: Stack, stack: Stack) -> None:
         if of(own) != of(stack):
             first, second = ("table's stack", "given stack") if of(own) else ("given stack", "table's stack")
             raise ArgumentError(f"stack: the {first} {what} and the {second} does not")
+    if own.is_oriented != stack.is_oriented or (own.is_oriented and own.tangent != stack.tangent):
+        raise ArgumentError("stack: its anisotropic facets must have the angles of those of the table's stack")
     if stack.varying is not None:
         axis = header["axes"]["tau"]["values"]
         largest = max(stack.optics(stack.varying, c)[1] for c in range(stack.channels))

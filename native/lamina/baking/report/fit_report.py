@@ -32,7 +32,7 @@ def fit_report(strips: int, solved: SolvedRows, errors: dict[str, np.ndarray], a
             "resolution_error": max(f.checks["resolution"] for f in functions),
         },
         "tau_rows": max(1, len(solved.axis)),
-        "tau_rows_solved": len(solved.rows),
+        "tau_rows_solved": len(functions),
     }
 
 
@@ -61,10 +61,12 @@ def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
 def _worst(errors: np.ndarray, solved: SolvedRows) -> dict:
     candidates = np.where(stated(), np.nan_to_num(errors), 0.0)
     side, row, channel, column = np.unravel_index(int(candidates.argmax()), candidates.shape)
+    azimuth = {} if solved.azimuths is None else {"phi_o": float(solved.azimuths.solved[row] + solved.azimuths.tangent)}
     return {
         "error": float(candidates[side, row, channel, column]),
         "mu_o": float(view_cosines()[column]),
         "channel": int(channel),
         "side": solved.sides[side],
         "tau": solved.tau[row],
+        **azimuth,
     }

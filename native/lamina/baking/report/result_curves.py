@@ -16,7 +16,7 @@ from ...kinds.bases import ShaderBase
 from ...kinds.fields import channel
 from ...kinds.table import BASE_WEIGHT, THROWN_BACK, Strip, strips_of
 from ...material.stack import Stack
-from ...solver.solve import ScatteringFunction, solve_with_mirrors
+from ...solver.solve import ScatteringFunction, solve, solve_with_mirrors
 from ..fit import geometric_series
 from ..fit.fitted_function import FittedFunction
 from ..fit.slices import on_lambert
@@ -30,7 +30,8 @@ DIGITS = 4
 
 def result_curves(stack: Stack, lut, threads: int = 0) -> dict:
     """Curves of a table, a Lut, that lamina.bake made of `stack`, for its top side. A varying layer has its largest
-    thickness; inputs of the base have the stack's own values. Lists of numbers, rounded, so that JSON can hold them:
+    thickness; inputs of the base have the stack's own values; anisotropic facets are seen along the tangent. Lists
+    of numbers, rounded, so that JSON can hold them:
 
     `views`: view angles in degrees; the viewer is on the side of negative light angles.
     `lights`: angles of light in degrees, LIGHTS; the mirror direction of a view is its positive angle.
@@ -43,8 +44,10 @@ def result_curves(stack: Stack, lut, threads: int = 0) -> dict:
 
     A base that another shader renders is taken to be a Lambert surface of the stack's reflectance. Raises SolveError.
     """
-    solver = {"quality": lut.header["quality"], "threads": threads, "nodes": lut.report["solver"]["nodes"]}
-    exact = solve_with_mirrors(on_lambert(stack), **solver)
+    if stack.is_oriented:
+        exact = solve(stack, "preview", threads)  # "final" would take longer than the bake
+    else:
+        exact = solve_with_mirrors(on_lambert(stack), lut.header["quality"], threads, lut.report["solver"]["nodes"])
     mu = view_cosines()[list(VIEW_COLUMNS)]
     is_sheet = stack.base is None
     every = column_angles()[list(ALBEDO_COLUMNS)]
@@ -73,6 +76,9 @@ def result_curves(stack: Stack, lut, threads: int = 0) -> dict:
 def _in_plane(function: ScatteringFunction, path: str, mu_o: np.ndarray) -> np.ndarray:
     """f * cos(theta_i) at LIGHTS, [view, light, channel], for viewers on the top side. `path` "reflect" or
     "transmit"."""
+    if function.stack.is_oriented:
+        cosines, dphi = _cosines(LIGHTS), np.where(LIGHTS >= 0.0, 0.0, math.pi)
+        return function.brdf(mu_o[:, None], cosines, dphi) * cosines[:, None]
     cosines, place = np.unique(_cosines(LIGHTS), return_inverse=True)
     side = "top" if path == "reflect" else "bottom"  # of the light
     values = function.grid(path, mu_o, cosines, [0.0, math.pi], side)

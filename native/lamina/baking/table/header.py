@@ -10,10 +10,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ... import _core
-from ...closures import lobes, moving_lobes
+from ...closures import lobes, shaped_lobes
 from ...common.errors import quoted
 from ...kinds.bases import PrincipledBase
-from ...kinds.table import COLUMNS, OWN, PRINCIPLED, SHAPE, TAU_BEND, THROWN_BACK, Strip, is_covered, strips_of
+from ...kinds.table import COLUMNS, OWN, PRINCIPLED, SHAPE, TAU_BEND, THROWN_BACK, TILT, Strip, is_covered, strips_of
 from ...material.stack import Stack
 from ..fit.slices import SolvedRows
 
@@ -38,6 +38,7 @@ _IF_ANY = {
     "basis": {"basis": _TEXT},
     "version": {"version": _TEXT},
     "axes.roughness": {"axes.roughness.count": _COUNT, "axes.roughness.values": _NUMBERS},
+    "axes.azimuth": {"axes.azimuth.count": _COUNT, "axes.azimuth.tangent": _NUMBER},
     "report.row_errors": {f"report.row_errors.{name}": _NUMBERS for name in ("tau", "mean", "worst")},
     "report.tau_error": {
         **{f"report.tau_error.{name}": _NUMBER for name in ("mean", "worst", "mirror", "worst_at.tau")},
@@ -61,6 +62,9 @@ def new_header(stack: Stack, quality: str, basis: str, solved: SolvedRows, rough
                          if solved.axis else "",
         },
     }
+    if solved.azimuths is not None:
+        axes["azimuth"] = {"count": solved.azimuths.count, "tangent": solved.azimuths.tangent,
+                           "parameter": "((phi_o - tangent) mod pi)/pi"}
     if roughnesses:
         axes["roughness"] = {"count": len(roughnesses), "values": roughnesses}
     return {
@@ -134,9 +138,14 @@ def _problem_of_closures(header: dict) -> str:
             return f"closure {quoted(name)}: this version of Lamina does not know it"
     strips = strips_of(header)
     for strip in strips:
-        other = Strip(strip.closure, OWN if strip.role == SHAPE else SHAPE)
-        if moving_lobes.is_moving(strip.closure) and other not in strips:
-            return f"closure {quoted(strip.name)}: {quoted(other.name)} is missing"
+        if not shaped_lobes.is_shaped(strip.closure):
+            continue
+        needed = (OWN, SHAPE, TILT) if shaped_lobes.is_oriented(strip.closure) else (OWN, SHAPE)
+        for other in (Strip(strip.closure, role) for role in needed):
+            if other not in strips:
+                return f"closure {quoted(strip.name)}: {quoted(other.name)} is missing"
+        if shaped_lobes.is_oriented(strip.closure) != ("azimuth" in header["axes"]):
+            return f"closure {quoted(strip.name)}: axes.azimuth must be that of an anisotropic stack"
     if Strip(role=PRINCIPLED) in strips or is_covered(strips):
         for field in PrincipledBase.fields:
             if not _is_numbers(_at(header, f"stack.base.{field.name}")):
@@ -164,16 +173,24 @@ def _problem_of_weights(header: dict, weights: np.ndarray) -> str:
         errors = _at(header, place)
         if errors is not _MISSING and len(errors) != len(tau["values"]):
             return f"{place} has {len(errors)} entries: must have one for each of axes.tau.values"
-    rows = max(1, tau["count"]) * header["axes"].get("roughness", {}).get("count", 1)
+    counts = [header["axes"].get(name, {}).get("count", 1) for name in ("roughness", "azimuth")]
+    rows = max(1, tau["count"]) * counts[0] * counts[1]
     shape = (len(sides), len(header["closures"]), rows, COLUMNS, 3)
     if weights.dtype != np.float32 or weights.shape != shape or not weights.size:
         return f"weights are {weights.dtype} {weights.shape}: the header says float32 {shape}"
-    is_shape = np.array([strip.role == SHAPE for strip in strips_of(header)])
-    if not np.all(np.isfinite(weights)) or weights[:, ~is_shape].min(initial=0.0) < 0.0:
+    strips = strips_of(header)
+    is_weight = np.array([strip.role not in (SHAPE, TILT) for strip in strips])
+    if not np.all(np.isfinite(weights)) or weights[:, is_weight].min(initial=0.0) < 0.0:
         return "weights are negative or not finite"
-    roughness, anisotropy, tilt = np.moveaxis(weights[:, is_shape], -1, 0)
-    if np.any((roughness <= 0.0) | (roughness > 1.0) | (np.abs(anisotropy) >= 1.0) | (np.abs(tilt) > MOST_TILT)):
-        return "the shape of a closure is out of range"
+    for strip, (first, second, third) in zip(strips, np.moveaxis(weights, (1, 4), (0, 1)), strict=True):
+        if strip.role == SHAPE:
+            is_oriented = shaped_lobes.is_oriented(strip.closure)
+            anisotropy, tilt = (np.hypot(second, third), 0.0) if is_oriented else (np.abs(second), third)
+            outside = (first <= 0.0) | (first > 1.0) | (anisotropy >= 1.0) | (np.abs(tilt) > MOST_TILT)
+        else:
+            outside = (strip.role == TILT) & (np.maximum(np.abs(first), np.abs(second)) > MOST_TILT)
+        if np.any(outside):
+            return "the shape of a closure is out of range"
     return ""
 
 

@@ -30,10 +30,11 @@ _UNCOVERED = "uncovered"  # the entry of the header, and the array
 class Lut(ByContent):
     """Closure weights over the view angle, and the header that describes them.
 
-    `weights`: float32, shape (sides, closures, tau rows, 64 columns, 3). `header`: a JSON object with
-    schema, version (of the Lamina that made the table), stack, stack_hash, quality, basis, seed, sides, axes, closures
-    (lobe ids, see lamina.lobes; "transparent" for the unscattered light of a sheet; "shape/moving:N" for a strip that
-    holds roughness, anisotropy and tilt of a lobe that moves with the view) and report. The table of a stack with a
+    `weights`: float32, shape (sides, closures, rows, 64 columns, 3); rows are thicknesses tau, or for an anisotropic
+    stack azimuths. `header`: a JSON object with schema, version (of the Lamina that made the table), stack, stack_hash,
+    quality, basis, seed, sides, axes, closures (lobe ids, see lamina.lobes; "transparent" for the unscattered light of
+    a sheet; "shape/moving:N" for a strip that holds roughness, anisotropy and tilt of a lobe that moves with the view;
+    "shape/oriented:N" and "tilt/oriented:N" for one of an anisotropic stack) and report. The table of a stack with a
     varying interface has a second table, `uncovered`: its header is an entry of `header`, and its weights are
     `uncovered_weights`."""
 
@@ -74,7 +75,8 @@ class Lut(ByContent):
         return None if weights is None else Lut(self.header["uncovered"], weights)
 
     def evaluate(self, mu_o, mu_i, dphi, path: str = "reflect", side: str = "top", tau=None, color=None,
-                 metallic: float | None = None, roughness: float | None = None, coverage=None) -> np.ndarray:
+                 metallic: float | None = None, roughness: float | None = None, coverage=None,
+                 phi_o=0.0) -> np.ndarray:
         """The fitted function in 1/sr, as Cycles renders it: a BRDF, or with `path` "transmit" a BTDF.
 
         Arguments are those of ScatteringFunction.brdf and btdf: cosines `mu_o` of the viewer and `mu_i` of the light in
@@ -83,25 +85,27 @@ class Lut(ByContent):
         `color`, `metallic`, `roughness`: inputs of the node group in [0, 1], by default those of the stack.
         `coverage`: the share of the surface that has the film of the varying interface, in [0, 1], by default 1; an
         array broadcasts too. Between 0 and 1 the function is the mixture of that with and that without the film.
+        `phi_o`: azimuth of the viewer from the surface's tangent in radians, for anisotropic facets; an array
+        broadcasts too.
 
         A mirror closure with a width counts; perfectly specular and unscattered light does not. The light of a shader
         below a ShaderBase is unknown and left out. Raises ArgumentError, and StackError as `stack` does."""
         return self._mixed(coverage, tau, (color, metallic, roughness),
-                           lambda function, tau: (function.values(mu_o, mu_i, dphi, path, side, tau),))[0]
+                           lambda function, tau: (function.values(mu_o, mu_i, dphi, path, side, tau, phi_o),))[0]
 
     def reflectance(self, mu_o, side: str = "top", parts: bool = False, tau=None, color=None,
-                    metallic: float | None = None, roughness: float | None = None, coverage=None):
+                    metallic: float | None = None, roughness: float | None = None, coverage=None, phi_o=0.0):
         """The directional albedo that Cycles shows under uniform light from above, for views with cosine `mu_o` on
         `side`. Shape: broadcast + (3,). By reciprocity it is the reflectance of a beam from there. `parts`: the pair
         (by closures that spread light, by mirrors). Other arguments are those of `evaluate`."""
         spread, direct = self._mixed(coverage, tau, (color, metallic, roughness),
-                                     lambda function, tau: function.albedo(mu_o, "reflect", side, tau))
+                                     lambda function, tau: function.albedo(mu_o, "reflect", side, tau, phi_o))
         return (spread, direct) if parts else spread + direct
 
     def transmittance(self, mu_o, side: str = "top", parts: bool = False, tau=None, coverage=None):
         """Like `reflectance`, for light from the other side of a sheet; the parts are (spread, unscattered)."""
         spread, direct = self._mixed(coverage, tau, (), lambda function, tau: function.albedo(mu_o, "transmit", side,
-                                                                                              tau))
+                                                                                              tau, 0.0))
         return (spread, direct) if parts else spread + direct
 
     def _mixed(self, coverage, tau, inputs: tuple, values: Callable[..., tuple]) -> tuple[np.ndarray, ...]:

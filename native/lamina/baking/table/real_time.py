@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...closures import lobes, moving_lobes
+from ...closures import lobes, shaped_lobes
 from ...closures.closure_table import column_albedos, view_cosines
-from ...kinds.table import SHAPE, Strip, is_covered, strips_of
+from ...kinds.table import SHAPE, TILT, Strip, is_covered, strips_of
 from .lut import Lut
 
 DIFFUSE, GLOSSY, MIRROR = "diffuse", "glossy", "mirror"
@@ -50,7 +50,7 @@ def few_closures(lut: Lut) -> RealTimeTable:
     for index, strip in enumerate([] if is_covered(every) else every):
         if strip.is_weight:
             # Of a lobe that moves with the view always the same, so that the nodes stay while a stack is edited
-            kind = GLOSSY if moving_lobes.is_moving(strip.closure) else kind_of(strip.closure)[0]
+            kind = GLOSSY if shaped_lobes.is_shaped(strip.closure) else kind_of(strip.closure)[0]
             members.setdefault(replace(strip, closure=kind), []).append(index)
     sides, _, rows, columns, _ = lut.weights.shape
     texels = np.zeros((sides, len(members), rows, columns, 4), np.float32)
@@ -72,10 +72,13 @@ def _lobe(lut: Lut, every: list[Strip], index: int) -> tuple[np.ndarray | float,
     """(width alpha, directional albedo) of the closure of one of the strips: of one that moves with the view, [side,
     row, column]."""
     closure = every[index].closure
-    if not moving_lobes.is_moving(closure):
+    if not shaped_lobes.is_shaped(closure):
         return kind_of(closure)[1], _albedo(closure)
-    shapes = lut.weights[:, every.index(Strip(closure, SHAPE))]
-    return shapes[..., 0].astype(float) ** 2, moving_lobes.albedos(shapes, view_cosines())
+    shapes, azimuths = lut.weights[:, every.index(Strip(closure, SHAPE))], None
+    if shaped_lobes.is_oriented(closure):
+        shapes = np.concatenate([shapes, lut.weights[:, every.index(Strip(closure, TILT)), ..., :2]], axis=-1)
+        azimuths = np.linspace(0.0, math.pi, shapes.shape[1])[:, None]
+    return shapes[..., 0].astype(float) ** 2, shaped_lobes.albedos(shapes, view_cosines(), azimuths)
 
 
 def _kind(alpha: float) -> str:

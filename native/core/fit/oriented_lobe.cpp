@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit/oriented_lobe.hpp"
+
+#include "numeric/quadrature.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lamina {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+namespace {
+// Of an albedo: nodes on each axis of the disk of visible normals; steps and halvings of the search for horizons.
+constexpr int kNodes = 24;
+constexpr int kScan = 20;
+constexpr int kBisections = 20;
+}  // namespace
+
+OrientedLobe::OrientedLobe(const OrientedShape& shape, double mu_o, double phi_o) {
+  constexpr double kMostAnisotropy = 0.99;  // of Cycles
+  const double alpha = shape.roughness * shape.roughness;
+  const double squeeze = 1.0 - std::min(std::hypot(shape.along, shape.across), kMostAnisotropy);
+  alpha_x_ = alpha * squeeze;
+  alpha_y_ = std::min(1.0, alpha / squeeze);  // Cycles clamps alpha to 1
+  const double sin_o = std::sqrt(std::max(0.0, 1.0 - mu_o * mu_o));
+  const double turn = 0.5 * std::atan2(shape.across, shape.along);
+  const Vector normal = Vector(shape.tilt * sin_o, shape.aside * sin_o, 1.0 + shape.tilt * mu_o).normalized();
+  // The layer's tangent across the tilted normal, turned about this, as by the socket Rotation
+  const Vector across = normal.cross(Vector(std::cos(phi_o), -std::sin(phi_o), 0.0)).normalized();
+  const Vector along = across.cross(normal);
+  axes_ << (std::cos(turn) * along + std::sin(turn) * across).transpose(),
+      (std::cos(turn) * across - std::sin(turn) * along).transpose(), normal.transpose();
+  view_ = axes_ * Vector(sin_o, 0.0, mu_o);
+  upright_ = axes_.col(2);
+  if (view_.z() > 0.0) lambda_view_ = lambda(view_);
+}
+
+double OrientedLobe::lambda(const Vector& direction) const {
+  const double across = std::hypot(alpha_x_ * direction.x(), alpha_y_ * direction.y()) / direction.z();
+  return 0.5 * (std::sqrt(1.0 + across * across) - 1.0);
+}
+
+void OrientedLobe::values(const LightDirections& light, Eigen::Ref<Eigen::VectorXd> out) const {
+  if (!(view_.z() > 0.0)) {
+    out.setZero();
+    return;
+  }
+  const auto along = [&](Index axis) -> ArrayXd {
+    return axes_(axis, 0) * light.x + axes_(axis, 1) * light.y + axes_(axis, 2) * light.z;
+  };
+  const ArrayXd x = along(0);
+  const ArrayXd y = along(1);
+  const ArrayXd z = along(2);
+  const ArrayXd above = z.max(1e-9);
+  const ArrayXd slope2 = ((alpha_x_ * x).square() + (alpha_y_ * y).square()) / above.square();
+  const ArrayXd masking = 1.0 + lambda_view_ + 0.5 * ((1.0 + slope2).sqrt() - 1.0);
+  // GGX's distribution at the half vector
+  const ArrayXd half_x = view_.x() + x;
+  const ArrayXd half_y = view_.y() + y;
+  const ArrayXd half_z = view_.z() + above;
+  const ArrayXd length2 = half_x.square() + half_y.square() + half_z.square();
+  const ArrayXd stretched = (half_x / alpha_x_).square() + (half_y / alpha_y_).square() + half_z.square();
+  const double scale = 1.0 / (4.0 * view_.z() * std::numbers::pi * alpha_x_ * alpha_y_);
+  out = (z > 0.0).select(scale * (length2 / stretched).square() / masking, 0.0).matrix();
+}
+
+double OrientedLobe::reflected(const Chord& chord, double along) const {
+  const double t2 = (1.0 - chord.lift) * chord.half + chord.lift * chord.half * along;
+  const double outwards = std::sqrt(std::max(0.0, 1.0 - chord.t1 * chord.t1 - t2 * t2));
+  Vector normal = chord.t1 * chord.first + t2 * chord.second + outwards * chord.view;
+  normal = Vector(alpha_x_ * normal.x(), alpha_y_ * normal.y(), std::max(normal.z(), 1e-12)).normalized();
+  const Vector light = 2.0 * view_.dot(normal) * normal - view_;
+  const double above = std::min(light.z(), light.dot(upright_));
+  return above > 0.0 ? (1.0 + lambda_view_) / (1.0 + lambda_view_ + lambda(light)) : above;
+}
+
+double OrientedLobe::albedo() const {
+  if (!(view_.z() > 0.0)) return 0.0;
+  // The view stretched to the hemisphere of facets of width 1, and a frame about it. Normals are spread evenly over a
+  // disk.
+  static const Quadrature rule(kNodes, -1.0, 1.0);
+  const Vector view = Vector(alpha_x_ * view_.x(), alpha_y_ * view_.y(), view_.z()).normalized();
+  const double level = std::hypot(view.x(), view.y());
+  const Vector first = level > 1e-9 ? Vector(-view.y() / level, view.x() / level, 0.0) : Vector(1.0, 0.0, 0.0);
+  const Vector second = view.cross(first);
+  double sum = 0.0;
+  for (Index i = 0; i < kNodes; ++i) {
+    const double angle = 0.5 * std::numbers::pi * rule.mu[i];
+    const Chord chord{first, second, view, std::sin(angle), std::cos(angle), 0.5 * (1.0 + view.z())};
+    // The part of the chord whose light is above both horizons
+    double begin = 2.0;
+    double end = -2.0;
+    for (int k = 0; k <= kScan; ++k) {
+      const double along = 2.0 * k / kScan - 1.0;
+      if (reflected(chord, along) > 0.0) {
+        begin = std::min(begin, along);
+        end = std::max(end, along);
+      }
+    }
+    if (begin > end) continue;
+    begin = edge(chord, begin, std::max(-1.0, begin - 2.0 / kScan));
+    end = edge(chord, end, std::min(1.0, end + 2.0 / kScan));
+    double line = 0.0;
+    for (Index k = 0; k < kNodes; ++k) {
+      const double along = 0.5 * (begin + end) + 0.5 * (end - begin) * rule.mu[k];
+      line += rule.weight[k] * std::max(0.0, reflected(chord, along));
+    }
+    // dt1 = half d(asin t1); the disk's area is pi
+    sum += 0.5 * std::numbers::pi * rule.weight[i] * chord.half * chord.half * 0.5 * (end - begin) * line;
+  }
+  return sum / std::numbers::pi;
+}
+
+double OrientedLobe::edge(const Chord& chord, double inside, double outside) const {
+  if (reflected(chord, outside) > 0.0) return outside;
+  for (int k = 0; k < kBisections; ++k) {
+    const double middle = 0.5 * (inside + outside);
+    (reflected(chord, middle) > 0.0 ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+}  // namespace lamina
