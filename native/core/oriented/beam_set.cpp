@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "matter/single_scattering_shape.hpp"
-#include "solve/homogeneous_layer.hpp"
 
 namespace lamina {
 
