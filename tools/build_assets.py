@@ -37,9 +37,10 @@ def build(output, quality, chosen=(), say=print):
     import lamina
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    overlays = extension.part("editing.presets").OVERLAYS  # have no base, so alone they are no materials
-    entries = [entry for entry in lamina.presets.entries()
-               if entry.category != overlays and (entry.id in chosen or not chosen)]
+    presets = extension.part("editing.presets")
+    entries = [entry for entry in filter(presets.can_be_shown, lamina.presets.entries())
+               if entry.category != presets.OVERLAYS  # have no base, so alone they are no materials
+               and (entry.id in chosen or not chosen)]
     entries.sort(key=lambda entry: (entry.category, entry.name))
     for number, entry in enumerate(entries):
         _asset(entry, quality)

@@ -5,7 +5,7 @@ A preset of the user is a stack's JSON file, named like the preset, in the folde
 lists the files without reading them, so a broken file does not hide the others.
 """
 
-from ..base import native, package
+from ..base import native, package, preferences
 from ..base.messages import RefusedError
 from ..kinds import preset_files
 from ..kinds.errors import StackError
@@ -13,6 +13,7 @@ from ..nodes import detail_wiring
 from . import over_material, stack_io
 
 FILMS = {"rain-drops": "DROPS", "puddles": "PUDDLES", "fingerprints": "PRINTS"}  # patterns of presets
+TANGENTS = {"turned-brass": "Z"}  # of anisotropic presets that are not brushed along u of the UV map
 OVERLAYS = "Overlays"  # the category of layers without a base, which lie over any material
 OVER = (
     ("OVER", "Over My Material", "Only the preset's layers, over what the material shows"),
@@ -48,12 +49,14 @@ def apply(material, preset, over=None):
     one = entry(preset)
     if one is None:
         raise RefusedError(f"preset = {preset}: there is no such preset")
-    if not lies_over(material, one, over):
-        stack_io.assign_stack(material, one.stack)
-        return
     sentence = problem(material, one, over)
     if sentence:
         raise RefusedError(sentence)
+    if not lies_over(material, one, over):
+        stack_io.assign_stack(material, one.stack)
+        if one.stack.is_oriented:
+            material.lamina.tangent = TANGENTS.get(preset, "UV")
+        return
     if not material.lamina.enabled:
         over_material.add(material)
     over_material.assign_layers(material, one.stack)
@@ -61,10 +64,19 @@ def apply(material, preset, over=None):
         material[detail_wiring.WANTED] = FILMS.get(preset, True)  # an even layer would look like clay
 
 
+def can_be_shown(entry):
+    """False for an anisotropic preset in a Blender that cannot show it."""
+    return preferences.shows_anisotropy() or not entry.stack.is_oriented
+
+
 def problem(material, entry, over=None):
     """A sentence on why a preset of the library cannot be applied to `material`, or '' if it can. Without a
     material (None) there is no reason. `over`: see lies_over."""
-    if material is None or not lies_over(material, entry, over):
+    if material is None:
+        return ""
+    if not can_be_shown(entry):
+        return "Anisotropic surfaces need Blender 5.0 or newer"
+    if not lies_over(material, entry, over):
         return ""
     sentence = over_material.layers_problem(entry.stack)
     return sentence if sentence or material.lamina.enabled else over_material.problem(material)

@@ -16,7 +16,13 @@ GROOVE = (0.53, 0.585, 0.05)  # lower and upper height, depth
 
 def solid():
     """The ball, as a Blender mesh with one material slot."""
-    return _mesh("ball", *_revolved(np.array(_outline())))
+    mesh = _mesh("ball", *_revolved(np.array(_outline())))
+    # Brushed metal shows its direction: horizontal for the camera
+    uv = mesh.uv_layers.new(name="brushed")
+    for loop, place in zip(mesh.loops, uv.data, strict=True):
+        x, y, z = mesh.vertices[loop.vertex_index].co
+        place.uv = (x, 0.3 * y + 0.95 * z)
+    return mesh
 
 
 def sheet():

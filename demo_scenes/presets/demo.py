@@ -33,7 +33,9 @@ def run(out, quality, stack_path, say, thumbnails=None, overlays=False):
 
     if overlays:
         return _overlays(lamina, out, quality, say)
-    entries = sorted(lamina.presets.entries(), key=lambda entry: (entry.category, entry.name))
+    known = lamina.presets.entries()
+    entries = sorted(filter(extension.part("editing.presets").can_be_shown, known),
+                     key=lambda entry: (entry.category, entry.name))
     started = time.perf_counter()
     materials, facts = [], []
     for number, entry in enumerate(entries):
@@ -45,7 +47,7 @@ def run(out, quality, stack_path, say, thumbnails=None, overlays=False):
     baked = time.perf_counter() - started
     cells, seconds = _render(materials, [_is_sheet(entry) for entry in entries], *QUALITIES[quality], say)
     if thumbnails is not None:
-        _thumbnails(Path(thumbnails), entries, cells)
+        _thumbnails(Path(thumbnails), entries, cells, {entry.id for entry in known})
     files = [out / "presets.png", out / "presets.json"]
     _sheet(files[0], entries, facts, cells)
     worst = max(facts, key=lambda fact: fact["fit_error"])
@@ -79,11 +81,12 @@ def _is_sheet(entry):
 
 def _bake(lamina, entry, material):
     """(material, facts about it). Overlays lie over the given material."""
-    presets, stack_io, bake_job = (extension.part(name) for name in (
-        "editing.presets", "editing.stack_io", "baking.bake_job"))
+    presets, stack_io, bake_job, preferences = (extension.part(name) for name in (
+        "editing.presets", "editing.stack_io", "baking.bake_job", "base.preferences"))
     presets.apply(material, entry.id)
     varies = entry.stack.varying is not None
-    lut = lamina.bake(stack_io.to_stack(material), "preview", row_stride=ROW_STRIDE if varies else 1)
+    lut = lamina.bake(stack_io.to_stack(material), "preview", row_stride=ROW_STRIDE if varies else 1,
+                      basis=preferences.table_basis("standard"))
     bake_job.apply(material, lut)
     if varies:
         scene.wire_dust(material)
@@ -114,14 +117,13 @@ def _render(materials, sheets, size, samples, rays, say):
     return cells, total
 
 
-def _thumbnails(folder, entries, cells):
-    """One JPEG per preset, named by its id; pictures of presets that no longer exist are removed."""
+def _thumbnails(folder, entries, cells, known):
+    """One JPEG per preset, named by its id; pictures are removed that belong to no preset of the ids `known`."""
     folder.mkdir(parents=True, exist_ok=True)
     for entry, cell in zip(entries, cells, strict=True):
         small = Image.fromarray(cell).resize((THUMBNAIL, THUMBNAIL), Image.Resampling.LANCZOS)
         output.place(folder / f"{entry.id}.jpg",
                      lambda partial, small=small: small.save(partial, "JPEG", quality=THUMBNAIL_QUALITY))
-    known = {entry.id for entry in entries}
     for path in folder.glob("*.jpg"):
         if path.stem not in known:
             path.unlink()

@@ -27,7 +27,8 @@ SYSTEMATIC = 0.01
 
 @pytest.fixture(scope="module")
 def samples(addon):
-    found = [_sample(addon, one.id, one.stack) for one in presets.entries() if one.category != "Overlays"]
+    shown = filter(addon.editing.presets.can_be_shown, presets.entries())
+    found = [_sample(addon, one.id, one.stack) for one in shown if one.category != "Overlays"]
     yield found
     for sample in found:
         bpy.data.materials.remove(sample.material)
@@ -35,7 +36,8 @@ def samples(addon):
 
 def _sample(addon, name, stack):
     """At the largest thickness, where a layer varies: that row and the first are solved."""
-    lut = lamina.bake(stack, "preview", row_stride=32 if stack.varying is not None else 1)
+    lut = lamina.bake(stack, "preview", row_stride=32 if stack.varying is not None else 1,
+                      basis="moving" if stack.is_oriented else "standard")
     material = bpy.data.materials.new(name)
     node_tree.of(material)
     addon.editing.stack_io.assign_stack(material, stack)

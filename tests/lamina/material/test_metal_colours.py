@@ -109,7 +109,7 @@ def test_presets_have_the_metals_colours():
     """Each metal of the library's materials is one of the table, and names its source."""
     known = {(metals.conductor(name).facing, metals.conductor(name).grazing): metals.source(name) for name in NAMES}
     found = [preset for preset in presets.entries() if isinstance(preset.stack.base, lamina.Conductor)]
-    assert len(found) == 29
+    assert len(found) == 32
     for preset in found:
         assert known[preset.stack.base.facing, preset.stack.base.grazing] in preset.source
 
