@@ -86,8 +86,7 @@ void bind_bases(py::module_& module) {
       .def_static(
           "conductor",
           [](double eta, double k, const Facets& facets, std::shared_ptr<Film> film) {
-            return Base{
-                .kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets, .film = std::move(film)};
+            return Base{.kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets, .film = std::move(film)};
           },
           py::arg("eta"), py::arg("k"), py::arg("facets") = Facets{.alpha = 0.0}, py::arg("film") = nullptr)
       .def_static(

@@ -117,9 +117,9 @@ LateralFunction LateralStack::boundary(std::size_t layer, const LateralRows& row
     return {from_orders(rough->reflect_above, rows), from_orders(rough->down, rows),
             from_orders(rough->reflect_below, rows), from_orders(rough->up, rows)};
   }
-  const ScatteringFunction smooth = smooth_interface(
-      directions_[layer], directions_[layer + 1],
-      std::get<Interface>(measured_.stack.layers[layer]).optics(directions_[layer].ior));
+  const ScatteringFunction smooth =
+      smooth_interface(directions_[layer], directions_[layer + 1],
+                       std::get<Interface>(measured_.stack.layers[layer]).optics(directions_[layer].ior));
   const MatrixXd through = from_delta(smooth.transmit.delta, rows);
   return {from_delta(smooth.reflect_above.delta, rows), through, from_delta(smooth.reflect_below.delta, rows), through};
 }

@@ -78,9 +78,7 @@ Film::Film(double ior_above, bool opaque, std::vector<Wave> waves)
   const double rare = std::min(ior_above_, ior_below_);
   const double dense = std::max(ior_above_, ior_below_);
   const double largest = std::sqrt(dense * dense - rare * rare);
-  passing_ = Table(1.0, [&](double mu) {
-    return sums({rare, dense, rare * mu, std::hypot(largest, rare * mu)});
-  });
+  passing_ = Table(1.0, [&](double mu) { return sums({rare, dense, rare * mu, std::hypot(largest, rare * mu)}); });
   if (dense > rare && !lossless_) {
     total_ = Table(0.5 * pi, [&](double angle) {
       return sums({rare, dense, Complex(0.0, largest * std::sin(angle)), largest * std::cos(angle)});

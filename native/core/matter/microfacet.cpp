@@ -177,8 +177,7 @@ ArrayXd facet_reflection(const Facets& facets, const FacetOptics& optics, double
 ArrayXXd facet_reflection(const Facets& facets, const FacetOptics& optics, double mu, const FacetPairs& pairs) {
   const ArrayXd mask = masking(facets, mu, pairs.mu, false);
   return of_pairs(pairs, [&](const ArrayXd& cosines) {
-    return reflection(facets, mu, pairs.mu, mask, cosines,
-                      [&](const ArrayXd& c) { return reflectances(optics, c); });
+    return reflection(facets, mu, pairs.mu, mask, cosines, [&](const ArrayXd& c) { return reflectances(optics, c); });
   });
 }
 

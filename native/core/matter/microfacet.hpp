@@ -82,7 +82,6 @@ struct FacetPairs {
 Eigen::ArrayXXd facet_reflection(const Facets& facets, const FacetOptics& optics, double mu, const FacetPairs& pairs);
 Eigen::ArrayXXd opaque_reflection(const Facets& facets, const std::function<double(double)>& reflectance, double mu,
                                   const FacetPairs& pairs);
-Eigen::ArrayXXd facet_transmission(const Facets& facets, const FacetOptics& optics, double mu,
-                                   const FacetPairs& pairs);
+Eigen::ArrayXXd facet_transmission(const Facets& facets, const FacetOptics& optics, double mu, const FacetPairs& pairs);
 
 }  // namespace lamina

@@ -36,7 +36,6 @@ Facets straightened(const Facets& facets, bool mirrored) {
   return own;
 }
 
-
 /// The part of a matrix between two functions.
 template <typename Matrix>
 auto part(Matrix& matrix, Index f, Index g, Index rows, Index columns) {
