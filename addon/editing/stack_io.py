@@ -36,7 +36,7 @@ def assign(material, data):
     Everything is read before anything is changed. Raises RefusedError.
     """
     layers = [stack_read.layer(layer, f"layers[{index}]") for index, layer in enumerate(data["layers"])]
-    base = stack_read.base(data.get("base"))
+    base, about = stack_read.base(data.get("base")), stack_read.about(data)
     settings = material.lamina
     migration.start(material)
     renders.stop_previews()
@@ -44,7 +44,7 @@ def assign(material, data):
     for values in layers:
         _write(settings.layers.add(), values)
     _write(settings.base, base)
-    settings.about = stack_read.about(data)
+    settings.about = about
     settings.active_index = 0
     material.pop(detail_wiring.WANTED, None)  # of the earlier layers
     changes.tell(material)

@@ -8,7 +8,6 @@ import math
 
 from .. import _core
 from ..kinds.bases import HalfSpace
-from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..material.layers import Medium
 from ..material.millimetres import require_millimetres, sigma_t
@@ -33,7 +32,7 @@ def measured_layers(stack: Stack, index: int, quality: str) -> tuple[tuple, tupl
     layers = []
     for number, layer in enumerate(stack.layers):
         kind, arguments = entries[number]
-        if isinstance(layer, Interface):
+        if not isinstance(layer, Medium):
             layers.append((kind, arguments, 0.0, 0.0, 0.0))
             continue
         thickness = channel(layer.thickness, index)

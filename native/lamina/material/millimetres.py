@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from ..common.errors import StackError
 from ..kinds.bases import HalfSpace
-from ..kinds.boundaries import Interface
 from ..kinds.fields import channel, to_plain
 from ..kinds.films import Film
 from .layers import Medium
@@ -74,7 +73,7 @@ def depth_knots(stack: Stack, index: int) -> list[tuple[DepthKnot, ...]]:
     require_millimetres(stack)
     found: list[tuple[DepthKnot, ...]] = []
     for layer in stack.layers:
-        if isinstance(layer, Interface):
+        if not isinstance(layer, Medium):
             found.append(())
         elif layer.profile is not None:
             found.append(_profile_knots(layer, index))

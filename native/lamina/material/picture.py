@@ -34,7 +34,7 @@ def stack_picture(stack: Stack) -> str:
         elif isinstance(layer, Film):
             height, fill = BOUNDARY, "#c060c0"
             words = f"thin film, {layer.thickness:g} nm"
-            words += "" if isinstance(layer.ior, Spectrum) else f", ior {_range(layer.ior, stack)}"
+            words += "" if isinstance(layer.ior, Spectrum | complex) else f", ior {_range(layer.ior, stack)}"
         else:
             taus = [stack.optics(number, c)[1] for c in range(stack.channels)]
             height = THIN + (THICK - THIN) * _share(max(taus))

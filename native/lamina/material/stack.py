@@ -107,11 +107,13 @@ class Stack:
 
     def films(self, position: int) -> tuple[Film, ...]:
         """The films, top first, that lie on the layer at `position`, or on the base at len(layers)."""
-        above = itertools.takewhile(lambda layer: isinstance(layer, Film), reversed(self.layers[:position]))
-        return tuple(above)[::-1] if self._carries(position) else ()
-
-    def _carries(self, position: int) -> bool:
-        return position == len(self.layers) or isinstance(self.layers[position], Interface)
+        found: list[Film] = []
+        if position == len(self.layers) or isinstance(self.layers[position], Interface):
+            for layer in reversed(self.layers[:position]):
+                if not isinstance(layer, Film):
+                    break
+                found.insert(0, layer)
+        return tuple(found)
 
     def _check_channels(self) -> None:
         count = channel_count(self._quantities())
@@ -141,7 +143,8 @@ class Stack:
         return Stack(layers if layers or self.base is not None else [NOTHING], self.base, wavelengths=self.wavelengths)
 
     def _varying(self, kind: type) -> list[int]:
-        return [i for i, layer in enumerate(self.layers) if isinstance(layer, kind) and layer.varying]
+        return [i for i, layer in enumerate(self.layers)
+                if isinstance(layer, kind) and getattr(layer, "varying", False)]
 
     @property
     def label(self) -> str:

@@ -30,9 +30,9 @@ def _made(sheets: tuple[Sheet, ...], band: int | float, above: float, below: com
     """`band`: a whole number is the channel red, green or blue, another number a wavelength in nm."""
     if isinstance(band, int):
         wavelengths, rows = rec709_of_d65()
-        weighted = zip(wavelengths.tolist(), rows[band].tolist(), strict=True)
+        weighted = list(zip(wavelengths.tolist(), rows[band].tolist(), strict=True))
     else:
-        weighted = iter([(band, 1.0)])
+        weighted = [(band, 1.0)]
     return _core.Film(above, opaque, [
         (weight, below, [(complex(_at(ior, nm), _at(k, nm)), thickness / nm) for ior, k, thickness in sheets])
         for nm, weight in weighted])

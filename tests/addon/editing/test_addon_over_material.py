@@ -134,11 +134,13 @@ def test_presets_that_cannot_lie_over_a_material_are_grey(addon, lamina, glossy,
     assert not grey(glossy) and not grey(material) and not grey(None)
     assert next(iter(addon.editing.presets.by_category())) == "Overlays"
     addon.editing.over_material.add(glossy)
-    assert grey(glossy) == {entry.id for entry in presets.entries() if not entry.stack.layers}
-    for preset, refused in (("gold", True), ("dusty-bronze", False)):
+    assert grey(glossy) == {entry.id for entry in presets.entries()
+                            if not entry.stack.layers or entry.stack.layers[-1].kind == "film"}
+    for preset, reason in (("gold", "has no layers that could lie over this material"),
+                           ("heat-tinted-steel-blue", "has a thin film on its own metal"), ("dusty-bronze", None)):
         properties = SimpleNamespace(preset=preset, user=False, over="AUTO")
         told = operator.description(SimpleNamespace(material=glossy), properties)
-        assert ("has no layers that could lie over this material" in told) == refused
+        assert reason in told if reason else "cannot" not in told
     drawn = GreyLayout()
     addon.ui.menus.LAMINA_MT_presets.draw(SimpleNamespace(layout=drawn), SimpleNamespace(material=glossy))
     assert "Gold, satin" in drawn.grey and "Dusty bronze" not in drawn.grey and "House dust" in drawn.lines

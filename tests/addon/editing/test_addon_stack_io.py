@@ -30,6 +30,10 @@ def interface(name, **more):
     return {"kind": "interface", "name": name, **more}
 
 
+def film(name, **more):
+    return {"kind": "film", "name": name, **more}
+
+
 def conductor(**more):
     return {"kind": "conductor", **more}
 
@@ -85,6 +89,11 @@ STACKS = {
         None,
     ),
     "metal by colours": stack([], conductor(facing=[1.0, 0.766, 0.336], grazing=[1.0, 0.9, 0.8], alpha=0.0)),
+    "films": stack(
+        [interface("lacquer", ior=1.5, alpha=0.0), film("seal", ior=1.38, k=0.0, thickness=100.0),
+         film("oxide", ior=2.4, k=0.05, thickness=49.0)],
+        conductor(**GOLD, alpha=0.15),
+    ),
     "textured": stack(
         [medium("dust", HG, albedo=0.9, tau=0.3)], {"kind": "lambert", "reflectance": 0.5, "textured": True}
     ),
@@ -166,6 +175,14 @@ REFUSED = {
     "anisotropic metal": (
         stack([], {"kind": "conductor", "eta": 0.2, "k": 3.0, "alpha": 0.1, "alpha_v": 0.3}),
         "base.alpha_v = 0.3: in Blender the facets of a surface have the same width in all directions",
+    ),
+    "a film's spectrum": (
+        stack([film("oxide", ior={"wavelengths": [400, 700], "values": [2.5, 2.3]}, thickness=49)], conductor(**GOLD)),
+        "layers[0].ior: in Blender it is one number for all wavelengths",
+    ),
+    "wavelengths": (
+        {**stack([], {"kind": "lambert", "reflectance": 0.5}), "wavelengths": [550]},
+        "wavelengths: in Blender the channels of a stack are red, green and blue",
     ),
     "unknown facets": (
         stack([interface("odd", ior=1.5, distribution="student")], None),
