@@ -25,11 +25,9 @@ FacetScatter::FacetScatter(const Facets& facets, const FacetOptics& above)
   if (!compensate_) {
     return;
   }
-  mirrors_ = metal_;
   losses_[0] = loss_on(false);
   whole_loss_ = above_.here * above_.here * losses_[0].mean;
   if (metal_) {
-    mirrors_ = false;
     const double mean = above_.mean_reflectance();
     compensation_ = mean * mean * (1.0 - losses_[0].mean) / (1.0 - mean * losses_[0].mean);
   } else {
@@ -79,14 +77,19 @@ double FacetScatter::lost(bool below, const Ray& ray) const {
 
 double FacetScatter::loss_at(const std::vector<VisibleFacet>& facets, bool below, double mu, double azimuth) const {
   const Ray view{sine_of(mu) * std::cos(azimuth), sine_of(mu) * std::sin(azimuth), mu};
+  const double hidden = lambda_of(view);
   double kept = 0.0;
   for (const VisibleFacet& facet : facets) {
     const Ray normal = visible_normal(facets_, view, facet.u, facet.v);
+    const double back = reflected(view, normal, hidden).kept;
+    if (metal_) {
+      kept += facet.weight * back;
+      continue;
+    }
     // Follow reflection and refraction, each with its share, instead of choosing one.
-    const ByFacet reflected = by_facet(view, normal, below, 0.0);
-    const ByFacet passed = by_facet(view, normal, below, 1.0);
-    const double share = metal_ ? 1.0 : fresnel_at(std::min(1.0, view.dot(normal)), below);
-    kept += facet.weight * (share * reflected.fresnel * reflected.kept + (1.0 - share) * passed.kept);
+    const double share = optics(below).reflectance(std::min(1.0, view.dot(normal)));
+    const double passed = refracted(view, normal, hidden, optics(below).ratio()).kept;
+    kept += facet.weight * (share * back + (1.0 - share) * passed);
   }
   return std::max(0.0, 1.0 - kept);
 }
@@ -123,10 +126,6 @@ FacetScatter::Loss FacetScatter::loss_on(bool below) const {
   return loss;
 }
 
-double FacetScatter::fresnel_at(double cosine, bool from_below) const {
-  return mirrors_ ? 1.0 : optics(from_below).reflectance(cosine);
-}
-
 double FacetScatter::density_of(const Ray& normal) const {
   const double z = std::min(1.0, normal.z);
   return facets_.is_oriented() ? facets_.density(normal.x, normal.y, z) : facets_.density(z);
@@ -142,7 +141,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   const double there = ior_of(!from_below);
   if (out.z > 0.0) {
     const Ray half = normalised({view.x + out.x, view.y + out.y, view.z + out.z});
-    const double fresnel = fresnel_at(std::min(1.0, view.dot(half)), from_below);
+    const double fresnel = optics(from_below).reflectance(std::min(1.0, view.dot(half)));
     return density_of(half) * fresnel * facets_.masked(lambda_of(view), lambda_of(out)) /
            (4.0 * view.z * out.z * here * here);
   }
@@ -162,29 +161,27 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
          facets_.passed(lambda_of(view), lambda_of(out)) * -seen * left / (view.z * -out.z * length * length);
 }
 
-FacetScatter::ByFacet FacetScatter::by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const {
+FacetScatter::ByFacet FacetScatter::reflected(const Ray& view, const Ray& normal, double hidden) const {
   const double seen = view.dot(normal);
   if (seen <= 0.0) {
-    return {view, 0.0, 0.0};
+    return {view, 0.0};
   }
-  const double ratio = optics(from_below).ratio();
-  const double hidden = lambda_of(view);
   const double shown = 1.0 / (1.0 + hidden);
-  const double reflected = fresnel_at(std::min(1.0, seen), from_below);
-  // Metals always reflect; the reflectance goes into the weight.
-  if (metal_ || choice < reflected) {
-    const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
-    return {out, metal_ ? reflected : 1.0, out.z > 0.0 ? facets_.masked(hidden, lambda_of(out)) / shown : 0.0};
-  }
+  const Ray out{2.0 * seen * normal.x - view.x, 2.0 * seen * normal.y - view.y, 2.0 * seen * normal.z - view.z};
+  return {out, out.z > 0.0 ? facets_.masked(hidden, lambda_of(out)) / shown : 0.0};
+}
+
+FacetScatter::ByFacet FacetScatter::refracted(const Ray& view, const Ray& normal, double hidden, double ratio) const {
+  const double seen = view.dot(normal);
   const double refracted2 = 1.0 - (1.0 - seen * seen) / (ratio * ratio);
-  if (refracted2 <= 0.0) {
-    return {view, 0.0, 0.0};
+  if (seen <= 0.0 || refracted2 <= 0.0) {
+    return {view, 0.0};
   }
+  const double shown = 1.0 / (1.0 + hidden);
   const double along = seen / ratio - std::sqrt(refracted2);
   const Ray out{along * normal.x - view.x / ratio, along * normal.y - view.y / ratio,
                 along * normal.z - view.z / ratio};
-  const double kept = optics(from_below).film ? optics(from_below).transmittance(seen) / (1.0 - reflected) : 1.0;
-  return {out, kept, out.z < 0.0 ? facets_.passed(hidden, lambda_of(out)) / shown : 0.0};
+  return {out, out.z < 0.0 ? facets_.passed(hidden, lambda_of(out)) / shown : 0.0};
 }
 
 double FacetScatter::value(const Ray& in, const Ray& out) const {
@@ -203,32 +200,43 @@ double FacetScatter::value_once(const Ray& in, const Ray& out) const {
   return facet_value(from_below ? -in.mirrored() : -in, from_below ? out.mirrored() : out, from_below);
 }
 
-FacetScatter::Outcome FacetScatter::sample_once(const Ray& in, bool reflected, Rng& rng) const {
+FacetScatter::Outcome FacetScatter::sample_once(const Ray& in, bool reflects, Rng& rng) const {
   const bool from_below = in.z > 0.0;
   const Ray view = from_below ? -in.mirrored() : -in;
+  const FacetOptics& here = optics(from_below);
   const double u = rng.uniform();
   const double v = rng.uniform();
   const Ray normal = visible_normal(facets_, view, u, v);
-  const ByFacet facet = by_facet(view, normal, from_below, reflected ? 0.0 : 1.0);
+  const double hidden = lambda_of(view);
+  const ByFacet facet =
+      reflects || metal_ ? reflected(view, normal, hidden) : refracted(view, normal, hidden, here.ratio());
   const double seen = std::clamp(view.dot(normal), 0.0, 1.0);
-  const double share = reflected ? fresnel_at(seen, from_below) : optics(from_below).transmittance(seen);
+  const double share = reflects ? here.reflectance(seen) : here.transmittance(seen);
   return {from_below ? facet.ray.mirrored() : facet.ray, share * facet.kept};
 }
 
 FacetScatter::Outcome FacetScatter::sample(const Ray& in, Rng& rng) const {
   const bool from_below = in.z > 0.0;
   const Ray view = from_below ? -in.mirrored() : -in;
+  const FacetOptics& here = optics(from_below);
   const double choice = rng.uniform();
   const double u = rng.uniform();
   const double v = rng.uniform();
-  const ByFacet facet = by_facet(view, visible_normal(facets_, view, u, v), from_below, choice);
+  const Ray normal = visible_normal(facets_, view, u, v);
+  const double hidden = lambda_of(view);
+  const double seen = std::clamp(view.dot(normal), 0.0, 1.0);
+  const double share = here.reflectance(seen);
+  const bool passes = !metal_ && choice >= share;
+  const ByFacet facet = passes ? refracted(view, normal, hidden, here.ratio()) : reflected(view, normal, hidden);
+  // Metals always reflect; their reflectance goes into the weight, as does what a film absorbs.
+  const double weight = metal_ ? share : passes && here.film ? here.transmittance(seen) / (1.0 - share) : 1.0;
   if (!compensate_) {
-    return {from_below ? facet.ray.mirrored() : facet.ray, facet.fresnel * facet.kept};
+    return {from_below ? facet.ray.mirrored() : facet.ray, weight * facet.kept};
   }
   // What this facet loses is compensated, not the tabulated mean: a dielectric then loses nothing, whatever the table's
   // errors.
   if (rng.uniform() < facet.kept) {
-    return {from_below ? facet.ray.mirrored() : facet.ray, facet.fresnel};
+    return {from_below ? facet.ray.mirrored() : facet.ray, weight};
   }
   const double above = above_.here * above_.here * losses_[0].mean / whole_loss_;
   const std::size_t side = rng.uniform() < above ? 0 : 1;

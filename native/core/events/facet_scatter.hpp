@@ -34,7 +34,7 @@ class FacetScatter {
   /// As `value` and `sample` for the light that meets one facet, without compensation. Only reflected or only refracted
   /// light is sampled.
   double value_once(const Ray& in, const Ray& out) const;
-  Outcome sample_once(const Ray& in, bool reflected, Rng& rng) const;
+  Outcome sample_once(const Ray& in, bool reflects, Rng& rng) const;
 
  private:
   /// The energy that single scattering by facets loses for light from one side, tabulated by the square root of the
@@ -59,15 +59,14 @@ class FacetScatter {
   /// A ray that one facet reflects or refracts.
   struct ByFacet {
     Ray ray;
-    double fresnel;  ///< reflectance of a metal; for a dielectric the share that a film does not absorb
-    double kept;     ///< share of the light that other facets do not mask, at most 1
+    double kept;  ///< share of the light that other facets do not mask, at most 1
   };
 
   /// With the incident side up.
   double facet_value(const Ray& view, const Ray& out, bool from_below) const;
-  /// Reflection by this facet if `choice`, in [0, 1], is below its reflectance, else refraction.
-  ByFacet by_facet(const Ray& view, const Ray& normal, bool from_below, double choice) const;
-  double fresnel_at(double cosine, bool from_below) const;
+  /// With the incident side up. `hidden`: Smith's Lambda of the view; `ratio`: of the index beyond to that here.
+  ByFacet reflected(const Ray& view, const Ray& normal, double hidden) const;
+  ByFacet refracted(const Ray& view, const Ray& normal, double hidden, double ratio) const;
   double density_of(const Ray& normal) const;
   /// Smith's Lambda of a direction on either side.
   double lambda_of(const Ray& ray) const;
@@ -82,7 +81,6 @@ class FacetScatter {
   FacetOptics above_;
   FacetOptics below_;
   bool metal_;
-  bool mirrors_ = false;  ///< reflect everything, while the losses of a conductor are measured
   bool compensate_;
   std::array<Loss, 2> losses_;  ///< above, below
   double compensation_ = 1.0;   ///< share of the lost energy that is added back

@@ -2,6 +2,7 @@
 // The surface below the last layer of a stack.
 #pragma once
 #include <complex>
+#include <functional>
 #include <memory>
 
 #include "matter/microfacet.hpp"
@@ -39,12 +40,17 @@ struct Base {
 
   /// The reflectance of a mirror, in a medium of index `ior_above`, for unpolarised light at cosine `mu` there.
   double mirror_reflectance(double mu, double ior_above) const {
-    const double facing = is_rough() || !has_facets() ? 0.0 : view_weight(mu) * facet_reflectance(mu, ior_above);
-    return law ? law->coat(mu) + facing : facing;
+    if (is_rough() || !has_facets()) {
+      return law ? law->coat(mu) : 0.0;
+    }
+    return law ? law->coat(mu) + view_weight(mu) * law->reflectance(mu) : optics(ior_above).reflectance(mu);
   }
-  /// The reflectance of a facet at the cosine between ray and facet.
-  double facet_reflectance(double cosine, double ior_above) const {
-    return law ? law->reflectance(cosine) : optics(ior_above).reflectance(cosine);
+  /// The reflectance of a facet by the cosine between ray and facet, in a medium of index `ior_above`.
+  std::function<double(double)> facet_reflectance(double ior_above) const {
+    if (law) {
+      return [own = law](double cosine) { return own->reflectance(cosine); };
+    }
+    return [own = optics(ior_above)](double cosine) { return own.reflectance(cosine); };
   }
   /// A conductor as light in a medium of index `ior_above` meets it.
   FacetOptics optics(double ior_above) const { return {ior_above, ior_above, ior / ior_above, film}; }

@@ -8,8 +8,7 @@
 namespace lamina {
 
 /// A smooth boundary: specular reflection and refraction only, no kernels. Directions that exist on one side only are
-/// totally reflected, unless a film absorbs light. `optics`: as
-/// light from above meets the boundary.
+/// totally reflected, unless a film absorbs light. `optics`: as light from above meets the boundary.
 ScatteringFunction smooth_interface(const Directions& above, const Directions& below, const FacetOptics& optics);
 
 }  // namespace lamina

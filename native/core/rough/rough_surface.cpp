@@ -135,7 +135,7 @@ RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior
                            double fineness)
     : facets_(base.facets),
       base_(base),
-      reflectance_([base, ior_above](double cosine) { return base.facet_reflectance(cosine, ior_above); }),
+      reflectance_(base.facet_reflectance(ior_above)),
       above_(base.optics(ior_above)),
       below_(above_),
       compensate_(base.compensates()) {

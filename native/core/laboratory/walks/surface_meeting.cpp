@@ -40,7 +40,7 @@ double meet_smooth(const FacetOptics& optics, Ray& ray, Rng& rng) {
 bool meet_polished(const WalkElements& stack, std::size_t element, Ray& ray, double& weight, Rng& rng) {
   const WalkElements::Element& here = stack.elements[element];
   if (here.kind == Kind::kSmooth) {
-    const double kept = meet_smooth(ray.z < 0.0 ? here.optics : here.optics.turned(), ray, rng);
+    const double kept = meet_smooth(ray.z < 0.0 ? here.from_above : here.from_below, ray, rng);
     weight *= kept;
     return kept == 1.0 || survives(weight, rng);
   }

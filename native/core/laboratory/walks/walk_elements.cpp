@@ -31,10 +31,11 @@ Element element_of(const Layer& layer, double ior_above, double ior_below, doubl
   }
   const auto& boundary = std::get<Interface>(layer);
   element.kind = Kind::kSmooth;
-  element.optics = reversed ? boundary.optics(ior_below).turned() : boundary.optics(ior_above);
+  element.from_above = reversed ? boundary.optics(ior_below).turned() : boundary.optics(ior_above);
+  element.from_below = element.from_above.turned();
   if (boundary.is_rough(reversed ? ior_below : ior_above)) {
     element.kind = Kind::kRough;
-    element.facets = std::make_shared<FacetScatter>(boundary.facets.turned(turn), element.optics);
+    element.facets = std::make_shared<FacetScatter>(boundary.facets.turned(turn), element.from_above);
   }
   return element;
 }
@@ -123,7 +124,7 @@ void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t la
       s.transmit.delta[0] = std::exp(-element.medium.tau / cosine(k));
     } else if (element.kind == Kind::kSmooth) {
       // A cosine of 0 means that the ray does not exist there.
-      const SmoothBoundary boundary(element.optics, cosine(k), cosine(k + 1));
+      const SmoothBoundary boundary(element.from_above, cosine(k), cosine(k + 1));
       s.reflect_above.delta[0] = boundary.above;
       s.reflect_below.delta[0] = boundary.below;
       s.transmit.delta[0] = boundary.passed;

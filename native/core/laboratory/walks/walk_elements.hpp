@@ -38,7 +38,8 @@ struct WalkElements {
     double reflectance = 0.0;                    ///< kLambert
     Base mirror = {};                            ///< kMirror
     std::shared_ptr<const FacetScatter> facets;  ///< kRough
-    FacetOptics optics = {};                     ///< kSmooth, as light from above meets it
+    FacetOptics from_above = {};                 ///< kSmooth
+    FacetOptics from_below = {};                 ///< kSmooth
 
     /// True if light keeps to specular paths at this element.
     bool is_polished() const { return kind == Kind::kSmooth || kind == Kind::kMirror; }
