@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/moving_lobe.hpp"
 
+#include "fit/visible_chord.hpp"
 #include "numeric/quadrature.hpp"
 
 #include <algorithm>
@@ -13,10 +14,8 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 
 namespace {
-// Of an albedo: nodes on each axis of the disk of visible normals; steps and halvings of the search for horizons.
+// Of an albedo: nodes on each axis of the disk of visible normals.
 constexpr int kNodes = 24;
-constexpr int kScan = 20;
-constexpr int kBisections = 20;
 }  // namespace
 
 LightDirections::LightDirections(const Eigen::Ref<const Eigen::VectorXd>& mu,
@@ -108,36 +107,11 @@ double MovingLobe::albedo() const {
     const double angle = 0.25 * std::numbers::pi * (1.0 + rule.mu[i]);
     const Chord chord{std::sin(angle), std::cos(angle), alpha_x_ * view_x_ / length, stretched_z,
                       0.5 * (1.0 + stretched_z)};
-    // The part of the chord whose light is above both horizons
-    double first = 2.0;
-    double last = -2.0;
-    for (int k = 0; k <= kScan; ++k) {
-      const double along = 2.0 * k / kScan - 1.0;
-      if (reflected(chord, along) > 0.0) {
-        first = std::min(first, along);
-        last = std::max(last, along);
-      }
-    }
-    if (first > last) continue;
-    first = edge(chord, first, std::max(-1.0, first - 2.0 / kScan));
-    last = edge(chord, last, std::min(1.0, last + 2.0 / kScan));
-    double line = 0.0;
-    for (Index k = 0; k < kNodes; ++k)
-      line +=
-          rule.weight[k] * std::max(0.0, reflected(chord, 0.5 * (first + last) + 0.5 * (last - first) * rule.mu[k]));
+    const ChordLight light = chord_light(rule, [&](double along) { return reflected(chord, along); });
     // dt1 = chord d(asin t1); the integral over the half disk of area pi / 2
-    sum += 0.25 * std::numbers::pi * rule.weight[i] * chord.half * chord.half * 0.5 * (last - first) * line;
+    sum += 0.25 * std::numbers::pi * rule.weight[i] * chord.half * chord.half * 0.5 * light.length * light.sum;
   }
   return sum * 2.0 / std::numbers::pi;
-}
-
-double MovingLobe::edge(const Chord& chord, double inside, double outside) const {
-  if (reflected(chord, outside) > 0.0) return outside;
-  for (int k = 0; k < kBisections; ++k) {
-    const double middle = 0.5 * (inside + outside);
-    (reflected(chord, middle) > 0.0 ? inside : outside) = middle;
-  }
-  return inside;
 }
 
 }  // namespace lamina

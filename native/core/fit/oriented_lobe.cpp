@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/oriented_lobe.hpp"
 
+#include "fit/visible_chord.hpp"
 #include "numeric/quadrature.hpp"
 
 #include <Eigen/Geometry>
@@ -15,10 +16,8 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 
 namespace {
-// Of an albedo: nodes on each axis of the disk of visible normals; steps and halvings of the search for horizons.
+// Of an albedo: nodes on each axis of the disk of visible normals.
 constexpr int kNodes = 24;
-constexpr int kScan = 20;
-constexpr int kBisections = 20;
 }  // namespace
 
 OrientedLobe::OrientedLobe(const OrientedShape& shape, double mu_o, double phi_o) {
@@ -92,37 +91,11 @@ double OrientedLobe::albedo() const {
   for (Index i = 0; i < kNodes; ++i) {
     const double angle = 0.5 * std::numbers::pi * rule.mu[i];
     const Chord chord{first, second, view, std::sin(angle), std::cos(angle), 0.5 * (1.0 + view.z())};
-    // The part of the chord whose light is above both horizons
-    double begin = 2.0;
-    double end = -2.0;
-    for (int k = 0; k <= kScan; ++k) {
-      const double along = 2.0 * k / kScan - 1.0;
-      if (reflected(chord, along) > 0.0) {
-        begin = std::min(begin, along);
-        end = std::max(end, along);
-      }
-    }
-    if (begin > end) continue;
-    begin = edge(chord, begin, std::max(-1.0, begin - 2.0 / kScan));
-    end = edge(chord, end, std::min(1.0, end + 2.0 / kScan));
-    double line = 0.0;
-    for (Index k = 0; k < kNodes; ++k) {
-      const double along = 0.5 * (begin + end) + 0.5 * (end - begin) * rule.mu[k];
-      line += rule.weight[k] * std::max(0.0, reflected(chord, along));
-    }
+    const ChordLight light = chord_light(rule, [&](double along) { return reflected(chord, along); });
     // dt1 = half d(asin t1); the disk's area is pi
-    sum += 0.5 * std::numbers::pi * rule.weight[i] * chord.half * chord.half * 0.5 * (end - begin) * line;
+    sum += 0.5 * std::numbers::pi * rule.weight[i] * chord.half * chord.half * 0.5 * light.length * light.sum;
   }
   return sum / std::numbers::pi;
-}
-
-double OrientedLobe::edge(const Chord& chord, double inside, double outside) const {
-  if (reflected(chord, outside) > 0.0) return outside;
-  for (int k = 0; k < kBisections; ++k) {
-    const double middle = 0.5 * (inside + outside);
-    (reflected(chord, middle) > 0.0 ? inside : outside) = middle;
-  }
-  return inside;
 }
 
 }  // namespace lamina

@@ -46,7 +46,6 @@ class OrientedLobe {
   /// The share of light that the normal at `along` in [-1, 1] reflects unmasked; at most 0 if the light is below a
   /// horizon.
   [[nodiscard]] double reflected(const Chord& chord, double along) const;
-  [[nodiscard]] double edge(const Chord& chord, double inside, double outside) const;
   [[nodiscard]] double lambda(const Vector& direction) const;
 
   double alpha_x_;

@@ -14,7 +14,6 @@ import numpy as np
 
 from ...closures import shaped_lobes
 from ...common.errors import StackError
-from ...kinds.bases import Lambert, PrincipledBase, ShaderBase
 from ...kinds.table import AZIMUTH_ROWS, SHAPE, TILT, Strip
 from ...material.stack import Stack
 
@@ -49,11 +48,9 @@ class AzimuthRows:
 
 def require_oriented_table(stack: Stack) -> None:
     """Raises StackError for an anisotropic stack that no lookup table can hold."""
-    base, needed = stack.base, "for a bake with anisotropic facets"
-    if base is None:
+    needed = "for a bake with anisotropic facets"
+    if stack.base is None:
         raise StackError(f"base = null: must be an opaque base {needed}")
     if stack.varying is not None or stack.covering is not None:
         number = stack.varying if stack.covering is None else stack.covering
         raise StackError(f"layers[{number}].varying = true: must be false {needed}, whose rows are azimuths")
-    if isinstance(base, PrincipledBase | ShaderBase) or (isinstance(base, Lambert) and base.textured):
-        raise StackError(f"base: must have no input of the node group {needed}")

@@ -85,9 +85,10 @@ def require_table(stack: Stack) -> None:
     if stack.table_channels not in (1, 3):
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
     base = stack.base
-    if stack.wavelengths is not None and (isinstance(base, PrincipledBase | ShaderBase)
-                                          or (isinstance(base, Lambert) and base.textured)):
-        raise StackError("base: must have no input of the node group for a lookup table of wavelengths")
+    has_input = isinstance(base, PrincipledBase | ShaderBase) or (isinstance(base, Lambert) and base.textured)
+    if has_input and (stack.wavelengths is not None or stack.is_oriented):
+        kind = "wavelengths" if stack.wavelengths is not None else "anisotropic facets"
+        raise StackError(f"base: must have no input of the node group for a lookup table with {kind}")
     stack.require_air_below()
     if stack.is_oriented:
         require_oriented_table(stack)
