@@ -56,20 +56,16 @@ class Film(Hashable):
 
     def __post_init__(self):
         super().__post_init__()
-        if isinstance(self.ior, Spectrum) and any(isinstance(one, complex) for one in self.ior.values):
-            real, imaginary = (tuple(getattr(complex(one), part) for one in self.ior.values)
-                               for part in ("real", "imag"))
-            self._set(Spectrum(self.ior.wavelengths, real), Spectrum(self.ior.wavelengths, imaginary))
-        elif isinstance(self.ior, complex):
-            self._set(self.ior.real, self.ior.imag)
-        elif isinstance(self.ior, tuple) and any(isinstance(one, complex) for one in self.ior):
-            self._set(tuple(complex(one).real for one in self.ior), tuple(complex(one).imag for one in self.ior))
-
-    def _set(self, ior, k) -> None:
+        values = self.ior.values if isinstance(self.ior, Spectrum) else self.ior
+        several = values if isinstance(values, tuple) else (values,)
+        if not any(isinstance(one, complex) for one in several):
+            return
         if self.k != 0.0:
             raise StackError(f"film.k = {quoted(self.k)}: must be left out beside a complex ior")
-        object.__setattr__(self, "ior", ior)
-        object.__setattr__(self, "k", k)
+        for name, part in (("ior", "real"), ("k", "imag")):
+            own = tuple(getattr(one, part, one) for one in several)
+            own = Spectrum(self.ior.wavelengths, own) if isinstance(self.ior, Spectrum) else own
+            object.__setattr__(self, name, own if isinstance(self.ior, Spectrum | tuple) else own[0])
 
     @property
     def absorbs(self) -> bool:

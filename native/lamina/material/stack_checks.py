@@ -19,7 +19,7 @@ Layer = Medium | Interface | Film
 
 
 def _checked(thing, path):
-    values = {q.name: _checked_value(q, getattr(thing, q.name), f"{path}.{q.name}") for q in thing.fields}
+    values = {q.name: _checked_value(thing, q, f"{path}.{q.name}") for q in thing.fields}
     values |= {one.name: one.check(getattr(thing, one.name), f"{path}.{one.name}") for one in thing.options}
     values |= {one.name: one.check(getattr(thing, one.name), f"{path}.{one.name}") for one in thing.rare}
     if getattr(thing, "forms", ()):
@@ -32,8 +32,11 @@ def _checked(thing, path):
     return checked
 
 
-def _checked_value(quantity, value, path):
-    return value.checked(quantity, path) if isinstance(value, Spectrum) else quantity.check(value, path)
+def _checked_value(thing, quantity, path):
+    value = getattr(thing, quantity.name)
+    if isinstance(value, Spectrum) and isinstance(thing, Film) and not quantity.single:
+        return value.checked(quantity, path)
+    return quantity.check(value, path)
 
 
 def check_layer(layer, path: str) -> Layer:

@@ -116,6 +116,7 @@ RAMP = Spectrum([400.0, 700.0], [0.1, 0.4])
 @pytest.mark.parametrize(("made", "words"), [
     (lambda: Stack([Medium(Spectrum([700, 400], [0.1, 0.2]), 1.0)]), "albedo.wavelengths: must be ascending"),
     (lambda: Stack([Medium(Spectrum([400], [1.5]), 1.0)]), "layers\\[0\\].albedo\\[0\\] = 1.5"),
+    (lambda: Stack([Medium(Spectrum(5, 7), 1.0)]), "albedo.wavelengths = 5: must be a list"),
     (lambda: Stack([Medium(RAMP, (1.0, 2.0, 3.0))]), "channels"),
     (lambda: Stack([Medium(RAMP, 1.0)], wavelengths=[500, 500]), "wavelengths: must differ"),
     (lambda: lamina.bake(Stack([Medium(RAMP, 1.0)], Lambert(0.5, textured=True))), "base: must have no input"),
