@@ -16,7 +16,7 @@ import pytest
 
 import lamina
 from lamina import lobes
-from lamina.closures import moving_lobes
+from lamina.closures import moving_lobes, shaped_lobes
 from lamina.kinds.table import BASE, SHAPE, THROWN_BACK
 
 OTHER = {"top": "bottom", "bottom": "top"}
@@ -156,7 +156,7 @@ class Sample:
         strips = dict(zip(self.lut.closures, strips, strict=True))
         thrown_back = strips.pop(THROWN_BACK, None)
         total = 0.0
-        shapes = {name: strips.pop(SHAPE + name) for name in list(strips) if moving_lobes.is_moving(name)}
+        shapes = {name: strips.pop(SHAPE + name) for name in list(strips) if shaped_lobes.is_shaped(name)}
         for name, weight in strips.items():
             if name == "transparent" or name.startswith("mirror:"):
                 continue

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from baked_samples import FURNACE_ERROR, INTERPOLATION, MIXTURE_RMS, PROMISE_FACTOR
 
-from lamina.closures import moving_lobes
+from lamina.closures import shaped_lobes
 
 ROOT = Path(__file__).resolve().parents[2]
 STACKS = json.loads((ROOT / "tests/data/gonio_stacks.json").read_text())
@@ -74,7 +74,7 @@ def test_radiance_is_the_exact_function_within_the_promised_error(sample, readin
     for kind, side in sample.parts:
         raw, whole = _errors(sample, readings, kind, side)
         allowed = PROMISE_FACTOR * VIEWS.mean(sample.promised(kind, side))
-        if any(map(moving_lobes.is_moving, sample.lut.closures)):  # shapes between two columns and two rows
+        if any(map(shaped_lobes.is_shaped, sample.lut.closures)):  # shapes between two columns and two rows
             allowed = np.hypot(allowed, math.sqrt(2.0) * INTERPOLATION)
         assert VIEWS.mean(raw) <= allowed, (kind, side)
         assert VIEWS.mean(whole) <= allowed, (kind, side)

@@ -9,7 +9,7 @@ from baked_samples import FURNACE_ERROR, INTERPOLATION, MIXTURE_RMS
 
 import lamina
 from lamina import Conductor, HenyeyGreenstein, Interface, Medium, Stack
-from lamina.closures import moving_lobes
+from lamina.closures import shaped_lobes
 
 GOLD = {"facing": (1.0, 0.7837, 0.3427), "grazing": (1.0, 0.8899, 0.6307)}
 STACKS = {
@@ -47,7 +47,7 @@ def readings(samples):
 @pytest.mark.parametrize("name", STACKS)
 def test_the_table_moves_two_lobes_and_keeps_the_bars(name, samples):
     lut = samples[name].lut
-    assert sum(map(moving_lobes.is_moving, lut.closures)) == 2
+    assert sum(map(shaped_lobes.is_shaped, lut.closures)) == 2
     assert lut.report["fit_error"] <= MEAN
     assert lut.report["worst_slice"]["error"] <= WORST
     assert lut.report["albedo_error"] <= 1e-6

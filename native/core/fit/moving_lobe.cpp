@@ -13,11 +13,6 @@ namespace lamina {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
-namespace {
-// Of an albedo: nodes on each axis of the disk of visible normals.
-constexpr int kNodes = 24;
-}  // namespace
-
 LightDirections::LightDirections(const Eigen::Ref<const Eigen::VectorXd>& mu,
                                  const Eigen::Ref<const Eigen::VectorXd>& dphi)
     : x(mu.size() * dphi.size()), y(x.size()), z(x.size()) {
@@ -99,15 +94,15 @@ double MovingLobe::albedo() const {
   if (!(view_z_ > 0.0)) return 0.0;
   // The view stretched to the hemisphere of facets of width 1, and a frame about it: t1 along y, t2 in the plane of
   // incidence. Normals are spread evenly over a disk; by symmetry, over one half
-  static const Quadrature rule(kNodes, -1.0, 1.0);
+  const Quadrature& rule = disk_rule();
   const double length = std::hypot(alpha_x_ * view_x_, view_z_);
   const double stretched_z = view_z_ / length;
   double sum = 0.0;
-  for (Index i = 0; i < kNodes; ++i) {
+  for (Index i = 0; i < rule.mu.size(); ++i) {
     const double angle = 0.25 * std::numbers::pi * (1.0 + rule.mu[i]);
     const Chord chord{std::sin(angle), std::cos(angle), alpha_x_ * view_x_ / length, stretched_z,
                       0.5 * (1.0 + stretched_z)};
-    const ChordLight light = chord_light(rule, [&](double along) { return reflected(chord, along); });
+    const ChordLight light = chord_light([&](double along) { return reflected(chord, along); });
     // dt1 = chord d(asin t1); the integral over the half disk of area pi / 2
     sum += 0.25 * std::numbers::pi * rule.weight[i] * chord.half * chord.half * 0.5 * light.length * light.sum;
   }

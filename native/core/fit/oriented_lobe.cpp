@@ -15,11 +15,6 @@ namespace lamina {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
-namespace {
-// Of an albedo: nodes on each axis of the disk of visible normals.
-constexpr int kNodes = 24;
-}  // namespace
-
 OrientedLobe::OrientedLobe(const OrientedShape& shape, double mu_o, double phi_o) {
   constexpr double kMostAnisotropy = 0.99;  // of Cycles
   const double alpha = shape.roughness * shape.roughness;
@@ -82,16 +77,16 @@ double OrientedLobe::albedo() const {
   if (!(view_.z() > 0.0)) return 0.0;
   // The view stretched to the hemisphere of facets of width 1, and a frame about it. Normals are spread evenly over a
   // disk.
-  static const Quadrature rule(kNodes, -1.0, 1.0);
+  const Quadrature& rule = disk_rule();
   const Vector view = Vector(alpha_x_ * view_.x(), alpha_y_ * view_.y(), view_.z()).normalized();
   const double level = std::hypot(view.x(), view.y());
   const Vector first = level > 1e-9 ? Vector(-view.y() / level, view.x() / level, 0.0) : Vector(1.0, 0.0, 0.0);
   const Vector second = view.cross(first);
   double sum = 0.0;
-  for (Index i = 0; i < kNodes; ++i) {
+  for (Index i = 0; i < rule.mu.size(); ++i) {
     const double angle = 0.5 * std::numbers::pi * rule.mu[i];
     const Chord chord{first, second, view, std::sin(angle), std::cos(angle), 0.5 * (1.0 + view.z())};
-    const ChordLight light = chord_light(rule, [&](double along) { return reflected(chord, along); });
+    const ChordLight light = chord_light([&](double along) { return reflected(chord, along); });
     // dt1 = half d(asin t1); the disk's area is pi
     sum += 0.5 * std::numbers::pi * rule.weight[i] * chord.half * chord.half * 0.5 * light.length * light.sum;
   }

@@ -14,10 +14,16 @@ struct ChordLight {
   double sum = 0.0;
 };
 
+/// Nodes on each axis of the disk of visible normals, in [-1, 1].
+inline const Quadrature& disk_rule() {
+  static const Quadrature rule(24, -1.0, 1.0);
+  return rule;
+}
+
 /// `reflected(along)`: the share of light that the normal at `along` in [-1, 1] reflects unmasked, at most 0 if the
-/// light is below a horizon; `rule`: nodes in [-1, 1].
+/// light is below a horizon.
 template <typename Reflected>
-ChordLight chord_light(const Quadrature& rule, const Reflected& reflected) {
+ChordLight chord_light(const Reflected& reflected) {
   constexpr int kScan = 20;
   constexpr int kBisections = 20;
   double first = 2.0;
@@ -44,6 +50,7 @@ ChordLight chord_light(const Quadrature& rule, const Reflected& reflected) {
   };
   first = edge(first, std::max(-1.0, first - 2.0 / kScan));
   last = edge(last, std::min(1.0, last + 2.0 / kScan));
+  const Quadrature& rule = disk_rule();
   double sum = 0.0;
   for (Eigen::Index k = 0; k < rule.mu.size(); ++k) {
     sum += rule.weight[k] * std::max(0.0, reflected(0.5 * (first + last) + 0.5 * (last - first) * rule.mu[k]));

@@ -19,10 +19,6 @@ from .microfacet_lobes import ggx_reflection, widths
 PREFIX = "moving:"
 
 
-def is_moving(name: str) -> bool:
-    return name.startswith(PREFIX)
-
-
 def lobe(number: float) -> Lobe:
     """The recipe of the closure. Its values depend on the table, see `values`."""
     name = f"{PREFIX}{number:g}"

@@ -25,9 +25,9 @@ def without_film(layers: Sequence[Layer], first: int, channels: int) -> list[Lay
     above: Channels = 1.0
     for layer in layers[:first]:
         above = layer.ior if isinstance(layer, Interface) else above
-    begin = _first_film(layers, first)
+    begin = first_film(layers, first)
     below = next((k for k in range(first + 1, len(layers)) if isinstance(layers[k], Interface)), len(layers))
-    below = _first_film(layers, below)
+    below = first_film(layers, below)
     rest = list(layers[below:])
     lower = rest[0] if rest else None
     if isinstance(lower, Interface) and all(channel(lower.ior, c) == channel(above, c) for c in range(channels)):
@@ -35,7 +35,7 @@ def without_film(layers: Sequence[Layer], first: int, channels: int) -> list[Lay
     return [*layers[:begin], *rest]
 
 
-def _first_film(layers: Sequence[Layer], surface: int) -> int:
+def first_film(layers: Sequence[Layer], surface: int) -> int:
     """The index of the first thin film on a surface; of the surface itself if it has none."""
     while surface > 0 and isinstance(layers[surface - 1], Film):
         surface -= 1

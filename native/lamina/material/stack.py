@@ -22,7 +22,7 @@ from ..kinds.films import Film
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from ..kinds.spectra import WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum, sampled
 from .colours import albedos_of
-from .coverage import NOTHING, without_film
+from .coverage import NOTHING, first_film, without_film
 from .layers import Medium
 from .metals import indices_of
 from .picture import stack_picture
@@ -120,14 +120,9 @@ class Stack:
         return any(isinstance(layer, Film) for layer in self.layers)
 
     def films(self, position: int) -> tuple[Film, ...]:
-        """The films, top first, that lie on the layer at `position`, or on the base at len(layers)."""
-        found: list[Film] = []
-        if position == len(self.layers) or isinstance(self.layers[position], Interface):
-            for layer in reversed(self.layers[:position]):
-                if not isinstance(layer, Film):
-                    break
-                found.insert(0, layer)
-        return tuple(found)
+        """The films, top first, that lie on the interface at `position`, or on the base at len(layers)."""
+        found = self.layers[first_film(self.layers, position):position]
+        return tuple(layer for layer in found if isinstance(layer, Film))
 
     def _check_channels(self) -> None:
         count = channel_count(self._quantities())

@@ -12,7 +12,7 @@ from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import channel
 from ..kinds.films import Film
 from ..material.stack import Stack
-from .films import absorbs, core_film
+from .films import core_film
 
 
 def core_stack(stack: Stack, index: int, all_facets: bool = False):
@@ -24,7 +24,7 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
         if isinstance(layer, Interface):
             below = channel(layer.ior, index)
             film = core_film(stack, number, index, above, below)
-            facets = _facets(layer, index, film is not None and absorbs(stack.films(number)))
+            facets = _facets(layer, index, any(one.absorbs for one in stack.films(number)))
             entries.append((_core.Interface, (below, facets, film)))
             above = below
         elif isinstance(layer, Film):

@@ -8,7 +8,6 @@ import functools
 from .. import _core
 from ..common.observer import rec709_of_d65
 from ..kinds.fields import channel
-from ..kinds.films import Film
 from ..kinds.spectra import Spectrum
 from ..material.stack import Stack
 
@@ -26,7 +25,8 @@ def core_film(stack: Stack, position: int, index: int, above: float, below: comp
     return _made(sheets, band, above, below, position == len(stack.layers))
 
 
-@functools.lru_cache(maxsize=64)
+# More than the films of a stack of 81 wavelengths: channels share a solution only if they share the film.
+@functools.lru_cache(maxsize=512)
 def _made(sheets: tuple[Sheet, ...], band: int | float, above: float, below: complex, opaque: bool) -> _core.Film:
     """`band`: a whole number is the channel red, green or blue, another number a wavelength in nm."""
     if isinstance(band, int):
@@ -37,11 +37,6 @@ def _made(sheets: tuple[Sheet, ...], band: int | float, above: float, below: com
     return _core.Film(above, opaque, [
         (weight, below, [(complex(_at(ior, nm), _at(k, nm)), thickness / nm) for ior, k, thickness in sheets])
         for nm, weight in weighted])
-
-
-def absorbs(films: tuple[Film, ...]) -> bool:
-    """True if one of the films absorbs light."""
-    return any(film.absorbs for film in films)
 
 
 def _in_channel(value, index: int):

@@ -7,7 +7,7 @@ import pytest
 import lamina
 from lamina import Conductor, HenyeyGreenstein, Interface, Lambert, LutError, Medium, Stack
 from lamina.baking.table import real_time
-from lamina.closures import lobes, moving_lobes
+from lamina.closures import lobes, moving_lobes, shaped_lobes
 from lamina.closures.closure_table import light_grid
 from lamina.closures.microfacet_lobes import ggx
 from lamina.kinds.table import Strip
@@ -139,7 +139,7 @@ def test_a_thick_layer_that_hides_the_lobes_keeps_fixed_closures():
 
 def test_sheets_keep_fixed_closures():
     sheet = Stack([Medium(0.9, 1.0, HenyeyGreenstein(0.8))], None)
-    assert not any(map(moving_lobes.is_moving, lamina.bake(sheet, "preview", basis="moving").closures))
+    assert not any(map(shaped_lobes.is_shaped, lamina.bake(sheet, "preview", basis="moving").closures))
 
 
 def test_a_saved_table_is_read_again(lacquered, tmp_path):

@@ -81,7 +81,7 @@ class Shader(OverBlack):
         metal alone, [channel, column]."""
         stack, options = self.stack, (self.job.quality, self.job.threads)
         self.steps["base"](0.0, "Solving the stack on metal")
-        full = solve_with_mirrors(Stack(stack.layers, METAL, wavelengths=stack.wavelengths), *options)
+        full = solve_with_mirrors(Stack(stack.layers, METAL), *options)
         taus = [] if stack.varying is None else [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
         shares = self.solved.shares
         functions = [full] if stack.varying is None else [

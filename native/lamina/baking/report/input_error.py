@@ -63,7 +63,7 @@ def range_errors(header: dict, weights: np.ndarray, stack: Stack, threads: int, 
 def _errors_at(header: dict, weights: np.ndarray, stack: Stack, base, threads: int) -> tuple:
     """(values of the inputs, errors of slices, errors of the albedo, thicknesses of the rows) over one base; errors are
     [side, row, channel, column] at the columns that are measured."""
-    other, quality = Stack(stack.layers, base, wavelengths=stack.wavelengths), header["quality"]
+    other, quality = Stack(stack.layers, base), header["quality"]
     function = with_inputs_of(FittedFunction(header, weights, stack.base), base)
     gauge = Gauge(grid_of(stack, quality), quality, threads, other.channels, COLUMN_STRIDE)
     solved = solve_rows(other, gauge.quality, threads, silent, only=ROWS)
