@@ -248,6 +248,11 @@ class Stack:
                 raise StackError(f"{path}.alpha_v = {surface.alpha_v:g}: must be left out for {user}; only "
                                  "lamina.solve, lamina.estimate and lamina.bake take anisotropic facets")
 
+    def require_colours(self, user: str) -> None:
+        """Raises StackError for a stack with wavelengths, where `user` takes red, green and blue."""
+        if self.wavelengths is not None:
+            raise StackError(f"wavelengths: must be left out for {user}, which takes red, green and blue")
+
     def canonical(self) -> str:
         """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, without
         names, keys sorted."""

@@ -111,6 +111,7 @@ def test_labelled_values_have_wavelengths():
 
 
 RAMP = Spectrum([400.0, 700.0], [0.1, 0.4])
+DEEP = Stack([Medium(sigma_s=2.0, sigma_a=RAMP, thickness=np.inf)])
 
 
 @pytest.mark.parametrize(("made", "words"), [
@@ -121,6 +122,9 @@ RAMP = Spectrum([400.0, 700.0], [0.1, 0.4])
     (lambda: Stack([Medium(RAMP, 1.0)], wavelengths=[500, 500]), "wavelengths: must differ"),
     (lambda: lamina.bake(Stack([Medium(RAMP, 1.0)], Lambert(0.5, textured=True))), "base: must have no input"),
     (lambda: lamina.bake(Stack([Medium(RAMP, 1.0)], PrincipledBase())), "base: must have no input"),
+    (lambda: lamina.interior_of_stack(DEEP), "wavelengths: must be left out for light inside a body"),
+    (lambda: lamina.portal_tables(DEEP, "preview"), "wavelengths: must be left out for a portal"),
+    (lambda: lamina.subsurface_nodes(DEEP), "wavelengths: must be left out for subsurface scattering"),
 ])
 def test_errors_are_sentences(made, words):
     with pytest.raises(StackError, match=words):
