@@ -37,6 +37,8 @@ def forget():
 
 def _ask(lamina, text):
     try:
-        return lamina.Stack.from_json(json.loads(text)), None
+        stack = lamina.Stack.from_json(json.loads(text))
+        stack.canonical()  # solves for colours now, so that later uses by the panel are quick
+        return stack, None
     except lamina.StackError as error:
         return None, error

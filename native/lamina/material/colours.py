@@ -9,6 +9,7 @@ bakes."""
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 from .. import _core
@@ -30,14 +31,11 @@ def shown(medium: Medium, over: Channels | None = None) -> list[float]:
     medium = check_kind(medium, "medium", Medium, "a lamina.Medium").checked("medium")
     over = None if over is None else _field("over").check(over, "over")
     count = _channels(medium, "medium", ("over", over))
-    albedos = albedos_of(medium, count, "medium") if medium.color is not None else None
-    colour = []
-    for index in range(count):
-        albedo, tau = medium.optics(index)
-        albedo = albedos[index] if albedos else albedo
-        surface = None if over is None else channel(over, index)
-        colour.append(_shown_by(albedo, *_situation(medium.phase, index, tau, surface)))
-    return colour
+    check_colours(medium, count, "medium")
+    albedos = albedos_of(medium, count) if medium.color is not None else None
+    seen = replace(medium, over=over)
+    return [_shown_by(albedos[index] if albedos else medium.optics(index)[0], *_situation(seen, index))
+            for index in range(count)]
 
 
 def albedo_of(color: Channels, phase: Phase | None = None, tau: Channels = math.inf,
@@ -48,32 +46,61 @@ def albedo_of(color: Channels, phase: Phase | None = None, tau: Channels = math.
     possible range, for a colour that no albedo gives."""
     phase = Isotropic() if phase is None else phase
     medium = Medium(color=color, tau=tau, over=over, phase=phase).checked("medium")
-    return list(albedos_of(medium, _channels(medium, "medium"), "medium"))
+    count = _channels(medium, "medium")
+    check_colours(medium, count, "medium")
+    return list(albedos_of(medium, count))
 
 
-def albedos_of(medium: Medium, channels: int, path: str) -> tuple[float, ...]:
-    """albedo_of for a checked Medium that is given by its colour. Raises StackError, naming `path`."""
-    albedos = []
+def check_colours(medium: Medium, channels: int, path: str) -> None:
+    """Raises StackError, naming `path`, if no albedo gives the colour of a checked Medium, or of a knot of its
+    profile. Only layers of finite thickness over a surface are solved: infinitely thick layers can have any colour."""
+    if medium.color is not None:
+        _check_color(medium, channels, path)
+    for number, knot in enumerate(medium.profile or ()):
+        if knot.color is not None:
+            _check_color(_at_knot(medium, number), channels, f"{path}.profile[{number}]")
+
+
+def albedos_of_layer(medium: Medium, channels: int) -> tuple | None:
+    """The albedos of a checked Medium: one per channel if it is given by a colour; for a profile, this or None for
+    each knot; else None."""
+    if medium.profile is not None:
+        return tuple(None if knot.color is None else albedos_of(_at_knot(medium, number), channels)
+                     for number, knot in enumerate(medium.profile))
+    return None if medium.color is None else albedos_of(medium, channels)
+
+
+def albedos_of(medium: Medium, channels: int) -> tuple[float, ...]:
+    """albedo_of for a checked Medium that is given by a colour within reach."""
+    return tuple(_albedo(channel(medium.color, index), *_situation(medium, index)) for index in range(channels))
+
+
+def _check_color(medium: Medium, channels: int, path: str) -> None:
     for index in range(channels):
-        wanted = channel(medium.color, index)
-        _, tau = medium.optics(index)
-        over = None if medium.over is None else channel(medium.over, index)
-        situation = _situation(medium.phase, index, tau, over)
+        wanted, situation = channel(medium.color, index), _situation(medium, index)
         low, high = _range(*situation)
         if not low - 1e-9 <= wanted <= high + 1e-9:
             where = f"{path}.color" + (f"[{index}]" if isinstance(medium.color, tuple) else "")
             # Round inwards, so that the ends given in the message are allowed.
             least, most = math.ceil(low * 1e4) / 1e4, math.floor(high * 1e4) / 1e4
             between = f"between {least:g} and {most:g}" if least < most else f"{round(low, 6):g}"
+            _, tau, over = situation
             raise StackError(f"{where} = {wanted:g}: a layer of tau {tau:g} over {over:g} shows {between}")
-        albedos.append(_albedo(wanted, *situation))
-    return tuple(albedos)
 
 
-def _situation(phase: Phase, index: int, tau: float, over: float | None) -> tuple:
+def _at_knot(medium: Medium, number: int) -> Medium:
+    """The homogeneous medium with the colour and the phase function of a knot."""
+    assert medium.profile is not None
+    knot = medium.profile[number]
+    return replace(medium, profile=None, color=knot.color, phase=knot.phase or medium.phase)
+
+
+def _situation(medium: Medium, index: int) -> tuple:
     """(phase, tau, over) of one channel, for the core; without a surface below, tau is infinite."""
-    known = phase.in_channel(index)
-    return (known, math.inf, 0.0) if over is None or tau == math.inf else (known, tau, over)
+    _, tau = medium.optics(index)
+    known = medium.phase.in_channel(index)
+    finite = medium.over is not None and tau < math.inf
+    return (known, tau, channel(medium.over, index)) if finite else (known, math.inf, 0.0)
 
 
 def _field(name: str) -> Field:

@@ -9,7 +9,8 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 from ..common import json_file
@@ -21,7 +22,7 @@ from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_pl
 from ..kinds.films import Film
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from ..kinds.spectra import WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum, sampled
-from .colours import albedos_of
+from .colours import albedos_of_layer, check_colours
 from .coverage import NOTHING, first_film, without_film
 from .layers import Medium
 from .metals import indices_of
@@ -55,7 +56,6 @@ class Stack:
     category: str = ""
     source: str = ""
     wavelengths: Sequence[float] | None = None
-    _albedos: tuple = field(init=False, repr=False, compare=False)
     _indices: tuple = field(init=False, repr=False, compare=False)
 
     texts = ("name", "category", "source")
@@ -94,7 +94,9 @@ class Stack:
         varies = self.varying
         if varies is not None and max(self._medium(varies).optics(c)[1] for c in range(self.channels)) == math.inf:
             raise StackError(f"layers[{varies}].tau = inf: a varying layer needs a largest thickness")
-        object.__setattr__(self, "_albedos", self._find_albedos())
+        for number, layer in enumerate(checked):
+            if isinstance(layer, Medium):
+                check_colours(layer, self.channels, f"layers[{number}]")
         if isinstance(self.base, Conductor):
             object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
 
@@ -350,28 +352,12 @@ class Stack:
             if self.base.has_phase:
                 yield from self.base.phase.quantities("base.phase")
 
-    def _find_albedos(self) -> tuple:
+    @cached_property
+    def _albedos(self) -> tuple:
         """The albedos of layers that are given by colours, by layer and channel; for a profile, by layer, knot and
-        channel."""
-        found: list[tuple | None] = []
-        count = self.channels
-        for index, layer in enumerate(self.layers):
-            path = f"layers[{index}]"
-            if isinstance(layer, Medium) and layer.profile is not None:
-                found.append(tuple(self._albedos_at(layer, number, path) for number in range(len(layer.profile))))
-            elif isinstance(layer, Medium) and layer.color is not None:
-                found.append(albedos_of(layer, count, path))
-            else:
-                found.append(None)
-        return tuple(found)
-
-    def _albedos_at(self, layer: Medium, number: int, path: str) -> tuple[float, ...] | None:
-        assert layer.profile is not None
-        knot = layer.profile[number]
-        if knot.color is None:
-            return None
-        homogeneous = replace(layer, profile=None, color=knot.color, phase=knot.phase or layer.phase)
-        return albedos_of(homogeneous, self.channels, f"{path}.profile[{number}]")
+        channel. The solver finds them when they are first needed."""
+        return tuple(albedos_of_layer(layer, self.channels) if isinstance(layer, Medium) else None
+                     for layer in self.layers)
 
     def _canonical_profile(self, index: int) -> dict:
         layer, channels = self._medium(index), range(self.channels)

@@ -143,3 +143,14 @@ def test_shown_takes_every_form():
     assert shown(Medium(sigma_s=[3.0, 1.0], sigma_a=1.0, thickness=0.5)) == shown(Medium(albedo=[0.75, 0.5], tau=9.0))
     np.testing.assert_allclose(shown(Medium(color=[0.1, 0.5], tau=2.0)), [0.1, 0.5], rtol=1e-5)
     assert len(shown(Medium(albedo=0.5, tau=1.0), over=[0.1, 0.2, 0.3])) == 3
+
+
+def test_a_stack_solves_for_its_colours_when_they_are_needed(monkeypatch):
+    asked = []
+    monkeypatch.setattr(colours, "_albedo", lambda wanted, *situation: asked.append(wanted) or 0.5)
+    stack = Stack([Medium(color=[0.31, 0.32, 0.33], tau=1.0), Medium(color=0.34, over=0.2, tau=9.0)])
+    assert asked == []
+    assert stack.optics(0, 1) == (0.5, 1.0)
+    assert sorted(asked) == [0.31, 0.32, 0.33, 0.34, 0.34, 0.34]
+    stack.canonical()
+    assert len(asked) == 6
