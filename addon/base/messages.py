@@ -4,6 +4,7 @@
 import re
 
 from ..kinds import bases, boundaries, films, media, phases
+from ..kinds.fields import Option
 from . import native
 
 _FIELDS = (
@@ -16,7 +17,7 @@ _FIELDS = (
 WORDS = {
     "phase": "phase function",
     "phase.kind": "phase function",
-    **{field.name: field.panel.words for field in reversed(_FIELDS)},
+    **{field.name: field.panel.words for field in reversed(_FIELDS) if not isinstance(field, Option)},
     **{f"phase.{field.name}": field.panel.words for cls in phases.IN_PANEL for field in cls.fields},
 }
 

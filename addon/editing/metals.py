@@ -3,6 +3,7 @@
 
 from ..base import decimals, native
 from ..base.messages import RefusedError
+from ..kinds.metals import METAL
 
 
 def names():
@@ -11,17 +12,21 @@ def names():
 
 
 def fill(base, name):
-    """Make the base this metal, in both forms; its roughness stays. Raises ValueError, NativeMissingError."""
+    """Make the base this metal, in all forms; its roughness stays. Raises ValueError, NativeMissingError."""
     if name not in names():
         raise RefusedError(f"metal = {name}: must be one of {', '.join(names())}")
     numbers = _numbers(name)
     base.kind, base.metal_form = "conductor", "colours"
+    if name in METAL.values:
+        base.metal = name
     for key, values in numbers.items():
         setattr(base, key, values)
 
 
 def name_of(base):
     """The name of the metal that a base is, in the base's own form, or ''. Raises NativeMissingError."""
+    if base.metal_form == "spectrum":
+        return base.metal
     keys = ("facing", "grazing") if base.metal_form == "colours" else ("eta", "k")
     for name in names():
         numbers = _numbers(name)

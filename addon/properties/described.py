@@ -5,6 +5,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 
 from ..base import changes
 from ..base.decimals import shortest
+from ..kinds.fields import Option
 
 # Attributes of a Panel, and Blender's names for them.
 _MORE = {
@@ -43,13 +44,16 @@ def number(field, update=changes.edited):
     return FloatVectorProperty(size=3, default=default, **_settings(field, update))
 
 
-def numbers(fields, update=changes.edited):
-    """{name: property} of several Fields. Raises ValueError if two Fields that differ have one name."""
+def quantities(fields, update=changes.edited):
+    """{name: property} of several Fields and Options. Raises ValueError if two that differ have one name."""
     by_name = {}
     for field in fields:
         if by_name.setdefault(field.prop, field) != field:
             raise ValueError(f"two properties are named {field.prop}: {by_name[field.prop]}, {field}")
-    return {name: number(field, update) for name, field in by_name.items()}
+    return {
+        name: option(field) if isinstance(field, Option) else number(field, update)
+        for name, field in by_name.items()
+    }
 
 
 def per_channel(field, description, update=changes.edited):

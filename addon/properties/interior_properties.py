@@ -9,7 +9,7 @@ import bpy
 from bpy.props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
 
 from ..kinds import interiors
-from .described import having, numbers
+from .described import having, quantities
 
 SOURCES = (
     ("MARBLE", "Marble", "Veins in planes that turbulence distorts, between two materials", 0),
@@ -50,12 +50,12 @@ class EndProperties:
     preset: StringProperty(description="Name of the preset that filled the numbers; empty after none")
 
 
-@having(numbers(interiors.GROUND, None))
+@having(quantities(interiors.GROUND, None))
 class LaminaGround(EndProperties, bpy.types.PropertyGroup):
     """An end material, by default white marble."""
 
 
-@having(numbers(interiors.VEINS, None))
+@having(quantities(interiors.VEINS, None))
 class LaminaVeins(EndProperties, bpy.types.PropertyGroup):
     """An end material, by default a darker one."""
 
@@ -63,7 +63,7 @@ class LaminaVeins(EndProperties, bpy.types.PropertyGroup):
 NUMBERS = tuple(field for field in (*interiors.MARBLE, *interiors.BODY, *interiors.MAPS) if field.panel)
 
 
-@having(numbers(NUMBERS, None))
+@having(quantities(NUMBERS, None))
 class LaminaInterior(bpy.types.PropertyGroup):
     source: EnumProperty(name="Interior", description="What fills the object", items=SOURCES, options=set())
     first: PointerProperty(type=LaminaGround, name="Ground")

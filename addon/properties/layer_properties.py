@@ -13,7 +13,7 @@ from ..base import changes, decimals
 from ..kinds import bases, boundaries, films, media, phases
 from ..kinds import metals as metal_table
 from ..stack_json import solved_colours
-from .described import choice, entries, having, number, numbers, option, per_channel, switch
+from .described import choice, entries, having, number, option, per_channel, quantities, switch
 
 LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item, films.Film.item))
 MODES = entries(form.item for form in media.FORMS)
@@ -21,7 +21,7 @@ PHASES = entries(cls.item for cls in phases.IN_PANEL)
 BASES = entries((bases.NONE, *(cls.item for cls in bases.IN_PANEL)))
 
 
-@having(numbers(field for cls in phases.IN_PANEL for field in cls.fields))
+@having(quantities(field for cls in phases.IN_PANEL for field in cls.fields))
 class PhaseProperties:
     """A phase function. `phase_text`, if not empty, is the JSON of a phase function that the panel cannot
     edit."""
@@ -106,7 +106,7 @@ def _graded_changed(layer, _context):
     changes.edited(layer)
 
 
-@having(numbers(field for form in media.FORMS for field in form.local))
+@having(quantities(field for form in media.FORMS for field in form.local))
 class MediumProperties(PhaseProperties):
     """The scattering properties of a medium at one depth."""
 
@@ -124,7 +124,7 @@ class LaminaDepth(MediumProperties, bpy.types.PropertyGroup):
     """The bottom of a medium that changes with depth."""
 
 
-@having(numbers(films.Film.fields))
+@having(quantities(films.Film.fields))
 class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     name: StringProperty(
         name="Name", description="Name of this layer", default="Layer", options=set()
@@ -191,7 +191,7 @@ def _base_choices(cls):
     return found
 
 
-@having(numbers(field for cls in bases.IN_PANEL for fields in (cls.fields, *cls.forms) for field in fields))
+@having(quantities(one for cls in bases.IN_PANEL for fields in (cls.fields, *cls.forms) for one in fields))
 @having({name: made for cls in bases.IN_PANEL for name, made in _base_choices(cls).items()})
 class LaminaBase(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
     kind: choice("Base", BASES, "What lies below the layers", bases.Lambert.kind, update=_base_kind_changed)

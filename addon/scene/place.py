@@ -16,6 +16,7 @@ from ..base import messages, preferences, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import with_uid
 from ..editing import layer_list, stack_io
+from ..kinds import media
 from ..nodes import detail_wiring, film_pattern, film_wiring, thickness
 from ..nodes.group_sockets import COVERAGE
 from ..nodes.side_graph import FRONT
@@ -231,14 +232,15 @@ def _vary(material, choice):
 
 def _range(layer):
     """The largest optical thickness of a medium."""
-    if layer.mode == "coefficients":
-        return layer.thickness * max(map(sum, zip(layer.sigma_s, layer.sigma_a, strict=True)))
+    if layer.mode in media.IN_MM:
+        absorbed = (0.0,) * 3 if layer.mode == "pigment" else layer.sigma_a  # a pigment's is not known here
+        return layer.thickness * max(map(sum, zip(layer.sigma_s, absorbed, strict=True)))
     return max(layer.tau_rgb) if layer.tau_per_channel else layer.tau
 
 
 def _raise_range(layer, largest):
     before = _range(layer)
-    if layer.mode == "coefficients":
+    if layer.mode in media.IN_MM:
         if before > 0.0:
             layer.thickness *= largest / before
     elif layer.tau_per_channel and before > 0.0:

@@ -4,12 +4,13 @@
 The panel edits a top and a bottom. A profile of more depths is stored unchanged as text.
 """
 
+from ..kinds import media
 from . import kept_json
 
 
 def is_graded(layer):
-    """True if a medium changes with depth."""
-    return layer.graded or bool(layer.profile_text)
+    """True if a medium changes with depth. The amount of a pigment does not."""
+    return (layer.graded and layer.mode != media.BY_PIGMENT.item.id) or bool(layer.profile_text)
 
 
 def imported(layer):

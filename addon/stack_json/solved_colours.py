@@ -61,7 +61,10 @@ def answer(what, text):
         if what == "albedo":
             return _triple(albedos)
         thick = lamina.Medium(albedo=albedos, tau=math.inf, phase=stack.layers[0].phase)
-        return _triple(colours.shown(thick))
+        shown = colours.shown(thick)
+        if stack.wavelengths is not None:
+            shown = colours.rec709(shown, tuple(stack.wavelengths))
+        return _triple(shown)
     except (lamina.StackError, lamina.SolveError):
         return ()
 

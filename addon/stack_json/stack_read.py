@@ -11,6 +11,7 @@ import math
 from ..base.messages import RefusedError, unusual_channels
 from ..kinds import boundaries, films, media
 from ..kinds.bases import BASES
+from ..kinds.fields import Option
 from . import phases
 
 NEWER = "this version of the add-on does not know it"
@@ -33,7 +34,7 @@ def layer(layer, where):
     elif kind == "medium":
         values = _medium(layer, where)
     elif kind == "film":
-        values = {field.prop: _number(field, layer, where) for field in films.Film.fields}
+        values = {field.prop: _value(field, layer, where) for field in films.Film.fields}
     else:
         raise RefusedError(f"{where}.kind = {kind}: {NEWER}")
     return {"kind": kind, "name": layer.get("name") or FIRST_NAMES[kind], **values}
@@ -52,7 +53,7 @@ def base(base):
         values[cls.form_prop] = form.item.id
         fields = (*form, *fields)
     for field in fields:
-        values[field.prop] = _number(field, base, "base")
+        values[field.prop] = _value(field, base, "base")
     values |= _orientation(cls, base, "base")
     values |= _options(cls, base, "base")
     if cls.has_phase:
@@ -63,7 +64,7 @@ def base(base):
 def _interface(layer, where):
     ior = _triple(layer["ior"], f"{where}.ior")
     values = {"ior": ior[0], "ior_per_channel": len(set(ior)) > 1, "ior_rgb": ior}
-    values["alpha"] = _number(boundaries.ALPHA, layer, where)
+    values["alpha"] = _value(boundaries.ALPHA, layer, where)
     values |= _orientation(boundaries.Interface, layer, where)
     return values | _options(boundaries.Interface, layer, where)
 
@@ -78,10 +79,13 @@ def _orientation(cls, entry, where):
     return {"anisotropic": True, **values}
 
 
-def _number(field, entry, where):
-    """The value of a field's property; the default if the entry lacks the field."""
-    value = entry.get(field.name, field.panel.default)
-    return (_triple if field.panel.rgb else _single)(value, f"{where}.{field.name}")
+def _value(quantity, entry, where):
+    """The value of a quantity's property; the default if the entry lacks the quantity."""
+    path = f"{where}.{quantity.name}"
+    if isinstance(quantity, Option):
+        return _option(quantity, entry.get(quantity.name, quantity.usual), path)
+    value = entry.get(quantity.name, quantity.panel.default)
+    return (_triple if quantity.panel.rgb else _single)(value, path)
 
 
 def _options(cls, entry, where):
@@ -129,7 +133,7 @@ def _mode(entry):
 def _medium_at(entry, layer, where):
     """The scattering quantities of a medium, or of a knot."""
     form = next(form for form in media.FORMS if form.item.id == _mode(entry))
-    values = {field.prop: _triple(entry[field.name], f"{where}.{field.name}") for field in form.local}
+    values = {quantity.prop: _value(quantity, entry, where) for quantity in form.local}
     return values | phases.values(entry.get("phase", layer.get("phase")), f"{where}.phase")
 
 

@@ -10,6 +10,7 @@ import json
 from ..base.decimals import shortest
 from ..kinds import boundaries, films, media
 from ..kinds.bases import BASES
+from ..kinds.fields import Option
 from ..kinds.limits import STACK_SCHEMA
 from . import phases, profiles
 
@@ -42,7 +43,7 @@ def layer(layer):
         return entry | {field.name: shortest(getattr(layer, field.prop)) for field in films.Film.fields}
     if layer.profile_text:
         entry |= {"profile": profiles.knots(layer), **_amount(layer)}
-    elif layer.graded:
+    elif profiles.is_graded(layer):
         knots = [{"depth": 0.0, **medium_at(layer, layer)}, {"depth": 1.0, **medium_at(layer, layer.bottom)}]
         entry |= {"profile": knots, **_amount(layer)}
     else:
@@ -60,15 +61,15 @@ def homogeneous(layer, end):
 def medium_at(layer, end):
     """The scattering quantities at one end: the layer itself (its top), or its bottom."""
     form = next(form for form in media.FORMS if form.item.id == layer.mode)
-    numbers = {field.name: _channels(getattr(end, field.prop)) for field in form.local}
-    return {**numbers, "phase": phases.to_json(end)}
+    values = {quantity.name: _value(quantity, end) for quantity in form.local}
+    return {**values, "phase": phases.to_json(end)}
 
 
 def base(base):
     if base.kind == "none":
         return None
     cls, entry = BASES[base.kind], {"kind": base.kind}
-    entry |= {field.name: _number(field, base) for field in cls.panel_fields(base)}
+    entry |= {quantity.name: _value(quantity, base) for quantity in cls.panel_fields(base)}
     if cls.has_phase:
         entry["phase"] = phases.to_json(base)
     return entry | (_orientation(base) if cls.rare else {}) | _options(cls, base)
@@ -85,7 +86,7 @@ def _orientation(owner):
 def _amount(layer):
     """The thickness of the medium."""
     infinite = layer.infinite and not profiles.is_graded(layer)
-    if layer.mode == "coefficients":
+    if layer.mode in media.IN_MM:
         return {"thickness": "inf" if infinite else shortest(layer.thickness)}
     if infinite:
         return {"tau": "inf"}
@@ -93,9 +94,11 @@ def _amount(layer):
     return over | {"tau": _channels(layer.tau_rgb) if layer.tau_per_channel else shortest(layer.tau)}
 
 
-def _number(field, owner):
-    value = getattr(owner, field.prop)
-    return _channels(value) if field.panel.rgb else shortest(value)
+def _value(quantity, owner):
+    value = getattr(owner, quantity.prop)
+    if isinstance(quantity, Option):
+        return value
+    return _channels(value) if quantity.panel.rgb else shortest(value)
 
 
 def _options(cls, owner):

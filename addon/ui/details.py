@@ -42,11 +42,13 @@ def _draw_medium(layout, layer):
     if not imported:
         _draw_end(column, layer, layer)
         _draw_over(column, layer)
-    if layer.mode != "coefficients" and not is_infinite(layer):
+    if layer.mode not in media.IN_MM and not is_infinite(layer):
         column.prop(layer, "tau_per_channel")
     if imported:
         return
     _draw_phase(column, layer)
+    if layer.mode == "pigment":
+        return
     column.prop(layer, "graded")
     if layer.graded:
         box = layout.box()
@@ -64,6 +66,8 @@ def _draw_end(column, layer, end):
     elif layer.mode == "coefficients":
         for field in media.BY_COEFFICIENTS.local:
             draw_number(column, end, field)
+    elif layer.mode == "pigment":
+        draw_number(column, end, media.SIGMA_S)
 
 
 def _draw_albedo(column, end):

@@ -7,8 +7,9 @@ Labels are short because the editor is narrow; tooltips give the details.
 from ..base import native, preferences
 from ..base.decimals import shortest
 from ..editing import metals
-from ..kinds import boundaries, films
+from ..kinds import boundaries, films, media
 from ..kinds.bases import BASES, Conductor
+from ..kinds.fields import Option
 from ..stack_json import profiles, solved_colours
 
 NO_ALBEDO = "No albedo gives this color"
@@ -26,7 +27,7 @@ def draw_base(layout, base):
     cls = BASES.get(base.kind)
     if cls is None:
         return
-    if cls is Conductor:
+    if cls is Conductor and base.metal_form != "spectrum":
         row = labelled(column, "Metal", None)
         row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
     if cls.form_prop:
@@ -45,7 +46,7 @@ def facts(layer):
         return f"ior {shortest(layer.film_ior):g}, {shortest(layer.film_thickness):g} nm"
     if is_infinite(layer):
         return "∞"
-    if layer.mode == "coefficients":
+    if layer.mode in media.IN_MM:
         return f"{shortest(layer.thickness):g} mm"
     tau = max(layer.tau_rgb) if layer.tau_per_channel else layer.tau
     return f"thickness {shortest(tau):g}"
@@ -78,7 +79,7 @@ def _draw_medium(column, layer):
     else:
         draw_color(column, layer, layer)
     amount = "Largest Thickness" if layer.varying else "Thickness"
-    if layer.mode == "coefficients":
+    if layer.mode in media.IN_MM:
         _with_infinity(column, layer, "thickness", f"{amount} (mm)")
     elif layer.tau_per_channel and not is_infinite(layer):
         rgb_column(column, layer, "tau_rgb", amount)
@@ -95,6 +96,9 @@ def draw_color(column, layer, end):
         return
     if layer.mode == "optical":
         column.prop(end, "albedo")
+    elif layer.mode == "pigment":
+        for quantity in (media.PIGMENT, media.AMOUNT):
+            draw_number(column, layer, quantity)
     if native.available():  # otherwise the color is unknown, and the swatch black
         column.prop(end, "shown_colour", text="As Thick Layer")
 
@@ -104,6 +108,8 @@ def draw_number(column, owner, field):
         column.prop(owner, "roughness", slider=True)
         if owner.alpha > 0.0:
             _draw_orientation(column, owner)
+    elif isinstance(field, Option):
+        column.prop(owner, field.prop)
     elif field.panel.rgb and field.panel.subtype != "COLOR":
         rgb_column(column, owner, field.prop, field.panel.label)
     else:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamina: scattering functions of layered materials, and lookup tables of them for Cycles."""
 
-from . import _core, colours, distributed, dust, export, lobes, measurements, metals, plot, ply, presets, rgl
+from . import _core, colours, distributed, dust, export, lobes, measurements, metals, pigments, plot, ply, presets, rgl
 from .baking.bake import bake
 from .baking.table.lut import Lut
 from .common.errors import (
@@ -128,6 +128,7 @@ __all__ = [
     "measurements",
     "merge_walks",
     "metals",
+    "pigments",
     "plot",
     "ply",
     "portal_tables",

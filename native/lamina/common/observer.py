@@ -9,7 +9,13 @@ from importlib.resources import files
 
 import numpy as np
 
+from .srgb import LUMINANCE
+
 PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G and B: Rec. ITU-R BT.709
+
+# Least share of the luminance that a channel of a table has. It is not 0, because errors of a channel are relative to
+# its own light.
+LEAST = 0.01
 
 
 @cache
@@ -37,6 +43,25 @@ def rec709_of(wavelengths: tuple[float, ...]) -> np.ndarray:
 def rec709(values: np.ndarray, wavelengths: tuple[float, ...], axis: int = -1) -> np.ndarray:
     """Values by wavelength along `axis` as red, green and blue, not clipped."""
     return np.moveaxis(np.tensordot(rec709_of(wavelengths), values, (1, axis)), 0, axis)
+
+
+def fading(rgb: np.ndarray, axis: int) -> np.ndarray:
+    """The least share of the way to the gray of the same luminance on which no channel is below LEAST of the luminance:
+    0 for colours well inside the gamut. One number for each colour along `axis`, whose length becomes 1."""
+    gray = luminance(rgb, axis)
+    missing = LEAST * gray - rgb
+    shares = np.divide(missing, gray - rgb, out=np.zeros_like(rgb), where=missing > 0.0)
+    return np.clip(shares.max(axis=axis, keepdims=True), 0.0, 1.0)
+
+
+def faded(rgb: np.ndarray, share: np.ndarray, axis: int) -> np.ndarray:
+    """Colours moved by a share of the way to the gray of their luminance."""
+    return rgb + share * (luminance(rgb, axis) - rgb)
+
+
+def luminance(rgb: np.ndarray, axis: int) -> np.ndarray:
+    """The luminance of linear Rec. 709 along `axis`, whose length becomes 1."""
+    return np.expand_dims(np.moveaxis(rgb, axis, -1) @ LUMINANCE, axis)
 
 
 def _table() -> np.ndarray:

@@ -12,6 +12,7 @@ from .boundaries import ALPHA, FACETS, ORIENTATION
 from .fields import Channels, Field, Form, Option, Rare, channel
 from .hashable import Hashable
 from .media import ALBEDO, SIGMA_A, SIGMA_S, single_scattering_albedo
+from .metals import METAL
 from .panel import Item, Panel
 from .phases import Isotropic, PhaseFunction
 
@@ -77,7 +78,8 @@ class Lambert(Base):
 class Conductor(Base):
     """A metal: its complex refractive index `eta` + i `k`, or two colours from which the stack computes the index:
     `facing`, the reflectance at normal incidence, and `grazing`, the reflectance at 82 degrees from the normal, both in
-    [0, 1] and in air. Numbers, or one per channel. For the facets see Interface."""
+    [0, 1] and in air. Numbers, or one per channel. Or `metal`, a name of lamina.metals: the index is the published one,
+    and the stack has wavelengths, see Stack. For the facets see Interface."""
 
     eta: Channels | None = None
     k: Channels | None = None
@@ -89,6 +91,7 @@ class Conductor(Base):
     grazing: Channels | None = None
     alpha_v: float | None = None
     angle: float = 0.0
+    metal: str | None = None
 
     kind = "conductor"
     # The panel's defaults must never change: .blend files do not store unchanged values.
@@ -109,6 +112,7 @@ class Conductor(Base):
                 "Grazing", "What the metal reflects at a grazing view, 82 degrees", (0.946, 0.875, 0.677), rgb=True,
                 subtype="COLOR", words="grazing color")),
         ), Item("colours", "Colors", "By the colors that it shows facing and grazing", 1)),
+        Form((METAL,), Item("spectrum", "Spectrum", "By the published index of a metal at each wavelength", 2)),
     )
     form_prop = "metal_form"
     fields = (ALPHA,)

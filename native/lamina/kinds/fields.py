@@ -107,19 +107,6 @@ class Rare:
 
 
 @dataclass(frozen=True)
-class Form:
-    """Quantities that together describe a thing. `item`: the form's entry in the panel's list, or None if the panel has
-    no such list. `local`: the quantities of a medium that may change with depth."""
-
-    fields: tuple[Field, ...]
-    item: Item | None = None
-    local: tuple[Field, ...] = ()
-
-    def __iter__(self):
-        return iter(self.fields)
-
-
-@dataclass(frozen=True)
 class Option:
     """A choice. `values`: the allowed values, the usual one first. `items`: entries of the panel's list, for texts.
     `several`: the value is a tuple of ids of `items`, in any order, and `values` is the usual tuple."""
@@ -130,6 +117,13 @@ class Option:
     tip: str
     items: tuple[Item, ...] = ()
     several: bool = False
+
+    optional = False  # in a form
+
+    @property
+    def prop(self) -> str:
+        """The name of the add-on's property."""
+        return self.name
 
     @property
     def usual(self):
@@ -150,6 +144,25 @@ class Option:
             words = " or ".join(json.dumps(choice) for choice in self.values)
             raise StackError(f"{path} = {quoted(value)}: must be {words}")
         return value
+
+
+@dataclass(frozen=True)
+class Form:
+    """Quantities that together describe a thing; an Option names a substance. `item`: the form's entry in the panel's
+    list, or None if the panel has no such list. `local`: the quantities of a medium that scatter or absorb, which may
+    change with depth."""
+
+    fields: tuple[Field | Option, ...]
+    item: Item | None = None
+    local: tuple[Field | Option, ...] = ()
+
+    @property
+    def is_named(self) -> bool:
+        """True if the form names a substance with a spectrum."""
+        return any(isinstance(quantity, Option) for quantity in self.fields)
+
+    def __iter__(self):
+        return iter(self.fields)
 
 
 def _end(number: float) -> str:
@@ -187,7 +200,7 @@ def as_channels(values: Sequence[float]) -> Channels:
     return tuple(values) if len(values) > 1 else values[0]
 
 
-def all_fields(thing) -> list[Field]:
+def all_fields(thing) -> list[Field | Option]:
     """Every quantity of a layer or base once: those of its forms, then the others."""
     named = {quantity.name: quantity for form in getattr(thing, "forms", ()) for quantity in form}
     return [*named.values(), *thing.fields]

@@ -7,6 +7,7 @@ import math
 
 from .fields import Field, Form
 from .panel import Item, Panel
+from .pigments import PIGMENT
 
 ALBEDO = Field("albedo", 0.0, 1.0, panel=Panel(
     "Albedo", "Share of the light that a scattering event keeps, per channel", 0.8, rgb=True, subtype="COLOR"))
@@ -27,16 +28,23 @@ THICKNESS = Field("thickness", 0.0, math.inf, unit="mm", infinite=True, panel=Pa
 OVER = Field("over", 0.0, 1.0, optional=True, panel=Panel(
     "Over", "Reflectance of the base over which the color is meant", 0.5, rgb=True, subtype="COLOR",
     words="color of the base below"))
+AMOUNT = Field("amount", 0.0, 1e9, single=True, panel=Panel(
+    "Amount", "Amount of the pigment; what 1 means, the list of pigments tells", 0.1, high=1e4, soft_high=1.0,
+    precision=4, step=1))
 DEPTH = Field("depth", 0.0, 1.0)
 
-# In the order of the panel's list. `local`: quantities that may differ between the knots of a profile.
+# In the order of the panel's list.
 BY_COLOUR = Form((COLOR, OVER, TAU), Item("colour", "Color", "By the color that it shows, and optical thickness", 2),
                  local=(COLOR,))
 BY_ALBEDO = Form((ALBEDO, TAU), Item("optical", "Albedo", "By albedo and optical thickness", 0), local=(ALBEDO,))
 BY_COEFFICIENTS = Form((SIGMA_S, SIGMA_A, THICKNESS), Item(
     "coefficients", "Per mm", "By scattering and absorption per millimetre, and thickness", 1),
     local=(SIGMA_S, SIGMA_A))
-FORMS = (BY_COLOUR, BY_ALBEDO, BY_COEFFICIENTS)
+BY_PIGMENT = Form((PIGMENT, AMOUNT, SIGMA_S, THICKNESS), Item(
+    "pigment", "Pigment", "By a pigment with a published spectrum, scattering per millimetre, and thickness", 3),
+    local=(PIGMENT, AMOUNT, SIGMA_S))
+FORMS = (BY_COLOUR, BY_ALBEDO, BY_PIGMENT, BY_COEFFICIENTS)
+IN_MM = {form.item.id for form in FORMS if THICKNESS in form.fields and form.item is not None}
 USUAL_FORM = BY_ALBEDO
 
 ITEM = Item("medium", "Medium", "Scattering, absorbing particles: dust, pigment, haze", 0, icon="MATFLUID")

@@ -8,7 +8,17 @@ import math
 from functools import cache, lru_cache
 from importlib.resources import files
 
+from .fields import Option
+from .panel import Item
+
 GRAZING = math.cos(math.radians(82.0))  # of the angle of a metal's second colour (Hoffman 2019)
+
+
+# Numbers in .blend files: a new metal is added at the end.
+NAMES = ("aluminium", "brass", "chromium", "cobalt", "commercial-bronze", "copper", "gold", "iron", "nickel",
+         "palladium", "platinum", "silver", "stainless-steel", "titanium", "zinc")
+METAL = Option("metal", ("gold", *(name for name in NAMES if name != "gold")), "Metal", "The metal of this index",
+               tuple(Item(name, name.replace("-", " ").capitalize(), "", number) for number, name in enumerate(NAMES)))
 
 
 @cache

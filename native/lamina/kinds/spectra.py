@@ -42,6 +42,17 @@ class Spectrum(Hashable):
         share = (wavelength - low) / (high - low)
         return self.values[place - 1] * (1.0 - share) + self.values[place] * share
 
+    def __mul__(self, factor: float) -> Spectrum:
+        """All values times a number."""
+        return replace(self, values=tuple(value * factor for value in self.values))
+
+    __rmul__ = __mul__
+
+    def __add__(self, other: Spectrum) -> Spectrum:
+        """The sum of two spectra, at the wavelengths of both."""
+        wavelengths = tuple(sorted({*self.wavelengths, *other.wavelengths}))
+        return Spectrum(wavelengths, tuple(self.at(one) + other.at(one) for one in wavelengths))
+
     @classmethod
     def load(cls, path: str | os.PathLike) -> Spectrum:
         """Reads a text file with a wavelength in nm and a value in each line, separated by a comma or spaces; lines

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from ..common.errors import StackError, quoted
 from ..kinds.fields import Channels, channel, check_forms
 from ..kinds.hashable import Hashable
-from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, ITEM, single_scattering_albedo
+from ..kinds.media import BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, BY_PIGMENT, ITEM, single_scattering_albedo
 from ..kinds.phases import Isotropic
 from .phase import Phase, check_phase
 from .profile import Knot, check_profile, tau_of, turned
@@ -23,7 +23,10 @@ class Medium(Hashable):
     to infinity), or `sigma_s`, `sigma_a` (1/mm) and `thickness` (mm), or `color` and `tau`. `color`, in [0, 1], is the
     medium's reflectance for uniform diffuse light, without interfaces: of an infinitely thick layer, or, with `over`,
     of a layer of its own tau on a Lambert surface of that reflectance. The stack finds the albedo that gives this
-    colour. Or `profile`, two or more knots from top to bottom, and `tau` or `thickness`, both finite: see Knot.
+    colour. Or `pigment`, a name of lamina.pigments, its `amount`, `sigma_s` and `thickness`: the absorption is the
+    published spectrum, and the stack has wavelengths. Or `profile`, two or more knots from top to bottom, and `tau` or
+    `thickness`, both finite: see Knot.
+
     `varying` marks the one layer whose thickness becomes an input of the baked material. Its tau is then the largest
     thickness, for which the colour is meant. Values are checked when the layer becomes part of a Stack."""
 
@@ -37,10 +40,12 @@ class Medium(Hashable):
     varying: bool = False
     color: Channels | None = None
     over: Channels | None = None
+    pigment: str | None = None
+    amount: float | None = None
     profile: Sequence[Knot] | None = None
 
     kind = ITEM.id
-    forms = (BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR)
+    forms = (BY_ALBEDO, BY_COEFFICIENTS, BY_COLOUR, BY_PIGMENT)
     fields = ()
 
     def checked(self, path: str) -> Medium:

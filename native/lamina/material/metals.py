@@ -5,15 +5,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from importlib.resources import files
-from typing import cast
 
 from ..common.arguments import check_kind
 from ..common.errors import StackError, unknown
 from ..kinds.bases import Conductor
-from ..kinds.fields import Channels, channel, channel_count, check_forms
+from ..kinds.fields import channel, channel_count, check_forms
 from ..kinds.metals import GRAZING, grazing_range, indices, reflectance, table
 from ..kinds.spectra import Spectrum
+from .spectrum_files import read_spectra
 
 
 def names() -> list[str]:
@@ -34,11 +33,14 @@ def spectral(name: str, alpha: float = 0.0, distribution: str = "ggx") -> Conduc
     """A metal of the table by its published indices n and k as spectra: its stack has wavelengths, see Stack. Raises
     UnknownName, a KeyError and StackError."""
     _entry(name)
-    text = (files(__package__) / "metal_spectra" / f"{name}.csv").read_text(encoding="utf-8")
-    rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")][1:]
-    wavelengths, *values = zip(*(map(float, row) for row in rows), strict=True)
-    eta, k = (cast(Channels, Spectrum(wavelengths, one)) for one in values)
-    return Conductor(eta=eta, k=k, alpha=alpha, distribution=distribution)
+    return Conductor(metal=name, alpha=alpha, distribution=distribution)
+
+
+def spectral_indices(name: str) -> tuple[Spectrum, Spectrum]:
+    """(n, k) of a metal as published. Raises UnknownName, a KeyError and StackError."""
+    _entry(name)
+    n, k = read_spectra("metal_spectra", name)
+    return n, k
 
 
 def source(name: str) -> str:

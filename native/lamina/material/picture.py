@@ -7,7 +7,10 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..common import svg
+from ..common.observer import rec709
 from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import Channels, as_channels, channel
@@ -39,7 +42,7 @@ def stack_picture(stack: Stack) -> str:
         else:
             taus = [stack.optics(number, c)[1] for c in range(stack.channels)]
             height = THIN + (THICK - THIN) * _share(max(taus))
-            fill = svg.colour(_colour_of(stack, number, layer))
+            fill = _fill(stack, _colour_of(stack, number, layer))
             words = f"medium, tau {_range(as_channels(taus), stack)}" + (", varying" if layer.varying else "")
         name = f"{layer.name}: " if layer.name else ""
         parts += [svg.box(0.0, y, WIDTH, height, fill, "#808080"), svg.text(WIDTH + 8.0, y + 0.5 * height + 4.0,
@@ -48,10 +51,17 @@ def stack_picture(stack: Stack) -> str:
     if stack.base is None:
         parts.append(svg.text(4.0, y + 16.0, "air"))
     else:
-        fill = svg.colour(_colour_of_base(stack))
+        fill = _fill(stack, _colour_of_base(stack))
         parts += [svg.box(0.0, y, WIDTH, BASE, fill, "#808080"),
                   svg.text(WIDTH + 8.0, y + 0.5 * BASE + 4.0, f"base: {stack.base.kind}")]
     return svg.picture(WIDTH + TEXT, y + BASE + 4.0, parts, f"Stack {stack.label}")
+
+
+def _fill(stack: Stack, values: list[float]) -> str:
+    """The color of an area whose reflectance in the stack's channels is known."""
+    if stack.wavelengths is not None and len(values) > 1:
+        values = rec709(np.array(values), tuple(stack.wavelengths)).clip(0.0, 1.0).tolist()
+    return svg.colour(values)
 
 
 def _share(tau: float) -> float:

@@ -21,7 +21,8 @@ from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
 from ..kinds.films import Film
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
-from ..kinds.spectra import WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum, sampled
+from ..kinds.spectra import WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum
+from .by_wavelength import by_wavelength, is_spectral
 from .colours import albedos_of_layer, check_colours
 from .coverage import NOTHING, first_film, without_film
 from .layers import Medium
@@ -43,9 +44,10 @@ class Stack:
     `source` (of the numbers) are texts for the user and not part of the hash.
 
     `wavelengths`, in nm, says that each channel is light of one wavelength; None: red, green and blue, or any channels,
-    but lamina.WAVELENGTHS if a quantity is a Spectrum, which becomes one value per wavelength. Tables of stacks with
-    wavelengths are red, green and blue: linear Rec. 709 under D65. Thin films in a stack without wavelengths need one
-    or three channels and make it three, see Film.
+    but lamina.WAVELENGTHS if a quantity is a Spectrum, a medium has a pigment, or a metal its name. Spectra become one
+    value per wavelength, and three values, red, green and blue, become the smoothest spectrum of this colour. Tables of
+    stacks with wavelengths are red, green and blue: linear Rec. 709 under D65. Thin films in a stack without
+    wavelengths need one or three channels and make it three, see Film.
 
     A stack has at most 64 layers. Raises StackError if a value is out of range, channels disagree, or the stack is
     empty."""
@@ -57,6 +59,10 @@ class Stack:
     source: str = ""
     wavelengths: Sequence[float] | None = None
     _indices: tuple = field(init=False, repr=False, compare=False)
+    # For JSON: the parts, by their position, that were given by names or colors in place of values by wavelength; and
+    # whether they imply the wavelengths.
+    _given: dict = field(init=False, repr=False, compare=False)
+    _implied: bool = field(init=False, repr=False, compare=False)
 
     texts = ("name", "category", "source")
 
@@ -69,13 +75,19 @@ class Stack:
             base = layers.pop()
         if len(layers) > MOST_LAYERS:
             raise StackError(f"layers has {len(layers)} entries: a stack must have at most {MOST_LAYERS}")
-        if wavelengths is None and any(map(has_spectrum, (*layers, base))):
+        parts = (*layers, base)
+        implied = wavelengths is None and any(map(is_spectral, parts))
+        if implied:
             wavelengths = WAVELENGTHS
         if wavelengths is not None:
             wavelengths = _checked_wavelengths(wavelengths)
-            layers = [sampled(layer, wavelengths, f"layers[{i}]") for i, layer in enumerate(layers)]
-            base = sampled(base, wavelengths, "base")
+            layers = [by_wavelength(layer, wavelengths, f"layers[{i}]") for i, layer in enumerate(layers)]
+            base = by_wavelength(base, wavelengths, "base")
         object.__setattr__(self, "wavelengths", wavelengths)
+        changed = {number: part for number, (part, new) in enumerate(zip(parts, (*layers, base), strict=True))
+                   if part is not new and not has_spectrum(part)}
+        object.__setattr__(self, "_given", changed)
+        object.__setattr__(self, "_implied", implied and not any(map(has_spectrum, parts)))
         checked = tuple(check_layer(layer, f"layers[{i}]") for i, layer in enumerate(layers))
         object.__setattr__(self, "layers", checked)
         object.__setattr__(self, "base", check_base(base))
@@ -187,7 +199,8 @@ class Stack:
     def _derived(self, layers, base, albedos) -> Stack:
         """A stack of checked parts with known albedos."""
         derived = object.__new__(Stack)
-        for name, value in {**self.__dict__, "layers": tuple(layers), "base": base, "_albedos": tuple(albedos)}.items():
+        changes = {"layers": tuple(layers), "base": base, "_albedos": tuple(albedos), "_given": {}, "_implied": False}
+        for name, value in {**self.__dict__, **changes}.items():
             object.__setattr__(derived, name, value)
         return derived
 
@@ -253,7 +266,8 @@ class Stack:
     def require_colours(self, user: str) -> None:
         """Raises StackError for a stack with wavelengths, where `user` takes red, green and blue."""
         if self.wavelengths is not None:
-            raise StackError(f"wavelengths: must be left out for {user}, which takes red, green and blue")
+            raise StackError(f"wavelengths: must be left out for {user}, which takes red, green and blue; pigments, "
+                             "metals by their name, and spectra have wavelengths")
 
     def canonical(self) -> str:
         """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, without
@@ -287,23 +301,24 @@ class Stack:
     def to_json(self) -> dict:
         """A JSON object; from_json reads it."""
         layers = []
-        for layer in self.layers:
+        for number, layer in enumerate(self.layers):
             entry: dict = {"kind": layer.kind}
             if layer.name:
                 entry["name"] = layer.name
             if isinstance(layer, Interface | Film):
-                layers.append({**entry, **plain(layer)})
+                layers.append({**entry, **plain(self._given.get(number, layer))})
                 continue
-            entry.update(given(layer))
-            entry["phase"] = layer.phase.to_json()
+            medium = self._given.get(number, layer)
+            entry.update(given(medium))
+            entry["phase"] = medium.phase.to_json()
             if layer.profile is not None:
                 entry["profile"] = [knot.to_json() for knot in layer.profile]
             if layer.varying:
                 entry["varying"] = True
             layers.append(entry)
-        base = None if self.base is None else plain(self.base)
+        base = None if self.base is None else plain(self._given.get(len(self.layers), self.base))
         texts = {text: getattr(self, text) for text in self.texts if getattr(self, text)}
-        spectral = {} if self.wavelengths is None else {"wavelengths": list(self.wavelengths)}
+        spectral = {} if self.wavelengths is None or self._implied else {"wavelengths": list(self.wavelengths)}
         return {"schema": SCHEMA, **texts, **spectral, "layers": layers, "base": base}
 
     @classmethod

@@ -10,6 +10,7 @@ import pytest
 from addon_helpers import drawn_base, drawn_layer
 
 from lamina.kinds import bases, boundaries, dust, interiors, media, phases
+from lamina.kinds.fields import Option
 
 
 def ends(field):
@@ -38,6 +39,10 @@ def described(addon):
 def test_every_field_has_its_property(addon):
     for owner, field in described(addon):
         prop = owner.bl_rna.properties[field.prop]
+        if isinstance(field, Option):
+            assert prop.default == field.usual and {item.identifier for item in prop.enum_items} == set(field.values)
+            assert (prop.name, prop.description) == (field.label, field.tip)
+            continue
         assert [prop.hard_min, prop.hard_max] == pytest.approx(ends(field)), field.name
         assert (prop.name, prop.description) == (field.panel.label, field.panel.tip)
         default = list(prop.default_array) if prop.is_array else [prop.default]
@@ -103,6 +108,32 @@ def test_a_base_is_drawn_written_and_read(addon, lamina, material, cls):
     assert addon.editing.stack_io.to_dict(other) == data
 
 
+@pytest.mark.parametrize("form", bases.Conductor.forms, ids=lambda form: form.item.id)
+def test_a_metal_is_drawn_written_and_read_in_each_form(addon, material, form):
+    base = material.lamina.base
+    base.kind, base.metal_form = "conductor", form.item.id
+    data = addon.editing.stack_io.to_dict(material)
+    assert {quantity.name for quantity in form} <= set(data["base"])
+    assert drawn_base(addon, base).count("Metal") == 1  # a menu, or the name alone
+    other = bpy.data.materials.new("Other")
+    addon.editing.stack_io.assign_stack(other, addon.editing.stack_io.to_stack(material))
+    assert addon.editing.stack_io.to_dict(other)["base"] == data["base"]
+
+
+@pytest.mark.parametrize("form", media.FORMS, ids=lambda form: form.item.id)
+def test_a_medium_is_drawn_written_and_read_in_each_form(addon, material, form):
+    layer = material.lamina.layers[0]
+    layer.mode = form.item.id
+    data = addon.editing.stack_io.to_dict(material)
+    assert {quantity.name for quantity in form.local} <= set(data["layers"][0])
+    lines = " ".join(drawn_layer(addon, layer))
+    for quantity in form.local:
+        assert (quantity.label if isinstance(quantity, Option) else quantity.panel.label) in lines
+    other = bpy.data.materials.new("Other")
+    addon.editing.stack_io.assign_stack(other, addon.editing.stack_io.to_stack(material))
+    assert addon.editing.stack_io.to_dict(other)["layers"] == data["layers"]
+
+
 def test_a_base_that_becomes_a_metal_is_gold(addon, lamina, material):
     """In both forms, by the table of metals that lamina has."""
     base = material.lamina.base
@@ -124,11 +155,11 @@ def test_a_metal_without_the_wheel_has_numbers_too(addon, material, monkeypatch)
 
 def test_two_numbers_of_one_name(addon):
     """Two different quantities cannot share a property; one quantity of two kinds can. No property replaces another."""
-    numbers, having = addon.properties.described.numbers, addon.properties.described.having
-    assert list(numbers([boundaries.IOR, boundaries.ALPHA, boundaries.IOR])) == ["ior", "alpha"]
+    quantities, having = addon.properties.described.quantities, addon.properties.described.having
+    assert list(quantities([boundaries.IOR, boundaries.ALPHA, boundaries.IOR])) == ["ior", "alpha"]
     with pytest.raises(ValueError, match="two properties are named ior"):
-        numbers([boundaries.IOR, dataclasses.replace(boundaries.IOR, high=9.0)])
+        quantities([boundaries.IOR, dataclasses.replace(boundaries.IOR, high=9.0)])
     owner = type("Owner", (), {"__annotations__": {"ior": None}})
     with pytest.raises(ValueError, match="Owner has a property of this name already: ior"):
-        having(numbers([boundaries.IOR]))(owner)
-    assert list(having(numbers([boundaries.ALPHA]))(owner).__annotations__) == ["ior", "alpha"]
+        having(quantities([boundaries.IOR]))(owner)
+    assert list(having(quantities([boundaries.ALPHA]))(owner).__annotations__) == ["ior", "alpha"]

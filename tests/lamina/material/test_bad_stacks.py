@@ -53,13 +53,16 @@ BAD = {
         "layers[0].thickness = -2: must lie in [0, infinity] mm"),
     "two forms": (
         lambda: medium(sigma_s=1.0),
-        "layers[1] has two forms: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"),
+        "layers[1] has two forms: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau or "
+        "pigment, amount, sigma_s, thickness"),
     "no coefficients": (
         lambda: Stack([Medium()]),
-        "layers[0] has no coefficients: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"),
+        "layers[0] has no coefficients: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau or "
+        "pigment, amount, sigma_s, thickness"),
     "tau missing": (
         lambda: Stack([Medium(albedo=0.5)]),
-        "layers[0].tau is missing: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"),
+        "layers[0].tau is missing: must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau or "
+        "pigment, amount, sigma_s, thickness"),
     "name a number": (lambda: medium(name=5), "layers[1].name = 5: must be a text"),
     "varying a number": (lambda: medium(varying=1), "layers[1].varying = 1: must be true or false"),
     "too many layers": (lambda: Stack([GOOD] * 65), "layers has 65 entries: a stack must have at most 64"),

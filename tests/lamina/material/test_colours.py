@@ -22,6 +22,7 @@ from lamina import (
     Tabulated,
 )
 from lamina.colours import albedo_of, shown
+from lamina.material import colours
 
 PHASES = {
     "isotropic": Isotropic(),
@@ -114,11 +115,12 @@ def test_json_keeps_the_colour_and_the_hash_means_the_albedo():
     ({"color": [0.5, -1], "tau": 1.0}, "layers[0].color[1] = -1: must lie in [0, 1]"),
     ({"color": 0.5, "over": 2.0, "tau": 1.0}, "layers[0].over = 2: must lie in [0, 1]"),
     ({"color": 0.5}, "layers[0].tau is missing: must have either albedo, tau or sigma_s, sigma_a, thickness or "
-                     "color, tau"),
+                     "color, tau or pigment, amount, sigma_s, thickness"),
     ({"over": 0.5, "tau": 1.0}, "layers[0].color is missing: must have either albedo, tau or sigma_s, sigma_a, "
-                                "thickness or color, tau"),
+                                "thickness or color, tau or pigment, amount, sigma_s, thickness"),
     ({"color": 0.5, "albedo": 0.5, "tau": 1.0}, "layers[0] has two forms: must have either albedo, tau or sigma_s, "
-                                                "sigma_a, thickness or color, tau"),
+                                                "sigma_a, thickness or color, tau or pigment, amount, "
+                                                "sigma_s, thickness"),
     ({"color": [0.2, 0.2, 0.2], "tau": [1.0, 2.0]}, "layers[0].color has 3 channels: must have 2 like layers[0].tau"),
     ({"color": 0.9, "over": 0.2, "tau": 0.0}, "layers[0].color = 0.9: a layer of tau 0 over 0.2 shows 0.2"),
 ])

@@ -77,10 +77,10 @@ def test_json_keeps_the_colours_and_the_hash_means_the_indices():
 
 
 @pytest.mark.parametrize("base, sentence", [
-    ({}, "base has no coefficients: must have either eta, k or facing, grazing"),
-    ({"eta": 0.2}, "base.k is missing: must have either eta, k or facing, grazing"),
-    ({"facing": 0.2}, "base.grazing is missing: must have either eta, k or facing, grazing"),
-    ({"eta": 0.2, "k": 3.0, "facing": 0.2}, "base has two forms: must have either eta, k or facing, grazing"),
+    ({}, "base has no coefficients: must have either eta, k or facing, grazing or metal"),
+    ({"eta": 0.2}, "base.k is missing: must have either eta, k or facing, grazing or metal"),
+    ({"facing": 0.2}, "base.grazing is missing: must have either eta, k or facing, grazing or metal"),
+    ({"eta": 0.2, "k": 3.0, "facing": 0.2}, "base has two forms: must have either eta, k or facing, grazing or metal"),
     ({"facing": 1.5, "grazing": 0.9}, "base.facing = 1.5: must lie in [0, 1]"),
     ({"facing": [0.9, 0.5], "grazing": [0.9, 0.9, 0.9]},
      "base.grazing has 3 channels: must have 2 like base.facing"),

@@ -96,12 +96,19 @@ def test_the_table_is_the_colour_of_the_solve():
     assert lut.compare(stack).mean == pytest.approx(lut.report["fit_error"], rel=1e-3)
 
 
-def test_what_leaves_the_gamut_is_black():
+def test_what_leaves_the_gamut_fades_to_gray():
+    """Its luminance stays, and its least channel has 1 % of it. The report tells the share of gray."""
     stack = dyed(np.where(np.abs(EVERY - 520.0) < 15.0, 0.0, 50.0), 1.0)
     paint = rec709(lamina.solve(stack, "preview").reflectance(1.0, parts=True)[0], stack.wavelengths)
-    shown = lamina.bake(stack, quality="preview").reflectance(1.0, parts=True)[0]
+    baked = lamina.bake(stack, quality="preview")
+    shown = baked.reflectance(1.0, parts=True)[0]
+    luminance = paint @ (0.2126, 0.7152, 0.0722)
+    share = (0.01 * luminance - paint.min()) / (luminance - paint.min())
     assert paint.min() < -1e-3
-    assert shown == pytest.approx(np.maximum(paint, 0.0), abs=1e-4)
+    assert shown == pytest.approx(paint + share * (luminance - paint), rel=1e-4)
+    assert shown.min() == pytest.approx(0.01 * luminance, rel=1e-4)
+    assert baked.report["faded"] == pytest.approx(share, abs=0.05) and baked.report["fit_error"] < 0.02
+    assert "faded" not in lamina.bake(Stack([], Lambert(0.5)), "preview").report
 
 
 def test_labelled_values_have_wavelengths():
@@ -118,7 +125,7 @@ DEEP = Stack([Medium(sigma_s=2.0, sigma_a=RAMP, thickness=np.inf)])
     (lambda: Stack([Medium(Spectrum([700, 400], [0.1, 0.2]), 1.0)]), "albedo.wavelengths: must be ascending"),
     (lambda: Stack([Medium(Spectrum([400], [1.5]), 1.0)]), "layers\\[0\\].albedo\\[0\\] = 1.5"),
     (lambda: Stack([Medium(Spectrum(5, 7), 1.0)]), "albedo.wavelengths = 5: must be a list"),
-    (lambda: Stack([Medium(RAMP, (1.0, 2.0, 3.0))]), "channels"),
+    (lambda: Stack([Medium(RAMP, (1.0, 2.0))]), "channels"),
     (lambda: Stack([Medium(RAMP, 1.0)], wavelengths=[500, 500]), "wavelengths: must differ"),
     (lambda: lamina.bake(Stack([Medium(RAMP, 1.0)], Lambert(0.5, textured=True))), "base: must have no input"),
     (lambda: lamina.bake(Stack([Medium(RAMP, 1.0)], PrincipledBase())), "base: must have no input"),

@@ -102,7 +102,8 @@ def changed(path, value):
 
 LAYER = ("layers", 0)
 PHASE = (*LAYER, "phase")
-FORMS = "must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau"
+FORMS = ("must have either albedo, tau or sigma_s, sigma_a, thickness or color, tau or pigment, amount, sigma_s, "
+         "thickness")
 MUST_BE_NUMBER = "must be a number or one number per channel"
 BAD = [
     (("schema",), 2, "schema = 2: must be at most 1; this stack needs a newer Lamina"),
@@ -122,8 +123,8 @@ BAD = [
     ((*LAYER, "kind"), {}, "layers[0].kind = {}: must be 'medium', 'interface', 'film', or a base at the bottom"),
     (LAYER, {"kind": "black"}, "layers[0].kind = 'black': a base can only stand at the bottom"),
     (("layers", 1), {"kind": "black"}, "layers[1].kind = 'black': a base can only stand at the bottom"),
-    ((*LAYER, "thikness"), 1.0, "layers[0].thikness: unknown key; known are albedo, color, kind, name, over, "
-                                "phase, profile, sigma_a, sigma_s, tau, thickness, varying"),
+    ((*LAYER, "thikness"), 1.0, "layers[0].thikness: unknown key; known are albedo, amount, color, kind, name, over, "
+                                "phase, pigment, profile, sigma_a, sigma_s, tau, thickness, varying"),
     ((*LAYER, "albedo"), 1.2, "layers[0].albedo = 1.2: must lie in [0, 1]"),
     ((*LAYER, "albedo"), -1, "layers[0].albedo = -1: must lie in [0, 1]"),
     ((*LAYER, "albedo"), math.nan, "layers[0].albedo = nan: must lie in [0, 1]"),

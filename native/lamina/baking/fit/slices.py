@@ -15,13 +15,14 @@ from ...closures import narrow_lobes
 from ...closures.axes import tau_at, tau_rows
 from ...closures.closure_table import LightGrid, grid_for, oriented_grid, view_cosines
 from ...common.errors import StackError
-from ...common.observer import rec709
+from ...common.observer import faded, fading, rec709
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.boundaries import Interface
 from ...material.stack import Stack
 from ...solver.sharp_facets import take_lost
 from ...solver.solve import ScatteringFunction, solve, solve_with_mirrors
 from .azimuth_rows import AzimuthRows, require_oriented_table
+from .row_functions import SolvedAgain
 
 SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
 PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
@@ -29,6 +30,7 @@ PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
 STATED_COSINE = 0.05
 # Rows between two calls of `step`; enough to keep all threads busy.
 ROWS_AT_ONCE = 4
+MOST_KEPT = 3  # channels of stacks whose solved rows are kept
 
 
 def stated() -> np.ndarray:
@@ -67,7 +69,7 @@ class SolvedRows:
     axis: list[float]
     rows: list[int]
     tau: list[float | None]
-    functions: list[ScatteringFunction]
+    functions: Sequence[ScatteringFunction]
     sides: list[str]
     is_sheet: bool
     azimuths: AzimuthRows | None = None  # of an anisotropic stack, whose rows are these in place of thicknesses
@@ -87,7 +89,7 @@ def require_table(stack: Stack) -> None:
     base = stack.base
     has_input = isinstance(base, PrincipledBase | ShaderBase) or (isinstance(base, Lambert) and base.textured)
     if has_input and (stack.wavelengths is not None or stack.is_oriented):
-        kind = "wavelengths" if stack.wavelengths is not None else "anisotropic facets"
+        kind = "pigments or other spectra" if stack.wavelengths is not None else "anisotropic facets"
         raise StackError(f"base: must have no input of the node group for a lookup table with {kind}")
     stack.require_air_below()
     if stack.is_oriented:
@@ -145,19 +147,28 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     symmetric = stack.turned().canonical() == stack.canonical()
     is_sheet = stack.base is None
     sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
-    if stack.varying is None:
+    varying = stack.varying
+    if varying is None:
         return SolvedRows([], [0], [None], [full], sides, is_sheet)
-    taus = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
+    taus = [stack.optics(varying, c)[1] for c in range(stack.channels)]
     largest = max(taus)
     axis = [float(tau) for tau in tau_rows(largest)]
     rows = sorted({*range(0, len(axis), stride), len(axis) - 1}) if only is None else sorted(only)
-    functions: list[ScatteringFunction] = []
-    for count, row in enumerate(rows):
-        step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
-        share = _share(axis[row], largest)
-        # The lobes of boundaries are sharpest in the clean stack, so its resolution is sufficient for all other rows.
-        known = functions[0] if functions else full
-        functions.append(known.with_thickness(stack.varying, [share * t for t in taus]))
+
+    def made(known: ScatteringFunction, row: int) -> ScatteringFunction:
+        return known.with_thickness(varying, [_share(axis[row], largest) * tau for tau in taus])
+
+    # The lobes of boundaries are sharpest in the clean stack, so its resolution is sufficient for all other rows.
+    clean = made(full, rows[0])
+    functions: Sequence[ScatteringFunction]
+    if stack.channels > MOST_KEPT:
+        functions = SolvedAgain(lambda row: clean if row == rows[0] else made(clean, row), rows)
+    else:
+        kept = [clean]
+        for count, row in enumerate(rows[1:], 1):
+            step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
+            kept.append(made(clean, row))
+        functions = kept
     return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)
 
 
@@ -170,7 +181,7 @@ def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str
             for number, kind in enumerate(_sights(solved)[0])}
 
 
-def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.ndarray, grid: LightGrid,
+def evaluated(functions: Sequence[ScatteringFunction], solved: SolvedRows, mu_o: np.ndarray, grid: LightGrid,
               pool, step: Callable[[float, str], None]) -> Slices:
     """Slices of the stack `solved` with the thicknesses of `functions`, at view cosines `mu_o`. For a sheet, those of
     reflection and then those of transmission along the first axis. `step` is called before each batch of rows."""
@@ -179,7 +190,7 @@ def evaluated(functions: list[ScatteringFunction], solved: SolvedRows, mu_o: np.
         return _evaluate_azimuths(functions[0], solved.azimuths, mu_o, grid, pool)
     sights = _sights(solved)[1]
     made = []
-    for rows in batches(len(functions)):
+    for rows in batches(len(functions), 1 if isinstance(functions, SolvedAgain) else ROWS_AT_ONCE):
         step(rows.start / len(functions), f"Evaluating thickness {rows.start + 1} of {len(functions)}")
         made.append(_evaluate(functions[rows], sights, mu_o, grid, pool))
     values, lobes, albedo, direct = zip(*made, strict=True)
@@ -198,9 +209,9 @@ def _share(tau: float, largest: float) -> float:
     return tau / largest if largest > 0.0 else 0.0
 
 
-def batches(rows: int) -> list[slice]:
-    """Parts of so many rows of thickness, ROWS_AT_ONCE each; the last may be smaller."""
-    return [slice(first, min(first + ROWS_AT_ONCE, rows)) for first in range(0, rows, ROWS_AT_ONCE)]
+def batches(rows: int, size: int = ROWS_AT_ONCE) -> list[slice]:
+    """Parts of so many rows of thickness, `size` each; the last may be smaller."""
+    return [slice(first, min(first + size, rows)) for first in range(0, rows, size)]
 
 
 def shares_of_thickness(largest: float, rows: np.ndarray) -> np.ndarray:
@@ -214,7 +225,7 @@ def _sights(solved: SolvedRows):
     return kinds, [(SIDES[side], PATHS[kind]) for kind in kinds for side in solved.sides]
 
 
-def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, grid: LightGrid, pool):
+def _evaluate(functions: Sequence[ScatteringFunction], sights, mu_o: np.ndarray, grid: LightGrid, pool):
     """values [sight, row, channel, view, light], their lobes or None, albedo and direct [sight, row, channel,
     view]."""
     solutions = [solution for function in functions for solution in function.solutions]
@@ -240,18 +251,21 @@ def _evaluate(functions: list[ScatteringFunction], sights, mu_o: np.ndarray, gri
 
 
 def _in_colours(values, lobes, albedo, direct, wavelengths: Sequence[float] | None):
-    """What `_evaluate` returns, in red, green and blue in place of wavelengths, if there are any. Negative values, of
-    colours outside of the gamut, become 0."""
+    """What `_evaluate` returns, in red, green and blue in place of wavelengths, if there are any. Slices whose colour
+    is outside of the gamut fade towards gray, see observer.fading."""
     if wavelengths is None:
         return values, lobes, albedo, direct
+    values, albedo, direct = (rec709(part, tuple(wavelengths), 2) for part in (values, albedo, direct))
+    scattered, mirrored = fading(albedo, 2), fading(direct, 2)
 
     def shown(part):
-        return np.maximum(rec709(part, tuple(wavelengths), 2), 0.0)
+        return faded(part, scattered[..., None], 2)
 
+    albedo, direct = faded(albedo, scattered, 2), faded(direct, mirrored, 2)
     if lobes is None:
-        return shown(values), None, shown(albedo), shown(direct)
-    own = shown(lobes)
-    return own + shown(values - lobes), own, shown(albedo), shown(direct)
+        return shown(values), None, albedo, direct
+    lobes = rec709(lobes, tuple(wavelengths), 2)
+    return shown(lobes) + shown(values - lobes), shown(lobes), albedo, direct
 
 
 def _evaluate_azimuths(function: ScatteringFunction, azimuths: AzimuthRows, mu_o: np.ndarray, grid: LightGrid,

@@ -6,8 +6,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...closures.closure_table import view_cosines
+from ...common.observer import fading, rec709
 from ..fit.between_rows import linear
 from ..fit.mixture import Mixture, mean_error
+from ..fit.row_functions import numbers_of
 from ..fit.slices import SolvedRows, stated
 
 
@@ -19,21 +21,32 @@ def fitted_errors(fitted: dict[str, Mixture]) -> tuple[dict[str, np.ndarray], fl
 
 def fit_report(strips: int, solved: SolvedRows, errors: dict[str, np.ndarray], albedo_error: float) -> dict:
     """The report of a table of so many strips, see lamina.bake; `errors`: see error_report."""
-    functions = solved.functions
+    numbers = numbers_of(solved.functions)
     return {
         **error_report(errors, solved),
         "albedo_error": albedo_error,
         "strayed_light": None,
-        "energy_error": max(f.checks["energy"] for f in functions),
+        **_gamut(solved),
+        "energy_error": max(one.checks["energy"] for one in numbers),
         "closures": strips,
         "solver": {
-            "nodes": max(f.nodes for f in functions),
-            "orders": max(f.orders for f in functions),
-            "resolution_error": max(f.checks["resolution"] for f in functions),
+            "nodes": max(one.nodes for one in numbers),
+            "orders": max(one.orders for one in numbers),
+            "resolution_error": max(one.checks["resolution"] for one in numbers),
         },
         "tau_rows": max(1, len(solved.axis)),
-        "tau_rows_solved": len(functions),
+        "tau_rows_solved": len(solved.rows),
     }
+
+
+def _gamut(solved: SolvedRows) -> dict:
+    """The entry `faded` of a table of wavelengths, from the thinnest and the thickest row."""
+    wavelengths = solved.functions[0].stack.wavelengths
+    if wavelengths is None:
+        return {}
+    mu = view_cosines()[stated()]
+    scattered = [function.reflectance(mu, parts=True)[0] for function in (solved.functions[-1], solved.functions[0])]
+    return {"faded": float(fading(rec709(np.array(scattered), tuple(wavelengths)), -1).max())}
 
 
 def error_report(errors: dict[str, np.ndarray], solved: SolvedRows) -> dict:

@@ -4,14 +4,16 @@ mean of both rows that a linear texture lookup gives."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ...closures.closure_table import LightGrid, view_cosines
 from ...common.progress import portions
 from ...material.stack import Stack
+from ...solver.solve import ScatteringFunction
 from ..fit.mixture import norms
+from ..fit.row_functions import SolvedAgain, some
 from ..fit.slices import SolvedRows, evaluated, shares_of_thickness
 
 # Rows (of 33) after which the half-way slices are tested; denser where layers are thin.
@@ -31,20 +33,25 @@ def tau_error(solved: SolvedRows, stack: Stack, grid: LightGrid, pool,
     error of specular reflection or unscattered transmission, relative to all light on that side; `rows`: [thickness,
     mean, worst] half-way in the parameter between two rows; `worst_at`: thickness and view cosine."""
     axis = solved.axis
-    if stack.varying is None or len(solved.rows) < len(axis) or axis[-1] <= 0.0:
+    varying = stack.varying
+    if varying is None or len(solved.rows) < len(axis) or axis[-1] <= 0.0:
         return None
-    largest = [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
+    largest = [stack.optics(varying, c)[1] for c in range(stack.channels)]
     after = sorted({min(k * (len(axis) - 1) // 32, len(axis) - 2) for k in LOOKED_AT})
     middle = shares_of_thickness(axis[-1], np.array(after) + 0.5)
     full = solved.functions[-1]
     rows = sorted({*after, *(k + 1 for k in after)})
     parts = portions(lambda fraction, _: step(fraction, "Measuring between rows of thickness"), TIME)
-    halves = []
-    for number, share in enumerate(middle):
+
+    def made(number: int) -> ScatteringFunction:
         parts["solve"](number / len(middle), "")
-        halves.append(full.with_thickness(stack.varying, [share * tau for tau in largest]))
+        return full.with_thickness(varying, [middle[number] * tau for tau in largest])
+
+    halves: Sequence[ScatteringFunction] = SolvedAgain(made, range(len(middle)))
+    if not isinstance(solved.functions, SolvedAgain):
+        halves = list(halves)
     mu = view_cosines()[COLUMNS]
-    known = evaluated([solved.functions[k] for k in rows], solved, mu, grid, pool, parts["known"])
+    known = evaluated(some(solved.functions, rows), solved, mu, grid, pool, parts["known"])
     wanted = evaluated(halves, solved, mu, grid, pool, parts["wanted"])
     lower = np.searchsorted(rows, after)
 
