@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lamina.common.observer import rec709_of_d65
+from lamina.common.observer import rec709_under
 from lamina.metals import GRAZING, reflectance
 
 TOOLS = Path(__file__).resolve().parent
@@ -44,7 +44,7 @@ def names() -> list[str]:
 
 def rec709(name: str, mu: float) -> np.ndarray:
     """Reflectance of a metal at cosine `mu` under D65: linear Rec. 709, not clipped."""
-    wavelengths, response = rec709_of_d65()
+    wavelengths, response = rec709_under()
     nm, n, k = read_table(SPECTRA / f"{name}.csv")
     indices = zip(np.interp(wavelengths, nm, n), np.interp(wavelengths, nm, k), strict=True)
     return response @ np.array([reflectance(mu, eta, kappa) for eta, kappa in indices])

@@ -37,6 +37,7 @@ def assign(material, data):
     """
     layers = [stack_read.layer(layer, f"layers[{index}]") for index, layer in enumerate(data["layers"])]
     base, about = stack_read.base(data.get("base")), stack_read.about(data)
+    light = stack_read.illuminant(data)
     settings = material.lamina
     migration.start(material)
     renders.stop_previews()
@@ -44,7 +45,7 @@ def assign(material, data):
     for values in layers:
         _write(settings.layers.add(), values)
     _write(settings.base, base)
-    settings.about = about
+    settings.about, settings.illuminant = about, light
     settings.active_index = 0
     material.pop(detail_wiring.WANTED, None)  # of the earlier layers
     changes.tell(material)

@@ -18,7 +18,9 @@ from bpy.props import (
 
 from ..base import changes
 from ..base.preferences import CLOSURE_BASES, QUALITIES
+from ..kinds.spectra import ILLUMINANT
 from . import interior_properties
+from .described import option
 from .interior_properties import LaminaInterior
 from .layer_properties import LaminaBase, LaminaDepth, LaminaLayer
 
@@ -128,6 +130,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
         update=changes.turned,
         options=set(),
     )
+    illuminant: option(ILLUMINANT)
     result: PointerProperty(type=LaminaResult)
     node_group: PointerProperty(type=bpy.types.NodeTree, description="The node group that bakes update")
     depth: EnumProperty(

@@ -12,6 +12,7 @@ from ..base.messages import RefusedError, unusual_channels
 from ..kinds import boundaries, films, media
 from ..kinds.bases import BASES
 from ..kinds.fields import Option
+from ..kinds.spectra import ILLUMINANT
 from . import phases
 
 NEWER = "this version of the add-on does not know it"
@@ -22,8 +23,17 @@ def about(data):
     """The texts of the stack as JSON: name, category, source. Raises RefusedError."""
     if data.get("wavelengths") is not None:
         raise RefusedError("wavelengths: in Blender the channels of a stack are red, green and blue")
-    others = {key: value for key, value in data.items() if key not in ("schema", "layers", "base")}
+    own = ("schema", "layers", "base", ILLUMINANT.name)
+    others = {key: value for key, value in data.items() if key not in own}
     return json.dumps(others) if others else ""
+
+
+def illuminant(data):
+    """The value of the property of this name. Raises RefusedError."""
+    value = data.get(ILLUMINANT.name, ILLUMINANT.usual)
+    if isinstance(value, dict):
+        raise RefusedError("illuminant: in Blender it is one of the list, not a spectrum")
+    return _option(ILLUMINANT, value, ILLUMINANT.name)
 
 
 def layer(layer, where):

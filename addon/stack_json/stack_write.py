@@ -8,10 +8,10 @@ file and .9 in Python give the same hash. Usual values are left out, as in `lami
 import json
 
 from ..base.decimals import shortest
-from ..kinds import boundaries, films, media
-from ..kinds.bases import BASES
+from ..kinds import bases, boundaries, films, media
 from ..kinds.fields import Option
 from ..kinds.limits import STACK_SCHEMA
+from ..kinds.spectra import ILLUMINANT
 from . import phases, profiles
 
 
@@ -20,9 +20,24 @@ def stack(settings):
     return {
         **_about(settings.about),
         "schema": STACK_SCHEMA,
+        **_light(settings),
         "layers": [layer(one) for one in settings.layers],
         "base": base(settings.base),
     }
+
+
+def has_spectra(settings):
+    """True if a layer has a pigment, or the base is a metal by its spectrum."""
+    base = settings.base
+    by_name = base.kind == bases.Conductor.kind and base.metal_form == "spectrum"
+    return by_name or any(one.kind == "medium" and one.mode == "pigment" for one in settings.layers)
+
+
+def _light(settings):
+    """The illuminant, if it is not the usual one and matters."""
+    if settings.illuminant == ILLUMINANT.usual or not has_spectra(settings):
+        return {}
+    return {ILLUMINANT.name: settings.illuminant}
 
 
 def _about(text):
@@ -68,7 +83,7 @@ def medium_at(layer, end):
 def base(base):
     if base.kind == "none":
         return None
-    cls, entry = BASES[base.kind], {"kind": base.kind}
+    cls, entry = bases.BASES[base.kind], {"kind": base.kind}
     entry |= {quantity.name: _value(quantity, base) for quantity in cls.panel_fields(base)}
     if cls.has_phase:
         entry["phase"] = phases.to_json(base)

@@ -6,6 +6,7 @@ import bpy
 
 from ..base.messages import percent
 from ..editing import layer_list
+from ..stack_json import stack_write
 from . import details, numbers, result_picture
 from .material_panel import MaterialPanel
 from .sentences import draw_lines
@@ -27,6 +28,8 @@ class LAMINA_PT_advanced(MaterialPanel, bpy.types.Panel):
         if settings.base.kind != "none":
             layout.label(text="Below")
             details.draw_base(layout, settings.base)
+        if stack_write.has_spectra(settings):
+            layout.prop(settings, "illuminant")
         layout.label(text="Result")
         layout.row(heading="Quality").prop(settings, "quality", expand=True)
         layout.row(heading="Fit").prop(settings, "basis", expand=True)

@@ -62,6 +62,8 @@ def result_lines(result):
         errors = percent(inputs["mean"]), percent(inputs["worst"]["error"])
         lines.append(("Over All Inputs", f"{errors[0]} mean, {errors[1]} worst"))
         lines.append(("Their Albedo Error", percent(inputs["albedo"]["error"], 2)))
+    if report.get("faded"):
+        lines.append(("Faded into Gamut", percent(report["faded"])))
     lines.append(("Energy Error", percent(report["energy_error"], 2)))
     lines.append(("Closures", f"{report['closures']}, {preferences.fit_of(result.basis)} fit"))
     lines.append(("Baked", f"{result.quality.capitalize()}, {report['seconds']:.2f} s"))

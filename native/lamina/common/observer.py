@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The CIE 1931 standard observer: spectra as linear Rec. 709."""
+"""The CIE 1931 standard observer: spectra of reflectance as linear Rec. 709 under an illuminant."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from importlib.resources import files
 
 import numpy as np
 
+from ..kinds.spectra import D65, Spectrum
 from .srgb import LUMINANCE
 
 PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G and B: Rec. ITU-R BT.709
@@ -18,12 +19,24 @@ PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G
 LEAST = 0.01
 
 
+# Of XYZ, to the responses in which Bradford's transform scales one white to another (Lam 1985).
+BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
+
+
 @cache
-def rec709_of_d65() -> tuple[np.ndarray, np.ndarray]:
-    """(wavelengths in nm, 380 to 780 in steps of 5; linear Rec. 709 of a surface under D65 that reflects one of these
-    wavelengths only, shape (3, 81)). D65 is the white of Rec. 709, so each row has the sum 1."""
-    wavelengths, x, y, z, d65 = _table()
-    weights = np.array([x, y, z]) * d65
+def rec709_under(illuminant: str | Spectrum = D65) -> tuple[np.ndarray, np.ndarray]:
+    """(wavelengths in nm, 380 to 780 in steps of 5; linear Rec. 709 of a surface under `illuminant` that reflects one
+    of these wavelengths only, shape (3, 81)). A white surface is white under each illuminant, by Bradford's transform
+    of its white to D65, the white of Rec. 709: each row has the sum 1."""
+    wavelengths, x, y, z, d65, a, led = _table()
+    if isinstance(illuminant, Spectrum):
+        light = np.array([illuminant.at(one) for one in wavelengths]).real
+    else:
+        light = {D65: d65, "A": a, "E": np.ones_like(d65), "LED": led}[illuminant]
+    weights = np.array([x, y, z]) * light
+    if illuminant != D65:
+        white, wanted = (BRADFORD @ (np.array([x, y, z]) @ one) for one in (light, d65 * (y @ light) / (y @ d65)))
+        weights = np.linalg.solve(BRADFORD, (wanted / white)[:, None] * (BRADFORD @ weights))
     # XYZ of the primaries in the columns, each scaled so that R = G = B = 1 is the white of D65.
     xyz = np.array([PRIMARIES[:, 0], PRIMARIES[:, 1], 1.0 - PRIMARIES.sum(axis=1)]) / PRIMARIES[:, 1]
     primaries = xyz * np.linalg.solve(xyz, weights.sum(axis=1))
@@ -31,18 +44,20 @@ def rec709_of_d65() -> tuple[np.ndarray, np.ndarray]:
 
 
 @cache
-def rec709_of(wavelengths: tuple[float, ...]) -> np.ndarray:
-    """The matrix, shape (3, n), from reflectances at these wavelengths in nm to linear Rec. 709 under D65, with
-    reflectances that are linear between the wavelengths and constant beyond. Each row has the sum 1."""
-    every, rows = rec709_of_d65()
+def rec709_of(wavelengths: tuple[float, ...], illuminant: str | Spectrum = D65) -> np.ndarray:
+    """The matrix, shape (3, n), from reflectances at these wavelengths in nm to linear Rec. 709 under an illuminant,
+    with reflectances that are linear between the wavelengths and constant beyond. Each row has the sum 1."""
+    every, rows = rec709_under(illuminant)
     order = np.argsort(wavelengths)
     shares = [np.interp(every, np.array(wavelengths)[order], one) for one in np.eye(len(wavelengths))[:, order]]
     return rows @ np.array(shares).T
 
 
-def rec709(values: np.ndarray, wavelengths: tuple[float, ...], axis: int = -1) -> np.ndarray:
-    """Values by wavelength along `axis` as red, green and blue, not clipped."""
-    return np.moveaxis(np.tensordot(rec709_of(wavelengths), values, (1, axis)), 0, axis)
+def rec709(values: np.ndarray, wavelengths: tuple[float, ...], axis: int = -1,
+           illuminant: str | Spectrum = D65) -> np.ndarray:
+    """Reflectances, or other factors of light, by wavelength in nm along `axis`, as linear Rec. 709 under an
+    illuminant, see Stack. White surfaces are white; colours are not clipped."""
+    return np.moveaxis(np.tensordot(rec709_of(wavelengths, illuminant), values, (1, axis)), 0, axis)
 
 
 def fading(rgb: np.ndarray, axis: int) -> np.ndarray:
@@ -65,6 +80,6 @@ def luminance(rgb: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _table() -> np.ndarray:
-    lines = (files(__package__) / "cie_1931_d65.csv").read_text(encoding="utf-8").splitlines()
+    lines = (files(__package__) / "cie_1931.csv").read_text(encoding="utf-8").splitlines()
     rows = list(csv.reader(line for line in lines if not line.startswith("#")))[1:]
     return np.array([[float(cell) for cell in row] for row in rows]).T

@@ -11,15 +11,24 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 
 from .errors import StackError
-from .fields import Field, check_keys, check_table
+from .fields import Field, Option, check_keys, check_table
 from .hashable import Hashable
+from .panel import Item
 
 WAVELENGTH = Field("wavelengths", 100.0, 1e5, "nm")
 ANY = Field("values", -1e300, 1e300)
+POWER = Field("values", 0.0, 1e300)
 MOST_SAMPLES = 4096
 # Those of a stack with spectra that names none, in nm. The colours of dyes differ from those by 81 wavelengths by at
 # most dE2000 = .6; with sixteen from 380 to 730 nm by .8.
 WAVELENGTHS = tuple(410.0 + 280.0 * number / 15 for number in range(16))
+D65 = "D65"
+ILLUMINANT = Option("illuminant", (D65, "A", "E", "LED"), "Seen Under", "The light under which the colors of pigments "
+                    "and metals by their spectrum are taken. Lamps keep their own color; white stays white", (
+                        Item(D65, "Daylight", "CIE D65", 0),
+                        Item("A", "Light Bulbs", "CIE A, 2856 K", 1),
+                        Item("E", "Equal Energy", "The same power at each wavelength", 2),
+                        Item("LED", "White LED", "CIE LED-B3, 4103 K", 3)))
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
+from ..common.errors import StackError, quoted
 from ..kinds.bases import Base
 from ..kinds.fields import Field, all_fields, check_forms
-from ..kinds.spectra import has_spectrum, sampled
+from ..kinds.spectra import D65, ILLUMINANT, POWER, WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum, sampled
 from .layers import Medium
 from .metals import spectral_indices
 from .pigments import absorption
@@ -29,6 +30,31 @@ def names_a_substance(thing) -> bool:
 def is_spectral(thing) -> bool:
     """True for a part of a stack that needs wavelengths."""
     return names_a_substance(thing) or has_spectrum(thing)
+
+
+class SpectralParts(NamedTuple):
+    """The parts of a stack by wavelength. For JSON, `given`: parts that were given by names or colours, by their
+    position; `implied`: these parts imply the wavelengths."""
+
+    layers: list
+    base: Base | None
+    wavelengths: tuple[float, ...] | None
+    given: dict
+    implied: bool
+
+
+def parts_by_wavelength(layers: list, base: Base | None, wavelengths: Sequence[float] | None) -> SpectralParts:
+    """The parts of a stack with one value per wavelength, if it has wavelengths or needs some. Raises StackError."""
+    parts = (*layers, base)
+    implied = wavelengths is None and any(map(is_spectral, parts))
+    if wavelengths is None and not implied:
+        return SpectralParts(layers, base, None, {}, False)
+    nm = check_wavelengths(WAVELENGTHS if wavelengths is None else wavelengths)
+    layers = [by_wavelength(layer, nm, f"layers[{number}]") for number, layer in enumerate(layers)]
+    base = by_wavelength(base, nm, "base")
+    given = {number: part for number, (part, new) in enumerate(zip(parts, (*layers, base), strict=True))
+             if part is not new and not has_spectrum(part)}
+    return SpectralParts(layers, base, nm, given, implied and not any(map(has_spectrum, parts)))
 
 
 def by_wavelength(thing: Part, wavelengths: Sequence[float], path: str) -> Part:
@@ -62,3 +88,25 @@ def _uplifted(thing, wavelengths: Sequence[float], path: str):
     if hasattr(getattr(thing, "phase", None), "fields"):
         changes["phase"] = _uplifted(thing.phase, wavelengths, f"{path}.phase")
     return replace(thing, **changes) if changes else thing
+
+
+def check_illuminant(given, wavelengths: Sequence[float] | None) -> str | Spectrum:
+    """The illuminant, checked. Raises StackError."""
+    if isinstance(given, Spectrum):
+        light = given.checked(POWER, "illuminant")
+        if not any(light.values):
+            raise StackError("illuminant.values: must not all be 0")
+    else:
+        light = ILLUMINANT.check(given, ILLUMINANT.name)
+    if light != D65 and wavelengths is None:
+        raise StackError(f"illuminant = {quoted(given)}: must be left out of a stack without wavelengths")
+    return light
+
+
+def check_wavelengths(given) -> tuple[float, ...]:
+    """The wavelengths as a tuple of floats. Raises StackError."""
+    values = WAVELENGTH.check(given, WAVELENGTH.name)
+    values = values if isinstance(values, tuple) else (values,)
+    if len(set(values)) < len(values):
+        raise StackError("wavelengths: must differ from one another")
+    return values

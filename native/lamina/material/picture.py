@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common import svg
-from ..common.observer import rec709
 from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import Channels, as_channels, channel
@@ -59,8 +58,8 @@ def stack_picture(stack: Stack) -> str:
 
 def _fill(stack: Stack, values: list[float]) -> str:
     """The color of an area whose reflectance in the stack's channels is known."""
-    if stack.wavelengths is not None and len(values) > 1:
-        values = rec709(np.array(values), tuple(stack.wavelengths)).clip(0.0, 1.0).tolist()
+    if len(values) > 1:
+        values = stack.seen(np.array(values)).clip(0.0, 1.0).tolist()
     return svg.colour(values)
 
 

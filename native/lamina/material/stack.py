@@ -13,16 +13,19 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
 from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
+from ..common.observer import rec709
 from ..kinds.bases import Base, Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
 from ..kinds.films import Film
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
-from ..kinds.spectra import WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum
-from .by_wavelength import by_wavelength, is_spectral
+from ..kinds.spectra import D65, Spectrum, read_spectrum
+from .by_wavelength import check_illuminant, parts_by_wavelength
 from .colours import albedos_of_layer, check_colours
 from .coverage import NOTHING, first_film, without_film
 from .layers import Medium
@@ -46,8 +49,9 @@ class Stack:
     `wavelengths`, in nm, says that each channel is light of one wavelength; None: red, green and blue, or any channels,
     but lamina.WAVELENGTHS if a quantity is a Spectrum, a medium has a pigment, or a metal its name. Spectra become one
     value per wavelength, and three values, red, green and blue, become the smoothest spectrum of this colour. Tables of
-    stacks with wavelengths are red, green and blue: linear Rec. 709 under D65. Thin films in a stack without
-    wavelengths need one or three channels and make it three, see Film.
+    stacks with wavelengths are red, green and blue: linear Rec. 709 under `illuminant`, one of "D65", "A" (light
+    bulbs), "E" (equal energy) and "LED" (a white LED, LED-B3), or a Spectrum; a white surface is white under each. Thin
+    films in a stack without wavelengths need one or three channels and make it three, see Film.
 
     A stack has at most 64 layers. Raises StackError if a value is out of range, channels disagree, or the stack is
     empty."""
@@ -58,16 +62,16 @@ class Stack:
     category: str = ""
     source: str = ""
     wavelengths: Sequence[float] | None = None
+    illuminant: str | Spectrum = D65
     _indices: tuple = field(init=False, repr=False, compare=False)
-    # For JSON: the parts, by their position, that were given by names or colors in place of values by wavelength; and
-    # whether they imply the wavelengths.
-    _given: dict = field(init=False, repr=False, compare=False)
+    _given: dict = field(init=False, repr=False, compare=False)  # see SpectralParts
     _implied: bool = field(init=False, repr=False, compare=False)
 
     texts = ("name", "category", "source")
 
     def __init__(self, layers: Sequence[Layer] = (), base: Base | None = None, name: str = "",
-                 category: str = "", source: str = "", wavelengths: Sequence[float] | None = None):
+                 category: str = "", source: str = "", wavelengths: Sequence[float] | None = None,
+                 illuminant: str | Spectrum = D65):
         if not isinstance(layers, Sequence) or isinstance(layers, str):
             raise StackError(f"layers = {quoted(layers)}: must be a list, top layer first")
         layers = list(layers)
@@ -75,19 +79,12 @@ class Stack:
             base = layers.pop()
         if len(layers) > MOST_LAYERS:
             raise StackError(f"layers has {len(layers)} entries: a stack must have at most {MOST_LAYERS}")
-        parts = (*layers, base)
-        implied = wavelengths is None and any(map(is_spectral, parts))
-        if implied:
-            wavelengths = WAVELENGTHS
-        if wavelengths is not None:
-            wavelengths = _checked_wavelengths(wavelengths)
-            layers = [by_wavelength(layer, wavelengths, f"layers[{i}]") for i, layer in enumerate(layers)]
-            base = by_wavelength(base, wavelengths, "base")
-        object.__setattr__(self, "wavelengths", wavelengths)
-        changed = {number: part for number, (part, new) in enumerate(zip(parts, (*layers, base), strict=True))
-                   if part is not new and not has_spectrum(part)}
-        object.__setattr__(self, "_given", changed)
-        object.__setattr__(self, "_implied", implied and not any(map(has_spectrum, parts)))
+        known = parts_by_wavelength(layers, base, wavelengths)
+        layers, base = known.layers, known.base
+        object.__setattr__(self, "wavelengths", known.wavelengths)
+        object.__setattr__(self, "illuminant", check_illuminant(illuminant, known.wavelengths))
+        object.__setattr__(self, "_given", known.given)
+        object.__setattr__(self, "_implied", known.implied)
         checked = tuple(check_layer(layer, f"layers[{i}]") for i, layer in enumerate(layers))
         object.__setattr__(self, "layers", checked)
         object.__setattr__(self, "base", check_base(base))
@@ -138,6 +135,12 @@ class Stack:
         found = self.layers[first_film(self.layers, position):position]
         return tuple(layer for layer in found if isinstance(layer, Film))
 
+    def seen(self, values: np.ndarray, axis: int = -1) -> np.ndarray:
+        """Values by channel along `axis` as they are seen: of wavelengths linear Rec. 709 under the illuminant."""
+        if self.wavelengths is None:
+            return values
+        return rec709(values, tuple(self.wavelengths), axis, self.illuminant)
+
     def _check_channels(self) -> None:
         count = channel_count(self._quantities())
         if self.wavelengths is not None and count not in (1, len(self.wavelengths)):
@@ -163,7 +166,8 @@ class Stack:
         if self.covering is None:
             return None
         layers = without_film(self.layers, self.covering, self.channels)
-        return Stack(layers if layers or self.base is not None else [NOTHING], self.base, wavelengths=self.wavelengths)
+        return Stack(layers if layers or self.base is not None else [NOTHING], self.base, wavelengths=self.wavelengths,
+                     illuminant=self.illuminant)
 
     def _varying(self, kind: type) -> list[int]:
         return [i for i, layer in enumerate(self.layers)
@@ -296,7 +300,8 @@ class Stack:
         if isinstance(self.base, HalfSpace):
             base["albedo"] = [self.base.albedo_of(c) for c in channels]
         spectral = {} if self.wavelengths is None else {"wavelengths": self.wavelengths}
-        return json.dumps({"schema": SCHEMA, **spectral, "layers": layers, "base": base or None}, sort_keys=True)
+        data = {"schema": SCHEMA, **spectral, **self._light(), "layers": layers, "base": base or None}
+        return json.dumps(data, sort_keys=True)
 
     def to_json(self) -> dict:
         """A JSON object; from_json reads it."""
@@ -319,12 +324,17 @@ class Stack:
         base = None if self.base is None else plain(self._given.get(len(self.layers), self.base))
         texts = {text: getattr(self, text) for text in self.texts if getattr(self, text)}
         spectral = {} if self.wavelengths is None or self._implied else {"wavelengths": list(self.wavelengths)}
-        return {"schema": SCHEMA, **texts, **spectral, "layers": layers, "base": base}
+        return {"schema": SCHEMA, **texts, **spectral, **self._light(), "layers": layers, "base": base}
+
+    def _light(self) -> dict:
+        """The illuminant as JSON, if it is not the usual one."""
+        light = self.illuminant
+        return {} if light == D65 else {"illuminant": light.to_json() if isinstance(light, Spectrum) else light}
 
     @classmethod
     def from_json(cls, data) -> Stack:
         """Reads a JSON object, written by to_json or by hand. Raises StackError."""
-        known = {"schema", "layers", "base", "wavelengths", *cls.texts}
+        known = {"schema", "layers", "base", "wavelengths", "illuminant", *cls.texts}
         check_keys(data, known, "stack", required={"schema", "layers"})
         schema = data["schema"]
         if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
@@ -335,7 +345,8 @@ class Stack:
             raise StackError(f"layers = {quoted(data['layers'])}: must be a list, top layer first")
         layers, base = read_parts(data["layers"], data.get("base"))
         texts = {text: data[text] for text in cls.texts if text in data}
-        return cls(layers, base, **texts, wavelengths=data.get("wavelengths"))
+        illuminant = read_spectrum(data.get("illuminant", D65), "illuminant")
+        return cls(layers, base, **texts, wavelengths=data.get("wavelengths"), illuminant=illuminant)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Stack:
@@ -396,11 +407,3 @@ def _fields_of(thing, path):
         value = getattr(thing, quantity.name)
         if not isinstance(value, Spectrum):
             yield f"{path}.{quantity.name}", value
-
-
-def _checked_wavelengths(given) -> tuple[float, ...]:
-    values = WAVELENGTH.check(given, WAVELENGTH.name)
-    values = values if isinstance(values, tuple) else (values,)
-    if len(set(values)) < len(values):
-        raise StackError("wavelengths: must differ from one another")
-    return values

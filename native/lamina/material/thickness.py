@@ -27,7 +27,7 @@ def with_thickness(stack: Stack, layer: int, taus: float | tuple[float, ...]) ->
     layers = [changed if number == layer else one for number, one in enumerate(stack.layers)]
     if medium.profile is None and _count(stack, taus) == stack.channels:
         return stack.with_sizes(layers)
-    return Stack(layers, stack.base, stack.name, stack.category, stack.source, stack.wavelengths)
+    return Stack(layers, stack.base, stack.name, stack.category, stack.source, stack.wavelengths, stack.illuminant)
 
 
 def check_opaque(stack: Stack, layer: int, taus: float | tuple[float, ...]) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 
 from .. import _core
-from ..common.observer import rec709_of_d65
+from ..common.observer import rec709_under
 from ..kinds.fields import channel
 from ..kinds.spectra import Spectrum
 from ..material.stack import Stack
@@ -30,7 +30,7 @@ def core_film(stack: Stack, position: int, index: int, above: float, below: comp
 def _made(sheets: tuple[Sheet, ...], band: int | float, above: float, below: complex, opaque: bool) -> _core.Film:
     """`band`: a whole number is the channel red, green or blue, another number a wavelength in nm."""
     if isinstance(band, int):
-        wavelengths, rows = rec709_of_d65()
+        wavelengths, rows = rec709_under()
         weighted = list(zip(wavelengths.tolist(), rows[band].tolist(), strict=True))
     else:
         weighted = [(band, 1.0)]

@@ -67,3 +67,28 @@ def test_a_shader_below_a_pigment_is_refused_in_a_sentence(addon, lamina, materi
         addon.baking.bake_job.bake_material(material)
     sentence = addon.base.messages.sentence(caught.value, material)
     assert sentence.endswith("must have no input of the node group for a lookup table with pigments or other spectra")
+
+
+def test_the_light_under_which_pigments_are_seen(addon, lamina, material):
+    """It counts only where spectra are, is baked, and survives a round trip; a light of one's own is refused."""
+    material.lamina.illuminant = "A"
+    assert "illuminant" not in addon.editing.stack_io.to_dict(material)
+    pigment_layer(material)
+    data = addon.editing.stack_io.to_dict(material)
+    assert data["illuminant"] == "A" and addon.editing.stack_io.to_stack(material).illuminant == "A"
+    warm = addon.baking.bake_job.bake_material(material).reflectance(0.7)
+    material.lamina.illuminant = "D65"
+    assert addon.baking.bake_job.state(material) != "fresh"
+    assert warm[0] > addon.baking.bake_job.bake_material(material).reflectance(0.7)[0] + 0.005
+    addon.editing.stack_io.assign(material, data)
+    assert material.lamina.illuminant == "A" and addon.editing.stack_io.to_dict(material) == data
+    with pytest.raises(addon.base.messages.RefusedError, match="one of the list, not a spectrum"):
+        addon.editing.stack_io.assign(material, {**data, "illuminant": {"wavelengths": [500], "values": [1]}})
+
+
+def test_what_faded_is_told(addon, material):
+    layer = pigment_layer(material)
+    layer.amount, layer.sigma_s, layer.thickness = 1.0, (1.0, 1.0, 1.0), 0.2
+    material.lamina.base.reflectance = (0.8, 0.8, 0.8)
+    assert addon.baking.bake_job.bake_material(material).report["faded"] > 0.0
+    assert "Faded into Gamut" in dict(addon.ui.numbers.result_lines(material.lamina.result))

@@ -17,6 +17,8 @@ from lamina.material.smooth_spectra import smoothest
 
 BLOOD = Medium(pigment="oxyhemoglobin", amount=0.02, sigma_s=2.0, thickness=0.5, phase=HenyeyGreenstein(0.8))
 WAVELENGTHS = lamina.WAVELENGTHS
+PEER = {"D65": (1.012572, 0.234121, -0.048394), "A": (1.015307, 0.315796, -0.066596),
+        "E": (1.018703, 0.253709, -0.050687), "LED": (1.060374, 0.301477, -0.060309)}
 
 
 def test_pigments_have_their_published_absorption():
@@ -116,3 +118,41 @@ def test_a_table_of_blood_has_the_color_of_all_wavelengths():
     usual, fine = (Stack([Interface(1.4), BLOOD], Lambert((0.7, 0.5, 0.4)), wavelengths=w) for w in (None, every))
     found = lamina.bake(usual, "preview").reflectance(0.7)
     assert found == pytest.approx(rec709(lamina.solve(fine, "preview").reflectance(0.7), every), abs=6e-3)
+
+
+def test_the_illuminant_changes_dyes_and_leaves_white_white():
+    """Light of A makes blood brighter than D65 does, relative to white. A spectrum of one's own: equal energy is E."""
+    colour = {}
+    for light in ("D65", "A", "E", "LED", Spectrum([400, 700], [2.0, 2.0])):
+        clear = Medium(pigment="melanin", amount=0.0, sigma_s=0.0, thickness=1.0)
+        white = Stack([clear], Lambert(0.7), illuminant=light)
+        assert white.seen(lamina.solve(white).reflectance(0.5)) == pytest.approx(np.full(3, 0.7), abs=1e-9)
+        stack = Stack([BLOOD], Lambert(0.7), illuminant=light)
+        colour[light] = lamina.bake(stack, "preview").reflectance(0.6)
+        assert colour[light] == pytest.approx(stack.seen(lamina.solve(stack, "preview").reflectance(0.6)), rel=2e-3)
+        again = Stack.from_json(stack.to_json())
+        assert again.hash == stack.hash and again.illuminant == stack.illuminant
+    assert len({stack.hash for stack in (Stack([BLOOD], illuminant=light) for light in ("D65", "A", "E", "LED"))}) == 4
+    assert colour["A"][0] > colour["D65"][0] + 0.01
+    assert colour["E"] == pytest.approx(colour[Spectrum([400.0, 700.0], [2.0, 2.0])], abs=1e-12)
+
+
+def test_colours_under_an_illuminant_are_those_of_a_peer():
+    """Of colour-science 0.4.7: sd_to_XYZ under A and LED-B3, chromatic adaptation by Bradford's matrix, XYZ_to_RGB."""
+    every = tuple(np.arange(380.0, 785.0, 5.0))
+    bell = np.exp(-(((np.array(every) - 600.0) / 40.0) ** 2))
+    for light, wanted in PEER.items():
+        assert rec709(bell, every, illuminant=light) == pytest.approx(np.array(wanted), abs=2e-5)
+
+
+@pytest.mark.parametrize(("light", "sentence"), [
+    ("sun", "illuminant = 'sun': must be \"D65\" or \"A\" or \"E\" or \"LED\""),
+    (Spectrum([400, 700], [0, 0]), "illuminant.values: must not all be 0"),
+    (Spectrum([400, 700], [-1, 0]), "illuminant.values"),
+])
+def test_bad_illuminants(light, sentence):
+    with pytest.raises(StackError) as caught:
+        Stack([BLOOD], illuminant=light)
+    assert str(caught.value).startswith(sentence)
+    with pytest.raises(StackError, match="illuminant = 'A': must be left out of a stack without wavelengths"):
+        Stack([], Lambert(0.5), illuminant="A")

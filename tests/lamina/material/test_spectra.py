@@ -18,9 +18,9 @@ from lamina import (
     metals,
 )
 from lamina.colours import rec709
-from lamina.common.observer import rec709_of, rec709_of_d65
+from lamina.common.observer import rec709_of, rec709_under
 
-EVERY, ROWS = rec709_of_d65()
+EVERY, ROWS = rec709_under()
 BELL = np.exp(-(((EVERY - 520.0) / 50.0) ** 2))
 DYES = {"red": 3.0 * BELL, "blue": 3.0 * np.exp(-(((EVERY - 600.0) / 60.0) ** 2)),
         "yellow": 3.0 * np.exp(-(((EVERY - 430.0) / 40.0) ** 2))}

@@ -114,7 +114,7 @@ BAD = [
     (("layers",), ..., "stack.layers is missing: must be given"),
     (("layers",), {}, "layers = {}: must be a list, top layer first"),
     (("author",), "me",
-     "stack.author: unknown key; known are base, category, layers, name, schema, source, wavelengths"),
+     "stack.author: unknown key; known are base, category, illuminant, layers, name, schema, source, wavelengths"),
     (LAYER, 5, "layers[0] = 5: must be a JSON object"),
     ((*LAYER, "kind"), "snow",
      "layers[0].kind = 'snow': must be 'medium', 'interface', 'film', or a base at the bottom"),

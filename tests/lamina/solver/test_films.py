@@ -8,7 +8,7 @@ from z_limit import z_limit
 
 import lamina
 from lamina import Conductor, Film, HenyeyGreenstein, Interface, Lambert, Medium, Spectrum, Stack, StackError
-from lamina.common.observer import rec709_of_d65
+from lamina.common.observer import rec709_under
 
 MU = np.array([0.05, 0.2, 0.5, 0.8, 1.0])
 NM = [450.0, 550.0, 650.0]
@@ -137,7 +137,7 @@ def test_a_channel_is_the_mean_over_its_spectrum():
     index = Spectrum([400.0, 500.0, 700.0], [2.7 + 0.1j, 2.5, 2.3])
     gold = Conductor(eta=[0.2, 0.5, 1.4], k=[3.2, 2.4, 1.9])
     solved = lamina.solve(Stack([Film(index, 120.0)], gold)).reflectance(MU)
-    wavelengths, weights = rec709_of_d65()
+    wavelengths, weights = rec709_under()
     for channel in range(3):
         below = complex(gold.eta[channel], gold.k[channel])
         own = np.interp(wavelengths, index.wavelengths, np.real(index.values)) + 1j * np.interp(

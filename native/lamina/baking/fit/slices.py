@@ -15,7 +15,7 @@ from ...closures import narrow_lobes
 from ...closures.axes import tau_at, tau_rows
 from ...closures.closure_table import LightGrid, grid_for, oriented_grid, view_cosines
 from ...common.errors import StackError
-from ...common.observer import faded, fading, rec709
+from ...common.observer import faded, fading
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.boundaries import Interface
 from ...material.stack import Stack
@@ -247,15 +247,15 @@ def _evaluate(functions: Sequence[ScatteringFunction], sights, mu_o: np.ndarray,
         albedo, direct = take_lost(solved, direct, np.stack(lost).swapaxes(1, 2)[None])
         share = np.divide(albedo, solved, out=np.ones_like(solved), where=solved > 0.0)[..., None]
         values, lobes = values * share, None if lobes is None else lobes * share
-    return _in_colours(values, lobes, albedo, direct, functions[0].stack.wavelengths)
+    return _in_colours(values, lobes, albedo, direct, functions[0].stack)
 
 
-def _in_colours(values, lobes, albedo, direct, wavelengths: Sequence[float] | None):
+def _in_colours(values, lobes, albedo, direct, stack: Stack):
     """What `_evaluate` returns, in red, green and blue in place of wavelengths, if there are any. Slices whose colour
     is outside of the gamut fade towards gray, see observer.fading."""
-    if wavelengths is None:
+    if stack.wavelengths is None:
         return values, lobes, albedo, direct
-    values, albedo, direct = (rec709(part, tuple(wavelengths), 2) for part in (values, albedo, direct))
+    values, albedo, direct = (stack.seen(part, 2) for part in (values, albedo, direct))
     scattered, mirrored = fading(albedo, 2), fading(direct, 2)
 
     def shown(part):
@@ -264,7 +264,7 @@ def _in_colours(values, lobes, albedo, direct, wavelengths: Sequence[float] | No
     albedo, direct = faded(albedo, scattered, 2), faded(direct, mirrored, 2)
     if lobes is None:
         return shown(values), None, albedo, direct
-    lobes = rec709(lobes, tuple(wavelengths), 2)
+    lobes = stack.seen(lobes, 2)
     return shown(lobes) + shown(values - lobes), shown(lobes), albedo, direct
 
 
@@ -277,5 +277,5 @@ def _evaluate_azimuths(function: ScatteringFunction, azimuths: AzimuthRows, mu_o
         np.stack([made[id(solution)][part].reshape(len(phi_o), len(mu_o), *more) for solution in function.solutions], 1)
         for part, more in ((0, (grid.solid_angle.size,)), (1, ()), (2, ())))
     parts = values[None], None, np.maximum(albedo, 0.0)[None], direct[None]
-    values, _, albedo, direct = _in_colours(*parts, function.stack.wavelengths)
+    values, _, albedo, direct = _in_colours(*parts, function.stack)
     return Slices(values, albedo, None, direct)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...closures.closure_table import view_cosines
-from ...common.observer import fading, rec709
+from ...common.observer import fading
 from ..fit.between_rows import linear
 from ..fit.mixture import Mixture, mean_error
 from ..fit.row_functions import numbers_of
@@ -41,12 +41,12 @@ def fit_report(strips: int, solved: SolvedRows, errors: dict[str, np.ndarray], a
 
 def _gamut(solved: SolvedRows) -> dict:
     """The entry `faded` of a table of wavelengths, from the thinnest and the thickest row."""
-    wavelengths = solved.functions[0].stack.wavelengths
-    if wavelengths is None:
+    stack = solved.functions[0].stack
+    if stack.wavelengths is None:
         return {}
     mu = view_cosines()[stated()]
     scattered = [function.reflectance(mu, parts=True)[0] for function in (solved.functions[-1], solved.functions[0])]
-    return {"faded": float(fading(rec709(np.array(scattered), tuple(wavelengths)), -1).max())}
+    return {"faded": float(fading(stack.seen(np.array(scattered)), -1).max())}
 
 
 def error_report(errors: dict[str, np.ndarray], solved: SolvedRows) -> dict:

@@ -11,7 +11,6 @@ import numpy as np
 
 from ...closures.axes import column_angles
 from ...closures.closure_table import LOWEST_COSINE, view_cosines
-from ...common.observer import rec709
 from ...common.srgb import LUMINANCE
 from ...kinds.bases import ShaderBase
 from ...kinds.fields import channel
@@ -54,26 +53,22 @@ def result_curves(stack: Stack, lut, threads: int = 0) -> dict:
     every = column_angles()[list(ALBEDO_COLUMNS)]
     cosines = np.maximum(np.cos(every), LOWEST_COSINE)
     scattered, mirrored = exact.reflectance(mu, parts=True)
-
-    def shown(values):
-        return values if stack.wavelengths is None else rec709(values, tuple(stack.wavelengths))
-
     curves = {
         "views": np.degrees(column_angles()[list(VIEW_COLUMNS)]),
         "lights": LIGHTS,
-        "exact": _luminance(shown(_in_plane(exact, "reflect", mu))),
+        "exact": _luminance(stack.seen(_in_plane(exact, "reflect", mu))),
         "fitted": _luminance(_fitted(lut, stack.base, "reflect", mu)),
-        "mirrored": _luminance(shown(mirrored)),
+        "mirrored": _luminance(stack.seen(mirrored)),
         "angles": np.degrees(every),
-        "reflectance": _rgb(shown(exact.reflectance(cosines))),
+        "reflectance": _rgb(stack.seen(exact.reflectance(cosines))),
         "through_exact": None, "through_fitted": None, "straight": np.zeros(len(mu)), "transmittance": None,
     }
     if is_sheet:
         curves |= {
-            "through_exact": _luminance(shown(_in_plane(exact, "transmit", mu))),
+            "through_exact": _luminance(stack.seen(_in_plane(exact, "transmit", mu))),
             "through_fitted": _luminance(_fitted(lut, stack.base, "transmit", mu)),
-            "straight": _luminance(shown(exact.transmittance(mu, parts=True)[1])),
-            "transmittance": _rgb(shown(exact.transmittance(cosines))),
+            "straight": _luminance(stack.seen(exact.transmittance(mu, parts=True)[1])),
+            "transmittance": _rgb(stack.seen(exact.transmittance(cosines))),
         }
     return {name: None if values is None else _rounded(values) for name, values in curves.items()}
 
