@@ -30,6 +30,7 @@ CLASSES = (
     layers.LAMINA_OT_sheet_close,
     layers.LAMINA_OT_phase_replace,
     layers.LAMINA_OT_profile_replace,
+    layers.LAMINA_OT_match_colors,
     layers.LAMINA_OT_metal,
     presets.LAMINA_OT_preset_apply,
     presets.LAMINA_OT_preset_save,

@@ -4,7 +4,7 @@
 import bpy
 
 from ..base import native
-from ..editing import layer_list, metals
+from ..editing import layer_list, matched_colors, metals
 from ..properties.layer_properties import LAYER_KINDS
 from ..stack_json import phases, profiles
 from . import common
@@ -134,6 +134,47 @@ class LAMINA_OT_profile_replace(bpy.types.Operator):
 
     def execute(self, context):
         profiles.replace(layer_list.active_layer(common.material_of(context)))
+        return {"FINISHED"}
+
+
+def _color(name, default, tip):
+    return bpy.props.FloatVectorProperty(
+        name=name, description=tip, subtype="COLOR", size=3, min=0.0, max=1.0, default=default
+    )
+
+
+class LAMINA_OT_match_colors(bpy.types.Operator):
+    bl_idname = "lamina.match_colors"
+    bl_label = "Match Colors"
+    bl_description = (
+        "Find the albedo and the thickness of this layer from its colors over black and over white, as paint "
+        "makers measure on a drawdown card. Colors can be picked from an image beside"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    over_black: _color("Over Black", (0.2, 0.2, 0.2), "What the layer shows on black, without gloss")
+    over_white: _color("Over White", (0.6, 0.6, 0.6), "What the layer shows on white, without gloss")
+    white: bpy.props.FloatProperty(
+        name="White", description="Reflectance of the white surface", min=0.05, max=1.0, default=0.8
+    )
+
+    @classmethod
+    def poll(cls, context):
+        layer = common.has_layer(cls, context) and layer_list.active_layer(common.material_of(context))
+        if layer and not matched_colors.can_match(layer):
+            cls.poll_message_set("Only a medium that does not change with depth can match colors")
+            return False
+        return bool(layer) and common.has_native(cls)
+
+    def invoke(self, context, _event):
+        return context.window_manager.invoke_props_dialog(self, confirm_text="Match")
+
+    def execute(self, context):
+        layer = layer_list.active_layer(common.material_of(context))
+        try:
+            matched_colors.match(layer, self.over_black, self.over_white, self.white)
+        except (ValueError, native.NativeMissingError) as error:
+            return common.refused(self, error)
         return {"FINISHED"}
 
 

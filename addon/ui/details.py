@@ -38,6 +38,7 @@ def _draw_medium(layout, layer):
     imported = profiles.imported(layer)
     if not imported:
         layout.row().prop(layer, "mode", expand=True)
+        layout.operator("lamina.match_colors", text="Match Colors over Black and White...")
     column = split(layout.column())
     if not imported:
         _draw_end(column, layer, layer)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The perceived colour of a medium, the albedo for a colour, and the colour of a spectrum."""
+"""The perceived colour of a medium, the medium for a colour or for two, and the colour of a spectrum."""
 
 from .common.observer import rec709
 from .material.colours import albedo_of, shown
+from .material.match import match
 
-__all__ = ["albedo_of", "rec709", "shown"]
+__all__ = ["albedo_of", "match", "rec709", "shown"]

@@ -36,7 +36,7 @@ def shown(medium: Medium, over: Channels | None = None) -> list[float]:
     check_colours(medium, count, "medium")
     albedos = albedos_of(medium, count) if medium.color is not None else None
     seen = replace(medium, over=over)
-    return [_shown_by(albedos[index] if albedos else medium.optics(index)[0], *_situation(seen, index))
+    return [reflected(albedos[index] if albedos else medium.optics(index)[0], *_situation(seen, index))
             for index in range(count)]
 
 
@@ -74,13 +74,13 @@ def albedos_of_layer(medium: Medium, channels: int) -> tuple | None:
 
 def albedos_of(medium: Medium, channels: int) -> tuple[float, ...]:
     """albedo_of for a checked Medium that is given by a colour within reach."""
-    return tuple(_albedo(channel(medium.color, index), *_situation(medium, index)) for index in range(channels))
+    return tuple(albedo_by(channel(medium.color, index), *_situation(medium, index)) for index in range(channels))
 
 
 def _check_color(medium: Medium, channels: int, path: str) -> None:
     for index in range(channels):
         wanted, situation = channel(medium.color, index), _situation(medium, index)
-        low, high = _range(*situation)
+        low, high = reachable(*situation)
         if not low - 1e-9 <= wanted <= high + 1e-9:
             where = f"{path}.color" + (f"[{index}]" if isinstance(medium.color, tuple) else "")
             # Round inwards, so that the ends given in the message are allowed.
@@ -141,7 +141,8 @@ def _nodes(phase: tuple, tau: float) -> int:
 
 
 @lru_cache(maxsize=1024)
-def _shown_by(albedo: float, phase: tuple, tau: float, over: float) -> float:
+def reflected(albedo: float, phase: tuple, tau: float, over: float) -> float:
+    """The colour of a layer, as checked numbers of one channel; `phase` as the core takes it."""
     if tau == math.inf and albedo in (0.0, 1.0):
         return albedo
     if tau == 0.0:
@@ -149,18 +150,18 @@ def _shown_by(albedo: float, phase: tuple, tau: float, over: float) -> float:
     return _reflectance(albedo, phase, tau, over, _nodes(phase, tau))
 
 
-def _range(phase: tuple, tau: float, over: float) -> tuple[float, float]:
+def reachable(phase: tuple, tau: float, over: float) -> tuple[float, float]:
     """The colours of albedo 0 and 1."""
-    return _shown_by(0.0, phase, tau, over), _shown_by(1.0, phase, tau, over)
+    return reflected(0.0, phase, tau, over), reflected(1.0, phase, tau, over)
 
 
 @lru_cache(maxsize=4096)
-def _albedo(wanted: float, phase: tuple, tau: float, over: float) -> float:
+def albedo_by(wanted: float, phase: tuple, tau: float, over: float) -> float:
     """The albedo for the colour `wanted`, to 12 digits.
 
     A search with few nodes finds the approximate albedo and the slope there. Steps along this slope then correct the
     remaining error with the number of nodes that the colour needs."""
-    low, high = _range(phase, tau, over)
+    low, high = reachable(phase, tau, over)
     if wanted <= low:
         return 0.0
     if wanted >= high:
@@ -173,6 +174,8 @@ def _albedo(wanted: float, phase: tuple, tau: float, over: float) -> float:
         miss = _reflectance(variable.albedo(where), phase, tau, over, nodes) - wanted
         if before is not None and where != before[0]:
             slope = (miss - before[1]) / (where - before[0])
+        if slope == 0.0:  # the colour no longer changes within its digits
+            break
         before = (where, miss)
         where = min(variable.black, max(variable.white, where - miss / slope))
         # The relative error of the slope is at most a fifth.
@@ -197,7 +200,7 @@ class _Variable:
 
 def _find_roughly(wanted: float, phase: tuple, tau: float, over: float, variable: _Variable) -> tuple[float, float]:
     """(variable, slope) for a colour on few nodes: false position with the rule of Anderson and Bjorck (1973)."""
-    low, high = _range(phase, tau, over)
+    low, high = reachable(phase, tau, over)
     a, at_a, b, at_b = variable.white, high - wanted, variable.black, low - wanted
     where = _endless(wanted) if tau == math.inf else b - at_b * (b - a) / (at_b - at_a)
     last, at_last = (a, at_a) if at_a < -at_b else (b, at_b)

@@ -149,7 +149,7 @@ def test_shown_takes_every_form():
 
 def test_a_stack_solves_for_its_colours_when_they_are_needed(monkeypatch):
     asked = []
-    monkeypatch.setattr(colours, "_albedo", lambda wanted, *situation: asked.append(wanted) or 0.5)
+    monkeypatch.setattr(colours, "albedo_by", lambda wanted, *situation: asked.append(wanted) or 0.5)
     stack = Stack([Medium(color=[0.31, 0.32, 0.33], tau=1.0), Medium(color=0.34, over=0.2, tau=9.0)])
     assert asked == []
     assert stack.optics(0, 1) == (0.5, 1.0)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A layer from its colors over black and over white."""
+
+import bpy
+import pytest
+from addon_helpers import drawn_layer
+
+
+def test_a_layer_shows_both_colors(addon, lamina, material, call):
+    dark, bright = (0.2, 0.1, 0.05), (0.6, 0.5, 0.3)
+    assert call(bpy.ops.lamina.match_colors, material, over_black=dark, over_white=bright) == {"FINISHED"}
+    layer = addon.editing.stack_io.to_stack(material).layers[0]
+    assert lamina.colours.shown(layer, 0.0) == pytest.approx(dark, rel=1e-4)
+    assert lamina.colours.shown(layer, 0.8) == pytest.approx(bright, rel=1e-4)
+    assert "Match Colors over Black and White..." in drawn_layer(addon, material.lamina.layers[0])
+
+
+def test_a_layer_that_hides_the_base_in_one_channel(addon, material):
+    layer = material.lamina.layers[0]
+    addon.editing.matched_colors.match(layer, (0.4, 0.1, 0.1), (0.4, 0.5, 0.5), 0.8)
+    assert not layer.infinite and layer.tau_rgb[0] == 100.0 and layer.tau_rgb[1] < 2.0
+    addon.editing.matched_colors.match(layer, (0.4, 0.3, 0.2), (0.4, 0.3, 0.2), 0.8)
+    assert layer.infinite
+
+
+def test_what_cannot_be_matched_changes_nothing(addon, material, call):
+    before = addon.editing.stack_io.to_dict(material)
+    with pytest.raises(RuntimeError, match="must be at most over_white"):
+        call(bpy.ops.lamina.match_colors, material, over_black=(0.5, 0.5, 0.5), over_white=(0.4, 0.5, 0.5))
+    assert addon.editing.stack_io.to_dict(material) == before
+    material.lamina.layers[0].graded = True
+    assert not call(bpy.ops.lamina.match_colors.poll, material)
+    with pytest.raises(addon.base.messages.RefusedError, match="does not change with depth"):
+        addon.editing.matched_colors.match(material.lamina.layers[0], (0.1,) * 3, (0.2,) * 3, 0.8)
