@@ -149,8 +149,8 @@ std::vector<double> evaluate_points(const Solution& solution, Side side, Path pa
   } else {
     const Assembly smooth(solution, exact.mu, pool);
     const FacetMeetings meetings(smooth);
-    orders = std::move(
-        smooth_orders(smooth, meetings, ScatteringBetweenLobes(smooth, pool), {{side, path}}, pool).front());
+    orders =
+        std::move(smooth_orders(smooth, meetings, ScatteringBetweenLobes(smooth, pool), {{side, path}}, pool).front());
   }
   const Assembly all(solution, exact.mu);
   std::optional<FacetMeetings> meetings;

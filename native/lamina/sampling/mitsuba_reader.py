@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads a table for renderers in a variant of Mitsuba, with numbers or with Dr.Jit's arrays."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import ArgumentError
+from ..common.observer import rec709
+from .facet_densities import summed
+from .render_table import RenderTable, lagrange
+
+QUARTER = 0.5 * math.pi
+
+
+class Reader:
+    """Values, densities and directions of `table`. `mi` and `dr`: the modules mitsuba and drjit. Directions are those
+    of Mitsuba's local frame, where the surface's top has z > 0."""
+
+    def __init__(self, table: RenderTable, mi: Any, dr: Any):
+        self._table, self._mi, self._dr = table, mi, dr
+        self._sheet = len(table.sights) > 1
+        self._is_array = bool(dr.is_jit_v(mi.Float))
+        colours = functools.partial(_colours, table.wavelengths, mi)
+        self._channels = colours(table.mirrored).shape[-1]
+        self._wavelengths = sorted(table.wavelengths) if mi.is_spectral and self._channels > 1 else None
+        self._smooth = self._array(colours(table.smooth))
+        self._facets = self._array(colours(table.facets)) if any(table.densities) else None
+        beyond = table.mirrored[:, 1:2]  # the knot beyond the normal
+        self._mirrored = self._array(colours(np.concatenate([beyond, table.mirrored], axis=1)))
+        self._chances = self._array(table.chance)
+        self._marginal = mi.MarginalContinuous2D2(
+            np.ascontiguousarray(table.density, np.float32),
+            [[float(k) for k in range(len(table.sights))], table.theta_views.tolist()]) if self._sheet else \
+            mi.MarginalContinuous2D1(np.ascontiguousarray(table.density[0], np.float32), [table.theta_views.tolist()])
+
+    def values(self, wi, wo, wavelengths, active):
+        """The function in 1/sr."""
+        mi, dr = self._mi, self._dr
+        mu_o, mu_i = dr.abs(wi.z), dr.abs(wo.z)
+        square_o, square_i = wi.x * wi.x + wi.y * wi.y, wo.x * wo.x + wo.y * wo.y
+        across = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
+        dphi = dr.abs(dr.atan2(wo.y * wi.x - wo.x * wi.y, -(wo.x * wi.x + wo.y * wi.y)))
+        _, rows, columns, turns, _ = self._table.smooth.shape
+        places = [self._stencil(dr.atan2(dr.sqrt(square_o), mu_o) * ((rows - 2) / QUARTER), rows),
+                  self._stencil(dr.atan2(dr.sqrt(square_i), mu_i) * ((columns - 2) / QUARTER), columns),
+                  self._stencil(dr.asin(dr.minimum(dr.sqrt(dphi * (1.0 / math.pi)), 1.0)) * ((turns - 3) / QUARTER),
+                                turns)]
+        sight = self._sight(wi, wi.z * wo.z < 0.0)
+        steps = (rows * columns * turns, columns * turns, turns, 1)
+        base = sight * steps[0] + sum((first * step for (first, _), step in zip(places, steps[1:], strict=True)), 0)
+        smooth = self._sum(self._smooth, base, places, steps[1:], wavelengths, active)
+        value = smooth * dr.rcp(dr.maximum(mu_o + mu_i, 1e-6))
+        if self._facets is not None:
+            around = mi.Float(0.0)
+            for number, densities in enumerate(self._table.densities):
+                if densities:
+                    around = dr.select(sight == number, summed(densities, square_o, square_i, across, dr), around)
+            value = value + self._sum(self._facets, base, places, steps[1:], wavelengths, active) * around
+        return dr.select(active & self._seen(wi, wo), dr.maximum(value, 0.0), 0.0)
+
+    def specular(self, path: int, wi, wavelengths, active):
+        """The light of a mirror image, or unscattered light."""
+        knots = self._table.mirrored.shape[1] + 1
+        place = self._stencil(self._theta(wi) * ((knots - 2) / QUARTER), knots)
+        base = self._sight(wi, path == 1) * knots + place[0]
+        return self._dr.maximum(self._sum(self._mirrored, base, [place], (1,), wavelengths, active), 0.0)
+
+    def chance(self, path: int, specular: int, wi):
+        """The share of one part in all light towards a view, linear between the table's views."""
+        mi, dr = self._mi, self._dr
+        views = len(self._table.theta_views)
+        far = float(self._table.theta_views[-1])
+        place = (1.0 - dr.sqrt(dr.maximum(1.0 - self._theta(wi) * (1.0 / far), 0.0))) * (views - 1)
+        first = dr.minimum(mi.Int32(place), views - 2)
+        at = (self._sight(wi, path == 1) * views + first) * 2 + specular
+        low, high = (self._one(self._chances, at + step) for step in (0, 2))
+        return dr.lerp(low, high, place - mi.Float(first))
+
+    def drawn(self, path: int, wi, sample2, active):
+        """(a direction of light, where it lies on the wanted side)."""
+        mi, dr = self._mi, self._dr
+        view = mi.Vector3f(wi.x, wi.y, dr.abs(wi.z))
+        place, _ = self._marginal.sample(sample2, self._parameters(path, wi), active)
+        theta = dr.square(place.x) * QUARTER
+        phi = (2.0 * place.y - 1.0) * math.pi + dr.atan2(wi.y, wi.x)
+        sine = dr.sin(theta)
+        normal = mi.Vector3f(dr.cos(phi) * sine, dr.sin(phi) * sine, dr.cos(theta))
+        cosine = dr.dot(view, normal)
+        light = normal * (2.0 * cosine) - view
+        side = dr.select((wi.z > 0.0) == (path == 0), 1.0, -1.0)
+        return mi.Vector3f(light.x, light.y, light.z * side), (light.z > 0.0) & (cosine > 0.0) & active
+
+    def density(self, path: int, wi, wo, active):
+        """Probability per solid angle of light on one side."""
+        mi, dr = self._mi, self._dr
+        view = mi.Vector3f(wi.x, wi.y, dr.abs(wi.z))
+        normal = dr.normalize(view + mi.Vector3f(wo.x, wo.y, dr.abs(wo.z)))
+        theta = dr.atan2(dr.sqrt(dr.square(normal.x) + dr.square(normal.y)), normal.z)
+        u = dr.sqrt(theta * (1.0 / QUARTER))
+        turn = (dr.atan2(normal.y, normal.x) - dr.atan2(wi.y, wi.x)) * (0.5 / math.pi) + 0.5
+        v = turn - dr.floor(turn)
+        size = dr.maximum(2.0 * math.pi**2 * u * dr.sin(theta), 1e-6) * 4.0 * dr.dot(view, normal)
+        found = self._marginal.eval(mi.Point2f(u, v), self._parameters(path, wi), active)
+        return dr.select(active, found * dr.rcp(dr.maximum(size, 1e-12)), 0.0)
+
+    def _parameters(self, path: int, wi) -> list:
+        theta = self._theta(wi)
+        return [self._mi.Float(self._sight(wi, path == 1)), theta] if self._sheet else [theta]
+
+    def _sight(self, wi, transmitted):
+        """The number of the table's sight."""
+        if not self._sheet:
+            return self._mi.Int32(0)
+        side = self._dr.select(wi.z > 0.0, self._mi.Int32(0), self._mi.Int32(2))
+        return side + self._dr.select(transmitted, self._mi.Int32(1), self._mi.Int32(0))
+
+    def _seen(self, wi, wo):
+        return (wi.z * wo.z != 0.0) if self._sheet else (wi.z > 0.0) & (wo.z > 0.0)
+
+    def _theta(self, w):
+        return self._dr.atan2(self._dr.sqrt(w.x * w.x + w.y * w.y), self._dr.abs(w.z))
+
+    def _stencil(self, place, size: int):
+        """(first knot, Lagrange's weights), as in render_table.stencil."""
+        mi, dr = self._mi, self._dr
+        first = dr.clip(mi.Int32(dr.floor(place)), 0, size - 4)
+        return first, lagrange(place + 1.0 - mi.Float(first))
+
+    def _sum(self, array, base, places, steps, wavelengths, active):
+        """The weighted sum of the knots of all stencils, as a spectrum."""
+        read = self._packets(array, wavelengths, active)
+        total = 0.0
+        corners = [(base, 1.0)]
+        for (_, weights), step in zip(places, steps, strict=True):
+            corners = [(at + k * step, own * weights[k]) for at, own in corners for k in range(4)]
+        for at, own in corners:
+            total = total + read(at) * own
+        if not self._is_array:
+            total = self._at_wavelengths(total, wavelengths)
+        return self._mi.Spectrum(total)
+
+    def _packets(self, array, wavelengths, active):
+        """A function that reads all channels of a knot, or the wavelengths of a ray."""
+        mi, dr = self._mi, self._dr
+        if not self._is_array:
+            return lambda at: array[at]
+        if self._wavelengths is None:
+            kind = mi.Float if self._channels == 1 else mi.Color3f
+            return lambda at: dr.gather(kind, array, mi.UInt32(at), active)
+        known = self._wavelengths
+        lanes = []
+        for wavelength in wavelengths:
+            first, share = mi.UInt32(0), mi.Float(0.0)
+            for k, (low, high) in enumerate(zip(known, known[1:], strict=False)):
+                inside = wavelength >= low
+                first = dr.select(inside, mi.UInt32(k), first)
+                share = dr.select(inside, dr.minimum((wavelength - low) * (1.0 / (high - low)), 1.0), share)
+            lanes.append((first, share))
+        last = self._channels - 1
+
+        def read(at):
+            start = mi.UInt32(at) * self._channels
+            return mi.Spectrum([dr.lerp(dr.gather(mi.Float, array, start + first, active),
+                                        dr.gather(mi.Float, array, start + dr.minimum(first + 1, last), active), share)
+                                for first, share in lanes])
+        return read
+
+    def _at_wavelengths(self, total, wavelengths):
+        if self._wavelengths is not None:
+            return np.interp(np.array(wavelengths), self._wavelengths, total).tolist()
+        return float(total[0]) if self._channels == 1 else total.tolist()
+
+    def _array(self, values):
+        flat = np.ascontiguousarray(values, np.float32)
+        return self._mi.Float(flat.ravel()) if self._is_array else flat.reshape(-1, flat.shape[-1]).astype(float)
+
+    def _one(self, array, index):
+        if self._is_array:
+            return self._dr.gather(self._mi.Float, array, self._mi.UInt32(index))
+        return float(array.ravel()[index])
+
+
+def _colours(wavelengths, mi: Any, values: np.ndarray) -> np.ndarray:
+    """Values of all channels as the variant needs them: its wavelengths, red, green and blue, or luminance."""
+    if values.shape[-1] == 1:
+        return values
+    if mi.is_spectral:
+        if wavelengths is None:
+            raise ArgumentError("the stack is red, green and blue: a spectral variant needs a grey one, or wavelengths")
+        return values[..., np.argsort(wavelengths)]
+    shown = values if wavelengths is None else rec709(values, tuple(wavelengths))
+    return shown if mi.is_rgb else shown @ np.array([[0.212671], [0.715160], [0.072169]])
