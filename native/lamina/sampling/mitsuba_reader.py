@@ -27,7 +27,7 @@ class Reader:
         self._is_array = bool(dr.is_jit_v(mi.Float))
         colours = functools.partial(_colours, table.wavelengths, mi)
         self._channels = colours(table.mirrored).shape[-1]
-        self._wavelengths = sorted(table.wavelengths) if mi.is_spectral and self._channels > 1 else None
+        self._wavelengths = sorted(table.wavelengths or ()) if mi.is_spectral and self._channels > 1 else None
         self._smooth = self._array(colours(table.smooth))
         self._facets = self._array(colours(table.facets)) if any(table.densities) else None
         beyond = table.mirrored[:, 1:2]  # the knot beyond the normal
@@ -108,9 +108,11 @@ class Reader:
         found = self._marginal.eval(mi.Point2f(u, v), self._parameters(path, wi), active)
         return dr.select(active, found * dr.rcp(dr.maximum(size, 1e-12)), 0.0)
 
-    def _parameters(self, path: int, wi) -> list:
+    def _parameters(self, path: int, wi):
         theta = self._theta(wi)
-        return [self._mi.Float(self._sight(wi, path == 1)), theta] if self._sheet else [theta]
+        if not self._sheet:
+            return self._mi.Vector1f(theta)
+        return self._mi.Vector2f(self._mi.Float(self._sight(wi, path == 1)), theta)
 
     def _sight(self, wi, transmitted):
         """The number of the table's sight."""
@@ -133,6 +135,12 @@ class Reader:
 
     def _sum(self, array, base, places, steps, wavelengths, active):
         """The weighted sum of the knots of all stencils, as a spectrum."""
+        if not self._is_array:
+            at, own = np.array([base]), np.ones(1)
+            for (_, weights), step in zip(places, steps, strict=True):
+                at = (at[:, None] + step * np.arange(4)).ravel()
+                own = np.outer(own, weights).ravel()
+            return self._mi.Spectrum(self._at_wavelengths(own @ array[at], wavelengths))
         read = self._packets(array, wavelengths, active)
         total = 0.0
         corners = [(base, 1.0)]
@@ -140,15 +148,11 @@ class Reader:
             corners = [(at + k * step, own * weights[k]) for at, own in corners for k in range(4)]
         for at, own in corners:
             total = total + read(at) * own
-        if not self._is_array:
-            total = self._at_wavelengths(total, wavelengths)
         return self._mi.Spectrum(total)
 
     def _packets(self, array, wavelengths, active):
         """A function that reads all channels of a knot, or the wavelengths of a ray."""
         mi, dr = self._mi, self._dr
-        if not self._is_array:
-            return lambda at: array[at]
         if self._wavelengths is None:
             kind = mi.Float if self._channels == 1 else mi.Color3f
             return lambda at: dr.gather(kind, array, mi.UInt32(at), active)

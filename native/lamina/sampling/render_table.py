@@ -79,9 +79,9 @@ class RenderTable:
             around = _densities_on(own, theta, dphi)[..., None]
             facets.append(_padded(np.divide(lobes, around, out=np.zeros_like(lobes), where=around > 1e-30)))
         mirrored = np.stack([_fluxes(solved, *sight, mu)[1] for sight in sights])
-        views = incident_angles(VIEWS)
+        views, known = incident_angles(VIEWS), solved.stack.wavelengths
         table = cls(sights, np.array(smooth, np.float32), np.array(facets, np.float32), densities, mirrored, views,
-                    np.empty(0), np.empty(0), solved.stack.label, solved.stack.wavelengths)
+                    np.empty(0), np.empty(0), solved.stack.label, None if known is None else tuple(known))
         return table._with_sampling(solved)
 
     def save(self, path: str | os.PathLike) -> None:
