@@ -6,6 +6,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from ..kinds.boundaries import Interface
+from ..material.stack import Stack
+
 
 @dataclass(frozen=True)
 class FacetDensity:
@@ -38,3 +43,25 @@ def summed(densities, sine2_o, sine2_i, across2, xp):
     for one in densities:
         total = total + one.at(sine2_o, sine2_i, across2, xp)
     return total
+
+
+def densities_of(stack: Stack, side: str, path: str) -> tuple[FacetDensity, ...]:
+    """The rough boundaries whose facets a view sees, by their first channel."""
+    found, above = [], 1.0
+    for layer in stack.layers:
+        if isinstance(layer, Interface):
+            below = _first(layer.ior)
+            if _first(layer.alpha) > 0.0 and (path == "reflect" or above != below):
+                near, far = (above, below) if side == "top" else (below, above)
+                found.append(FacetDensity(_first(layer.alpha), layer.distribution == "ggx", near,
+                                          near if path == "reflect" else -far))
+            above = below
+    base = stack.base
+    alpha = _first(getattr(base, "alpha", 0.0))
+    if alpha > 0.0:
+        found.append(FacetDensity(alpha, getattr(base, "distribution", "ggx") == "ggx", above, above))
+    return tuple(found)
+
+
+def _first(value) -> float:
+    return float(np.ravel(value)[0])

@@ -20,18 +20,25 @@ NAME = "lamina"
 def register() -> None:
     """Makes "lamina" a BSDF plugin of Mitsuba's present variant: call it after each `mitsuba.set_variant`. Its
     parameter `stack` is the id of a preset, the JSON of a stack, or the path of a JSON file or of a table that
-    RenderTable.save wrote; `quality` is "final" or "preview". Raises ExtraMissing without mitsuba."""
+    RenderTable.save wrote; `quality` is "final" or "preview"; `tau` as in
+    `bsdf`. Raises ExtraMissing without mitsuba."""
     mi = require("mitsuba", "the plugin for Mitsuba")
     mi.register_bsdf(NAME, _plugin(mi))
 
 
-def bsdf(table: RenderTable) -> Any:
-    """The BSDF of a table for Mitsuba's present variant, to be used in the dictionary of a scene. Raises ExtraMissing
-    without mitsuba, and ArgumentError."""
+def bsdf(table: RenderTable, tau: Any = None) -> Any:
+    """The BSDF of a table for Mitsuba's present variant, to be used in the dictionary of a scene. `tau`: the thickness
+    of a varying layer in its thickest channel, a number or a texture of Mitsuba with raw values; by default the
+    largest. Raises ExtraMissing without mitsuba, and ArgumentError."""
     mi = require("mitsuba", "the plugin for Mitsuba")
     if not isinstance(table, RenderTable):
         raise ArgumentError(f"table = {quoted(table)}: must be a lamina.mitsuba.RenderTable")
-    return _plugin(mi)(mi.Properties(NAME), table)
+    if tau is not None and table.rows == 1:
+        raise ArgumentError("tau: the table has no varying layer")
+    props = mi.Properties(NAME)
+    if tau is not None:
+        props["tau"] = tau
+    return _plugin(mi)(props, table)
 
 
 def _table(given: str, quality: str) -> RenderTable:
@@ -63,6 +70,7 @@ def _plugin(mi: Any) -> type:
                 table = _table(str(props["stack"]), str(props.get("quality", "final")))
             self._table = table
             self._read = Reader(table, mi, dr)
+            self._tau = props.get_texture("tau", table.largest) if table.rows > 1 else None
             sheet = len(table.sights) > 1
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide if sheet else mi.BSDFFlags.FrontSide
             flags = [[mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DeltaReflection],
@@ -80,8 +88,8 @@ def _plugin(mi: Any) -> type:
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             bs = mi.BSDFSample3f()
-            view, active = self._view(si.wi, active)
-            chances = self._chances(ctx, view, si.wi)
+            active, row = active & self._seen(si.wi), self._row(si, active)
+            chances = self._chances(ctx, si.wi, row)
             light, pdf, drawn = mi.Vector3f(0.0), mi.Float(0.0), mi.Bool(False)
             weight = mi.Spectrum(0.0)
             start = mi.Float(0.0)
@@ -93,13 +101,14 @@ def _plugin(mi: Any) -> type:
                 start = start + chance
                 if specular:
                     found = mirror if path == 0 else -si.wi
-                    own = self._read.specular(path, si.wi, si.wavelengths, here) * dr.rcp(dr.maximum(chance, 1e-12))
+                    own = self._read.specular(path, si.wi, row, si.wavelengths, here)
+                    own *= dr.rcp(dr.maximum(chance, 1e-12))
                     good, density = here, chance
                 else:
-                    found, good = self._read.drawn(path, si.wi, sample2, here)
+                    found, good = self._read.drawn(path, si.wi, row, sample2, here)
                     good = good & here
-                    density = self._density(chances, si.wi, found, good)
-                    own = (self._read.values(si.wi, found, si.wavelengths, good) * dr.abs(found.z)
+                    density = self._density(chances, si.wi, found, row, good)
+                    own = (self._read.values(si.wi, found, row, si.wavelengths, good) * dr.abs(found.z)
                            * dr.rcp(dr.maximum(density, 1e-30)))
                     good = good & (density > 0.0)
                 light = dr.select(good, found, light)
@@ -116,43 +125,45 @@ def _plugin(mi: Any) -> type:
             return self.eval_pdf(ctx, si, wo, active)[0]
 
         def pdf(self, ctx, si, wo, active=True):
-            view, active = self._view(si.wi, active)
-            return self._density(self._chances(ctx, view, si.wi), si.wi, wo, active)
+            active, row = active & self._seen(si.wi), self._row(si, active)
+            return self._density(self._chances(ctx, si.wi, row), si.wi, wo, row, active)
 
         def eval_pdf(self, ctx, si, wo, active=True):
-            view, active = self._view(si.wi, active)
+            active, row = active & self._seen(si.wi), self._row(si, active)
             seen = mi.Bool(False)
             for number, (path, specular, flag) in enumerate(self._parts):
                 if not specular and ctx.is_enabled(flag, number):
                     seen = seen | ((si.wi.z * wo.z > 0.0) if path == 0 else (si.wi.z * wo.z < 0.0))
             active = active & seen
-            value = self._read.values(si.wi, wo, si.wavelengths, active) * dr.abs(wo.z)
-            density = self._density(self._chances(ctx, view, si.wi), si.wi, wo, active)
+            value = self._read.values(si.wi, wo, row, si.wavelengths, active) * dr.abs(wo.z)
+            density = self._density(self._chances(ctx, si.wi, row), si.wi, wo, row, active)
             return dr.select(active, value, mi.Spectrum(0.0)), density
 
-        def _view(self, wi, active):
-            """(the view in the upper hemisphere, where it sees the stack)."""
-            seen = (wi.z != 0.0) if len(self._table.sights) > 1 else (wi.z > 0.0)
-            return mi.Vector3f(wi.x, wi.y, dr.abs(wi.z)), active & seen
+        def _seen(self, wi):
+            return (wi.z != 0.0) if len(self._table.sights) > 1 else (wi.z > 0.0)
 
-        def _chances(self, ctx, view, wi):
+        def _row(self, si, active):
+            return None if self._tau is None else self._read.row(self._tau.eval_1(si, active))
+
+        def _chances(self, ctx, wi, row):
             """By component the chance to draw it, 0 for those that are not asked for."""
-            found = [self._read.chance(path, specular, wi) if ctx.is_enabled(flag, number) else mi.Float(0.0)
+            found = [self._read.chance(path, specular, wi, row) if ctx.is_enabled(flag, number) else mi.Float(0.0)
                      for number, (path, specular, flag) in enumerate(self._parts)]
             total = sum(found, mi.Float(0.0))
             return [one * dr.rcp(dr.maximum(total, 1e-12)) for one in found]
 
-        def _density(self, chances, wi, wo, active):
+        def _density(self, chances, wi, wo, row, active):
             """Probability per solid angle of a direction that is not specular."""
             total = mi.Float(0.0)
             for (path, specular, _), chance in zip(self._parts, chances, strict=True):
                 if not specular:
                     here = active & ((wi.z * wo.z > 0.0) if path == 0 else (wi.z * wo.z < 0.0))
-                    total = total + dr.select(here, chance * self._read.density(path, wi, wo, here), 0.0)
+                    total = total + dr.select(here, chance * self._read.density(path, wi, wo, row, here), 0.0)
             return total
 
         def traverse(self, callback):
-            pass
+            if self._tau is not None:
+                callback.put("tau", self._tau, mi.ParamFlags.Differentiable)
 
         def to_string(self):
             return f"Lamina[{self._table.name}, channels = {self._table.channels}]"

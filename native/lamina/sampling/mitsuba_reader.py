@@ -30,62 +30,78 @@ class Reader:
         self._wavelengths = sorted(table.wavelengths or ()) if mi.is_spectral and self._channels > 1 else None
         self._smooth = self._array(colours(table.smooth))
         self._facets = self._array(colours(table.facets)) if any(table.densities) else None
-        beyond = table.mirrored[:, 1:2]  # the knot beyond the normal
-        self._mirrored = self._array(colours(np.concatenate([beyond, table.mirrored], axis=1)))
+        beyond = table.mirrored[:, :, 1:2]  # the knot beyond the normal
+        self._mirrored = self._array(colours(np.concatenate([beyond, table.mirrored], axis=2)))
         self._chances = self._array(table.chance)
-        self._marginal = mi.MarginalContinuous2D2(
-            np.ascontiguousarray(table.density, np.float32),
-            [[float(k) for k in range(len(table.sights))], table.theta_views.tolist()]) if self._sheet else \
-            mi.MarginalContinuous2D1(np.ascontiguousarray(table.density[0], np.float32), [table.theta_views.tolist()])
+        density, parameters = table.density, [table.theta_views.tolist()]
+        if table.rows > 1:
+            parameters.insert(0, [float(k) for k in range(table.rows)])
+        else:
+            density = density[:, 0]
+        if self._sheet:
+            parameters.insert(0, [float(k) for k in range(len(table.sights))])
+        else:
+            density = density[0]
+        kind = (mi.MarginalContinuous2D1, mi.MarginalContinuous2D2, mi.MarginalContinuous2D3)[len(parameters) - 1]
+        self._marginal = kind(np.ascontiguousarray(density, np.float32), parameters)
+        self._parameter = (mi.Vector1f, mi.Vector2f, mi.Vector3f)[len(parameters) - 1]
 
-    def values(self, wi, wo, wavelengths, active):
+    def row(self, tau):
+        """The row of a thickness, 0 where nothing varies."""
+        return self._table.row_of(tau, self._dr) if self._table.rows > 1 else None
+
+    def values(self, wi, wo, row, wavelengths, active):
         """The function in 1/sr."""
         mi, dr = self._mi, self._dr
         mu_o, mu_i = dr.abs(wi.z), dr.abs(wo.z)
         square_o, square_i = wi.x * wi.x + wi.y * wi.y, wo.x * wo.x + wo.y * wo.y
         across = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
         dphi = dr.abs(dr.atan2(wo.y * wi.x - wo.x * wi.y, -(wo.x * wi.x + wo.y * wi.y)))
-        _, rows, columns, turns, _ = self._table.smooth.shape
+        _, _, rows, columns, turns, _ = self._table.smooth.shape
         places = [self._stencil(dr.atan2(dr.sqrt(square_o), mu_o) * ((rows - 2) / QUARTER), rows),
                   self._stencil(dr.atan2(dr.sqrt(square_i), mu_i) * ((columns - 2) / QUARTER), columns),
                   self._stencil(dr.asin(dr.minimum(dr.sqrt(dphi * (1.0 / math.pi)), 1.0)) * ((turns - 3) / QUARTER),
                                 turns)]
         sight = self._sight(wi, wi.z * wo.z < 0.0)
-        steps = (rows * columns * turns, columns * turns, turns, 1)
-        base = sight * steps[0] + sum((first * step for (first, _), step in zip(places, steps[1:], strict=True)), 0)
-        smooth = self._sum(self._smooth, base, places, steps[1:], wavelengths, active)
+        steps = [columns * turns, turns, 1]
+        base = self._start(sight, row, rows * steps[0], places, steps)
+        smooth = self._sum(self._smooth, base, places, steps, wavelengths, active)
         value = smooth * dr.rcp(dr.maximum(mu_o + mu_i, 1e-6))
         if self._facets is not None:
             around = mi.Float(0.0)
             for number, densities in enumerate(self._table.densities):
                 if densities:
                     around = dr.select(sight == number, summed(densities, square_o, square_i, across, dr), around)
-            value = value + self._sum(self._facets, base, places, steps[1:], wavelengths, active) * around
+            value = value + self._sum(self._facets, base, places, steps, wavelengths, active) * around
         return dr.select(active & self._seen(wi, wo), dr.maximum(value, 0.0), 0.0)
 
-    def specular(self, path: int, wi, wavelengths, active):
+    def specular(self, path: int, wi, row, wavelengths, active):
         """The light of a mirror image, or unscattered light."""
-        knots = self._table.mirrored.shape[1] + 1
-        place = self._stencil(self._theta(wi) * ((knots - 2) / QUARTER), knots)
-        base = self._sight(wi, path == 1) * knots + place[0]
-        return self._dr.maximum(self._sum(self._mirrored, base, [place], (1,), wavelengths, active), 0.0)
+        knots = self._table.mirrored.shape[2] + 1
+        places, steps = [self._stencil(self._theta(wi) * ((knots - 2) / QUARTER), knots)], [1]
+        base = self._start(self._sight(wi, path == 1), row, knots, places, steps)
+        return self._dr.maximum(self._sum(self._mirrored, base, places, steps, wavelengths, active), 0.0)
 
-    def chance(self, path: int, specular: int, wi):
-        """The share of one part in all light towards a view, linear between the table's views."""
+    def chance(self, path: int, specular: int, wi, row):
+        """The share of one part in all light towards a view, linear between the table's views and rows."""
         mi, dr = self._mi, self._dr
-        views = len(self._table.theta_views)
+        views, rows = len(self._table.theta_views), self._table.rows
         far = float(self._table.theta_views[-1])
         place = (1.0 - dr.sqrt(dr.maximum(1.0 - self._theta(wi) * (1.0 / far), 0.0))) * (views - 1)
         first = dr.minimum(mi.Int32(place), views - 2)
-        at = (self._sight(wi, path == 1) * views + first) * 2 + specular
-        low, high = (self._one(self._chances, at + step) for step in (0, 2))
-        return dr.lerp(low, high, place - mi.Float(first))
+        upper = 0 if row is None else dr.minimum(mi.Int32(row), rows - 2)
+        at = ((self._sight(wi, path == 1) * rows + upper) * views + first) * 2 + specular
 
-    def drawn(self, path: int, wi, sample2, active):
+        def between(at):
+            low, high = (self._one(self._chances, at + step) for step in (0, 2))
+            return dr.lerp(low, high, place - mi.Float(first))
+        return between(at) if row is None else dr.lerp(between(at), between(at + 2 * views), row - mi.Float(upper))
+
+    def drawn(self, path: int, wi, row, sample2, active):
         """(a direction of light, where it lies on the wanted side)."""
         mi, dr = self._mi, self._dr
         view = mi.Vector3f(wi.x, wi.y, dr.abs(wi.z))
-        place, _ = self._marginal.sample(sample2, self._parameters(path, wi), active)
+        place, _ = self._marginal.sample(sample2, self._parameters(path, wi, row), active)
         theta = dr.square(place.x) * QUARTER
         phi = (2.0 * place.y - 1.0) * math.pi + dr.atan2(wi.y, wi.x)
         sine = dr.sin(theta)
@@ -95,7 +111,7 @@ class Reader:
         side = dr.select((wi.z > 0.0) == (path == 0), 1.0, -1.0)
         return mi.Vector3f(light.x, light.y, light.z * side), (light.z > 0.0) & (cosine > 0.0) & active
 
-    def density(self, path: int, wi, wo, active):
+    def density(self, path: int, wi, wo, row, active):
         """Probability per solid angle of light on one side."""
         mi, dr = self._mi, self._dr
         view = mi.Vector3f(wi.x, wi.y, dr.abs(wi.z))
@@ -105,14 +121,24 @@ class Reader:
         turn = (dr.atan2(normal.y, normal.x) - dr.atan2(wi.y, wi.x)) * (0.5 / math.pi) + 0.5
         v = turn - dr.floor(turn)
         size = dr.maximum(2.0 * math.pi**2 * u * dr.sin(theta), 1e-6) * 4.0 * dr.dot(view, normal)
-        found = self._marginal.eval(mi.Point2f(u, v), self._parameters(path, wi), active)
+        found = self._marginal.eval(mi.Point2f(u, v), self._parameters(path, wi, row), active)
         return dr.select(active, found * dr.rcp(dr.maximum(size, 1e-12)), 0.0)
 
-    def _parameters(self, path: int, wi):
-        theta = self._theta(wi)
-        if not self._sheet:
-            return self._mi.Vector1f(theta)
-        return self._mi.Vector2f(self._mi.Float(self._sight(wi, path == 1)), theta)
+    def _parameters(self, path: int, wi, row):
+        found = [] if row is None else [row]
+        if self._sheet:
+            found.insert(0, self._mi.Float(self._sight(wi, path == 1)))
+        return self._parameter(*found, self._theta(wi))
+
+    def _start(self, sight, row, size: int, places: list, steps: list):
+        """The first knot of all stencils, in a table whose rows have `size` knots; adds that of the row to them."""
+        base = sight * (self._table.rows * size)
+        if row is not None:
+            mi, dr = self._mi, self._dr
+            first = dr.clip(mi.Int32(dr.floor(row)) - 1, 0, self._table.rows - 4)
+            places.insert(0, (first, lagrange(row - mi.Float(first))))
+            steps.insert(0, size)
+        return base + sum((first * step for (first, _), step in zip(places, steps, strict=True)), 0)
 
     def _sight(self, wi, transmitted):
         """The number of the table's sight."""

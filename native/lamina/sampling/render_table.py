@@ -13,36 +13,37 @@ from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
-from .. import _core
 from ..common.archive import Damaged, load_archive, save_archive
 from ..common.arguments import check_choice
 from ..common.errors import ExportError
-from ..exchange.half_vectors import dilated, half_vector_grid, incident_angles
-from ..kinds.boundaries import Interface
-from ..solver.solve import ScatteringFunction, path_of, side_of
-from .facet_densities import FacetDensity, summed
+from ..exchange.half_vectors import incident_angles
+from ..kinds.table import TAU_BEND
+from ..solver.solve import ScatteringFunction
+from .facet_densities import FacetDensity, densities_of, summed
+from .render_knots import LEAST_MU, PATHS, SIDES, Knots, fluxes
+from .render_sampling import VIEWS, sampling_of
 
-SIDES = ("top", "bottom")
-PATHS = ("reflect", "transmit")
-KNOTS = {"preview": (48, 24), "final": (96, 48)}  # of each angle from the normal to the horizon, and of |dphi|
-LEAST_MU = 1e-6
+# Of each angle from the normal to the horizon, of |dphi|, and of the thickness of a varying layer.
+KNOTS = {"preview": (48, 24, 9), "final": (96, 48, 17)}
 FORMAT, SCHEMA = "lamina-render-table", 1
 ARRAYS = ("smooth", "facets", "mirrored", "theta_views", "density", "chance")
-VIEWS, HALF_VECTORS = 32, 64  # of the density for sampling: angles of views, and nodes in each of both axes
-EVEN = 0.02  # share of the density that is even over the light's cosine, where the table may be wrong
+FORMAT, SCHEMA = "lamina-render-table", 1
+ARRAYS = ("smooth", "facets", "mirrored", "theta_views", "density", "chance")
 
 
 @dataclass(frozen=True, eq=False)
 class RenderTable:
     """Values for sights, pairs of the side of the view and the path of the light.
 
-    `smooth` and `facets` have the shape (sights, thetas + 1, thetas + 1, azimuths + 2, channels): view, light, dphi.
-    The first knot of each angle lies beyond the normal, the first and the last azimuth beyond 0 and pi. `smooth` is
-    multiplied by the sum of both cosines; `facets` is divided by the density of facets' normals, `densities` by sight.
-    `mirrored` (sights, thetas, channels): specular reflection, or unscattered light. `theta_views` (VIEWS): angles of
-    views; `density` (sights, VIEWS, HALF_VECTORS, HALF_VECTORS): of half vectors, as in a .bsdf file, where transmitted
-    light counts as its mirror image in the surface; `chance` (sights, VIEWS, 2): for a view the share of this sight's
-    scattered and of its specular light in all light. `wavelengths`: of the channels in nm, or None for red, green and
+    `smooth` and `facets` have the shape (sights, rows, thetas + 1, thetas + 1, azimuths + 2, channels): thickness,
+    view, light, dphi. The first knot of each angle lies beyond the normal, the first and the last azimuth beyond 0 and
+    pi. `smooth` is multiplied by the sum of both cosines; `facets` is divided by the density of facets' normals,
+    `densities` by sight, and is empty without them. `largest` is the thickness of the last row, 0 where nothing varies;
+    rows are even in tau / (tau + TAU_BEND). `mirrored` (sights, rows, thetas, channels): specular reflection, or
+    unscattered light. `theta_views` (VIEWS): angles of views; `density` (sights, rows, VIEWS, HALF_VECTORS,
+    HALF_VECTORS): of half vectors, as in a .bsdf file, where transmitted light counts as its mirror image in the
+    surface; `chance` (sights, rows, VIEWS, 2): for a view the share of this sight's scattered and of its specular light
+    in all light. `wavelengths`: of the channels in nm, or None for red, green and
     blue, or for grey."""
 
     sights: tuple[tuple[str, str], ...]
@@ -53,41 +54,45 @@ class RenderTable:
     theta_views: np.ndarray
     density: np.ndarray
     chance: np.ndarray
+    largest: float
     name: str
     wavelengths: tuple[float, ...] | None
 
     @classmethod
     def of(cls, solved: ScatteringFunction, quality: str = "final") -> RenderTable:
-        """The table of a solved stack. `quality` "preview" has half the knots on each axis, for an eighth of the time
-        and some ten times the error. Raises StackError for anisotropic facets, and for a sheet that ends in another
-        medium than air."""
-        thetas, azimuths = KNOTS[check_choice(quality, "quality", KNOTS)]
-        solved.stack.require_isotropic("a table for renderers")
-        sheet = solved.stack.base is None
+        """The table of a solved stack, by thickness if one of its media is varying. `quality` "preview" has half the
+        knots on each axis, for an eighth of the time and some ten times the error. Raises StackError for anisotropic
+        facets, and for a sheet that ends in another medium than air."""
+        thetas, azimuths, rows = KNOTS[check_choice(quality, "quality", KNOTS)]
+        stack = solved.stack
+        stack.require_isotropic("a table for renderers")
+        sheet, varying = stack.base is None, stack.varying
         if sheet:
-            solved.stack.require_air_below()
+            stack.require_air_below()
         sights = tuple((side, path) for side in SIDES for path in PATHS) if sheet else (("top", "reflect"),)
-        theta = np.linspace(0.0, 0.5 * math.pi, thetas)
-        mu = np.maximum(np.cos(theta), LEAST_MU)
-        dphi = math.pi * np.sin(0.5 * math.pi * np.linspace(0.0, 1.0, azimuths)) ** 2
-        densities = tuple(_densities(solved, *sight) for sight in sights)
-        smooth, facets = [], []
-        for (side, path), own in zip(sights, densities, strict=True):
-            values = solved.grid(path, mu, mu, dphi, entry(side, path))
-            lobes = _lobes(solved, side, path, mu, dphi) if own else np.zeros_like(values)
-            smooth.append(_padded((values - lobes) * (mu[:, None] + mu)[..., None, None]))
-            around = _densities_on(own, theta, dphi)[..., None]
-            facets.append(_padded(np.divide(lobes, around, out=np.zeros_like(lobes), where=around > 1e-30)))
-        mirrored = np.stack([_fluxes(solved, *sight, mu)[1] for sight in sights])
-        views, known = incident_angles(VIEWS), solved.stack.wavelengths
-        table = cls(sights, np.array(smooth, np.float32), np.array(facets, np.float32), densities, mirrored, views,
-                    np.empty(0), np.empty(0), solved.stack.label, None if known is None else tuple(known))
-        return table._with_sampling(solved)
+        functions, largest = [solved], 0.0
+        if varying is not None:
+            taus = [stack.optics(varying, index)[1] for index in range(stack.channels)]
+            largest = max(taus)
+            functions = [solved.with_thickness(varying, [tau * share for tau in taus])
+                         for share in thickness_shares(largest, rows)]
+        grid = Knots.even(thetas, azimuths)
+        densities = tuple(densities_of(solved.stack, *sight) for sight in sights)
+        known = stack.wavelengths
+        found = [[grid.arrays(one, *sight, own) for one in functions]
+                 for sight, own in zip(sights, densities, strict=True)]
+        smooth, facets = (np.array([[one[k] for one in row] for row in found], np.float32) for k in (0, 1))
+        mirrored = np.array([[fluxes(one, *sight, grid.mu)[1] for one in functions] for sight in sights])
+        table = cls(sights, smooth, facets if any(densities) else facets[..., :0], densities, mirrored,
+                    incident_angles(VIEWS), np.empty(0), np.empty(0), largest, stack.label,
+                    None if known is None else tuple(known))
+        density, chance = sampling_of(table, functions)
+        return replace(table, density=density, chance=chance)
 
     def save(self, path: str | os.PathLike) -> None:
         """Writes the table as .npz, completely or not at all, without pickle. Raises OSError."""
         header = {"format": FORMAT, "schema": SCHEMA, "sights": self.sights, "name": self.name,
-                  "wavelengths": self.wavelengths,
+                  "largest": self.largest, "wavelengths": self.wavelengths,
                   "densities": [[astuple(one) for one in own] for own in self.densities]}
         save_archive(path, header, **{name: getattr(self, name) for name in ARRAYS})
 
@@ -106,115 +111,55 @@ class RenderTable:
         sights = tuple((side, path) for side, path in header["sights"])
         densities = tuple(tuple(FacetDensity(*one) for one in own) for own in header["densities"])
         wavelengths = header["wavelengths"] and tuple(header["wavelengths"])
-        return cls(sights=sights, densities=densities, name=header["name"], wavelengths=wavelengths,
+        return cls(sights=sights, densities=densities, largest=header["largest"], name=header["name"],
+                   wavelengths=wavelengths,
                    **dict(zip(ARRAYS, arrays, strict=True)))
 
     @property
     def channels(self) -> int:
         return self.smooth.shape[-1]
 
-    def values(self, sight: int, view, light) -> np.ndarray:
+    @property
+    def rows(self) -> int:
+        """The number of thicknesses."""
+        return self.smooth.shape[1]
+
+    @property
+    def row_taus(self) -> list[float]:
+        """The thicknesses of the rows."""
+        return (self.largest * thickness_shares(self.largest, self.rows)).tolist()
+
+    def row_of(self, tau, xp=np):
+        """The row, between 0 and `rows` - 1, of a thickness `tau`; `xp`: the module of maximum and minimum."""
+        tau = xp.minimum(xp.maximum(tau, 0.0), self.largest)
+        return tau / (tau + TAU_BEND) * ((self.rows - 1) * (1.0 + TAU_BEND / self.largest))
+
+    def values(self, sight: int, view, light, tau: float | None = None) -> np.ndarray:
         """BRDF or BTDF in 1/sr, (n, channels), for unit directions (n, 3) that point away from the surface, where light
-        on the other side of the surface has the opposite sign of z."""
+        on the other side of the surface has the opposite sign of z; `tau`: the thickness of the varying layer in its
+        thickest channel, by default the largest."""
         view, light = np.broadcast_arrays(view, light)
         mu_o, mu_i = np.abs(view[:, 2]), np.abs(light[:, 2])
         side_o, side_i = np.hypot(view[:, 0], view[:, 1]), np.hypot(light[:, 0], light[:, 1])
         dphi = np.abs(np.arctan2(light[:, 1] * view[:, 0] - light[:, 0] * view[:, 1],
                                  -light[:, 0] * view[:, 0] - light[:, 1] * view[:, 1]))
-        places = [*(np.arctan2(side, mu) / (0.5 * math.pi) * (self.smooth.shape[1] - 2)
-                    for side, mu in ((side_o, mu_o), (side_i, mu_i))),
-                  np.arcsin(np.minimum(np.sqrt(dphi / math.pi), 1.0)) / (0.5 * math.pi) * (self.smooth.shape[3] - 3)]
-        smooth, facets = (_read(one[sight], places) for one in (self.smooth, self.facets))
-        across = ((view[:, :2] + light[:, :2]) ** 2).sum(axis=1)
-        around = summed(self.densities[sight], side_o**2, side_i**2, across, np)
-        return np.maximum(smooth / np.maximum(mu_o + mu_i, LEAST_MU)[:, None] + facets * around[:, None], 0.0)
-
-    def _with_sampling(self, solved: ScatteringFunction) -> RenderTable:
-        """The table with its density and chances, from its own values and from the solution's fluxes."""
-        grid = half_vector_grid(HALF_VECTORS)
-        density = np.empty((len(self.sights), VIEWS, HALF_VECTORS, HALF_VECTORS), np.float32)
-        valid = np.empty(density.shape[1:], bool)
-        for number in range(len(self.sights)):
-            for k, angle in enumerate(self.theta_views):
-                view = np.array([math.sin(angle), 0.0, math.cos(angle)])
-                cosine, light, size = grid.lights(view)
-                above = light[..., 2] > 0.0
-                seen = np.where(above[..., None], light, light * [1.0, 1.0, -1.0]).reshape(-1, 3)
-                values = self.values(number, view[None], seen).mean(axis=1).reshape(above.shape)
-                contribution = values * np.abs(light[..., 2]) * size
-                even = np.abs(light[..., 2]) * size
-                contribution += EVEN * max(contribution.sum(), 1e-12) * even / even.sum()
-                density[number, k] = contribution
-                valid[k] = above & (cosine > 0.0)
-            density[number] *= dilated(valid)  # nodes outside all cells with a valid direction need no samples
-        mu = np.cos(self.theta_views)
-        fluxes = np.array([[one.mean(axis=-1) for one in _fluxes(solved, *sight, mu)] for sight in self.sights])
-        chance = np.moveaxis(fluxes, 1, 2)
-        for side in SIDES:
-            own = [number for number, sight in enumerate(self.sights) if sight[0] == side]
-            if own:
-                chance[own] /= np.maximum(chance[own].sum(axis=(0, 2)), 1e-12)[None, :, None]
-        return replace(self, density=density, chance=chance)
-
-
-def entry(side: str, path: str) -> str:
-    """The side where light enters that a view on `side` sees."""
-    return side if path == "reflect" else SIDES[1 - SIDES.index(side)]
-
-
-def _fluxes(solved: ScatteringFunction, side: str, path: str, mu) -> tuple[np.ndarray, np.ndarray]:
-    """(scattered, specular) light of uniform surroundings towards views on `side`, by reciprocity the fluxes of
-    beams."""
-    call = solved.reflectance if path == "reflect" else solved.transmittance
-    return call(mu, side, True)
-
-
-def _lobes(solved: ScatteringFunction, side: str, path: str, mu, dphi) -> np.ndarray:
-    """Single scattering by facets in 1/sr, [view, light, dphi, channel]."""
-    distinct = list({id(one): one for one in solved.solutions}.values())
-    found = _core.slices(distinct, [(side_of(side), path_of(path))], mu, mu, dphi, solved.pool)[1]
-    if found is None:
-        return np.zeros((len(mu), len(mu), len(dphi), len(solved.solutions)))
-    place = {id(one): k for k, one in enumerate(distinct)}
-    lobes = found[0].reshape(len(distinct), len(mu), len(mu), len(dphi)) / mu[:, None]
-    return np.moveaxis(lobes[[place[id(one)] for one in solved.solutions]], 0, -1)
-
-
-def _densities(solved: ScatteringFunction, side: str, path: str) -> tuple[FacetDensity, ...]:
-    """The rough boundaries whose facets a view sees, by their first channel."""
-    found, above = [], 1.0
-    for layer in solved.stack.layers:
-        if isinstance(layer, Interface):
-            below = _first(layer.ior)
-            if _first(layer.alpha) > 0.0 and (path == "reflect" or above != below):
-                near, far = (above, below) if side == "top" else (below, above)
-                found.append(FacetDensity(_first(layer.alpha), layer.distribution == "ggx", near,
-                                          near if path == "reflect" else -far))
-            above = below
-    base = solved.stack.base
-    alpha = _first(getattr(base, "alpha", 0.0))
-    if alpha > 0.0:
-        found.append(FacetDensity(alpha, getattr(base, "distribution", "ggx") == "ggx", above, above))
-    return tuple(found)
-
-
-def _first(value) -> float:
-    return float(np.ravel(value)[0])
-
-
-def _densities_on(own, theta, dphi) -> np.ndarray:
-    sine = np.sin(theta)
-    across = (sine[:, None, None] - sine[:, None]) ** 2 + 4.0 * sine[:, None, None] * sine[:, None] * np.sin(
-        0.5 * dphi) ** 2
-    return summed(own, (sine**2)[:, None, None], (sine**2)[:, None], across, np)
-
-
-def _padded(values: np.ndarray) -> np.ndarray:
-    """With knots beyond the normal, where the azimuth is turned, and beyond both ends of the azimuth."""
-    for axis in (0, 1):
-        beyond = np.flip(np.take(values, [1], axis), axis=2)
-        values = np.concatenate([beyond, values], axis)
-    return np.concatenate([values[:, :, 1:2], values, values[:, :, -2:-1]], axis=2)
+        turns = self.smooth.shape[4]
+        per_angle = (self.smooth.shape[2] - 2) / (0.5 * math.pi)
+        places = [np.arctan2(side_o, mu_o) * per_angle, np.arctan2(side_i, mu_i) * per_angle,
+                  np.arcsin(np.minimum(np.sqrt(dphi / math.pi), 1.0)) / (0.5 * math.pi) * (turns - 3)]
+        first, weights = 0, (1.0,)
+        if self.rows > 1:
+            place = round(self.row_of(self.largest if tau is None else tau), 9)
+            first = int(np.clip(math.floor(place) - 1, 0, self.rows - 4))
+            weights = lagrange(place - first)
+        rows = [(first + k, own) for k, own in enumerate(weights) if own != 0.0]
+        value = sum(own * _read(self.smooth[sight, row], places) for row, own in rows)
+        value /= np.maximum(mu_o + mu_i, LEAST_MU)[:, None]
+        if self.densities[sight]:
+            across = ((view[:, :2] + light[:, :2]) ** 2).sum(axis=1)
+            around = summed(self.densities[sight], side_o**2, side_i**2, across, np)[:, None]
+            value += around * sum(own * _read(self.facets[sight, row], places) for row, own in rows)
+        return np.maximum(value, 0.0)
 
 
 def _read(table: np.ndarray, places) -> np.ndarray:
@@ -240,3 +185,11 @@ def lagrange(s):
     """The weights of the knots 0, 1, 2, 3 at s."""
     a, b, c = s - 1.0, s - 2.0, s - 3.0
     return a * b * c * (-1.0 / 6.0), s * b * c * 0.5, s * a * c * -0.5, s * a * b * (1.0 / 6.0)
+
+
+def thickness_shares(largest: float, rows: int) -> np.ndarray:
+    """Thicknesses of the rows as shares of the largest."""
+    t = np.linspace(0.0, 1.0, rows) / (1.0 + TAU_BEND / largest)
+    shares = TAU_BEND * t / (1.0 - t) / largest
+    shares[-1] = 1.0
+    return shares

@@ -212,6 +212,39 @@ def test_by_wavelength(tables):
         lamina.mitsuba.bsdf(tables("smooth coat")[1])
 
 
+@pytest.mark.parametrize("name", ["dust on gold", "coloured sheet"])
+def test_thickness_as_a_texture(name):
+    """A number, and a texture: values and the mean weight between the rows of the table."""
+    media = {"dust on gold": (Medium(0.8, 1.5, HenyeyGreenstein(0.5), varying=True), Conductor(0.2, 3.9, alpha=0.2)),
+             "coloured sheet": (Medium((0.9, 0.6, 0.3), (2.0, 1.0, 1.0), varying=True), None)}
+    medium, base = media[name]
+    solved = lamina.solve(Stack([medium], base))
+    table = RenderTable.of(solved, "preview")
+    mi.set_variant("scalar_rgb")
+    scale = np.ravel(medium.tau)
+    random = np.random.default_rng(5)
+    place, context = at([0.48, 0.64, 0.6]), mi.BSDFContext()
+    for share in (0.0, 0.11, 0.6, 1.0):
+        thin = solved.with_thickness(0, [share * tau for tau in scale])
+        for number, sight in enumerate(table.sights[:2]):
+            view, light = directions(random, 100, False), directions(random, 100, sight[1] == "transmit")
+            wanted = exact(thin, sight, view, light)
+            got = table.values(number, view, light, share * scale.max())
+            assert np.abs(got - wanted).sum() <= 1e-3 * wanted.sum() + 1e-9, (share, sight)
+        bitmap = mi.Bitmap(np.full((2, 2, 1), share * scale.max(), np.float32))
+        texture = mi.load_dict({"type": "bitmap", "bitmap": bitmap, "raw": True})
+        bsdf = lamina.mitsuba.bsdf(table, texture)
+        number = lamina.mitsuba.bsdf(table, float(share * scale.max()))
+        by_texture, by_number = (list(one.eval(context, place, direction(0.8, 2.0))) for one in (bsdf, number))
+        assert by_texture == pytest.approx(by_number, rel=1e-4)
+        _, weight, _, _ = drawn(bsdf, [0.48, 0.64, 0.6], random.random((600, 3)))
+        albedo = thin.reflectance(0.6) + (thin.transmittance(0.6) if base is None else 0.0)
+        z = (weight.mean(axis=0) - albedo) / (weight.std(axis=0) / math.sqrt(600) + 1e-3 * albedo)
+        assert np.abs(z).max() < z_limit(24)
+    with pytest.raises(lamina.ArgumentError, match="no varying layer"):
+        lamina.mitsuba.bsdf(made("thin dust", "preview")[1], 0.5)
+
+
 def test_what_is_refused(tmp_path, tables):
     mi.set_variant("scalar_rgb")
     with pytest.raises(lamina.ArgumentError, match=r"must be a lamina\.mitsuba\.RenderTable"):
