@@ -191,7 +191,8 @@ def test_a_render_by_the_name_of_the_plugin(tables, tmp_path):
 
     file = picture({"type": "lamina", "stack": str(tmp_path / "table.npz")})
     assert 0.2 < file[2:4, 2:4].mean() < 1.0
-    np.testing.assert_array_equal(file, picture(lamina.mitsuba.bsdf(RenderTable.load(tmp_path / "table.npz"))))
+    again = picture(lamina.mitsuba.bsdf(RenderTable.load(tmp_path / "table.npz")))
+    np.testing.assert_allclose(file, again, rtol=1e-5)  # threads add up pixels in any order
 
 
 def test_by_wavelength(tables):
