@@ -9,12 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import _core
+from ..common.progress import Progress
+from ..kinds.boundaries import Interface
+from ..material.stack import Stack
 from ..solver.solve import ScatteringFunction, path_of, side_of
 from .facet_densities import FacetDensity, summed
 
 SIDES = ("top", "bottom")
 PATHS = ("reflect", "transmit")
 LEAST_MU = 1e-6
+PARTS = 8  # of the views, between which progress is told, where facets scatter light twice: that takes minutes
 
 
 def entry(side: str, path: str) -> str:
@@ -45,9 +49,14 @@ class Knots:
         return cls(theta, np.maximum(np.cos(theta), LEAST_MU), dphi)
 
     def arrays(self, solved: ScatteringFunction, side: str, path: str,
-               densities: tuple[FacetDensity, ...]) -> tuple[np.ndarray, np.ndarray]:
+               densities: tuple[FacetDensity, ...], step: Progress) -> tuple[np.ndarray, np.ndarray]:
         """`smooth` and `facets` of a RenderTable for one sight, [view, light, dphi, channel]."""
-        values = solved.grid(path, self.mu, self.mu, self.dphi, entry(side, path))
+        parts = np.array_split(self.mu, PARTS if densities and _may_meet(solved.stack) else 1)
+        rows = []
+        for number, part in enumerate(parts):
+            step(number / len(parts), f"Tabulating {side}, {path}")
+            rows.append(solved.grid(path, part, self.mu, self.dphi, entry(side, path)))
+        values = np.concatenate(rows)
         lobes = self._lobes(solved, side, path) if densities else np.zeros_like(values)
         around = self._around(densities)[..., None]
         ratio = np.divide(lobes, around, out=np.zeros_like(lobes), where=around > 1e-30)
@@ -69,6 +78,11 @@ class Knots:
         view, light = np.sin(self.theta)[:, None, None], np.sin(self.theta)[:, None]
         across = (view - light) ** 2 + 4.0 * view * light * np.sin(0.5 * self.dphi) ** 2
         return summed(densities, view**2, light**2, across, np)
+
+
+def _may_meet(stack: Stack) -> bool:
+    """True if light may go from one boundary to another."""
+    return sum(isinstance(layer, Interface) for layer in stack.layers) + hasattr(stack.base, "alpha") > 1
 
 
 def _padded(values: np.ndarray) -> np.ndarray:

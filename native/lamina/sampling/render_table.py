@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from ..common.archive import Damaged, load_archive, save_archive
 from ..common.arguments import check_choice
 from ..common.errors import ExportError
+from ..common.progress import Progress, portion, stepper
 from ..exchange.half_vectors import incident_angles
 from ..kinds.table import TAU_BEND
 from ..solver.solve import ScatteringFunction
@@ -26,8 +28,10 @@ from .render_sampling import VIEWS, sampling_of
 # Of each angle from the normal to the horizon, of |dphi|, and of the thickness of a varying layer.
 KNOTS = {"preview": (48, 24, 9), "final": (96, 48, 17)}
 FORMAT, SCHEMA = "lamina-render-table", 1
+TRANSMITTED = ("top", "transmit")
 ARRAYS = ("smooth", "facets", "mirrored", "theta_views", "density", "chance")
 FORMAT, SCHEMA = "lamina-render-table", 1
+TRANSMITTED = ("top", "transmit")
 ARRAYS = ("smooth", "facets", "mirrored", "theta_views", "density", "chance")
 
 
@@ -59,10 +63,13 @@ class RenderTable:
     wavelengths: tuple[float, ...] | None
 
     @classmethod
-    def of(cls, solved: ScatteringFunction, quality: str = "final") -> RenderTable:
+    def of(cls, solved: ScatteringFunction, quality: str = "final", progress: Progress | None = None,
+           cancel: Callable[[], bool] | None = None) -> RenderTable:
         """The table of a solved stack, by thickness if one of its media is varying. `quality` "preview" has half the
-        knots on each axis, for an eighth of the time and some ten times the error. Raises StackError for anisotropic
-        facets, and for a sheet that ends in another medium than air."""
+        knots on each axis, for an eighth of the time and some ten times the error. `progress(fraction, text)` is called
+        often; Cancelled is raised when `cancel()` returns true. Raises StackError for anisotropic facets, and for a
+        sheet that ends in another medium than air."""
+        step = stepper("the table for renderers", progress, cancel)
         thetas, azimuths, rows = KNOTS[check_choice(quality, "quality", KNOTS)]
         stack = solved.stack
         stack.require_isotropic("a table for renderers")
@@ -79,14 +86,21 @@ class RenderTable:
         grid = Knots.even(thetas, azimuths)
         densities = tuple(densities_of(solved.stack, *sight) for sight in sights)
         known = stack.wavelengths
-        found = [[grid.arrays(one, *sight, own) for one in functions]
-                 for sight, own in zip(sights, densities, strict=True)]
+        found: list = []
+        for number, (sight, own) in enumerate(zip(sights, densities, strict=True)):
+            if sight == ("bottom", "transmit"):  # by reciprocity
+                found.append([tuple(part.swapaxes(0, 1) for part in row) for row in found[sights.index(TRANSMITTED)]])
+                continue
+            part = portion(step, number / len(sights), (number + 1) / len(sights))
+            found.append([grid.arrays(one, *sight, own, portion(part, k / len(functions), (k + 1) / len(functions)))
+                          for k, one in enumerate(functions)])
         smooth, facets = (np.array([[one[k] for one in row] for row in found], np.float32) for k in (0, 1))
         mirrored = np.array([[fluxes(one, *sight, grid.mu)[1] for one in functions] for sight in sights])
         table = cls(sights, smooth, facets if any(densities) else facets[..., :0], densities, mirrored,
                     incident_angles(VIEWS), np.empty(0), np.empty(0), largest, stack.label,
                     None if known is None else tuple(known))
         density, chance = sampling_of(table, functions)
+        step(1.0, "Tabulated")
         return replace(table, density=density, chance=chance)
 
     def save(self, path: str | os.PathLike) -> None:

@@ -25,8 +25,8 @@ OWN = {
     "smooth coat": Stack([Interface(1.5), Medium(0.9, 1.0, HenyeyGreenstein(0.6))], Lambert((0.5, 0.3, 0.1))),
     "thin dust": Stack([Medium(0.5, 0.2)], Conductor(0.2, 3.9, alpha=0.2)),
 }
-PRESETS = ("aluminium", "celadon", "dusty-bronze", "gold", "heat-tinted-steel-blue", "marble-polished", "milk-glass",
-           "paper", "silver", "snow", "soap-film")
+PRESETS = ("aluminium", "apple-flesh", "celadon", "gold", "heat-tinted-steel-blue", "marble-polished", "milk-glass",
+           "paper", "silver", "skin-three-layers", "soap-film")
 
 
 def made(name, quality="final"):
@@ -252,6 +252,11 @@ def test_what_is_refused(tmp_path, tables):
         lamina.mitsuba.bsdf(tables("rough coat")[0])
     with pytest.raises(lamina.StackError, match="table for renderers"):
         RenderTable.of(lamina.solve(Stack([Interface(1.5, 0.2, alpha_v=0.4)], Lambert(0.3)), "preview"))
+    with pytest.raises(lamina.Cancelled, match="table for renderers"):
+        RenderTable.of(tables("rough coat")[0], cancel=lambda: True)
+    seen = []
+    RenderTable.of(tables("sheet")[0], "preview", progress=lambda share, text: seen.append(share))
+    assert seen == sorted(seen) and len(seen) > 3 and seen[-1] == 1.0
     path = tmp_path / "table.npz"
     tables("rough coat")[1].save(path)
     path.write_bytes(path.read_bytes()[:5000])
