@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 
+#include "solve/angle_table.hpp"
 #include "solve/assembly.hpp"
 #include "solve/facet_meetings.hpp"
 #include "solve/scattering_between_lobes.hpp"
@@ -43,42 +46,6 @@ Eigen::MatrixXd kernel_of(const ScatteringFunction& s, Side side, Path path) {
   }
   return s.transmit.kernel.transpose();
 }
-
-/// Lagrange interpolation on six neighbouring knots of a uniform grid in the angle, for lists of cosines that are too
-/// long to be targets themselves.
-struct AngleTable {
-  static constexpr Eigen::Index kKnots = 241;
-  static constexpr Eigen::Index kStencil = 6;
-
-  static Eigen::VectorXd cosines() {
-    Eigen::VectorXd mu(kKnots);
-    for (Eigen::Index k = 0; k < kKnots; ++k) {
-      mu[k] = std::max(1e-6, std::cos(0.5 * pi * static_cast<double>(k) / static_cast<double>(kKnots - 1)));
-    }
-    return mu;
-  }
-
-  struct Stencil {
-    Eigen::Index first;
-    std::array<double, kStencil> weights;
-  };
-  static Stencil stencil(double mu) {
-    const double x = std::acos(std::min(mu, 1.0)) / (0.5 * pi) * static_cast<double>(kKnots - 1);
-    Stencil s{};
-    s.first = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(x) - kStencil / 2 + 1, 0, kKnots - kStencil);
-    for (std::size_t a = 0; a < kStencil; ++a) {
-      double weight = 1.0;
-      for (std::size_t b = 0; b < kStencil; ++b) {
-        if (b != a) {
-          weight *= (x - static_cast<double>(s.first) - static_cast<double>(b)) /
-                    (static_cast<double>(a) - static_cast<double>(b));
-        }
-      }
-      s.weights[a] = weight;
-    }
-    return s;
-  }
-};
 
 }  // namespace
 
@@ -148,46 +115,72 @@ std::vector<std::vector<double>> evaluate_grids(const Solution& solution, const 
   return grids;
 }
 
+namespace {
+
+std::shared_ptr<const AngleTable> table_of(const Solution& solution, Side side, Path path, ThreadPool& pool) {
+  const std::size_t number = (side == Side::kTop ? 0 : 1) + (path == Path::kReflect ? 0 : 2);
+  return solution.kept_tables().known_or_made(number, [&] {
+    const Assembly smooth(solution, AngleTable::cosines(), pool);
+    const FacetMeetings meetings(smooth);
+    const ScatteringBetweenLobes between(smooth, pool);
+    return std::make_shared<const AngleTable>(smooth_orders(smooth, meetings, between, {{side, path}}, pool).front(),
+                                              !meetings.none());
+  });
+}
+
+/// True if values are read from the kept table: for many directions, and for one pair of directions, which a renderer
+/// asks for again and again, where rough boundaries make other values slow. The choice depends on the directions alone,
+/// not on earlier calls.
+bool reads_table(const Solution& solution, Eigen::Index directions) {
+  constexpr int kMostOrders = 64;  // with more orders the table of one pair takes seconds
+  const bool slow = !solution.boundaries().empty() && solution.orders() <= kMostOrders;
+  return directions > AngleTable::kKnots || (directions <= 2 && slow);
+}
+
+}  // namespace
+
 std::vector<double> evaluate_points(const Solution& solution, Side side, Path path, const Eigen::VectorXd& mu_o,
                                     const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
   const Targets exact({&mu_o, &mu_i});
-  const bool tabulate = exact.mu.size() > AngleTable::kKnots;
-  const Assembly smooth(solution, tabulate ? AngleTable::cosines() : exact.mu, pool);
-  const std::vector<Eigen::MatrixXd> orders = std::move(
-      smooth_orders(smooth, FacetMeetings(smooth), ScatteringBetweenLobes(smooth, pool), {{side, path}}, pool).front());
+  std::shared_ptr<const AngleTable> table;
+  std::vector<Eigen::MatrixXd> orders;
+  if (reads_table(solution, exact.mu.size())) {
+    table = table_of(solution, side, path, pool);
+  } else {
+    const Assembly smooth(solution, exact.mu, pool);
+    const FacetMeetings meetings(smooth);
+    orders =
+        std::move(smooth_orders(smooth, meetings, ScatteringBetweenLobes(smooth, pool), {{side, path}}, pool).front());
+  }
   const Assembly all(solution, exact.mu);
-  const FacetMeetings meetings(all);
+  std::optional<FacetMeetings> meetings;
+  if (!table || table->meets()) {
+    meetings.emplace(all);
+  }
   const StackSingleScattering once(all, side, path);
   std::vector<double> values(static_cast<std::size_t>(mu_o.size()));
-  const std::size_t chunk_size = meetings.none() ? 1024 : 64;
+  const std::size_t chunk_size = meetings && !meetings->none() ? 64 : 1024;
   pool.run((values.size() + chunk_size - 1) / chunk_size, [&](std::size_t chunk) {
     for (std::size_t k = chunk * chunk_size; k < std::min(values.size(), (chunk + 1) * chunk_size); ++k) {
       const auto point = static_cast<Eigen::Index>(k);
-      const double o = mu_o[point];
-      const double i = mu_i[point];
-      const auto read = [&](const Eigen::MatrixXd& order) {
-        if (!tabulate) {
-          return order(exact.find(o), exact.find(i));
+      const Eigen::Index row = exact.find(mu_o[point]);
+      const Eigen::Index column = exact.find(mu_i[point]);
+      Eigen::ArrayXd waves(static_cast<Eigen::Index>(orders.size()));
+      if (table) {
+        waves = table->at(mu_o[point], mu_i[point]);
+      } else {
+        for (std::size_t m = 0; m < orders.size(); ++m) {
+          waves[static_cast<Eigen::Index>(m)] = orders[m](row, column);
         }
-        const AngleTable::Stencil rows = AngleTable::stencil(o);
-        const AngleTable::Stencil columns = AngleTable::stencil(i);
-        double sum = 0.0;
-        for (std::size_t a = 0; a < rows.weights.size(); ++a) {
-          for (std::size_t b = 0; b < columns.weights.size(); ++b) {
-            sum += rows.weights[a] * columns.weights[b] *
-                   order(rows.first + static_cast<Eigen::Index>(a), columns.first + static_cast<Eigen::Index>(b));
-          }
-        }
-        return sum;
-      };
-      double sum = 0.0;
-      for (std::size_t m = 0; m < orders.size(); ++m) {
-        sum += (m == 0 ? 1.0 : 2.0) * std::cos(static_cast<double>(m) * dphi[point]) * read(orders[m]);
       }
-      const Eigen::Index row = exact.find(o);
-      const Eigen::Index column = exact.find(i);
-      sum = sum / pi + once(row, column, Eigen::ArrayXd::Constant(1, std::cos(dphi[point])))[0] +
-            meetings.value(side, path, row, column, Eigen::ArrayXd::Constant(1, dphi[point]))[0];
+      double sum = waves.size() > 0 ? -waves[0] : 0.0;
+      for (Eigen::Index m = 0; m < waves.size(); ++m) {
+        sum += 2.0 * std::cos(static_cast<double>(m) * dphi[point]) * waves[m];
+      }
+      sum = sum / pi + once(row, column, Eigen::ArrayXd::Constant(1, std::cos(dphi[point])))[0];
+      if (meetings) {
+        sum += meetings->value(side, path, row, column, Eigen::ArrayXd::Constant(1, dphi[point]))[0];
+      }
       values[k] = std::max(0.0, sum);  // negative values are within the tolerance, see check_returned
     }
   });

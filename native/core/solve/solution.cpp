@@ -149,11 +149,13 @@ Solution Solution::with_reflectance(double reflectance) const {
   }
   Solution other = *this;
   other.sublayers_.stack.base.reflectance = reflectance;
+  other.kept_tables_ = std::make_shared<KeptTables>();
   return other;
 }
 
 void Solution::solve(ThreadPool& pool) {
   multiple_.clear();
+  kept_tables_ = std::make_shared<KeptTables>();
   checks_ = SolveChecks{};
   checks_.quadrature = set_->moment_error();
   const std::size_t media = scatterers_.size();

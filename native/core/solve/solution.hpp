@@ -8,6 +8,7 @@
 #include "numeric/thread_pool.hpp"
 #include "operators/directions.hpp"
 #include "rough/rough_surface.hpp"
+#include "solve/angle_table.hpp"
 #include "solve/homogeneous_layer.hpp"
 #include "solve/resolution.hpp"
 #include "solve/solve_checks.hpp"
@@ -68,6 +69,9 @@ class Solution {
     return multiple_[static_cast<std::size_t>(order)][scatterer];
   }
 
+  /// What evaluation keeps between calls.
+  KeptTables& kept_tables() const { return *kept_tables_; }
+
  private:
   using Modes = std::vector<std::unique_ptr<HomogeneousModes>>;  // by order
 
@@ -89,6 +93,7 @@ class Solution {
   std::vector<Boundary> boundaries_;
   int boundary_orders_ = 0;
   SolveChecks checks_;
+  std::shared_ptr<KeptTables> kept_tables_ = std::make_shared<KeptTables>();
 };
 
 }  // namespace lamina

@@ -19,19 +19,11 @@ from ..common.errors import ArgumentError, quoted
 from ..common.tensor_file import write_tensors
 from ..material.any_stack import AnyStack, as_stack
 from ..solver.solve import ScatteringFunction, solve
+from .half_vectors import GRAZING, dilated, half_vector_grid, incident_angles
 
-# The most grazing angle of the tables; at the horizon itself the cosine is 0.
-GRAZING = math.radians(89.9)
 # Nodes in theta_o and dphi of the product grid from which the half vectors are interpolated. The azimuths are denser
 # about the mirror direction and back towards the light: dphi = pi (1 - cos(pi t)) / 2, with t uniform.
 TABLE = (128, 61)
-
-
-def incident_angles(count: int) -> np.ndarray:
-    """theta_i of a file's slices in radians, from the normal to GRAZING. They are denser near GRAZING, where values
-    change fastest."""
-    s = np.linspace(0.0, 1.0, count)
-    return GRAZING * s * (2.0 - s)
 
 
 def save_bsdf(solved: ScatteringFunction | AnyStack, path: str | os.PathLike, size: int = 64, angles: int = 32,
@@ -94,13 +86,10 @@ def check_wavelengths(wavelengths: Sequence[float] | None, channels: int) -> np.
 
 
 def _tabulate(solved: ScatteringFunction, theta_i: np.ndarray, size: int, progress):
-    """(values [theta_i, channel, v, u], importance [theta_i, v, u]) on the half vectors of a file:
-    theta_m = u^2 pi / 2, phi_m - phi_i = (2 v - 1) pi, both u and v uniform from 0 to 1."""
-    half = math.pi / 2.0
-    u, v = np.meshgrid(np.linspace(0.0, 1.0, size), np.linspace(0.0, 1.0, size))
-    theta_m, phi_m = half * u * u, (2.0 * v - 1.0) * math.pi
-    m = np.stack([np.sin(theta_m) * np.cos(phi_m), np.sin(theta_m) * np.sin(phi_m), np.cos(theta_m)], axis=-1)
+    """(values [theta_i, channel, v, u], importance [theta_i, v, u]) on the half vectors of a file."""
+    grid = half_vector_grid(size)
     theta_o = np.linspace(0.0, GRAZING, TABLE[0])
+    half = math.pi / 2.0
     azimuths = half * (1.0 - np.cos(np.linspace(0.0, math.pi, TABLE[1])))
     values = np.empty((len(theta_i), solved.stack.channels, size, size))
     importance = np.empty((len(theta_i), size, size))
@@ -108,9 +97,7 @@ def _tabulate(solved: ScatteringFunction, theta_i: np.ndarray, size: int, progre
     progress(0.0, "reflection")
     table = solved.grid("reflect", np.cos(theta_o), np.cos(theta_i), azimuths)
     for index, theta in enumerate(theta_i):
-        wi = np.array([math.sin(theta), 0.0, math.cos(theta)])
-        cosine = m @ wi
-        wo = 2.0 * cosine[..., None] * m - wi
+        cosine, wo, density = grid.lights(np.array([math.sin(theta), 0.0, math.cos(theta)]))
         valid[index] = (wo[..., 2] > 0.0) & (cosine > 0.0)
         # dphi is 0 when light keeps its azimuth: it then leaves opposite to the direction where it came from.
         dphi = np.abs(np.arctan2(wo[..., 1], -wo[..., 0]))
@@ -118,11 +105,10 @@ def _tabulate(solved: ScatteringFunction, theta_i: np.ndarray, size: int, progre
         place = np.arccos(np.clip(1.0 - dphi / half, -1.0, 1.0)) / math.pi * (TABLE[1] - 1)
         f = _bicubic(table[:, index], elevation / theta_o[1], place)
         values[index] = np.moveaxis(f * np.maximum(wo[..., 2:], 0.0), -1, 0)
-        density = 2.0 * math.pi**2 * u * np.sin(theta_m) * 4.0 * np.abs(cosine)
         importance[index] = f.mean(axis=-1) * np.abs(wo[..., 2]) * density
         progress((index + 1) / len(theta_i), "half vectors")
     # Nodes outside all cells with a valid direction need no samples.
-    importance *= _dilated(valid)
+    importance *= dilated(valid)
     # A stack that reflects nothing also needs a density.
     importance += np.where(importance.sum(axis=(1, 2)) > 0.0, 0.0, 1.0)[:, None, None]
     return values, importance
@@ -149,18 +135,6 @@ def _cubic_weights(t: np.ndarray):
     """Catmull and Rom's weights of four neighbours."""
     return (0.5 * t * (t * (2.0 - t) - 1.0), 0.5 * (t * t * (3.0 * t - 5.0) + 2.0),
             0.5 * t * (t * (4.0 - 3.0 * t) + 1.0), 0.5 * t * t * (t - 1.0))
-
-
-def _dilated(mask: np.ndarray) -> np.ndarray:
-    """The mask and all neighbours of its true entries. The second-last axis, the azimuth, is periodic; its two ends are
-    the same azimuth."""
-    grown = mask
-    for axis, closed in ((0, False), (1, True), (2, False)):
-        padded = np.moveaxis(grown, axis, 0)
-        first, last = (padded[-2:-1], padded[1:2]) if closed else (padded[:1], padded[-1:])
-        padded = np.concatenate([first, padded, last])
-        grown = np.moveaxis(padded[:-2] | padded[1:-1] | padded[2:], 0, axis)
-    return grown
 
 
 def _describe(solved: ScatteringFunction, mirrored: float, spectral: np.ndarray | None) -> str:

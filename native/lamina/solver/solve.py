@@ -215,6 +215,11 @@ class ScatteringFunction:
         return list(self._channels)
 
     @property
+    def pool(self) -> _core.ThreadPool:
+        """The threads of this function."""
+        return self._pool
+
+    @property
     def _oriented(self) -> bool:
         """True if the core solved the stack with coupled azimuths."""
         return isinstance(self._channels[0], _core.OrientedSolution)

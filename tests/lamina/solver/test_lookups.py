@@ -113,3 +113,26 @@ def test_preview_keeps_its_promise(stack):
     for path in ("reflect", "transmit"):
         truth = final.grid(path, mu, mu, DPHI)
         assert preview.grid(path, mu, mu, DPHI) == pytest.approx(truth, rel=1e-2, abs=1e-15), path
+
+
+class TestOnePairUnderARoughBoundary:
+    """Read from a table that the solution keeps."""
+
+    STACK = Stack([lamina.Interface(1.5, 0.2), Medium(albedo=0.9, tau=[1.0, 0.4], phase=HenyeyGreenstein(0.6))],
+                  base=Lambert(0.5))
+
+    def test_is_one_of_many(self):
+        solved = lamina.solve(self.STACK)
+        random = np.random.default_rng(4)
+        points = np.column_stack([random.uniform(0.05, 1.0, (20, 2)), random.uniform(0.0, 6.0, 20)])
+        many = solved.brdf(*points.T)
+        assert np.array([solved.brdf(*point) for point in points]) == pytest.approx(many, rel=1e-4)
+        alone = lamina.solve(self.STACK).brdf(*points[3])
+        assert solved.brdf(*points[3]).tobytes() == alone.tobytes(), "values must not depend on earlier calls"
+
+    def test_belongs_to_its_own_solution(self):
+        solved = lamina.solve(self.STACK)
+        for other in (solved.with_base_reflectance(0.1), solved.with_thickness(1, [0.0, 3.0])):
+            solved.brdf(0.5, 0.7, 1.0)  # makes the table of the first solution
+            assert other.brdf(0.5, 0.7, 1.0) == pytest.approx(other.brdf([0.5, 0.4], 0.7, 1.0)[0], rel=1e-4)
+            assert np.abs(other.brdf(0.5, 0.7, 1.0) / solved.brdf(0.5, 0.7, 1.0) - 1.0).min() > 0.01
