@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Directions of light drawn for a view, for renderers."""
+"""For renderers: directions of light drawn for a view, tables, and a plugin for Mitsuba 3."""

@@ -59,8 +59,8 @@ def test_slices_of_a_bake_hold_the_bow():
     solution = _core.solve(core(stack), tolerance_of("preview"), pool)
     sight = (_core.Side.top, _core.Path.reflect)
     values = _core.slices([solution], [sight], np.array([0.9]), np.array([0.9]), np.array([math.pi]), pool)[0]
-    value = lamina.solve(stack, "preview").brdf(0.9, 0.9, math.pi)[0]
-    assert np.ravel(values)[0] == pytest.approx(0.9 * value, rel=1e-9)
+    value = lamina.solve(stack, "preview").grid("reflect", [0.9], [0.9], [math.pi])
+    assert np.ravel(values)[0] == pytest.approx(0.9 * value.item(), rel=1e-9)
 
 
 def test_the_check_of_returned_values_sees_a_glory_that_moments_cannot_hold():
