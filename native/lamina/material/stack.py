@@ -19,6 +19,7 @@ from ..kinds.bases import Base, Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
 from ..kinds.films import Film
+from ..kinds.flakes import Flakes
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from ..kinds.spectra import WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum, sampled
 from .colours import albedos_of
@@ -34,6 +35,7 @@ from .stack_plain import canonical, given, plain
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
 RGB = 3
+THICK = (Medium, Flakes)  # layers with an optical thickness
 
 
 @dataclass(frozen=True)
@@ -87,16 +89,20 @@ class Stack:
             object.__setattr__(self, text, value)
         self._check_channels()
         check_films(checked, self.base, self.channels)
-        for kind in (Medium, Interface):
-            varying = self._varying(kind)
+        for kinds in (THICK, Interface):
+            varying = self._varying(kinds)
             if len(varying) > 1:
-                raise StackError(f"layers[{varying[1]}].varying = true: only one {kind.kind} may vary")
+                raise StackError(f"layers[{varying[1]}].varying = true: only one {self.layers[varying[1]].kind} may "
+                                 "vary")
         varies = self.varying
-        if varies is not None and max(self._medium(varies).optics(c)[1] for c in range(self.channels)) == math.inf:
+        if varies is not None and max(self._thick(varies).optics(c)[1] for c in range(self.channels)) == math.inf:
             raise StackError(f"layers[{varies}].tau = inf: a varying layer needs a largest thickness")
         object.__setattr__(self, "_albedos", self._find_albedos())
         if isinstance(self.base, Conductor):
             object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
+        for number, layer in enumerate(checked):
+            if isinstance(layer, Flakes) and layer.facing is not None:
+                self.flake_indices(number)
 
     def _repr_html_(self) -> str:
         return stack_picture(self)
@@ -134,8 +140,8 @@ class Stack:
 
     @property
     def varying(self) -> int | None:
-        """Index of the medium whose thickness is an input, if any."""
-        return next(iter(self._varying(Medium)), None)
+        """Index of the medium, or the layer of flakes, whose thickness is an input, if any."""
+        return next(iter(self._varying(THICK)), None)
 
     @property
     def covering(self) -> int | None:
@@ -151,9 +157,9 @@ class Stack:
         layers = without_film(self.layers, self.covering, self.channels)
         return Stack(layers if layers or self.base is not None else [NOTHING], self.base, wavelengths=self.wavelengths)
 
-    def _varying(self, kind: type) -> list[int]:
+    def _varying(self, kinds) -> list[int]:
         return [i for i, layer in enumerate(self.layers)
-                if isinstance(layer, kind) and getattr(layer, "varying", False)]
+                if isinstance(layer, kinds) and getattr(layer, "varying", False)]
 
     @property
     def label(self) -> str:
@@ -191,10 +197,10 @@ class Stack:
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
         """(albedo, tau) of a layer in one channel. For a layer given by a colour, the albedo for this colour; for a
-        profile, the mean albedo over the optical depth."""
-        medium = self._medium(layer)
+        profile, the mean albedo over the optical depth; for flakes see Flakes.optics."""
+        medium = self._thick(layer)
         albedo, tau = medium.optics(channel_index)
-        if medium.profile is not None:
+        if isinstance(medium, Medium) and medium.profile is not None:
             knots = self.knots(layer, channel_index)
             parts = [0.5 * (a + b) * (below - above) for (above, a, _), (below, b, _) in itertools.pairwise(knots)]
             return (math.fsum(parts) / tau if tau > 0.0 else 0.0), tau
@@ -209,6 +215,24 @@ class Stack:
         """(eta, k) of a conductor base in one channel; computed from its two colours if these are given."""
         eta, k = self._indices
         return channel(eta, channel_index), channel(k, channel_index)
+
+    def flake_indices(self, layer: int) -> tuple:
+        """(eta, k), numbers or one per channel, of the metal of a layer of flakes that is given by two colours."""
+        flakes = self.layers[layer]
+        assert isinstance(flakes, Flakes)
+        return indices_of(flakes, self.channels, f"layers[{layer}]")
+
+    def require_no_flakes(self, user: str) -> None:
+        """Raises StackError for a layer of flakes, which `user` does not take."""
+        for number, layer in enumerate(self.layers):
+            if isinstance(layer, Flakes):
+                raise StackError(f"layers[{number}].kind = 'flakes': must be left out for {user}; lamina.solve, "
+                                 "lamina.estimate by method 'transfer' and lamina.bake take flakes")
+
+    def _thick(self, index: int) -> Medium | Flakes:
+        layer = self.layers[index]
+        assert isinstance(layer, THICK)
+        return layer
 
     def _medium(self, index: int) -> Medium:
         layer = self.layers[index]
@@ -262,6 +286,9 @@ class Stack:
             if isinstance(layer, Interface | Film):
                 layers.append(canonical(layer, self.channels))
                 continue
+            if isinstance(layer, Flakes):
+                layers.append({**canonical(layer, self.channels), **self._canonical_flakes(index)})
+                continue
             if layer.profile is not None:
                 layers.append(self._canonical_profile(index))
                 continue
@@ -289,7 +316,7 @@ class Stack:
             entry: dict = {"kind": layer.kind}
             if layer.name:
                 entry["name"] = layer.name
-            if isinstance(layer, Interface | Film):
+            if not isinstance(layer, Medium):
                 layers.append({**entry, **plain(layer)})
                 continue
             entry.update(given(layer))
@@ -372,6 +399,14 @@ class Stack:
             return None
         homogeneous = replace(layer, profile=None, color=knot.color, phase=knot.phase or layer.phase)
         return albedos_of(homogeneous, self.channels, f"{path}.profile[{number}]")
+
+    def _canonical_flakes(self, index: int) -> dict:
+        layer = self.layers[index]
+        assert isinstance(layer, Flakes)
+        names = {"reflectance": layer.reflectance}
+        if layer.facing is not None:
+            names = dict(zip(("eta", "k"), self.flake_indices(index), strict=True))
+        return {name: [channel(value, c) for c in range(self.channels)] for name, value in names.items()}
 
     def _canonical_profile(self, index: int) -> dict:
         layer, channels = self._medium(index), range(self.channels)
