@@ -2,7 +2,6 @@
 #include "solve/phase_kernel.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "numeric/legendre.hpp"
 

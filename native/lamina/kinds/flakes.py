@@ -20,7 +20,7 @@ AMOUNT = Field("tau", 0.0, math.inf, infinite=True, panel=Panel(
 SPREAD = Field("alpha", LEAST_SPREAD, 1.0, single=True, panel=Panel(
     "Spread", "How much the flakes are tilted: 0.1 lie flat and flash, 0.4 lie loosely", 0.2, soft_high=0.5, step=1,
     precision=3, words="spread of flakes", prop="flake_alpha"))
-TINT = Field("binder", 0.0, 1e6, panel=Panel(
+TINT = Field("binder", 0.0, 1e3, panel=Panel(
     "Tint", "Optical thickness of the dye between the flakes, per channel: 0 is clear", 0.0, soft_high=2.0, step=10,
     precision=3, rgb=True, words="tint between flakes", prop="flake_binder"))
 REFLECTANCE = Field("reflectance", 0.0, 1.0, panel=Panel(
@@ -46,7 +46,7 @@ class Flakes(Hashable):
     meets none. Along a ray of cosine mu, their optical thickness is tau sqrt(mu^2 + alpha^2 (1 - mu^2)) / mu. `alpha`:
     the spread of the normals, [.1, 1], one number: the area that the flakes show to a ray along the layer, relative to
     that along the normal; 1 is isotropic. `binder`: optical thickness of the absorbing medium between the flakes along
-    the normal, [0, 1e6]. Its index is that of the Interface above. `varying` marks the one layer whose thickness
+    the normal, [0, 1000]. Its index is that of the Interface above. `varying` marks the one layer whose thickness
     becomes an input of the baked material: `tau` and `binder` are then the largest ones.
 
     Source: Heitz, Dupuy, Crassin and Dachsbacher 2015, "The SGGX microflake distribution", with specular flakes."""

@@ -92,8 +92,8 @@ class Stack:
         for kinds in (THICK, Interface):
             varying = self._varying(kinds)
             if len(varying) > 1:
-                raise StackError(f"layers[{varying[1]}].varying = true: only one {self.layers[varying[1]].kind} may "
-                                 "vary")
+                word = "interface" if kinds is Interface else "medium"
+                raise StackError(f"layers[{varying[1]}].varying = true: only one {word} may vary")
         varies = self.varying
         if varies is not None and max(self._thick(varies).optics(c)[1] for c in range(self.channels)) == math.inf:
             raise StackError(f"layers[{varies}].tau = inf: a varying layer needs a largest thickness")
