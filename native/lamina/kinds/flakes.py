@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from .bases import Conductor
@@ -14,9 +13,9 @@ from .panel import Item, Panel
 # Narrower flakes need more azimuth orders than a solve tries.
 LEAST_SPREAD = 0.1
 
-AMOUNT = Field("tau", 0.0, math.inf, infinite=True, panel=Panel(
+AMOUNT = Field("tau", 0.0, 1e3, panel=Panel(
     "Amount", "Optical thickness of the flakes: 0.1 hides 10 % of what lies below, 1 hides 63 %, 3 hides 95 %", 1.0,
-    high=1e6, soft_high=5.0, step=10, precision=3, words="amount of flakes", prop="flake_tau"))
+    soft_high=5.0, step=10, precision=3, words="amount of flakes", prop="flake_tau"))
 SPREAD = Field("alpha", LEAST_SPREAD, 1.0, single=True, panel=Panel(
     "Spread", "How much the flakes are tilted: 0.1 lie flat and flash, 0.4 lie loosely", 0.2, soft_high=0.5, step=1,
     precision=3, words="spread of flakes", prop="flake_alpha"))
@@ -42,7 +41,7 @@ class Flakes(Hashable):
     `grazing`, see Conductor and lamina.metals.flakes; its Fresnel factor is that in the binder. Pearl flakes, which
     pass the light that they do not reflect, are flakes of reflectance 1 with `tau` times their reflectance.
 
-    `tau`: optical thickness of the flakes along the normal, from 0 to infinity: exp(-tau) of a beam along the normal
+    `tau`: optical thickness of the flakes along the normal, [0, 1000]: exp(-tau) of a beam along the normal
     meets none. Along a ray of cosine mu, their optical thickness is tau sqrt(mu^2 + alpha^2 (1 - mu^2)) / mu. `alpha`:
     the spread of the normals, [.1, 1], one number: the area that the flakes show to a ray along the layer, relative to
     that along the normal; 1 is isotropic. `binder`: optical thickness of the absorbing medium between the flakes along
@@ -81,4 +80,4 @@ class Flakes(Hashable):
     def share(self, index: int) -> float:
         """The share of the flakes in the extinction along the normal, in one channel."""
         tau, binder = channel(self.tau, index), channel(self.binder, index)
-        return 1.0 if tau == math.inf or binder == 0.0 else tau / (tau + binder)
+        return 1.0 if binder == 0.0 else tau / (tau + binder)

@@ -25,7 +25,7 @@ from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
 from ..kinds.bases import Lambert, PrincipledBase
 from ..kinds.fields import channel
-from ..kinds.flakes import Flakes
+from ..kinds.flakes import AMOUNT, Flakes
 from ..kinds.media import TAU
 from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
@@ -224,7 +224,8 @@ class ScatteringFunction:
 
     def with_thickness(self, layer: int, taus) -> ScatteringFunction:
         """The same stack with the optical thickness `taus` of the layer with index `layer`, a number or one per
-        channel, in [0, infinity], or in [0, 1e9] for a layer with a profile; much faster than a new solve. A stack of
+        channel, in [0, infinity], or in [0, 1e9] for a layer with a profile, and in [0, 1000] for flakes with their
+        binder; much faster than a new solve. A stack of
         one channel takes any number of them. For the new `stack` see material.thickness.with_thickness. Raises
         StackError, ArgumentError and SolveError."""
         stack = self.stack
@@ -234,7 +235,7 @@ class ScatteringFunction:
         if not isinstance(medium, Medium | Flakes):
             raise ArgumentError(f"layer = {layer}: must be a medium or flakes, this one is of kind {medium.kind}")
         profile = isinstance(medium, Medium) and medium.profile is not None
-        quantity = THICKNESS["tau"] if profile else TAU
+        quantity = THICKNESS["tau"] if profile else TAU if isinstance(medium, Medium) else AMOUNT
         taus = quantity.check(taus, "taus")
         count = len(self._channels)
         if isinstance(taus, tuple) and len(taus) != count:

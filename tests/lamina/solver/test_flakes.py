@@ -23,7 +23,7 @@ STACKS = {
     "gold under a rougher coat": Stack([Interface(1.5, 0.3), GOLD], Lambert(0.05)),
     "tinted over a bright base": Stack([Flakes(0.7, 0.2, reflectance=0.8, binder=[0.1, 0.4, 1.0])], Lambert(0.8)),
     "over metal": Stack([COAT, Flakes(0.4, 0.2, reflectance=0.7)], Conductor(0.2, 3.2, 0.2)),
-    "thick": Stack([COAT, Flakes(math.inf, 0.2, reflectance=0.95)]),
+    "thick": Stack([COAT, Flakes(30.0, 0.2, reflectance=0.95)]),
     "over paint": Stack([COAT, ALUMINIUM, Medium(0.9, 1.0, lamina.HenyeyGreenstein(0.6))], Lambert(0.3)),
     "two layers": Stack([COAT, Flakes(0.3, 0.3, reflectance=[0.9, 0.6, 0.3]), Flakes(1.0, 0.15, reflectance=0.8)],
                         Lambert(0.1)),
@@ -36,7 +36,7 @@ SAMPLES = 1 << 17
 def walks_of(stack, samples=SAMPLES):
     """(solver, walk, standard error) of values and fluxes, all channels."""
     solved = lamina.solve(stack)
-    sheet = stack.base is None and not math.isinf(stack.optics(len(stack.layers) - 1, 0)[1])
+    sheet = stack.base is None and not isinstance(stack.layers[0], Interface)
     found = []
     for path in ("reflect", "transmit")[:1 + sheet]:
         of = solved.brdf if path == "reflect" else solved.btdf
