@@ -41,18 +41,17 @@ struct FresnelFit {
   double constant = 1.0;
   std::vector<double> pole;  ///< t
   std::vector<double> weight;
-  double error = 0.0;
 
   explicit FresnelFit(const Flakes& flakes) {
     if (!flakes.metal) {
       return;
     }
-    constexpr int kPoles = 9;
+    constexpr int kPoles = 12;
     constexpr Index kSamples = 400;
     // Samples are dense at grazing incidence, where the factor rises steeply.
     const ArrayXd cosine = ArrayXd::LinSpaced(kSamples, 0.0, 1.0).square();
     for (int k = 0; k < kPoles; ++k) {
-      pole.push_back(2e-5 * std::pow(6.0, k));
+      pole.push_back(1e-6 * std::pow(4.0, k));
     }
     MatrixXd terms = MatrixXd::Ones(kSamples, kPoles + 1);
     for (Index k = 0; k < kPoles; ++k) {
@@ -65,7 +64,6 @@ struct FresnelFit {
     for (Index k = 0; k < kPoles; ++k) {
       weight.push_back(found[k + 1] * pole[static_cast<std::size_t>(k)]);
     }
-    error = (terms * found - wanted).cwiseAbs().maxCoeff();
   }
 };
 
@@ -196,7 +194,5 @@ PhaseKernel FlakeKernel::order(int m) const {
   }
   return kernel;
 }
-
-double flake_fresnel_error(const Flakes& flakes) { return FresnelFit(flakes).error; }
 
 }  // namespace lamina

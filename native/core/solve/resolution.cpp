@@ -222,7 +222,7 @@ Resolution resolution_of_media(const Stack& stack, double tolerance) {
   resolution.thinnest = std::max(thinnest, kLeastDivision);
   resolution.tolerance = tolerance;
   // The orders of flakes fall off smoothly, and their returned values are checked.
-  resolution.azimuth_tolerance = (flakes ? 0.3 : 0.03) * tolerance;
+  resolution.azimuth_tolerance = (flakes ? 1.0 : 0.03) * tolerance;
   return resolution;
 }
 

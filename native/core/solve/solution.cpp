@@ -105,12 +105,14 @@ Resolution Solution::finer() const {
   constexpr double kHopeless = 1.75;  // safety factor: the estimate may be too large by this factor
   Resolution finer = resolution_;
   if (!(checks_.azimuth < resolution_.tolerance)) {
-    const int most = has_flakes() ? kMostFlakeOrders : kMostOrders;
-    if (orders() >= most || (!has_flakes() && orders_needed() > kHopeless * kMostOrders)) {
+    // Beside rough boundaries, orders beyond those of the flakes themselves are for narrow lobes.
+    const bool of_flakes = has_flakes() && !is_rough();
+    const int most = of_flakes ? kMostFlakeOrders : kMostOrders;
+    if (orders() >= most || (!of_flakes && orders_needed() > kHopeless * kMostOrders)) {
       require_sound();
     }
     finer.fewest_orders = std::min(most, 8 * orders() / 5);
-    if (!has_flakes()) {
+    if (!of_flakes) {
       finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
     }
     return finer;
@@ -165,8 +167,9 @@ void Solution::solve(ThreadPool& pool) {
   checks_.quadrature = set_->moment_error();
   const std::size_t media = scatterers_.size();
   const int fewest = fewest_orders();
-  // The orders of flakes are not limited by nodes.
-  const int orders = has_flakes() ? kMostFlakeOrders : resolution_.moments();
+  // The orders of flakes are not limited by nodes. Operators of rough boundaries take long in each order.
+  const int of_flakes = is_rough() ? kMostFlakeOrders / 4 : kMostFlakeOrders;
+  const int orders = has_flakes() ? std::max(of_flakes, resolution_.moments()) : resolution_.moments();
   const int most = resolution_.only_mean ? 1 : std::max(orders, fewest);
   for (int first = 0; first < most; first += kBlock) {
     const int last = std::min(first + kBlock, most);
@@ -188,6 +191,16 @@ void Solution::solve(ThreadPool& pool) {
     }
   }
   add_boundaries(pool);
+}
+
+bool Solution::is_rough() const {
+  const std::vector<double> indices = refractive_indices(stack());
+  bool rough = stack().base.is_rough();
+  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
+    const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
+    rough = rough || (interface != nullptr && interface->is_rough(indices[layer]));
+  }
+  return rough;
 }
 
 bool Solution::has_flakes() const {
@@ -302,14 +315,8 @@ std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) con
 /// The least number of azimuth orders. Behind rough boundaries, single scattering needs as many orders as its phase
 /// function. Successive lobes need orders by their width.
 int Solution::fewest_orders() const {
-  const std::vector<double> indices = refractive_indices(stack());
-  bool rough = stack().base.is_rough();
-  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
-    const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
-    rough = rough || (interface != nullptr && interface->is_rough(indices[layer]));
-  }
   int orders = resolution_.fewest_orders;
-  if (!rough) {
+  if (!is_rough()) {
     return orders;
   }
   for (const Scatterer& scatterer : scatterers_) {

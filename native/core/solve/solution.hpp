@@ -82,6 +82,7 @@ class Solution {
   void limit_modes();
   double share_of_order(int order) const;
   bool has_flakes() const;
+  bool is_rough() const;
   int fewest_orders() const;
   double orders_needed() const;
   void add_boundaries(ThreadPool& pool);
