@@ -48,7 +48,7 @@ class _Material:
         """Options for a coarser bake of this material while it is edited; none if its bakes are quick."""
         options = {}
         if self.seconds > SLOW:
-            if any(layer.varying and layer.kind == "medium" for layer in material.lamina.layers):
+            if any(layer.varying and layer.kind != "interface" for layer in material.lamina.layers):
                 options["row_stride"] = ROW_STRIDE
             if self.nodes > NODES:
                 options["nodes"] = NODES

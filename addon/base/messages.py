@@ -5,6 +5,7 @@ import re
 
 from ..kinds import bases, boundaries, films, media, phases
 from ..kinds.fields import Option
+from ..kinds.flakes import Flakes
 from . import native
 
 _FIELDS = (
@@ -20,6 +21,8 @@ WORDS = {
     **{field.name: field.panel.words for field in reversed(_FIELDS) if not isinstance(field, Option)},
     **{f"phase.{field.name}": field.panel.words for cls in phases.IN_PANEL for field in cls.fields},
 }
+# Of a layer of flakes, whose fields have other names in the panel than those of media and facets
+FLAKE_WORDS = {field.name: field.panel.words for form in (Flakes.fields, *Flakes.forms) for field in form}
 
 _FIELD = r"(?:\.((?:[\w.]|\[\d+\](?=\.))+))?(\[(\d)\])?(.*)$"
 _LAYER = re.compile(r"^layers\[(\d+)\]" + _FIELD, re.DOTALL)
@@ -65,13 +68,14 @@ def in_panel_words(text, material):
     """'layers[2].phase.g = 1.2: ...' -> 'Layer 3 "Varnish", anisotropy = 1.2: ...'."""
     match = _LAYER.match(text)
     if match:
-        index, field, _, channel, rest = match.groups()
-        name = _layer_name(material, int(index))
-        return f"Layer {int(index) + 1}{name}{_field(field, channel)}{rest}"
+        number, field, _, channel, rest = match.groups()
+        index, layers = int(number), material.lamina.layers
+        words = WORDS | FLAKE_WORDS if index < len(layers) and layers[index].kind == Flakes.kind else WORDS
+        return f"Layer {index + 1}{_layer_name(material, index)}{_field(field, channel, words)}{rest}"
     match = _BASE.match(text)
     if match and match.group(0)[4:5] in ("", ".", "[", " ", ":"):
         field, _, channel, rest = match.groups()
-        return f"Base{_field(field, channel)}{rest}"
+        return f"Base{_field(field, channel, WORDS)}{rest}"
     return text
 
 
@@ -112,11 +116,11 @@ def _layer_name(material, index):
     return f" “{layers[index].name}”" if index < len(layers) else ""
 
 
-def _field(field, channel):
+def _field(field, channel, known):
     if not field:
         return ""
     knot = _KNOT.match(field)
     if knot:
-        return f", {_ENDS.get(knot.group(1), 'profile')}{_field(knot.group(2), channel)}"
-    words = WORDS.get(field) or field.replace("phase.", "phase function ", 1).replace("_", " ")
+        return f", {_ENDS.get(knot.group(1), 'profile')}{_field(knot.group(2), channel, known)}"
+    words = known.get(field) or field.replace("phase.", "phase function ", 1).replace("_", " ")
     return f", {words}" + (f" ({_CHANNELS[int(channel)]})" if channel and int(channel) < 3 else "")

@@ -12,10 +12,11 @@ from bpy.props import FloatProperty, FloatVectorProperty, PointerProperty, Strin
 from ..base import changes, decimals
 from ..kinds import bases, boundaries, films, media, phases
 from ..kinds import metals as metal_table
+from ..kinds.flakes import Flakes
 from ..stack_json import solved_colours
 from .described import choice, entries, having, number, option, per_channel, quantities, switch
 
-LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item, films.Film.item))
+LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item, films.Film.item, Flakes.item))
 MODES = entries(form.item for form in media.FORMS)
 PHASES = entries(cls.item for cls in phases.IN_PANEL)
 BASES = entries((bases.NONE, *(cls.item for cls in bases.IN_PANEL)))
@@ -87,10 +88,11 @@ def _kind_changed(layer, _context):
 
 
 def _varying_changed(layer, _context):
-    """At most one medium and one interface of a stack vary: the last choice wins."""
+    """At most one medium or layer of flakes, and one interface, vary: the last choice wins."""
     if layer.varying:
         for other in layer.id_data.lamina.layers:
-            if other != layer and other.varying and other.kind == layer.kind:
+            covers = {"interface"} & {other.kind, layer.kind}
+            if other != layer and other.varying and (not covers or other.kind == layer.kind):
                 other.varying = False
     changes.edited(layer)
 
@@ -124,7 +126,7 @@ class LaminaDepth(MediumProperties, bpy.types.PropertyGroup):
     """The bottom of a medium that changes with depth."""
 
 
-@having(quantities(films.Film.fields))
+@having(quantities((*films.Film.fields, *Flakes.fields, *(field for form in Flakes.forms for field in form))))
 class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     name: StringProperty(
         name="Name", description="Name of this layer", default="Layer", options=set()
@@ -152,11 +154,15 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     tau_rgb: per_channel(media.TAU, "Optical thickness in red, green and blue")
     infinite: switch("Infinite", "This layer has no bottom; nothing below it is seen")
     thickness: number(media.THICKNESS)
+    # Flakes
+    flake_form: choice(
+        "Flakes of", entries(form.item for form in Flakes.forms), "What the flakes are made of"
+    )
     varying: switch(
         "Varying",
-        "Give the node group an input: of a medium its Thickness, from 0 to this layer's optical thickness; "
-        "of an interface the Coverage, from 0 without it and its media to 1. "
-        "One medium and one interface of a stack can vary",
+        "Give the node group an input: of a medium or flakes the Thickness, from 0 to this layer's optical "
+        "thickness; of an interface the Coverage, from 0 without it and its media to 1. "
+        "One medium or layer of flakes, and one interface of a stack can vary",
         update=_varying_changed,
     )
 

@@ -36,8 +36,10 @@ PLACES = (
     (PRINTS, "Prints", "Fingerprints at random"),
 )
 _OF_KIND = {"medium": (EVEN, SETTLED, PAINTED, IMAGE),
-            "interface": (EVEN, SETTLED, PAINTED, DROPS, PUDDLES, PRINTS), "film": (EVEN,)}
-INPUTS = {"medium": FRONT, "interface": COVERAGE}  # of the node group, for a varying layer of this kind
+            "interface": (EVEN, SETTLED, PAINTED, DROPS, PUDDLES, PRINTS), "film": (EVEN,),
+            "flakes": (EVEN, PAINTED)}
+# Inputs of the node group, for a varying layer of this kind
+INPUTS = {"medium": FRONT, "flakes": FRONT, "interface": COVERAGE}
 RANGE = 4.0  # least optical thickness up to which settled dust and images can be shown
 USUAL = 1.0  # most optical thickness of an even layer after another place: at 4 a layer hides all below
 _SAME = "The layer is the same everywhere"
@@ -148,7 +150,7 @@ def _finish(material, choice, gathered, found):
         if layer.kind == "interface":
             object_dust.wire(_object(choice), material, COVERAGE)
         return str(done)
-    put_layer = _put_medium if layer.kind == "medium" else _put_film
+    put_layer = _put_film if layer.kind == "interface" else _put_medium
     return put_layer(_object(choice), layer, choice.place, before)
 
 
@@ -231,7 +233,9 @@ def _vary(material, choice):
 
 
 def _range(layer):
-    """The largest optical thickness of a medium."""
+    """The largest optical thickness of a medium, or of flakes and their tint."""
+    if layer.kind == "flakes":
+        return layer.flake_tau + max(layer.flake_binder)
     if layer.mode in media.IN_MM:
         absorbed = (0.0,) * 3 if layer.mode == "pigment" else layer.sigma_a  # a pigment's is not known here
         return layer.thickness * max(map(sum, zip(layer.sigma_s, absorbed, strict=True)))

@@ -12,11 +12,12 @@ from ..base.messages import RefusedError, unusual_channels
 from ..kinds import boundaries, films, media
 from ..kinds.bases import BASES
 from ..kinds.fields import Option
+from ..kinds.flakes import Flakes
 from ..kinds.spectra import ILLUMINANT
 from . import phases
 
 NEWER = "this version of the add-on does not know it"
-FIRST_NAMES = {"medium": "Layer", "interface": "Interface", "film": "Thin Film"}
+FIRST_NAMES = {"medium": "Layer", "interface": "Interface", "film": "Thin Film", "flakes": "Flakes"}
 
 
 def about(data):
@@ -44,7 +45,9 @@ def layer(layer, where):
     elif kind == "medium":
         values = _medium(layer, where)
     elif kind == "film":
-        values = {field.prop: _value(field, layer, where) for field in films.Film.fields}
+        values = _described(films.Film, layer, where)
+    elif kind == "flakes":
+        values = _described(Flakes, layer, where)
     else:
         raise RefusedError(f"{where}.kind = {kind}: {NEWER}")
     return {"kind": kind, "name": layer.get("name") or FIRST_NAMES[kind], **values}
@@ -57,18 +60,21 @@ def base(base):
     cls = BASES.get(base["kind"])
     if cls is None:
         raise RefusedError(f"base.kind = {base['kind']}: {NEWER}")
-    values, fields = {"kind": base["kind"]}, cls.fields
-    if cls.forms:
-        form = next(form for form in cls.forms if form.fields[0].name in base)
-        values[cls.form_prop] = form.item.id
-        fields = (*form, *fields)
-    for field in fields:
-        values[field.prop] = _value(field, base, "base")
-    values |= _orientation(cls, base, "base")
-    values |= _options(cls, base, "base")
+    values = {"kind": base["kind"], **_described(cls, base, "base"), **_orientation(cls, base, "base")}
     if cls.has_phase:
         values |= phases.values(base.get("phase"), "base.phase")
     return values
+
+
+def _described(cls, entry, where):
+    """Values of the form, the quantities and the options of a kind."""
+    values, fields = {}, cls.fields
+    if forms := getattr(cls, "forms", ()):
+        form = next(form for form in forms if form.fields[0].name in entry)
+        values[cls.form_prop] = form.item.id
+        fields = (*form, *fields)
+    values |= {field.prop: _value(field, entry, where) for field in fields}
+    return values | _options(cls, entry, where)
 
 
 def _interface(layer, where):

@@ -9,7 +9,8 @@ import json
 
 from ..base.decimals import shortest
 from ..kinds import bases, boundaries, films, media
-from ..kinds.fields import Option
+from ..kinds.fields import Option, panel_fields
+from ..kinds.flakes import Flakes
 from ..kinds.limits import STACK_SCHEMA
 from ..kinds.spectra import ILLUMINANT
 from . import phases, profiles
@@ -55,7 +56,9 @@ def layer(layer):
         facets = {"alpha": shortest(layer.alpha)} | _orientation(layer)
         return entry | facets | _options(boundaries.Interface, layer)
     if layer.kind == "film":
-        return entry | {field.name: shortest(getattr(layer, field.prop)) for field in films.Film.fields}
+        return entry | _described(films.Film, layer)
+    if layer.kind == "flakes":
+        return entry | _described(Flakes, layer)
     if layer.profile_text:
         entry |= {"profile": profiles.knots(layer), **_amount(layer)}
     elif profiles.is_graded(layer):
@@ -83,11 +86,11 @@ def medium_at(layer, end):
 def base(base):
     if base.kind == "none":
         return None
-    cls, entry = bases.BASES[base.kind], {"kind": base.kind}
-    entry |= {quantity.name: _value(quantity, base) for quantity in cls.panel_fields(base)}
+    cls = bases.BASES[base.kind]
+    entry = {"kind": base.kind, **_described(cls, base)}
     if cls.has_phase:
         entry["phase"] = phases.to_json(base)
-    return entry | (_orientation(base) if cls.rare else {}) | _options(cls, base)
+    return entry | (_orientation(base) if cls.rare else {})
 
 
 def _orientation(owner):
@@ -107,6 +110,11 @@ def _amount(layer):
         return {"tau": "inf"}
     over = {"over": _channels(layer.over)} if layer.mode == "colour" and layer.over_given else {}
     return over | {"tau": _channels(layer.tau_rgb) if layer.tau_per_channel else shortest(layer.tau)}
+
+
+def _described(cls, owner):
+    """The quantities in the owner's form, and the options, of a kind."""
+    return {one.name: _value(one, owner) for one in panel_fields(cls, owner)} | _options(cls, owner)
 
 
 def _value(quantity, owner):

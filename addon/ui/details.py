@@ -14,6 +14,8 @@ def draw_layer(layout, layer):
     if layer.kind == "interface":
         _draw_options(column, layer, boundaries.Interface)
         column.prop(layer, "ior_per_channel")
+    elif layer.kind == "flakes":
+        column.prop(layer, "varying")
     elif layer.kind == "medium":
         column.prop(layer, "varying")
         _draw_medium(layout, layer)

@@ -9,7 +9,8 @@ from ..base.decimals import shortest
 from ..editing import metals
 from ..kinds import boundaries, films, media
 from ..kinds.bases import BASES, Conductor
-from ..kinds.fields import Option
+from ..kinds.fields import Option, panel_fields
+from ..kinds.flakes import Flakes
 from ..stack_json import profiles, solved_colours
 
 NO_ALBEDO = "No albedo gives this color"
@@ -17,7 +18,8 @@ NO_ALBEDO = "No albedo gives this color"
 
 def draw_layer(layout, layer):
     column = split(layout.column())
-    {"interface": _draw_interface, "film": _draw_film, "medium": _draw_medium}[layer.kind](column, layer)
+    draw = {"interface": _draw_interface, "film": _draw_film, "flakes": _draw_flakes, "medium": _draw_medium}
+    draw[layer.kind](column, layer)
 
 
 def draw_base(layout, base):
@@ -32,7 +34,7 @@ def draw_base(layout, base):
         row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
     if cls.form_prop:
         column.row().prop(base, cls.form_prop, expand=True)
-    for field in cls.panel_fields(base):
+    for field in panel_fields(cls, base):
         draw_number(column, base, field)
 
 
@@ -44,6 +46,8 @@ def facts(layer):
         return f"ior {ior}, rough {layer.roughness:.2g}" if layer.alpha > 0.0 else f"ior {ior}, smooth"
     if layer.kind == "film":
         return f"ior {shortest(layer.film_ior):g}, {shortest(layer.film_thickness):g} nm"
+    if layer.kind == "flakes":
+        return f"amount {shortest(layer.flake_tau):g}, spread {shortest(layer.flake_alpha):g}"
     if is_infinite(layer):
         return "∞"
     if layer.mode in media.IN_MM:
@@ -68,6 +72,12 @@ def _draw_interface(column, layer):
 
 def _draw_film(column, layer):
     for field in films.Film.fields:
+        draw_number(column, layer, field)
+
+
+def _draw_flakes(column, layer):
+    column.row().prop(layer, Flakes.form_prop, expand=True)
+    for field in panel_fields(Flakes, layer):
         draw_number(column, layer, field)
 
 

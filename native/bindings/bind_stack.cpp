@@ -20,8 +20,16 @@ namespace {
 
 using namespace lamina;
 
+/// `parameters` of flakes: alpha, share of the extinction, and for metal flakes the complex index, see Flakes.
 Medium make_medium(double albedo, double tau, const std::string& phase, const py::args& parameters) {
-  return {albedo, tau, make_phase(phase, parameters)};
+  if (phase != "flakes") {
+    return {albedo, tau, make_phase(phase, parameters)};
+  }
+  Flakes flakes{parameters[0].cast<double>(), parameters[1].cast<double>()};
+  if (parameters.size() > 2) {
+    flakes.metal = parameters[2].cast<std::complex<double>>();
+  }
+  return {albedo, tau, PhaseFunction(), std::make_shared<const Flakes>(flakes)};
 }
 
 Facets make_facets(double alpha, const std::string& distribution, bool correlated, bool compensate, double alpha_v,

@@ -38,6 +38,7 @@ from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
 from .kinds.films import Film
+from .kinds.flakes import Flakes
 from .kinds.phases import *  # noqa: F403 - each phase function
 from .kinds.spectra import WAVELENGTHS, Spectrum
 from .lateral.searchlight import Searchlight, searchlight
@@ -73,6 +74,7 @@ __all__ = [
     "ExtraMissing",
     "Film",
     "Fit",
+    "Flakes",
     "Free",
     "Interface",
     "Interior",

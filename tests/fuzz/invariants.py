@@ -11,7 +11,7 @@ import numpy as np
 from z_limit import z_limit
 
 import lamina
-from lamina import Conductor, Interface, Medium, PrincipledBase, Stack
+from lamina import Conductor, Flakes, Interface, Medium, PrincipledBase, Stack
 from lamina.solver.solve import tolerance_of
 
 QUALITY = "preview"
@@ -73,17 +73,18 @@ def of_energy(solved) -> list[str]:
 
 def of_splitting(stack: Stack, found: dict, chance: random.Random) -> list[str]:
     """Dividing a homogeneous layer in two does not change the result."""
-    whole = [k for k, layer in enumerate(stack.layers) if isinstance(layer, Medium) and layer.profile is None
-             and layer.color is None and not layer.varying]
+    whole = [k for k, layer in enumerate(stack.layers) if isinstance(layer, Flakes) or (
+        isinstance(layer, Medium) and layer.profile is None and layer.color is None and not layer.varying)]
     if not whole:
         return []
     k, share = chance.choice(whole), chance.choice([0.5, chance.uniform(0.01, 0.99)])
     layer = stack.layers[k]
-    name = "tau" if layer.tau is not None else "thickness"
+    names = ("tau", "binder") if isinstance(layer, Flakes) else ("tau" if layer.tau is not None else "thickness",)
 
     def part(of):
-        size = getattr(layer, name)
-        return replace(layer, **{name: tuple(of * x for x in size) if isinstance(size, tuple) else of * size})
+        sizes = {name: getattr(layer, name) for name in names}
+        return replace(layer, **{name: tuple(of * x for x in size) if isinstance(size, tuple) else of * size
+                                 for name, size in sizes.items()})
 
     layers = [*stack.layers[:k], part(share), part(1.0 - share), *stack.layers[k + 1:]]
     try:
@@ -149,7 +150,7 @@ def promised(f: np.ndarray, stack: Stack) -> np.ndarray:
     """The reference of the relative tolerance, [o, i, dphi, channel]. In stacks of media alone the reference is the
     value, or the rounding noise of the largest value."""
     value = np.abs(f)
-    if any(isinstance(layer, Interface) for layer in stack.layers) or isinstance(stack.base, Conductor):
+    if any(isinstance(layer, Interface | Flakes) for layer in stack.layers) or isinstance(stack.base, Conductor):
         steps = np.diff(DPHI)[:, None]
         mean = (0.5 * (value[:, :, 1:] + value[:, :, :-1]) * steps).sum(axis=2, keepdims=True) / math.pi
         return np.maximum(value, FAINT * np.maximum(mean, 1.0))
@@ -170,6 +171,8 @@ def _apart(ones: dict, others: dict, stack: Stack, what: str) -> list[str]:
 
 def _keeps_all(stack: Stack) -> bool:
     surfaces = [layer for layer in stack.layers if isinstance(layer, Interface)]
+    if any(isinstance(layer, Flakes) for layer in stack.layers):
+        return False
     if any(s.alpha > 0.0 and not s.compensate for s in surfaces) or isinstance(stack.base, Conductor):
         return False
     if not ends_in_air(stack):

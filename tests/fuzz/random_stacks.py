@@ -15,6 +15,7 @@ from lamina import (
     DoubleHenyeyGreenstein,
     Draine,
     Film,
+    Flakes,
     HalfSpace,
     HenyeyGreenstein,
     Interface,
@@ -36,7 +37,22 @@ SPECIAL_BASES = {Black, Conductor, HalfSpace, Lambert}  # drawn with all that th
 
 def random_stack(seed: int, number: int) -> Stack:
     """Stack `number` of the random sequence with this seed."""
-    return _Maker(random.Random(f"{seed}:{number}"), random.Random(f"base {seed}:{number}")).stack()
+    stack = _Maker(random.Random(f"{seed}:{number}"), random.Random(f"base {seed}:{number}")).stack()
+    return with_flakes(stack, random.Random(f"flakes {seed}:{number}"))
+
+
+def with_flakes(stack: Stack, chance: random.Random) -> Stack:
+    """A tenth of the stacks, with a layer of flakes in place of a layer."""
+    media = [k for k, layer in enumerate(stack.layers) if isinstance(layer, Medium)]
+    if not media or chance.random() > 0.1:
+        return stack
+    flakes = drawn(Flakes, chance)
+    if chance.random() < 0.3:
+        facing = chance.uniform(0.3, 0.95)
+        flakes = Flakes(flakes.tau, flakes.alpha, facing=facing, grazing=chance.uniform(0.5 + 0.5 * facing, 1.0))
+    layers = list(stack.layers)
+    layers[chance.choice(media)] = flakes
+    return Stack(layers, stack.base)
 
 
 class _Maker:

@@ -34,11 +34,13 @@ struct Stack {
   Base base;
 };
 
-/// True if all layers are homogeneous media, over nothing or a Lambert surface.
+/// True if all layers are homogeneous media without flakes, over nothing or a Lambert surface.
 inline bool has_only_media(const Stack& stack) {
   return stack.base.is_none_or_lambert() &&
-         std::all_of(stack.layers.begin(), stack.layers.end(),
-                     [](const Layer& layer) { return std::holds_alternative<Medium>(layer); });
+         std::all_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
+           const auto* medium = std::get_if<Medium>(&layer);
+           return medium != nullptr && !medium->flakes;
+         });
 }
 
 /// The refractive index above each layer, then the one below the last.

@@ -18,20 +18,20 @@ LayerKernels repeated_on(const Solution& media, std::size_t scatterer, const Dir
 
 MediumOnNodes::MediumOnNodes(const Solution& media, std::size_t scatterer, const Directions& nodes, int orders) {
   const TruncatedMedium& medium = media.scatterers()[scatterer].medium;
-  const LayerShapes shapes(nodes, medium.tau);
+  const LayerShapes shapes(nodes, medium);
   for (int m = 0; m < orders; ++m) {
     const LayerKernels repeated = repeated_on(media, scatterer, nodes, shapes, m);
     const LayerKernels once = single_on(nodes, medium, shapes, m);
     reflect.emplace_back(repeated.reflect + once.reflect);
     transmit.emplace_back(repeated.transmit + once.transmit);
-    transmit.back().diagonal() += direct_transmissions(nodes.mu, medium.tau);
+    transmit.back().diagonal() += direct_transmissions(nodes.mu, medium);
   }
 }
 
 MediumOnTargets::MediumOnTargets(const Solution& media, std::size_t scatterer, const Directions& directions,
                                  int orders) {
   const TruncatedMedium& medium = media.scatterers()[scatterer].medium;
-  const LayerShapes shapes(directions, medium.tau);
+  const LayerShapes shapes(directions, medium);
   const Eigen::Index live = directions.live;
   const Eigen::Index targets = directions.targets;
   for (int m = 0; m < orders; ++m) {

@@ -18,7 +18,7 @@ Assembly::Assembly(const Solution& solution, const Eigen::VectorXd& targets, Thr
     surfaces_.push_back(boundary.surface->on(directions_[boundary.layer], below, pool));
   }
   for (const Solution::Scatterer& scatterer : solution.scatterers()) {
-    shapes_.emplace_back(directions_[scatterer.layer], scatterer.medium.tau);
+    shapes_.emplace_back(directions_[scatterer.layer], scatterer.medium);
   }
   deltas_ = DeltaField(layers(0, nullptr));
 }
@@ -63,7 +63,7 @@ std::vector<ScatteringFunction> Assembly::layers(int order, const std::vector<La
       functions.push_back(layer_on(here, multiple, medium, shapes_[scatterer], (*once)[scatterer], order));
     } else {
       ScatteringFunction direct = ScatteringFunction::bare(here.size(), here.nodes);
-      direct.transmit.delta = here.spread(direct_transmissions(here.mu, medium.tau));
+      direct.transmit.delta = here.spread(direct_transmissions(here.mu, medium));
       functions.push_back(std::move(direct));
     }
     ++scatterer;
@@ -127,43 +127,19 @@ ScatteringFunction Assembly::without_single(int order) const {
     }
     return rest;
   }
-  const std::vector<LayerKernels> single = once(order);
+  // A join carries kernels between two targets through deltas alone. Without those of single scattering the stack lacks
+  // exactly its single scattering.
+  std::vector<LayerKernels> single = once(order);
+  for (std::size_t k = 0; k < scatterers.size(); ++k) {
+    const Eigen::Index targets = directions_[scatterers[k].layer].targets;
+    single[k].reflect.bottomRightCorner(targets, targets).setZero();
+    single[k].transmit.bottomRightCorner(targets, targets).setZero();
+  }
   ScatteringFunction rest = joined(order, single, true);
   rest.reflect_above.delta.setZero();
   rest.reflect_below.delta.setZero();
   rest.transmit.delta.setZero();
   const bool opaque = stack.base.kind != Base::Kind::kNone;
-  for (std::size_t k = 0; k < scatterers.size(); ++k) {
-    const std::size_t layer = scatterers[k].layer;
-    const Eigen::MatrixXd turned = directions_[layer].spread(single[k].reflect);
-    const Eigen::MatrixXd passed = directions_[layer].spread(single[k].transmit);
-    const DeltaField::Arrival& above = deltas_.from_above[layer];
-    const DeltaField::Arrival& below = deltas_.from_below[layer];
-    // Subtract light that arrived at either face and leaves from either, between targets only.
-    const auto take = [&](DirectionOperator& from, const DeltaField::Arrival& out, const DeltaField::Arrival& in) {
-      from.each_block([&](auto row, auto column, auto rows, auto columns) {
-        if (row < from.nodes || column < from.nodes) {
-          return;
-        }
-        const auto turning = turned.block(row, column, rows, columns);
-        const auto passing = passed.block(row, column, rows, columns);
-        const auto out_down = out.down.segment(row, rows).asDiagonal();
-        const auto out_up = out.up.segment(row, rows).asDiagonal();
-        const auto in_down = in.down.segment(column, columns).asDiagonal();
-        const auto in_up = in.up.segment(column, columns).asDiagonal();
-        auto part = from.kernel.block(row, column, rows, columns);
-        part -= out_down * turning * in_down;
-        part -= out_up * turning * in_up;
-        part -= out_down * passing * in_up;
-        part -= out_up * passing * in_down;
-      });
-    };
-    take(rest.reflect_above, above, above);
-    if (!opaque) {
-      take(rest.reflect_below, below, below);
-      take(rest.transmit, below, above);
-    }
-  }
   if (opaque) {
     rest.reflect_below.kernel.setZero();
     rest.transmit.kernel.setZero();

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -15,15 +16,6 @@
 
 namespace lamina {
 namespace {
-
-Eigen::VectorXd phase_weights(const TruncatedMedium& medium, int order) {
-  const int count = static_cast<int>(medium.moments.size());
-  Eigen::VectorXd weights(std::max(0, count - order));
-  for (int l = order; l < count; ++l) {
-    weights[l - order] = (2.0 * l + 1.0) * medium.moments[static_cast<std::size_t>(l)];
-  }
-  return weights;
-}
 
 /// sqrt(1 - mu^2) in odd orders, 1 in even ones.
 Eigen::ArrayXd parity_factor(int order, const Eigen::VectorXd& mu) {
@@ -67,38 +59,65 @@ Eigen::MatrixXd interpolated(const Eigen::MatrixXd& nodes, const Directions& dir
   return all;
 }
 
+Eigen::VectorXd optical(const Eigen::VectorXd& mu, const TruncatedMedium& medium) {
+  return mu.unaryExpr([&](double cosine) { return medium.optical(cosine); });
+}
+
+/// In-scattering between live nodes, with the albedo, in symmetric scaling: of even and of odd l - m.
+using Scattered = std::array<Eigen::MatrixXd, 2>;
+
+Scattered of_moments(const TruncatedMedium& medium, int order, const Eigen::VectorXd& mu, const Eigen::VectorXd& root) {
+  const Eigen::MatrixXd legendre = associated_legendre(order, static_cast<int>(medium.moments.size()), mu);
+  const Eigen::VectorXd weights = phase_weights(medium, order);
+  Scattered scattered;
+  for (Eigen::Index parity = 0; parity < 2; ++parity) {
+    Eigen::MatrixXd& share = scattered[static_cast<std::size_t>(parity)];
+    share = Eigen::MatrixXd::Zero(mu.size(), mu.size());
+    const Eigen::Index terms = (legendre.rows() - parity + 1) / 2;
+    if (terms <= 0) {
+      continue;
+    }
+    Eigen::MatrixXd in(terms, mu.size());
+    Eigen::MatrixXd out(terms, mu.size());
+    for (Eigen::Index k = 0; k < terms; ++k) {
+      const Eigen::Index l = 2 * k + parity;
+      in.row(k) = legendre.row(l).cwiseProduct(root.transpose());
+      out.row(k) = medium.albedo * weights[l] * in.row(k);
+    }
+    share.noalias() = in.transpose() * out;
+    if (order == 0 && parity == 0) {
+      share += medium.albedo * normalising_share(share / medium.albedo, root);
+    }
+  }
+  return scattered;
+}
+
+Scattered of_flakes(const TruncatedMedium& medium, const Eigen::PermutationMatrix<Eigen::Dynamic>& ascending,
+                    const PhaseKernel& phase, const Eigen::VectorXd& scale, const Eigen::VectorXd& steep) {
+  const Eigen::VectorXd root = std::sqrt(0.5) * (ascending * scale).cwiseProduct(steep);
+  const auto share = [&](const Eigen::MatrixXd& sum) -> Eigen::MatrixXd {
+    return 0.5 * medium.albedo * (root.asDiagonal() * (ascending * sum * ascending.transpose()) * root.asDiagonal());
+  };
+  return {share(phase.transmit + phase.reflect), share(phase.transmit - phase.reflect)};
+}
+
 }  // namespace
 
-HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions) {
+HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions,
+                                   const PhaseKernel* phase) {
   const Eigen::Index n = directions.live;
-  const int count = static_cast<int>(medium.moments.size());
   // Put grazing nodes first. Elements grow as 1 / mu over many powers of ten, and the reduction to tridiagonal form is
   // accurate for small eigenvalues only if large elements come first.
   const Eigen::PermutationMatrix<Eigen::Dynamic> ascending = ascending_order(directions.mu.head(n));
   const Eigen::VectorXd mu = ascending * directions.mu.head(n);
-  const Eigen::MatrixXd legendre = associated_legendre(order, count, mu);
-  const Eigen::VectorXd weights = phase_weights(medium, order);
+  const Eigen::VectorXd steep = optical(mu, medium).cwiseSqrt().cwiseInverse();
 
   // A and B: out-scattering minus in-scattering, by the parity of l - m.
-  const Eigen::VectorXd root = (ascending * directions.weight).cwiseSqrt();
-  const Eigen::VectorXd steep = mu.cwiseSqrt().cwiseInverse();
-  const auto transfer = [&](Eigen::Index parity) {
-    const Eigen::Index terms = (legendre.rows() - parity + 1) / 2;
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n, n);
-    if (terms > 0) {
-      Eigen::MatrixXd in(terms, n);
-      Eigen::MatrixXd out(terms, n);
-      for (Eigen::Index k = 0; k < terms; ++k) {
-        const Eigen::Index l = 2 * k + parity;
-        in.row(k) = legendre.row(l).cwiseProduct(root.transpose());
-        out.row(k) = medium.albedo * weights[l] * in.row(k);
-      }
-      matrix.noalias() -= in.transpose() * out;
-      if (order == 0 && parity == 0) {
-        matrix -= medium.albedo * normalising_share(in.transpose() * out / medium.albedo, root);
-      }
-    }
-    return (steep.asDiagonal() * matrix * steep.asDiagonal()).eval();
+  const Scattered scattered = phase != nullptr
+                                  ? of_flakes(medium, ascending, *phase, directions.scale.head(n), steep)
+                                  : of_moments(medium, order, mu, (ascending * directions.weight).cwiseSqrt());
+  const auto transfer = [&](std::size_t parity) -> Eigen::MatrixXd {
+    return steep.asDiagonal() * (Eigen::MatrixXd::Identity(n, n) - scattered[parity]) * steep.asDiagonal();
   };
   const Eigen::MatrixXd b = transfer(0);
   const Eigen::LLT<Eigen::MatrixXd> a(transfer(1));
@@ -114,7 +133,7 @@ HomogeneousModes::HomogeneousModes(const TruncatedMedium& medium, int order, con
   // changes the reflectance of a half-space by 1e-9.
   constexpr double kSlowest = 1e-9;
   rate_ = eigen.eigenvalues().cwiseMax(kSlowest * kSlowest).cwiseSqrt();
-  if (order == 0 && medium.albedo == 1.0) {
+  if (order == 0 && medium.conserves()) {
     rate_[0] = kSlowest;
   }
   even_ = ascending.transpose() * (half * eigen.eigenvectors());
@@ -148,42 +167,15 @@ HomogeneousModes::Layer HomogeneousModes::layer(double tau) const {
   return layer;
 }
 
-PhaseKernel::PhaseKernel(const TruncatedMedium& medium, int order, const Eigen::VectorXd& mu) {
-  const int count = static_cast<int>(medium.moments.size());
-  const Eigen::MatrixXd legendre = associated_legendre(order, count, mu);
-  const Eigen::VectorXd weights = phase_weights(medium, order);
-  const auto share = [&](Eigen::Index parity) {
-    const Eigen::Index terms = (legendre.rows() - parity + 1) / 2;
-    Eigen::MatrixXd rows(std::max<Eigen::Index>(terms, 0), mu.size());
-    Eigen::VectorXd factors(rows.rows());
-    for (Eigen::Index k = 0; k < terms; ++k) {
-      rows.row(k) = legendre.row(2 * k + parity);
-      factors[k] = weights[2 * k + parity];
-    }
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(mu.size(), mu.size());
-    if (terms <= 0) {
-      return sum;
-    }
-    const Eigen::MatrixXd weighted = factors.asDiagonal() * rows;
-    sum.triangularView<Eigen::Lower>() = rows.transpose() * weighted;
-    sum.triangularView<Eigen::StrictlyUpper>() = sum.transpose();
-    return sum;
-  };
-  const Eigen::MatrixXd even = share(0);
-  const Eigen::MatrixXd odd = share(1);
-  // P_l^m(-mu) = (-1)^(l-m) P_l^m(mu).
-  reflect = even - odd;
-  transmit = even + odd;
-}
-
 MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const TruncatedMedium& medium,
                                        const PhaseKernel& phase, int order, const Directions& directions) {
   const Eigen::VectorXd mu = directions.mu.head(directions.live);
-  layer.transmit.diagonal() -= direct_transmissions(mu, medium.tau);
+  const Eigen::VectorXd attenuated = optical(mu, medium);
+  layer.transmit.diagonal() -= direct_transmissions(mu, medium);
   const Eigen::VectorXd inner = parity_factor(order, mu).inverse();
   const Eigen::VectorXd outer = inner.cwiseQuotient(directions.scale.head(directions.live));
-  const Eigen::MatrixXd shape = symmetric(mu, medium.tau, single_reflection);
-  const Eigen::MatrixXd passing = symmetric(mu, medium.tau, single_transmission);
+  const Eigen::MatrixXd shape = symmetric(attenuated, medium.tau, single_reflection);
+  const Eigen::MatrixXd passing = symmetric(attenuated, medium.tau, single_transmission);
   const double quarter = 0.25 * medium.albedo;
   const auto remainder = [&](const Eigen::MatrixXd& all, const Eigen::MatrixXd& phases,
                              const Eigen::MatrixXd& single) -> Eigen::MatrixXd {
@@ -198,7 +190,7 @@ MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const Trun
   if (order == 0) {
     const Eigen::VectorXd scale = directions.scale.head(directions.live);
     const Eigen::VectorXd scattered = ((layer.reflect + layer.transmit) * scale).cwiseQuotient(scale);
-    const Eigen::VectorXd removed = (1.0 - direct_transmissions(mu, medium.tau).array()).matrix();
+    const Eigen::VectorXd removed = (1.0 - direct_transmissions(mu, medium).array()).matrix();
     multiple.survival = scattered.cwiseQuotient(removed);
   }
   return multiple;
@@ -206,6 +198,10 @@ MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const Trun
 
 Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau) {
   return mu.unaryExpr([tau](double cosine) { return direct_transmission(cosine, tau); });
+}
+
+Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, const TruncatedMedium& medium) {
+  return direct_transmissions(optical(mu, medium), medium.tau);
 }
 
 Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
@@ -217,7 +213,7 @@ Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScatt
   };
   const Eigen::VectorXd all = sums(repeated);
   const Eigen::VectorXd removed =
-      (1.0 - direct_transmissions(directions.mu.tail(directions.targets), medium.tau).array()).matrix();
+      (1.0 - direct_transmissions(directions.mu.tail(directions.targets), medium).array()).matrix();
   const Eigen::VectorXd wanted =
       (directions.interpolation.bottomRows(directions.targets) * multiple.survival).cwiseProduct(removed) - sums(once);
   constexpr double kLargest = 1e-2;  // larger corrections would hide a failure of the nodes
@@ -226,9 +222,12 @@ Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScatt
       .matrix();
 }
 
-LayerShapes::LayerShapes(const Directions& directions, double tau)
-    : reflect(symmetric(directions.mu, tau, single_reflection)),
-      transmit(symmetric(directions.mu, tau, single_transmission)) {}
+LayerShapes::LayerShapes(const Directions& directions, const TruncatedMedium& medium)
+    : flakes(medium.flakes ? std::make_shared<FlakeKernel>(*medium.flakes, directions) : nullptr) {
+  const Eigen::VectorXd mu = optical(directions.mu, medium);
+  reflect = symmetric(mu, medium.tau, single_reflection);
+  transmit = symmetric(mu, medium.tau, single_transmission);
+}
 
 LayerKernels multiple_on(const Directions& directions, const MultipleScattering& multiple,
                          const TruncatedMedium& medium, const LayerShapes& shapes, int order) {
@@ -272,11 +271,11 @@ bool scatters_once(const TruncatedMedium& medium, int order) {
 
 LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, const LayerShapes& shapes,
                        int order) {
-  if (!scatters_once(medium, order)) {
+  if (!medium.flakes && !scatters_once(medium, order)) {
     const Eigen::Index size = directions.mu.size();
     return {Eigen::MatrixXd::Zero(size, size), Eigen::MatrixXd::Zero(size, size)};
   }
-  const PhaseKernel phase(medium, order, directions.mu);
+  const PhaseKernel phase = shapes.flakes ? shapes.flakes->order(order) : PhaseKernel(medium, order, directions.mu);
   const auto kernel = [&](const Eigen::MatrixXd& phases, const Eigen::MatrixXd& shape) -> Eigen::MatrixXd {
     return 0.25 * medium.albedo *
            (directions.scale.asDiagonal() * phases.cwiseProduct(shape) * directions.scale.asDiagonal());
@@ -292,7 +291,7 @@ ScatteringFunction layer_on(const Directions& directions, const MultipleScatteri
   s.reflect_above.kernel = directions.spread((once.reflect + rest.reflect).eval());
   s.reflect_below.kernel = s.reflect_above.kernel;
   s.transmit.kernel = directions.spread((once.transmit + rest.transmit).eval());
-  s.transmit.delta = directions.spread(direct_transmissions(directions.mu, medium.tau));
+  s.transmit.delta = directions.spread(direct_transmissions(directions.mu, medium));
   return s;
 }
 

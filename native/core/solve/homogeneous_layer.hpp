@@ -3,9 +3,13 @@
 #pragma once
 #include <Eigen/Core>
 
+#include <memory>
+
 #include "matter/medium.hpp"
 #include "operators/directions.hpp"
 #include "operators/scattering_function.hpp"
+#include "solve/flake_kernel.hpp"
+#include "solve/phase_kernel.hpp"
 
 namespace lamina {
 
@@ -21,7 +25,9 @@ namespace lamina {
 /// without growing exponentials or special cases.
 class HomogeneousModes {
  public:
-  HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions);
+  /// `phase`, between the live nodes, is needed for flakes only: other media have moments.
+  HomogeneousModes(const TruncatedMedium& medium, int order, const Directions& directions,
+                   const PhaseKernel* phase = nullptr);
 
   struct Layer {
     Eigen::MatrixXd reflect;   ///< R = R', symmetric scaling
@@ -44,15 +50,6 @@ struct MultipleScattering {
   Eigen::VectorXd survival;  ///< order 0: share of the light removed from a beam that leaves the layer
 };
 
-/// One azimuth order of the phase function between directions: sum over l of (2l+1) chi_l P_l^m P_l^m, for directions
-/// in opposite hemispheres of travel (reflect) or in the same one (transmit).
-struct PhaseKernel {
-  Eigen::MatrixXd reflect;
-  Eigen::MatrixXd transmit;
-
-  PhaseKernel(const TruncatedMedium& medium, int order, const Eigen::VectorXd& mu);
-};
-
 MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const TruncatedMedium& medium,
                                        const PhaseKernel& phase, int order, const Directions& directions);
 
@@ -60,8 +57,9 @@ MultipleScattering multiple_scattering(HomogeneousModes::Layer layer, const Trun
 struct LayerShapes {
   Eigen::MatrixXd reflect;
   Eigen::MatrixXd transmit;
+  std::shared_ptr<const FlakeKernel> flakes;  ///< null for other media
 
-  LayerShapes(const Directions& directions, double tau);
+  LayerShapes(const Directions& directions, const TruncatedMedium& medium);
 };
 
 /// Scaled kernels of a layer between the live nodes and targets of its medium, before Directions::spread.
@@ -81,9 +79,11 @@ LayerKernels multiple_on(const Directions& directions, const MultipleScattering&
 Eigen::VectorXd energy_factors(const Directions& directions, const MultipleScattering& multiple,
                                const TruncatedMedium& medium, const Eigen::MatrixXd& once,
                                const Eigen::MatrixXd& repeated);
+/// Of flakes, without the part between two targets, which is always in closed form.
 LayerKernels single_on(const Directions& directions, const TruncatedMedium& medium, const LayerShapes& shapes,
                        int order);
 Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, double tau);
+Eigen::VectorXd direct_transmissions(const Eigen::VectorXd& mu, const TruncatedMedium& medium);
 
 /// The sum of the three parts, where `once` is the single scattering.
 ScatteringFunction layer_on(const Directions& directions, const MultipleScattering& multiple,

@@ -13,7 +13,7 @@ using Eigen::ArrayXd;
 MirrorSections::MirrorSections(const Solution& solution)
     : solution_(solution), indices_(refractive_indices(solution.stack())) {
   for (const Solution::Scatterer& scatterer : solution.scatterers()) {
-    media_.push_back({scatterer.layer, scatterer.medium.tau});
+    media_.push_back({scatterer.layer, &scatterer.medium});
   }
   const std::size_t layers = solution.stack().layers.size();
   std::size_t first = 0;
@@ -52,7 +52,7 @@ Deltas MirrorSections::layer(std::size_t layer, const Cosines& cosines) const {
   }
   const auto medium = std::find_if(media_.begin(), media_.end(), [&](const Medium& m) { return m.layer == layer; });
   constexpr double kLeast = 1e-300;  // replaces the cosine 0 of a direction that does not exist
-  deltas.transmit = (-medium->tau / above.max(kLeast)).exp();
+  deltas.transmit = direct_transmissions(above.max(kLeast).matrix(), *medium->optics).array();
   return deltas;
 }
 

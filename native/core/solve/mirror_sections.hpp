@@ -27,7 +27,7 @@ class MirrorSections {
  private:
   struct Medium {
     std::size_t layer;
-    double tau;  // of the truncated medium
+    const TruncatedMedium* optics;
   };
   /// Layers [first, last); the base counts as the layer after the last.
   struct Section {

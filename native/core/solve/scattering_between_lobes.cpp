@@ -58,7 +58,7 @@ struct ScatteringBetweenLobes::Level {
     }
     for (std::size_t k = 0; k < media.size(); ++k) {
       const std::size_t layer = solution.scatterers()[k].layer;
-      shapes.emplace_back(directions[layer], media[k].tau);
+      shapes.emplace_back(directions[layer], media[k]);
       section.push_back(section_of(solution, layer));
     }
   }
@@ -128,7 +128,7 @@ struct ScatteringBetweenLobes::Level {
     const Index all = opaque ? targets : 2 * targets;
     MatrixXd sum = MatrixXd::Zero(all, all);
     for (std::size_t k = 0; k < media.size(); ++k) {
-      if (order >= static_cast<int>(media[k].moments.size())) {
+      if (!media[k].flakes && order >= static_cast<int>(media[k].moments.size())) {
         continue;
       }
       const Directions& here = directions[assembly.solution().scatterers()[k].layer];
@@ -167,7 +167,7 @@ ScatteringBetweenLobes::ScatteringBetweenLobes(const Assembly& assembly, ThreadP
   for (const Solution::Scatterer& scatterer : solution.scatterers()) {
     coarse.push_back(scatterer.medium);
     fine.push_back(scatterer.medium);
-    if (!(scatterer.medium.albedo > 0.0)) {
+    if (!(scatterer.medium.albedo > 0.0) || scatterer.medium.flakes) {
       continue;
     }
     constexpr double kShare = 0.2;  // of the tolerance
@@ -279,21 +279,19 @@ ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) c
     if (weight == 0.0) {
       continue;
     }
+    const TruncatedMedium& optics = scatterer.medium;
     const Bundle in = bundle(k, i, false);
     const Bundle out = bundle(k, o, true);
     const auto array = [](const std::vector<double>& list) {
       return Eigen::Map<const ArrayXd>(list.data(), static_cast<Index>(list.size()));
     };
     const auto sine = [](const ArrayXd& cosine) -> ArrayXd { return (1.0 - cosine.square()).max(0.0).sqrt(); };
-    const ArrayXd across = sine(array(in.mu));
     const ArrayXd along = array(in.azimuth);
     const ArrayXd aside = sine(along);
-    ArrayXd angle;
     for (std::size_t r = 0; r < out.mu.size(); ++r) {
       const double mu_o = out.mu[r];
       const double along_o = out.azimuth[r];
       const double aside_o = std::sqrt(1.0 - along_o * along_o);
-      const ArrayXd sines = std::sqrt(std::max(0.0, 1.0 - mu_o * mu_o)) * across;
       const auto add = [&](ArrayXd share, double turn) {
         // Two specular rays are in closed form, see StackSingleScattering.
         share[0] = r == 0 ? 0.0 : share[0];
@@ -302,8 +300,8 @@ ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) c
         }
         for (Index s = 0; s < share.size(); ++s) {
           const double mu_i = in.mu[static_cast<std::size_t>(s)];
-          share[s] *= turn < 0.0 ? single_reflection(mu_o, mu_i, scatterer.medium.tau)
-                                 : single_transmission(mu_o, mu_i, scatterer.medium.tau);
+          share[s] *= (turn < 0.0 ? single_reflection : single_transmission)(optics.optical(mu_o), optics.optical(mu_i),
+                                                                             optics.tau);
         }
         // Each ray stands for its mirror image in the plane of incidence, too.
         for (const double side_o : {aside_o, -aside_o}) {
@@ -311,10 +309,8 @@ ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) c
             const ArrayXd cosine = along_o * along - side_o * side * aside;
             const ArrayXd other = side_o * along + along_o * side * aside;
             for (Index p = 0; p < dphi.size(); ++p) {
-              angle = std::cos(dphi[p]) * cosine - std::sin(dphi[p]) * other;
-              angle = (turn * mu_o * array(in.mu) + sines * angle).max(-1.0).min(1.0);
-              scatterer.phase.evaluate_all(angle);
-              sum[p] += 0.25 * weight * (share * angle).sum();
+              const ArrayXd azimuths = std::cos(dphi[p]) * cosine - std::sin(dphi[p]) * other;
+              sum[p] += 0.25 * weight * (share * scatterer.phase_of(mu_o, array(in.mu), turn, azimuths)).sum();
             }
           }
         }

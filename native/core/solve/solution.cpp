@@ -15,6 +15,9 @@ namespace {
 /// Number of orders solved between two checks of convergence; fixed, so results do not depend on the number of threads.
 constexpr int kBlock = 4;
 
+/// The largest number of azimuth orders of flakes, which only grazing light needs.
+constexpr int kMostFlakeOrders = 2000;
+
 /// True if the multiple scattering of the medium in an azimuth order exceeds rounding errors.
 bool scatters_repeatedly(const TruncatedMedium& medium, int order) {
   constexpr double kFaintest = 1e-7;  // albedo below which the difference from single scattering is rounding
@@ -24,6 +27,9 @@ bool scatters_repeatedly(const TruncatedMedium& medium, int order) {
   // By Cauchy and Schwarz, light scattered twice is at most the sum of (2 l + 1) chi_l^2 from the order on. Each
   // further scattering multiplies it by at most the largest chi_l, and in a thin layer all of it is in proportion to
   // the thickness.
+  if (medium.flakes) {
+    return true;
+  }
   double twice = 0.0;
   double largest = 0.0;
   for (std::size_t l = static_cast<std::size_t>(order); l < medium.moments.size(); ++l) {
@@ -36,13 +42,9 @@ bool scatters_repeatedly(const TruncatedMedium& medium, int order) {
 }
 
 /// The smallest value of the phase function over the azimuth, for reflection between two directions.
-double least_phase(const PhaseFunction& phase, double mu_o, double mu_i, double turn) {
-  const double sines = std::sqrt((1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i));
-  double least = phase.evaluate(turn * mu_o * mu_i - sines);
-  for (const double azimuth : {-0.5, 0.0, 0.5, 1.0}) {
-    least = std::min(least, phase.evaluate(turn * mu_o * mu_i + azimuth * sines));
-  }
-  return least;
+double least_phase(const Solution::Scatterer& scatterer, double mu_o, double mu_i, double turn) {
+  static const Eigen::ArrayXd azimuths{{-1.0, -0.5, 0.0, 0.5, 1.0}};
+  return scatterer.phase_of(mu_o, mu_i, turn, azimuths).minCoeff();
 }
 
 /// The thickness of the thinnest layer that the nodes must resolve, by refractive index.
@@ -82,6 +84,8 @@ Solution::Solution(SublayerStack sublayers, const Resolution& resolution, Thread
     if (const auto* medium = std::get_if<Medium>(&stack().layers[layer])) {
       scatterers_.push_back({layer, indices[layer], TruncatedMedium(*medium, resolution.moments()), medium->phase});
       native_directions_.push_back(set_->in_medium(indices[layer], Eigen::VectorXd()));
+      flakes_.push_back(medium->flakes ? std::make_shared<FlakeKernel>(*medium->flakes, native_directions_.back())
+                                       : nullptr);
       modes_.push_back(std::make_shared<Modes>());
     }
   }
@@ -101,11 +105,16 @@ Resolution Solution::finer() const {
   constexpr double kHopeless = 1.75;  // safety factor: the estimate may be too large by this factor
   Resolution finer = resolution_;
   if (!(checks_.azimuth < resolution_.tolerance)) {
-    if (orders() >= kMostOrders || orders_needed() > kHopeless * kMostOrders) {
+    // Beside rough boundaries, orders beyond those of the flakes themselves are for narrow lobes.
+    const bool of_flakes = has_flakes() && !is_rough();
+    const int most = of_flakes ? kMostFlakeOrders : kMostOrders;
+    if (orders() >= most || (!of_flakes && orders_needed() > kHopeless * kMostOrders)) {
       require_sound();
     }
-    finer.fewest_orders = std::min(kMostOrders, 8 * orders() / 5);
-    finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
+    finer.fewest_orders = std::min(most, 8 * orders() / 5);
+    if (!of_flakes) {
+      finer.nodes = std::max(finer.nodes, nodes_beside(finer.fewest_orders));
+    }
     return finer;
   }
   finer = refined(resolution_);
@@ -160,7 +169,10 @@ void Solution::solve(ThreadPool& pool) {
   checks_.quadrature = set_->moment_error();
   const std::size_t media = scatterers_.size();
   const int fewest = fewest_orders();
-  const int most = resolution_.only_mean ? 1 : std::max(resolution_.moments(), fewest);
+  // The orders of flakes are not limited by nodes. Operators of rough boundaries take long in each order.
+  const int of_flakes = is_rough() ? kMostFlakeOrders / 4 : kMostFlakeOrders;
+  const int orders = has_flakes() ? std::max(of_flakes, resolution_.moments()) : resolution_.moments();
+  const int most = resolution_.only_mean ? 1 : std::max(orders, fewest);
   for (int first = 0; first < most; first += kBlock) {
     const int last = std::min(first + kBlock, most);
     multiple_.resize(static_cast<std::size_t>(last), std::vector<MultipleScattering>(media));
@@ -181,6 +193,20 @@ void Solution::solve(ThreadPool& pool) {
     }
   }
   add_boundaries(pool);
+}
+
+bool Solution::is_rough() const {
+  const std::vector<double> indices = refractive_indices(stack());
+  bool rough = stack().base.is_rough();
+  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
+    const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
+    rough = rough || (interface != nullptr && interface->is_rough(indices[layer]));
+  }
+  return rough;
+}
+
+bool Solution::has_flakes() const {
+  return std::ranges::any_of(flakes_, [](const auto& kernel) { return kernel != nullptr; });
 }
 
 /// Drops the modes if they take too much memory (many sublayers at many orders); another thickness recomputes them.
@@ -206,14 +232,18 @@ void Solution::solve_medium(int order, std::size_t scatterer, SolveChecks& check
     return;  // empty matrices are zero
   }
   std::unique_ptr<HomogeneousModes>& modes = (*modes_[scatterer])[static_cast<std::size_t>(order)];
+  const FlakeKernel* flakes = flakes_[scatterer].get();
+  const PhaseKernel phase = flakes != nullptr ? flakes->order(order) : PhaseKernel(medium, order, directions.mu);
   if (!modes) {
-    modes = std::make_unique<HomogeneousModes>(medium, order, directions);
+    modes = std::make_unique<HomogeneousModes>(medium, order, directions, flakes != nullptr ? &phase : nullptr);
   }
-  const PhaseKernel phase(medium, order, directions.mu);
   const HomogeneousModes::Layer solved = modes->layer(medium.tau);
   multiple = multiple_scattering(solved, medium, phase, order, directions);
   if (order == 0) {
     checks = check_layer(solved, multiple, phase, medium, directions, *set_);
+    if (flakes != nullptr) {
+      checks.phase = 0.0;  // exact by FlakeKernel's correction
+    }
     if (medium.tau <= thickest_unresolved(resolution_.tolerance)) {
       checks.resolution = 0.0;
       checks.negativity = 0.0;
@@ -230,7 +260,13 @@ double Solution::share_of_order(int order) const {
   for (const DirectionSet::Range& range : set_->ranges()) {
     outside.insert(outside.end(), range.nodes.mu.begin(), range.nodes.mu.end());
   }
+  const double least_ior = set_->ranges().front().ior;
   const auto grazes = [&](Eigen::Index node) { return outside[static_cast<std::size_t>(node)] < kGrazing; };
+  // Light that cannot leave needs more orders than light that is returned.
+  std::vector<bool> trapped;
+  for (const DirectionSet::Range& range : set_->ranges()) {
+    trapped.insert(trapped.end(), static_cast<std::size_t>(range.nodes.mu.size()), range.ior > least_ior);
+  }
   double share = 0.0;
   for (std::size_t k = 0; k < scatterers_.size(); ++k) {
     const Scatterer& scatterer = scatterers_[k];
@@ -243,18 +279,31 @@ double Solution::share_of_order(int order) const {
     const double quarter = 0.25 * scatterer.medium.single_scattering_albedo();
     for (Eigen::Index j = 0; j < mu.size(); ++j) {
       for (Eigen::Index i = 0; i <= j; ++i) {
-        if (grazes(i) || grazes(j)) {
+        if (grazes(i) || grazes(j) ||
+            (flakes_[k] && (trapped[static_cast<std::size_t>(i)] || trapped[static_cast<std::size_t>(j)]))) {
           continue;
         }
         const double sines = order % 2 == 0 ? 1.0 : std::sqrt((1.0 - mu[i] * mu[i]) * (1.0 - mu[j] * mu[j]));
-        const double back = quarter * least_phase(scatterer.phase, mu[i], mu[j], -1.0) + 0.1 * mean.reflect(i, j);
-        const double on = quarter * least_phase(scatterer.phase, mu[i], mu[j], 1.0) + 0.1 * mean.transmit(i, j);
+        const double back = quarter * least_phase(scatterer, mu[i], mu[j], -1.0) + 0.1 * mean.reflect(i, j);
+        const double on = quarter * least_phase(scatterer, mu[i], mu[j], 1.0) + 0.1 * mean.transmit(i, j);
         share =
             std::max({share, std::abs(wave.reflect(i, j)) * sines / back, std::abs(wave.transmit(i, j)) * sines / on});
       }
     }
   }
   return share;
+}
+
+Eigen::ArrayXd Solution::Scatterer::phase_of(double mu_o, const Eigen::ArrayXd& mu_i, double turn,
+                                             const Eigen::ArrayXd& azimuths) const {
+  if (medium.flakes) {
+    return mu_i.binaryExpr(azimuths,
+                           [&](double mu, double x) { return flake_phase(*medium.flakes, mu_o, mu, turn, x); });
+  }
+  Eigen::ArrayXd angle = ((1.0 - mu_o * mu_o) * (1.0 - mu_i.square())).max(0.0).sqrt() * azimuths + turn * mu_o * mu_i;
+  angle = angle.max(-1.0).min(1.0);
+  phase.evaluate_all(angle);
+  return angle;
 }
 
 std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) const {
@@ -268,18 +317,12 @@ std::vector<Directions> Solution::directions(const Eigen::VectorXd& targets) con
 /// The least number of azimuth orders. Behind rough boundaries, single scattering needs as many orders as its phase
 /// function. Successive lobes need orders by their width.
 int Solution::fewest_orders() const {
-  const std::vector<double> indices = refractive_indices(stack());
-  bool rough = stack().base.is_rough();
-  for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
-    const auto* interface = std::get_if<Interface>(&stack().layers[layer]);
-    rough = rough || (interface != nullptr && interface->is_rough(indices[layer]));
-  }
   int orders = resolution_.fewest_orders;
-  if (!rough) {
+  if (!is_rough()) {
     return orders;
   }
   for (const Scatterer& scatterer : scatterers_) {
-    for (int m = orders; m < resolution_.moments(); ++m) {
+    for (int m = orders; m < static_cast<int>(scatterer.medium.moments.size()); ++m) {
       if (scatterer.medium.albedo * std::abs(scatterer.medium.moments[static_cast<std::size_t>(m)]) >
           resolution_.azimuth_tolerance) {
         orders = m + 1;

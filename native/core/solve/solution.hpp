@@ -52,6 +52,12 @@ class Solution {
     double ior;         ///< refractive index
     TruncatedMedium medium;
     PhaseFunction phase;
+
+    /// The untruncated phase function between a ray and others, see flake_phase; `azimuths`: cosines of dphi.
+    Eigen::ArrayXd phase_of(double mu_o, const Eigen::ArrayXd& mu_i, double turn, const Eigen::ArrayXd& azimuths) const;
+    Eigen::ArrayXd phase_of(double mu_o, double mu_i, double turn, const Eigen::ArrayXd& azimuths) const {
+      return phase_of(mu_o, Eigen::ArrayXd::Constant(azimuths.size(), mu_i), turn, azimuths);
+    }
   };
   const std::vector<Scatterer>& scatterers() const { return scatterers_; }
 
@@ -79,6 +85,8 @@ class Solution {
   void solve_medium(int order, std::size_t scatterer, SolveChecks& checks);
   void limit_modes();
   double share_of_order(int order) const;
+  bool has_flakes() const;
+  bool is_rough() const;
   int fewest_orders() const;
   double orders_needed() const;
   void add_boundaries(ThreadPool& pool);
@@ -87,9 +95,10 @@ class Solution {
   Resolution resolution_;
   std::shared_ptr<const DirectionSet> set_;
   std::vector<Scatterer> scatterers_;
-  std::vector<Directions> native_directions_;              // by scatterer, without targets
-  std::vector<std::shared_ptr<Modes>> modes_;              // by scatterer
-  std::vector<std::vector<MultipleScattering>> multiple_;  // by order, scatterer
+  std::vector<Directions> native_directions_;               // by scatterer, without targets
+  std::vector<std::shared_ptr<const FlakeKernel>> flakes_;  // by scatterer; null for other media
+  std::vector<std::shared_ptr<Modes>> modes_;               // by scatterer
+  std::vector<std::vector<MultipleScattering>> multiple_;   // by order, scatterer
   std::vector<Boundary> boundaries_;
   int boundary_orders_ = 0;
   SolveChecks checks_;

@@ -124,7 +124,7 @@ SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScat
       ((layer.reflect + layer.transmit) * scale).cwiseQuotient(scale);  // R + T by incidence
   // A conservative layer must neither gain nor lose energy; other layers must not gain any.
   const double created = (arriving.array() - 1.0).maxCoeff();
-  checks.energy = medium.albedo == 1.0 ? std::max(created, -(arriving.array() - 1.0).minCoeff()) : created;
+  checks.energy = medium.conserves() ? std::max(created, -(arriving.array() - 1.0).minCoeff()) : created;
   checks.energy = std::max(checks.energy, 0.0);
 
   const Eigen::VectorXd norm = 0.5 * ((phase.reflect + phase.transmit) * directions.weight);

@@ -26,9 +26,8 @@ StackSingleScattering::StackSingleScattering(const Assembly& assembly, Side side
     return Term{here.mu.tail(count), in.down.tail(count), in.up.tail(count), out.down.tail(count), out.up.tail(count)};
   };
   for (const Solution::Scatterer& scatterer : solution.scatterers()) {
-    Medium medium{term(scatterer.layer), scatterer.medium.tau,
-                  0.25 / pi * scatterer.medium.single_scattering_albedo() / (scatterer.ior * scatterer.ior),
-                  &scatterer.phase};
+    Medium medium{term(scatterer.layer), &scatterer,
+                  0.25 / pi * scatterer.medium.single_scattering_albedo() / (scatterer.ior * scatterer.ior)};
     media_.push_back(std::move(medium));
   }
   for (const Solution::Boundary& boundary : solution.boundaries()) {
@@ -40,23 +39,20 @@ StackSingleScattering::StackSingleScattering(const Assembly& assembly, Side side
 
 ArrayXd StackSingleScattering::by_media(Index o, Index i, const ArrayXd& cosines) const {
   ArrayXd sum = ArrayXd::Zero(cosines.size());
-  ArrayXd angle(cosines.size());
   for (const Medium& m : media_) {
     const double mu_o = m.at.mu[o];
     const double mu_i = m.at.mu[i];
-    const double sines = std::sqrt((1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i));
+    const TruncatedMedium& optics = m.scatterer->medium;
     const auto add = [&](double share, double turn, double shape) {
-      angle = sines * cosines + turn * mu_o * mu_i;
-      m.phase->evaluate_all(angle);
-      sum += m.weight * share * shape * angle;
+      sum += m.weight * share * shape * m.scatterer->phase_of(mu_o, mu_i, turn, cosines);
     };
     const double turned = m.at.out_down[o] * m.at.in_down[i] + m.at.out_up[o] * m.at.in_up[i];
     const double passed = m.at.out_down[o] * m.at.in_up[i] + m.at.out_up[o] * m.at.in_down[i];
     if (turned > 0.0) {
-      add(turned, -1.0, single_reflection(mu_o, mu_i, m.tau));
+      add(turned, -1.0, single_reflection(optics.optical(mu_o), optics.optical(mu_i), optics.tau));
     }
     if (passed > 0.0) {
-      add(passed, 1.0, single_transmission(mu_o, mu_i, m.tau));
+      add(passed, 1.0, single_transmission(optics.optical(mu_o), optics.optical(mu_i), optics.tau));
     }
   }
   return sum;

@@ -35,9 +35,8 @@ class StackSingleScattering {
   };
   struct Medium {
     Term at;
-    double tau;
+    const Solution::Scatterer* scatterer;
     double weight;
-    const PhaseFunction* phase;
   };
   struct Facet {
     Term at;

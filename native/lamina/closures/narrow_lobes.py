@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Narrow lobes of rough boundaries and metals, halos around mirror images, and the closures made for these lobes."""
+"""Narrow lobes of rough boundaries, metals and flakes, halos around mirror images, and the closures made for them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from ..kinds.bases import LEAST_ALPHA, Conductor, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..kinds.films import Film
+from ..kinds.flakes import Flakes
 from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.sharp_facets import is_sharp
@@ -49,10 +50,12 @@ def narrowest(stack: Stack) -> float | None:
 
 
 def closures(stack) -> list[str]:
-    """Ids of the closures made for the rough boundaries of the solved stack."""
+    """Ids of the closures made for the rough boundaries and flakes of the solved stack."""
     ids: list[str] = []
     rough = _rough(stack)
     for surface, above, below in rough:
+        if isinstance(surface, Flakes):
+            continue  # not the law of facets: closures of several widths serve them
         ids.append(_id(surface.distribution, surface.alpha))
         # F as a function of the half angle. For GGX facets of a dielectric, F0 ggx + (1 - F0) fresnel_ggx is exact; for
         # metals and Beckmann facets its shape is a good approximation.
@@ -66,7 +69,8 @@ def closures(stack) -> list[str]:
             # tail that would hide the shift.
             ids += [_cone(lean, min(1.0, w * surface.alpha * size), min(1.0, w * surface.alpha * smooth))
                     for lean in AWAY for w in (1.0, 2.0) for size, smooth in CONES]
-    if rough and (_covered(stack) or len(rough) > 1 or _sees_through(stack)):
+    flaky = any(isinstance(surface, Flakes) for surface, _, _ in rough)
+    if rough and (_covered(stack) or len(rough) > 1 or _sees_through(stack) or flaky):
         widest = max(surface.alpha * above for surface, above, _ in rough) * STEP
         alpha = least = narrowest(stack) or widest
         while alpha < min(1.0, widest) * STEP:
@@ -141,22 +145,22 @@ def _in_order(stack: Stack) -> list[tuple]:
 
 
 def _is_rough(surface) -> bool:
-    return isinstance(surface, Interface | Conductor | PrincipledBase) and surface.alpha >= LEAST_ALPHA
+    return isinstance(surface, Interface | Conductor | PrincipledBase | Flakes) and surface.alpha >= LEAST_ALPHA
 
 
-def _rough(stack: Stack) -> list[tuple[Interface | Conductor | PrincipledBase, float, float]]:
-    """(surface, index above, index below) of the boundaries that are solved as rough."""
+def _rough(stack: Stack) -> list[tuple[Interface | Conductor | PrincipledBase | Flakes, float, float]]:
+    """(surface, index above, index below) of the boundaries that are solved as rough, and of flakes."""
     return [entry for entry in _in_order(stack) if _is_rough(entry[0])]
 
 
 def _covered(stack: Stack) -> bool:
-    """True if anything lies above a rough boundary."""
+    """True if anything lies above a rough boundary or flakes."""
     return any(_is_rough(surface) for surface, _, _ in _in_order(stack)[1:])
 
 
 def _sees_through(stack: Stack) -> bool:
     """True if a smooth or rough reflector lies below a rough dielectric boundary."""
-    reflectors = Interface | Conductor | PrincipledBase
+    reflectors = Interface | Conductor | PrincipledBase | Flakes
     surfaces = [surface for surface, _, _ in _in_order(stack) if isinstance(surface, reflectors)]
     return any(isinstance(surface, Interface) and _is_rough(surface) for surface in surfaces[:-1])
 

@@ -27,6 +27,7 @@ def interior_of_stack(stack: AnyStack) -> tuple[Interior, Surface]:
     coefficients out of range."""
     stack = as_stack(stack)
     stack.require_isotropic("light inside a body")
+    stack.require_no_flakes("light inside a body")
     stack.require_colours("light inside a body")
     require_millimetres(stack)
     top = stack.layers[0] if stack.layers and isinstance(stack.layers[0], Interface) else None

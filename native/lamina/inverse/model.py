@@ -71,6 +71,7 @@ class Model:
             if id(variant) not in made:
                 made[id(variant)] = variant.filled(values)
                 made[id(variant)].require_isotropic("a fit")
+                made[id(variant)].require_no_flakes("a fit")
         return [made[id(variant)] for variant in self._variants]
 
     def expected(self, x: np.ndarray) -> list[np.ndarray]:

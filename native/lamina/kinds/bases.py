@@ -45,14 +45,6 @@ class Base(Hashable):
     # Name of the add-on's property that selects the form; each form has an item.
     form_prop = ""
 
-    @classmethod
-    def panel_fields(cls, given) -> tuple[Field, ...]:
-        """The quantities to edit for a base with the properties `given`: those of its form, then `fields`."""
-        for form in cls.forms:
-            if form.item is not None and form.item.id == getattr(given, cls.form_prop):
-                return *form, *cls.fields
-        return cls.fields
-
     def in_channel(self, index: int) -> tuple:
         """(name, parameters...) of one channel: the core's function that makes the base, and its arguments."""
         return (self.kind, *(channel(getattr(self, quantity.name), index) for quantity in self.fields))

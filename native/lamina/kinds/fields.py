@@ -206,6 +206,15 @@ def all_fields(thing) -> list[Field | Option]:
     return [*named.values(), *thing.fields]
 
 
+def panel_fields(cls: type, owner) -> tuple[Field, ...]:
+    """The quantities to edit for a thing of the kind `cls` with the properties of `owner`: those of its form, then the
+    others."""
+    for form in getattr(cls, "forms", ()):
+        if form.item is not None and form.item.id == getattr(owner, cls.form_prop):  # type: ignore[attr-defined]
+            return *form, *cls.fields  # type: ignore[attr-defined]
+    return cls.fields  # type: ignore[attr-defined]
+
+
 def check_forms(thing, path: str) -> dict[str, float | tuple[float, ...]]:
     """The checked values of the one form in which `thing` is given.
 

@@ -37,6 +37,7 @@ def searchlight(stack: AnyStack, mu_i: float = 1.0, quality: str = "final", thre
     equations; a Hankel transform after subtraction of single scattering. See docs/theory.md."""
     stack = as_stack(stack)
     stack.require_isotropic("a searchlight")
+    stack.require_no_flakes("a searchlight")
     tolerance_of(quality)
     mu_i = check_number(mu_i, "mu_i", "must lie in (0, 1]", lambda mu: 0.0 < mu <= 1.0)
     mu_i = max(mu_i, LEAST_BEAM_COSINE)

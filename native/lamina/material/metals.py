@@ -9,7 +9,8 @@ from dataclasses import replace
 from ..common.arguments import check_kind
 from ..common.errors import StackError, unknown
 from ..kinds.bases import Conductor
-from ..kinds.fields import channel, channel_count, check_forms
+from ..kinds.fields import Channels, channel, channel_count, check_forms
+from ..kinds.flakes import Flakes
 from ..kinds.metals import GRAZING, grazing_range, indices, reflectance, table
 from ..kinds.spectra import Spectrum
 from .spectrum_files import read_spectra
@@ -27,6 +28,13 @@ def conductor(name: str, alpha: float = 0.0, distribution: str = "ggx") -> Condu
     entry = _entry(name)
     return Conductor(facing=tuple(entry["facing"]), grazing=tuple(entry["grazing"]), alpha=alpha,
                      distribution=distribution)
+
+
+def flakes(name: str, tau: Channels, alpha: float) -> Flakes:
+    """Flakes of a metal of the table by its two colours, see conductor. Raises UnknownName, a KeyError and
+    StackError."""
+    entry = _entry(name)
+    return Flakes(tau, alpha, facing=tuple(entry["facing"]), grazing=tuple(entry["grazing"]))
 
 
 def spectral(name: str, alpha: float = 0.0, distribution: str = "ggx") -> Conductor:
@@ -64,8 +72,8 @@ def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
     return [reflectance(1.0, *pair) for pair in pairs], [reflectance(GRAZING, *pair) for pair in pairs]
 
 
-def indices_of(metal: Conductor, channels: int, path: str) -> tuple:
-    """(eta, k) of a checked conductor, computed from its two colours if they are given.
+def indices_of(metal: Conductor | Flakes, channels: int, path: str) -> tuple:
+    """(eta, k) of a checked conductor or of metal flakes, computed from its two colours if they are given.
 
     Raises StackError, with `path` and the possible range, if no metal with its facing colour has its grazing colour."""
     if metal.facing is None:

@@ -14,6 +14,7 @@ from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderB
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import Channels, as_channels, channel
 from ..kinds.films import Film
+from ..kinds.flakes import Flakes
 from ..kinds.spectra import Spectrum
 from .colours import shown
 from .layers import Medium
@@ -38,6 +39,11 @@ def stack_picture(stack: Stack) -> str:
             height, fill = BOUNDARY, "#c060c0"
             words = f"thin film, {layer.thickness:g} nm"
             words += "" if isinstance(layer.ior, Spectrum | complex) else f", ior {_range(layer.ior, stack)}"
+        elif isinstance(layer, Flakes):
+            height = THIN + (THICK - THIN) * _share(max(stack.optics(number, c)[1] for c in range(stack.channels)))
+            fill = svg.colour(_colour_of_flakes(layer, stack.channels))
+            words = f"flakes, tau {_range(layer.tau, stack)}, alpha {layer.alpha:g}"
+            words += ", varying" if layer.varying else ""
         else:
             taus = [stack.optics(number, c)[1] for c in range(stack.channels)]
             height = THIN + (THICK - THIN) * _share(max(taus))
@@ -46,7 +52,7 @@ def stack_picture(stack: Stack) -> str:
         name = f"{layer.name}: " if layer.name else ""
         parts += [svg.box(0.0, y, WIDTH, height, fill, "#808080"), svg.text(WIDTH + 8.0, y + 0.5 * height + 4.0,
                                                                            name + words)]
-        y += max(height, THIN if isinstance(layer, Medium) else 16.0)
+        y += max(height, 16.0 if isinstance(layer, Interface | Film) else THIN)
     if stack.base is None:
         parts.append(svg.text(4.0, y + 16.0, "air"))
     else:
@@ -80,6 +86,10 @@ def _colour_of(stack: Stack, number: int, layer: Medium) -> list[float]:
     thick = replace(layer, color=None, over=None, profile=None, sigma_s=None, sigma_a=None, thickness=None,
                     albedo=albedo, tau=math.inf, varying=False)
     return shown(thick.checked("layer"))
+
+
+def _colour_of_flakes(layer: Flakes, channels: int) -> list[float]:
+    return [channel(layer.facing if layer.reflectance is None else layer.reflectance, c) for c in range(channels)]
 
 
 def _colour_of_base(stack: Stack) -> list[float]:

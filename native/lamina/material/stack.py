@@ -23,6 +23,7 @@ from ..kinds.bases import Base, Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
 from ..kinds.films import Film
+from ..kinds.flakes import Flakes
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from ..kinds.spectra import D65, Spectrum, read_spectrum
 from .by_wavelength import check_illuminant, parts_by_wavelength
@@ -39,6 +40,7 @@ from .stack_plain import canonical, given, plain
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
 RGB = 3
+THICK = (Medium, Flakes)  # layers with an optical thickness
 
 
 @dataclass(frozen=True)
@@ -96,18 +98,22 @@ class Stack:
             object.__setattr__(self, text, value)
         self._check_channels()
         check_films(checked, self.base, self.channels)
-        for kind in (Medium, Interface):
-            varying = self._varying(kind)
+        for kinds in (THICK, Interface):
+            varying = self._varying(kinds)
             if len(varying) > 1:
-                raise StackError(f"layers[{varying[1]}].varying = true: only one {kind.kind} may vary")
+                word = "interface" if kinds is Interface else "medium"
+                raise StackError(f"layers[{varying[1]}].varying = true: only one {word} may vary")
         varies = self.varying
-        if varies is not None and max(self._medium(varies).optics(c)[1] for c in range(self.channels)) == math.inf:
+        if varies is not None and max(self._thick(varies).optics(c)[1] for c in range(self.channels)) == math.inf:
             raise StackError(f"layers[{varies}].tau = inf: a varying layer needs a largest thickness")
         for number, layer in enumerate(checked):
             if isinstance(layer, Medium):
                 check_colours(layer, self.channels, f"layers[{number}]")
         if isinstance(self.base, Conductor):
             object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
+        for number, layer in enumerate(checked):
+            if isinstance(layer, Flakes) and layer.facing is not None:
+                self.flake_indices(number)
 
     def _repr_html_(self) -> str:
         return stack_picture(self)
@@ -151,8 +157,8 @@ class Stack:
 
     @property
     def varying(self) -> int | None:
-        """Index of the medium whose thickness is an input, if any."""
-        return next(iter(self._varying(Medium)), None)
+        """Index of the medium, or the layer of flakes, whose thickness is an input, if any."""
+        return next(iter(self._varying(THICK)), None)
 
     @property
     def covering(self) -> int | None:
@@ -169,9 +175,9 @@ class Stack:
         return Stack(layers if layers or self.base is not None else [NOTHING], self.base, wavelengths=self.wavelengths,
                      illuminant=self.illuminant)
 
-    def _varying(self, kind: type) -> list[int]:
+    def _varying(self, kinds) -> list[int]:
         return [i for i, layer in enumerate(self.layers)
-                if isinstance(layer, kind) and getattr(layer, "varying", False)]
+                if isinstance(layer, kinds) and getattr(layer, "varying", False)]
 
     @property
     def label(self) -> str:
@@ -210,10 +216,10 @@ class Stack:
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
         """(albedo, tau) of a layer in one channel. For a layer given by a colour, the albedo for this colour; for a
-        profile, the mean albedo over the optical depth."""
-        medium = self._medium(layer)
+        profile, the mean albedo over the optical depth; for flakes see Flakes.optics."""
+        medium = self._thick(layer)
         albedo, tau = medium.optics(channel_index)
-        if medium.profile is not None:
+        if isinstance(medium, Medium) and medium.profile is not None:
             knots = self.knots(layer, channel_index)
             parts = [0.5 * (a + b) * (below - above) for (above, a, _), (below, b, _) in itertools.pairwise(knots)]
             return (math.fsum(parts) / tau if tau > 0.0 else 0.0), tau
@@ -228,6 +234,24 @@ class Stack:
         """(eta, k) of a conductor base in one channel; computed from its two colours if these are given."""
         eta, k = self._indices
         return channel(eta, channel_index), channel(k, channel_index)
+
+    def flake_indices(self, layer: int) -> tuple:
+        """(eta, k), numbers or one per channel, of the metal of a layer of flakes that is given by two colours."""
+        flakes = self.layers[layer]
+        assert isinstance(flakes, Flakes)
+        return indices_of(flakes, self.channels, f"layers[{layer}]")
+
+    def require_no_flakes(self, user: str) -> None:
+        """Raises StackError for a layer of flakes, which `user` does not take."""
+        for number, layer in enumerate(self.layers):
+            if isinstance(layer, Flakes):
+                raise StackError(f"layers[{number}].kind = 'flakes': must be left out for {user}; lamina.solve, "
+                                 "lamina.estimate by method 'transfer' and lamina.bake take flakes")
+
+    def _thick(self, index: int) -> Medium | Flakes:
+        layer = self.layers[index]
+        assert isinstance(layer, THICK)
+        return layer
 
     def _medium(self, index: int) -> Medium:
         layer = self.layers[index]
@@ -282,6 +306,9 @@ class Stack:
             if isinstance(layer, Interface | Film):
                 layers.append(canonical(layer, self.channels))
                 continue
+            if isinstance(layer, Flakes):
+                layers.append({**canonical(layer, self.channels), **self._canonical_flakes(index)})
+                continue
             if layer.profile is not None:
                 layers.append(self._canonical_profile(index))
                 continue
@@ -310,7 +337,7 @@ class Stack:
             entry: dict = {"kind": layer.kind}
             if layer.name:
                 entry["name"] = layer.name
-            if isinstance(layer, Interface | Film):
+            if not isinstance(layer, Medium):
                 layers.append({**entry, **plain(self._given.get(number, layer))})
                 continue
             medium = self._given.get(number, layer)
@@ -384,6 +411,14 @@ class Stack:
         channel. The solver finds them when they are first needed."""
         return tuple(albedos_of_layer(layer, self.channels) if isinstance(layer, Medium) else None
                      for layer in self.layers)
+
+    def _canonical_flakes(self, index: int) -> dict:
+        layer = self.layers[index]
+        assert isinstance(layer, Flakes)
+        names = {"reflectance": layer.reflectance}
+        if layer.facing is not None:
+            names = dict(zip(("eta", "k"), self.flake_indices(index), strict=True))
+        return {name: [channel(value, c) for c in range(self.channels)] for name, value in names.items()}
 
     def _canonical_profile(self, index: int) -> dict:
         layer, channels = self._medium(index), range(self.channels)

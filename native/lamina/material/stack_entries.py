@@ -11,13 +11,14 @@ from ..kinds.bases import BASES, Base
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, check_keys, read_kind
 from ..kinds.films import Film
+from ..kinds.flakes import Flakes
 from ..kinds.spectra import read_spectrum
 from .layers import Medium
 from .phase import read_phase
 from .profile import read_profile
 from .stack_checks import Layer
 
-BOUNDARIES = {cls.kind: cls for cls in (Interface, Film)}
+PLAIN = {cls.kind: cls for cls in (Interface, Film, Flakes)}  # layers without a phase function
 
 
 def read_parts(entries: list, base) -> tuple[list[Layer], Base | None]:
@@ -36,11 +37,11 @@ def read_parts(entries: list, base) -> tuple[list[Layer], Base | None]:
             raise StackError(f"{path}.kind = '{kind}': a base can only stand at the bottom")
         elif is_text and kind == Medium.kind:
             layers.append(_read_medium(entry, path))
-        elif is_text and kind in BOUNDARIES:
-            layers.append(_read(BOUNDARIES[kind], entry, path, {"name"}))
+        elif is_text and kind in PLAIN:
+            layers.append(_read(PLAIN[kind], entry, path, {"name"}))
         else:
-            raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', 'film', or a base at the "
-                             "bottom")
+            raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', 'film', 'flakes', or a "
+                             "base at the bottom")
     return layers, bottom if base is None else _read_base(base, "base")
 
 

@@ -8,24 +8,31 @@ from dataclasses import replace
 
 from ..common.errors import ArgumentError
 from ..kinds.fields import as_channels, channel
+from ..kinds.flakes import Flakes
 from .layers import Medium
 from .profile import Knot
 from .stack import Stack
 
 
 def with_thickness(stack: Stack, layer: int, taus: float | tuple[float, ...]) -> Stack:
-    """The stack with the optical thickness `taus`, a number or one per channel, of the medium with index `layer`.
+    """The stack with the optical thickness `taus`, a number or one per channel, of the medium, or of flakes with
+    their binder, with index `layer`.
 
     Media in millimetres stay so: their thickness in mm changes. A colour that was meant for a layer of its own
     thickness (`over`) becomes the albedo that gave the colour. A stack of one channel takes any number of channels. A
     varying layer keeps its mark, unless it becomes infinitely thick. Raises ArgumentError for a thickness of a channel
     in which the medium neither scatters nor absorbs."""
     medium = stack.layers[layer]
-    assert isinstance(medium, Medium)
+    assert isinstance(medium, Medium | Flakes)
     varying = medium.varying and not math.isinf(max(taus) if isinstance(taus, tuple) else taus)
-    changed = replace(_without_own_colour(stack, layer, medium), varying=varying, **_size(stack, layer, medium, taus))
+    changed: Medium | Flakes
+    if isinstance(medium, Flakes):
+        changed = replace(medium, varying=varying, **_amounts(stack, medium, taus))
+    else:
+        changed = replace(_without_own_colour(stack, layer, medium), varying=varying,
+                          **_size(stack, layer, medium, taus))
     layers = [changed if number == layer else one for number, one in enumerate(stack.layers)]
-    if medium.profile is None and _count(stack, taus) == stack.channels:
+    if getattr(medium, "profile", None) is None and _count(stack, taus) == stack.channels:
         return stack.with_sizes(layers)
     return Stack(layers, stack.base, stack.name, stack.category, stack.source, stack.wavelengths, stack.illuminant)
 
@@ -33,7 +40,8 @@ def with_thickness(stack: Stack, layer: int, taus: float | tuple[float, ...]) ->
 def check_opaque(stack: Stack, layer: int, taus: float | tuple[float, ...]) -> None:
     """Raises ArgumentError for a positive thickness of a channel in which a medium in millimetres is clear."""
     medium = stack.layers[layer]
-    assert isinstance(medium, Medium)
+    if not isinstance(medium, Medium):
+        return
     for index in range(_count(stack, taus)):
         own, tau = min(index, stack.channels - 1), channel(taus, index)
         if tau > 0.0 and medium.thickness is not None and _extinction(medium, own) == 0.0:
@@ -44,6 +52,15 @@ def check_opaque(stack: Stack, layer: int, taus: float | tuple[float, ...]) -> N
 
 def _count(stack: Stack, taus: float | tuple[float, ...]) -> int:
     return max(stack.channels, len(taus) if isinstance(taus, tuple) else 1)
+
+
+def _amounts(stack: Stack, flakes: Flakes, taus) -> dict:
+    """The new optical thicknesses of flakes and binder, which keep their ratio."""
+    shares = [flakes.share(min(index, stack.channels - 1)) for index in range(_count(stack, taus))]
+    whole = [channel(taus, index) for index in range(len(shares))]
+    parts = {"tau": [tau if share == 1.0 else share * tau for share, tau in zip(shares, whole, strict=True)],
+             "binder": [0.0 if share == 1.0 else (1.0 - share) * tau for share, tau in zip(shares, whole, strict=True)]}
+    return {name: values[0] if len(set(values)) == 1 else tuple(values) for name, values in parts.items()}
 
 
 def _size(stack: Stack, layer: int, medium: Medium, taus: float | tuple[float, ...]) -> dict:

@@ -11,6 +11,7 @@ from ..kinds.bases import Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import channel
 from ..kinds.films import Film
+from ..kinds.flakes import Flakes
 from ..material.stack import Stack
 from .films import core_film
 
@@ -30,6 +31,9 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
         elif isinstance(layer, Film):
             # Nothing by itself, so that layers keep their numbers: the boundary below holds the film.
             entries.append((_core.Interface, (above, _core.Facets(), None)))
+        elif isinstance(layer, Flakes):
+            entries.append((_core.Medium, (*layer.optics(index), Flakes.kind, layer.alpha, layer.share(index),
+                                           *_metal_of(stack, number, index, above))))
         elif layer.profile is not None and layer.optics(index)[1] > 0.0:
             entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
         else:
@@ -47,6 +51,15 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
     elif stack.base is not None:
         base = stack.base.in_channel(index)
     return (tuple(entries), base), [kind(*values) for kind, values in entries], core_base(base)
+
+
+def _metal_of(stack: Stack, number: int, index: int, ior: float) -> tuple[complex, ...]:
+    """The index of metal flakes in one channel, relative to that of their binder; nothing for other flakes."""
+    layer = stack.layers[number]
+    if not isinstance(layer, Flakes) or layer.facing is None:
+        return ()
+    eta, k = stack.flake_indices(number)
+    return (complex(channel(eta, index), channel(k, index)) / ior,)
 
 
 @functools.lru_cache(maxsize=16)

@@ -25,6 +25,7 @@ from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
 from ..kinds.bases import Lambert, PrincipledBase
 from ..kinds.fields import channel
+from ..kinds.flakes import AMOUNT, Flakes
 from ..kinds.media import TAU
 from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
@@ -62,6 +63,8 @@ def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int 
     Their facets have widths of at least .03. Light beyond the first facets then has errors of .3 % ("final"), and all
     values depend on azimuths from the tangent: see ScatteringFunction."""
     stack = as_stack(stack)
+    if stack.is_oriented:
+        stack.require_no_flakes("a solve with anisotropic facets")
     if stack.is_oriented and isinstance(stack.base, PrincipledBase):
         raise StackError("base.kind = 'principled': must be another kind below anisotropic facets")
     if stack.is_oriented and nodes is not None:
@@ -226,16 +229,18 @@ class ScatteringFunction:
 
     def with_thickness(self, layer: int, taus) -> ScatteringFunction:
         """The same stack with the optical thickness `taus` of the layer with index `layer`, a number or one per
-        channel, in [0, infinity], or in [0, 1e9] for a layer with a profile; much faster than a new solve. A stack of
+        channel, in [0, infinity], or in [0, 1e9] for a layer with a profile, and in [0, 1000] for flakes with their
+        binder; much faster than a new solve. A stack of
         one channel takes any number of them. For the new `stack` see material.thickness.with_thickness. Raises
         StackError, ArgumentError and SolveError."""
         stack = self.stack
         stack.require_isotropic("another thickness")
         layer = check_whole(layer, "layer", 0, len(stack.layers) - 1)
         medium = stack.layers[layer]
-        if not isinstance(medium, Medium):
-            raise ArgumentError(f"layer = {layer}: must be a medium, this one is of kind {medium.kind}")
-        quantity = TAU if medium.profile is None else THICKNESS["tau"]
+        if not isinstance(medium, Medium | Flakes):
+            raise ArgumentError(f"layer = {layer}: must be a medium or flakes, this one is of kind {medium.kind}")
+        profile = isinstance(medium, Medium) and medium.profile is not None
+        quantity = THICKNESS["tau"] if profile else TAU if isinstance(medium, Medium) else AMOUNT
         taus = quantity.check(taus, "taus")
         count = len(self._channels)
         if isinstance(taus, tuple) and len(taus) != count:
@@ -252,7 +257,7 @@ class ScatteringFunction:
             solution = self._channels[own]
             key = (id(solution), tau)
             if key not in made:
-                if medium.profile is not None and tau > 0.0 and medium.optics(own)[1] == 0.0:
+                if profile and tau > 0.0 and medium.optics(own)[1] == 0.0:
                     # The core was given a clear layer in place of a profile without thickness
                     made[key] = self._method.channel(changed(), index)
                 else:

@@ -114,6 +114,7 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     always one. Other arguments and errors are those of lamina.subsurface_nodes."""
     stack = as_stack(stack)
     stack.require_isotropic("a portal")
+    stack.require_no_flakes("a portal")
     stack.require_colours("a portal")
     require_hidden_metal(stack)
     require_millimetres(stack)

@@ -42,6 +42,7 @@ def subsurface_nodes(stack: AnyStack, version: tuple[int, int] = (4, 5), mu: flo
     without absorption, whose mean exit distance is infinite, and for a metal base that the media do not hide."""
     stack = as_stack(stack)
     stack.require_isotropic("subsurface scattering")
+    stack.require_no_flakes("subsurface scattering")
     stack.require_colours("subsurface scattering")
     require_hidden_metal(stack)
     beam = searchlight(stack, mu, quality, progress=progress, cancel=cancel)

@@ -139,6 +139,7 @@ def run_channels(stack: Stack, query: Query, method: str, pool, step: Progress, 
     stack.require_walked_base()
     if method in ("adding", "scattering"):
         stack.require_isotropic(f"method {method!r}")
+        stack.require_no_flakes(f"method {method!r}")
 
     def walked(layers, base, within):
         walk, off = make_walk(_core.Stack(layers, base), query, method, pool)

@@ -129,6 +129,7 @@ def run_beams(stack: Stack, query: SearchlightQuery, seed: int, chunks: range, b
     below are (within, within_squares, moments, products). Also the flux of `mirrored` and of `unscattered` light, and
     `endless`: true for a conservative half-space. Raises as estimate_searchlight does."""
     stack.require_isotropic("a searchlight")
+    stack.require_no_flakes("a searchlight")
     require_millimetres(stack)
 
     def problem(index):

@@ -34,6 +34,10 @@ def film(name, **more):
     return {"kind": "film", "name": name, **more}
 
 
+def flakes(name, **more):
+    return {"kind": "flakes", "name": name, **more}
+
+
 def conductor(**more):
     return {"kind": "conductor", **more}
 
@@ -97,6 +101,12 @@ STACKS = {
         [interface("lacquer", ior=1.5, alpha=0.0), film("seal", ior=1.38, k=0.0, thickness=100.0),
          film("oxide", ior=2.4, k=0.05, thickness=49.0)],
         conductor(**GOLD, alpha=0.15),
+    ),
+    "flakes": stack(
+        [interface("coat", ior=1.5, alpha=0.0),
+         flakes("pearl", reflectance=[0.9, 0.8, 0.7], tau=0.5, alpha=0.3, binder=[0.1, 0.2, 0.4], varying=True),
+         flakes("gold", facing=[1.0, 0.766, 0.336], grazing=[1.0, 0.9, 0.8], tau=2.0, alpha=0.15, binder=0.0)],
+        {"kind": "lambert", "reflectance": 0.1},
     ),
     "textured": stack(
         [medium("dust", HG, albedo=0.9, tau=0.3)], {"kind": "lambert", "reflectance": 0.5, "textured": True}
@@ -171,6 +181,10 @@ REFUSED = {
     "roughness per channel": (
         stack([interface("odd", ior=1.5, alpha=[0.1, 0.2, 0.3])], None),
         "layers[0].alpha = [0.1, 0.2, 0.3]: in Blender it is one number",
+    ),
+    "amount of flakes per channel": (
+        stack([flakes("odd", reflectance=0.5, tau=[1.0, 2.0, 3.0], alpha=0.2)], None),
+        "layers[0].tau = [1.0, 2.0, 3.0]: in Blender it is one number for all channels",
     ),
     "a film's spectrum": (
         stack([film("oxide", ior={"wavelengths": [400, 700], "values": [2.5, 2.3]}, thickness=49)], conductor(**GOLD)),

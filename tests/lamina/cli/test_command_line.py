@@ -78,7 +78,7 @@ BAD = {
     "NaN": ('{"schema": 1, "layers": [{"kind": "medium", "albedo": NaN, "tau": 1}]}',
             "lamina: bad.json: layers[0].albedo = nan: must lie in [0, 1]\n"),
     "unknown key": ('{"schema": 1, "layers": [], "colour": 1}',
-                    "lamina: bad.json: stack.colour: unknown key; known are base, category, layers, name, schema, "
+                    "lamina: bad.json: stack.colour: unknown key; known are base, category, illuminant, layers, name, schema, "
                     "source, wavelengths\n"),
     "future": ('{"schema": 2, "layers": []}',
                "lamina: bad.json: schema = 2: must be at most 1; this stack needs a newer Lamina\n"),
@@ -87,8 +87,8 @@ BAD = {
     "base in the middle": ('{"schema": 1, "layers": [{"kind": "black"}, {"kind": "medium", "albedo": 1, "tau": 1}]}',
                            "lamina: bad.json: layers[0].kind = 'black': a base can only stand at the bottom\n"),
     "kind a list": ('{"schema": 1, "layers": [{"kind": []}]}',
-                    "lamina: bad.json: layers[0].kind = []: must be 'medium', 'interface', 'film', or a base at the "
-                    "bottom\n"),
+                    "lamina: bad.json: layers[0].kind = []: must be 'medium', 'interface', 'film', 'flakes', or a base "
+                    "at the bottom\n"),
     "two channels": ('{"schema": 1, "layers": [{"kind": "medium", "albedo": [1, 1], "tau": 1}]}',
                      "lamina: channels = 2: must be 1 or 3 (R G B) for a lookup table\n"),
 }

@@ -11,7 +11,7 @@ import pytest
 
 import lamina
 from lamina import Medium, Stack, StackError, _core
-from lamina.kinds import bases, boundaries, films, interiors, media, phases
+from lamina.kinds import bases, boundaries, films, flakes, interiors, media, phases
 from lamina.kinds.dust import OPTIONS
 from lamina.kinds.fields import Field
 
@@ -20,6 +20,7 @@ QUANTITIES = {
     **{f"medium.{field.name}": field for form in media.FORMS for field in form},
     **{f"interface.{field.name}": field for field in boundaries.Interface.fields},
     **{f"film.{field.name}": field for field in films.Film.fields},
+    **{f"flakes.{field.name}": field for form in (flakes.Flakes.fields, *flakes.Flakes.forms) for field in form},
     **{f"{cls.kind}.{field.name}": field for cls in bases.KINDS for form in (cls.fields, *cls.forms) for field in form},
     **{f"interior.{field.name}": field for field in
        (*interiors.GROUND, *interiors.MARBLE, *interiors.BODY, *interiors.MAPS) if field.name != "seed"},
@@ -95,10 +96,10 @@ def test_every_base_can_be_solved_and_read_back(cls):
 
 def test_numbers_of_choices_are_their_own():
     """A .blend file stores the number of a choice."""
-    lists = [[media.ITEM, boundaries.Interface.item, films.Film.item],
+    lists = [[media.ITEM, boundaries.Interface.item, films.Film.item, flakes.Flakes.item],
              [cls.item for cls in phases.IN_PANEL], [bases.NONE, *(cls.item for cls in bases.IN_PANEL)],
              [form.item for form in media.FORMS]]
-    lists += [[form.item for form in cls.forms] for cls in bases.KINDS if cls.form_prop]
+    lists += [[form.item for form in cls.forms] for cls in (*bases.KINDS, flakes.Flakes) if cls.form_prop]
     for items in lists:
         assert len({item.number for item in items}) == len({item.id for item in items}) == len(items)
     assert set(phases.IN_PANEL) == set(phases.KINDS) and set(bases.IN_PANEL) == set(bases.KINDS)

@@ -58,15 +58,15 @@ AdjointSource::Tabulation::Tabulation(const ReflectionByHeight& coarse, const Gr
   if (medium.is_homogeneous()) {
     local.push_back(reflection.medium(0.0, tau));
     for (const double d : depth) {
-      above.emplace_back(directions, local[0].tau * d / tau);
-      below.emplace_back(directions, local[0].tau * (tau - d) / tau);
+      above.emplace_back(directions, reflection.medium(0.0, d));
+      below.emplace_back(directions, reflection.medium(0.0, tau - d));
     }
   } else {
     for (std::size_t j = 0; j < depth.size(); ++j) {
       local.push_back(reflection.medium(depth[j], 1.0));
       if (j > 0) {
         piece.push_back(reflection.medium(0.5 * (depth[j - 1] + depth[j]), depth[j] - depth[j - 1]));
-        above.emplace_back(directions, piece.back().tau);
+        above.emplace_back(directions, piece.back());
       }
     }
   }

@@ -53,7 +53,7 @@ std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
     for (const double t : heights_) {
       const TruncatedMedium part = medium(0.0, t);
       const MultipleScattering multiple = multiple_scattering(modes.layer(part.tau), part, phase, m, directions_);
-      const LayerShapes shapes(directions_, part.tau);
+      const LayerShapes shapes(directions_, part);
       keep(multiple_on(directions_, multiple, part, shapes, m).reflect +
            single_on(directions_, part, shapes, m).reflect);
     }
@@ -64,7 +64,7 @@ std::vector<Eigen::MatrixXd> ReflectionByHeight::order(int m) const {
   for (const double t : heights_) {
     const TruncatedMedium seen = medium(0.5 * (below + t), t - below);
     const PhaseKernel phase(seen, m, directions_.mu.head(directions_.live));
-    const LayerShapes shapes(directions_, seen.tau);
+    const LayerShapes shapes(directions_, seen);
     const auto modes = [&] { return HomogeneousModes(seen, m, directions_); };
     reflect = join_opaque(layer(m, seen, phase, shapes, modes), reflect);
     keep(reflect.kernel);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "events/survival.hpp"
+#include "walks/flake_scatter.hpp"
 #include "walks/flight.hpp"
 #include "walks/slab_walk.hpp"
 #include "walks/stack_walk.hpp"
@@ -22,7 +23,7 @@ class TransferWalk final : public StackWalk {
       : StackWalk(std::move(stack), target) {
     for (const WalkElements::Element& element : this->stack().elements) {
       // Flights are integrated in closed form in homogeneous media.
-      along_.push_back(next_event != NextEvent::kAtCollision && !element.graded);
+      along_.push_back(next_event != NextEvent::kAtCollision && !element.graded && !element.medium.flakes);
       both_.push_back(along_.back() && fitted(next_event, element.medium.phase) == NextEvent::kFromBothEnds &&
                       !target.flux);
     }
@@ -49,8 +50,22 @@ class TransferWalk final : public StackWalk {
       } else if (choice <= through) {
         return true;
       }
-      depth = std::clamp(depth + light.ray.z * std::log(choice), 0.0, medium.tau);
+      depth = std::clamp(depth + light.ray.z * std::log(choice) / extinction(medium, light.ray), 0.0, medium.tau);
       ++events;
+      if (medium.flakes) {
+        const FlakeScatter flakes(*medium.flakes, light.ray);
+        if (!is_flux()) {
+          score += light.weight * from_flakes(element, out, flakes, depth);
+        }
+        const FlakeScatter::Event event = flakes.sample(rng);
+        light.ray = event.ray;
+        light.weight *= medium.albedo * event.kept;
+        if (!survives(light.weight, rng)) {
+          return false;
+        }
+        light.earlier = earlier(density(element, event.density, light.ray));
+        continue;
+      }
       if (here.graded) {
         const LocalScattering local = here.graded->at_depth(depth);
         if (!is_flux()) {
@@ -87,7 +102,12 @@ class TransferWalk final : public StackWalk {
   }
 
   static double to_face(const Medium& medium, const Ray& ray, double depth) {
-    return ray.z < 0.0 ? (depth - medium.tau) / ray.z : depth / ray.z;
+    return extinction(medium, ray) * (ray.z < 0.0 ? (depth - medium.tau) / ray.z : depth / ray.z);
+  }
+
+  /// The extinction along a ray, relative to that along the normal.
+  static double extinction(const Medium& medium, const Ray& ray) {
+    return medium.flakes ? medium.flakes->extinction(std::abs(ray.z)) : 1.0;
   }
 
   /// The second sample of the balance heuristic: a flight scattered backwards from one of the exit directions.
@@ -127,7 +147,7 @@ class TransferWalk final : public StackWalk {
 
   double scattered_share(std::size_t element, const Ray& in) const override {
     const Medium& medium = this->stack().elements[element].medium;
-    return medium.albedo > 0.0 ? -std::expm1(-medium.tau / std::abs(in.z)) : 0.0;
+    return medium.albedo > 0.0 ? -std::expm1(-medium.tau * extinction(medium, in) / std::abs(in.z)) : 0.0;
   }
 
   static double sum_of_shares(const Exits& out) {
@@ -190,10 +210,20 @@ class TransferWalk final : public StackWalk {
     return albedo * sum;
   }
 
+  /// The next event of light that collides in a medium with flakes.
+  double from_flakes(std::size_t element, const Exits& out, const FlakeScatter& flakes, double depth) const {
+    double sum = 0.0;
+    for (const Exit& one : out) {
+      const FlakeScatter::Event event = flakes.to(one.ray);
+      sum += one.share * kept_from(element, one, depth) * event.kept *
+             one.weighed(density(element, event.density, one.ray));
+    }
+    return this->stack().elements[element].medium.albedo * sum;
+  }
+
   /// The share of light from this depth that reaches the face where it leaves.
   double kept_from(std::size_t element, const Exit& out, double depth) const {
-    const double tau = this->stack().elements[element].medium.tau;
-    return std::exp(-(out.is_up() ? depth : tau - depth) / std::abs(out.ray.z));
+    return std::exp(-to_face(this->stack().elements[element].medium, out.ray, depth));
   }
 
   std::vector<bool> along_;  ///< by element
@@ -204,7 +234,7 @@ class TransferWalk final : public StackWalk {
 bool is_slab(const WalkElements& stack) {
   const auto& elements = stack.elements;
   return stack.ior.front() == 1.0 && stack.ior.back() == 1.0 && !elements.empty() &&
-         elements[0].kind == Kind::kMedium && !elements[0].graded &&
+         elements[0].kind == Kind::kMedium && !elements[0].graded && !elements[0].medium.flakes &&
          (elements.size() == 1 ||
           (elements.size() == 2 && elements[1].kind == Kind::kLambert && elements[1].reflectance == 0.0));
 }

@@ -121,7 +121,9 @@ void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t la
     const Element& element = stack.elements[k];
     ScatteringFunction s = ScatteringFunction::bare(1, 0);
     if (element.kind == Kind::kMedium) {
-      s.transmit.delta[0] = std::exp(-element.medium.tau / cosine(k));
+      const Medium& medium = element.medium;
+      const double extinction = medium.flakes ? medium.flakes->extinction(cosine(k)) : 1.0;
+      s.transmit.delta[0] = std::exp(-medium.tau * extinction / cosine(k));
     } else if (element.kind == Kind::kSmooth) {
       // A cosine of 0 means that the ray does not exist there.
       const SmoothBoundary boundary(element.from_above, cosine(k), cosine(k + 1));

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Flakes: mirrors in a clear or absorbing binder, oriented about the layer's normal.
+#pragma once
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+
+#include "matter/facet_optics.hpp"
+
+namespace lamina {
+
+/// The flakes of a medium, small mirrors whose normals have the SGGX distribution about the layer's normal (Heitz et
+/// al. 2015). All extinctions are relative to that of a beam along the layer's normal.
+struct Flakes {
+  double alpha = 0.2;  ///< spread, (0, 1]: the area that the flakes show edge-on, relative to that face-on
+  double share = 1.0;  ///< of the extinction along the normal; the rest is absorption by the binder
+  /// The index of metal flakes, relative to the binder. Without it flakes reflect the same at all angles, and the
+  /// albedo of the medium holds their reflectance.
+  std::optional<std::complex<double>> metal = {};
+
+  /// The area of the flakes as seen along a ray of this cosine, relative to that seen along the normal.
+  double area(double mu) const { return std::sqrt(alpha * alpha * (1.0 - mu * mu) + mu * mu); }
+  double extinction(double mu) const { return share * area(mu) + 1.0 - share; }
+  /// Density of the flakes' normals m by their cosine with the layer's normal: the integral of D |m.w| over half the
+  /// sphere is area(w).
+  double density(double cosine) const {
+    const double stretched = alpha * alpha * cosine * cosine + 1.0 - cosine * cosine;
+    return alpha * alpha / (std::numbers::pi * stretched * stretched);
+  }
+  /// What a flake reflects of a ray of this cosine with its normal, without the factor in the albedo.
+  double reflectance(double cosine) const { return metal ? conductor_fresnel(cosine, *metal) : 1.0; }
+};
+
+}  // namespace lamina

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flakes: layers of small mirrors that lie nearly flat, as in metallic and pearl paints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .bases import Conductor
+from .fields import Channels, Field, Form, Option, channel
+from .hashable import Hashable
+from .panel import Item, Panel
+
+# Narrower flakes need more azimuth orders than a solve tries.
+LEAST_SPREAD = 0.1
+
+AMOUNT = Field("tau", 0.0, 1e3, panel=Panel(
+    "Amount", "Optical thickness of the flakes: 0.1 hides 10 % of what lies below, 1 hides 63 %, 3 hides 95 %", 1.0,
+    soft_high=5.0, step=10, precision=3, words="amount of flakes", prop="flake_tau"))
+SPREAD = Field("alpha", LEAST_SPREAD, 1.0, single=True, panel=Panel(
+    "Spread", "How much the flakes are tilted: 0.1 lie flat and flash, 0.4 lie loosely", 0.2, soft_high=0.5, step=1,
+    precision=3, words="spread of flakes", prop="flake_alpha"))
+TINT = Field("binder", 0.0, 1e3, panel=Panel(
+    "Tint", "Optical thickness of the dye between the flakes, per channel: 0 is clear", 0.0, soft_high=2.0, step=10,
+    precision=3, rgb=True, words="tint between flakes", prop="flake_binder"))
+REFLECTANCE = Field("reflectance", 0.0, 1.0, panel=Panel(
+    "Flake Color", "What a flake reflects at all angles, per channel", (0.85, 0.86, 0.87), rgb=True, subtype="COLOR",
+    words="color of flakes", prop="flake_reflectance"))
+BY_COLOUR = Form((REFLECTANCE,), Item("colour", "Color", "Flakes that reflect this color at all angles: pearl", 0))
+BY_METAL = Form(tuple(Conductor.forms[1]), Item(
+    "metal", "Metal", "Flakes of a metal, by the colors that it shows facing and grazing", 1))
+VARYING = Option("varying", (False, True), "Varying Thickness",
+                 "Give the node group a Thickness input for the layer of flakes")
+
+
+@dataclass(frozen=True)
+class Flakes(Hashable):
+    """A layer of flakes, small mirrors whose normals are spread about the layer's normal. Light may be reflected by any
+    number of them. Each quantity is a number or one per channel.
+
+    Either `reflectance`, of a flake at all angles, in [0, 1], or a metal by its two colours in air, `facing` and
+    `grazing`, see Conductor and lamina.metals.flakes; its Fresnel factor is that in the binder. Pearl flakes, which
+    pass the light that they do not reflect, are flakes of reflectance 1 with `tau` times their reflectance.
+
+    `tau`: optical thickness of the flakes along the normal, [0, 1000]: exp(-tau) of a beam along the normal
+    meets none. Along a ray of cosine mu, their optical thickness is tau sqrt(mu^2 + alpha^2 (1 - mu^2)) / mu. `alpha`:
+    the spread of the normals, [.1, 1], one number: the area that the flakes show to a ray along the layer, relative to
+    that along the normal; 1 is isotropic. `binder`: optical thickness of the absorbing medium between the flakes along
+    the normal, [0, 1000]. Its index is that of the Interface above. `varying` marks the one layer whose thickness
+    becomes an input of the baked material: `tau` and `binder` are then the largest ones.
+
+    Source: Heitz, Dupuy, Crassin and Dachsbacher 2015, "The SGGX microflake distribution", with specular flakes."""
+
+    tau: Channels
+    alpha: float
+    reflectance: Channels | None = None
+    facing: Channels | None = None
+    grazing: Channels | None = None
+    binder: Channels = 0.0
+    name: str = ""
+    varying: bool = False
+
+    kind = "flakes"
+    forms = (BY_COLOUR, BY_METAL)
+    form_prop = "flake_form"
+    fields = (AMOUNT, SPREAD, TINT)
+    options = (VARYING,)
+    rare = ()
+    has_phase = False
+    eta = None
+    k = None
+    item = Item(kind, "Flakes", "Small mirrors that lie nearly flat: metallic and pearl paint", 3, icon="PARTICLES")
+
+    def optics(self, index: int) -> tuple[float, float]:
+        """(albedo, tau) of one channel along the normal, of flakes and binder; of metal flakes without their Fresnel
+        factor."""
+        tau, binder = channel(self.tau, index), channel(self.binder, index)
+        reflected = 1.0 if self.reflectance is None else channel(self.reflectance, index)
+        return reflected * self.share(index), tau + binder
+
+    def share(self, index: int) -> float:
+        """The share of the flakes in the extinction along the normal, in one channel."""
+        tau, binder = channel(self.tau, index), channel(self.binder, index)
+        return 1.0 if binder == 0.0 else tau / (tau + binder)

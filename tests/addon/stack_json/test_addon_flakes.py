@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers of flakes in the panel: words, forms, the thickness that varies, the node group."""
+
+import pytest
+from addon_helpers import drawn_layer
+
+
+@pytest.fixture
+def flakes(addon, material):
+    return addon.editing.layer_list.add_layer(material, "flakes")
+
+
+def test_an_artists_words(addon, flakes):
+    lines = drawn_layer(addon, flakes)
+    for word in ("Amount", "Spread", "Flake Color", "Varying"):
+        assert word in lines
+    assert "Facing" not in lines
+    flakes.flake_form = "metal"
+    assert {"Facing", "Grazing"} <= set(drawn_layer(addon, flakes))
+    assert "Flake Color" not in drawn_layer(addon, flakes)
+
+
+def test_facts_in_the_list(addon, flakes):
+    flakes.flake_tau, flakes.flake_alpha = 0.8, 0.15
+    assert addon.ui.fields.facts(flakes) == "amount 0.8, spread 0.15"
+
+
+def test_errors_in_an_artists_words(addon, material, flakes):
+    flakes.name = "Silver"
+    index = list(material.lamina.layers).index(flakes)
+    text = addon.base.messages.in_panel_words(f"layers[{index}].alpha = 0.05: must lie in [0.1, 1]", material)
+    assert text == f"Layer {index + 1} “Silver”, spread of flakes = 0.05: must lie in [0.1, 1]"
+
+
+def test_one_thickness_varies(addon, material, flakes):
+    medium = addon.editing.layer_list.add_layer(material, "medium")
+    coat = addon.editing.layer_list.add_layer(material, "interface")
+    coat.varying = True
+    medium.varying = True
+    flakes = next(layer for layer in material.lamina.layers if layer.kind == "flakes")
+    flakes.varying = True
+    kinds = {layer.kind: layer.varying for layer in material.lamina.layers}
+    assert kinds == {"flakes": True, "medium": False, "interface": True}
+
+
+def test_the_place_of_flakes(addon, material, flakes):
+    place = addon.scene.place
+    assert set(place.choices(flakes)) == {place.EVEN, place.PAINTED}
+    assert place.of(material, flakes) == place.EVEN

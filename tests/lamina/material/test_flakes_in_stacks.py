@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers of flakes as parts of a stack: JSON, hashes, channels, checks of values."""
+
+import pytest
+
+import lamina
+from lamina import Flakes, Interface, Lambert, Medium, Stack, StackError
+
+FLAKES = [Flakes(1.0, 0.2, reflectance=0.9),
+          Flakes([0.5, 1.0, 2.0], 0.3, reflectance=[0.9, 0.8, 0.7], binder=0.2, name="Pearl", varying=True),
+          lamina.metals.flakes("gold", 0.5, 0.15)]
+
+
+@pytest.mark.parametrize("flakes", FLAKES)
+def test_json_and_back(flakes):
+    stack = Stack([Interface(1.5), flakes], Lambert(0.5))
+    again = Stack.from_json(stack.to_json())
+    assert again == stack
+    assert again.hash == stack.hash
+
+
+def test_hashes():
+    """Of what is shown: not of names, nor of the form in which a colour is repeated."""
+    def of(**more):
+        return Stack([Flakes(**{"tau": 1.0, "alpha": 0.2, "reflectance": 0.9, **more})], Lambert([0.5, 0.5, 0.5])).hash
+
+    assert of(name="a") == of(reflectance=[0.9] * 3)
+    assert len({of(), of(tau=2.0), of(alpha=0.3), of(reflectance=0.8), of(binder=0.1), of(varying=True)}) == 6
+
+
+def test_pearl_by_optical_thickness():
+    """The optics that the solver gets: flakes and binder share the extinction."""
+    stack = Stack([Flakes(1.0, 0.2, reflectance=0.5, binder=[0.0, 1.0, 3.0])])
+    assert [stack.optics(0, c) for c in range(3)] == [(0.5, 1.0), (0.25, 2.0), (0.125, 4.0)]
+
+
+@pytest.mark.parametrize(("values", "words"), [
+    ({"alpha": 0.05, "reflectance": 0.5}, r"layers\[0\].alpha = 0.05: must lie in \[0.1, 1\]"),
+    ({"alpha": [0.2, 0.3], "reflectance": 0.5}, r"layers\[0\].alpha .* must be one number for all channels"),
+    ({"reflectance": 1.5}, r"layers\[0\].reflectance = 1.5: must lie in \[0, 1\]"),
+    ({}, r"layers\[0\] has no coefficients: must have either reflectance or facing, grazing"),
+    ({"reflectance": 0.5, "facing": 0.5, "grazing": 0.6}, r"layers\[0\] has two forms"),
+    ({"facing": 0.9}, r"layers\[0\].grazing is missing"),
+    ({"facing": 0.9, "grazing": 0.1}, r"layers\[0\].grazing = 0.1: a metal of facing colour 0.9 shows between"),
+    ({"reflectance": 0.5, "tau": -1.0}, r"layers\[0\].tau = -1: must lie in \[0, 1000\]"),
+    ({"reflectance": 0.5, "binder": -1.0}, r"layers\[0\].binder = -1: must lie in \[0, 1000\]"),
+    ({"reflectance": 0.5, "varying": 1}, r"layers\[0\].varying = 1: must be false or true"),
+    ({"reflectance": 0.5, "tau": "inf"}, r"layers\[0\].tau = inf: must lie in \[0, 1000\]"),
+    ({"reflectance": [0.5, 0.5], "tau": [1.0, 1.0, 1.0]}, "channels: must have"),
+])
+def test_bad_values(values, words):
+    with pytest.raises(StackError, match=words):
+        Stack([Flakes(**{"tau": 1.0, "alpha": 0.2, **values})])
+
+
+def test_one_layer_varies():
+    with pytest.raises(StackError, match=r"layers\[1\].varying = true: only one medium may vary"):
+        Stack([Medium(0.5, 1.0, varying=True), Flakes(1.0, 0.2, reflectance=0.5, varying=True)])
+
+
+def test_unknown_metal():
+    with pytest.raises(lamina.UnknownName, match="metal"):
+        lamina.metals.flakes("unobtainium", 1.0, 0.2)
+
+
+def test_unknown_key():
+    with pytest.raises(StackError, match=r"layers\[0\].spread: unknown key"):
+        Stack.from_json({"schema": 1, "layers": [{"kind": "flakes", "tau": 1, "alpha": 0.2, "spread": 1}]})
