@@ -78,8 +78,8 @@ BAD = {
     "NaN": ('{"schema": 1, "layers": [{"kind": "medium", "albedo": NaN, "tau": 1}]}',
             "lamina: bad.json: layers[0].albedo = nan: must lie in [0, 1]\n"),
     "unknown key": ('{"schema": 1, "layers": [], "colour": 1}',
-                    "lamina: bad.json: stack.colour: unknown key; known are base, category, illuminant, layers, name, schema, "
-                    "source, wavelengths\n"),
+                    "lamina: bad.json: stack.colour: unknown key; known are base, category, illuminant, layers, name, "
+                    "schema, source, wavelengths\n"),
     "future": ('{"schema": 2, "layers": []}',
                "lamina: bad.json: schema = 2: must be at most 1; this stack needs a newer Lamina\n"),
     "empty stack": ('{"schema": 1, "layers": []}',
