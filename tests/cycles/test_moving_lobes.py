@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lobes that move with the view, on the virtual goniophotometer: rough metals under lacquer and dust."""
+"""Lobes that move with the view, on the virtual goniophotometer: rough metals under lacquer and dust, flakes."""
 
 import baked_samples
 import bpy
@@ -16,6 +16,7 @@ STACKS = {
     "lacquered gold": Stack([Interface(1.5)], Conductor(alpha=0.1, **GOLD)),
     "tinted lacquer on gold": Stack([Interface(1.5), Medium(0.0, (0.05, 0.4, 0.9))], Conductor(alpha=0.2, **GOLD)),
     "tarnished gold": Stack([Medium((0.25, 0.17, 0.12), (0.25, 0.4, 0.6))], Conductor(alpha=0.12, **GOLD)),
+    "flakes under a coat": Stack([Interface(1.5), lamina.metals.flakes("aluminium", 0.8, 0.15)], lamina.Lambert(0.05)),
     "dusty gold": Stack([Medium(0.8, 0.5, HenyeyGreenstein(0.6), varying=True)], Conductor(alpha=0.15, **GOLD)),
 }
 ROW = 20.5  # of the varying dust

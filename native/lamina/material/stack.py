@@ -307,7 +307,9 @@ class Stack:
                 layers.append(canonical(layer, self.channels))
                 continue
             if isinstance(layer, Flakes):
-                layers.append({**canonical(layer, self.channels), **self._canonical_flakes(index)})
+                form = layer.forms[0 if layer.facing is None else 1]
+                layers.append({**canonical(layer, self.channels), **{
+                    one.name: [channel(getattr(layer, one.name), c) for c in channels] for one in form}})
                 continue
             if layer.profile is not None:
                 layers.append(self._canonical_profile(index))
@@ -411,14 +413,6 @@ class Stack:
         channel. The solver finds them when they are first needed."""
         return tuple(albedos_of_layer(layer, self.channels) if isinstance(layer, Medium) else None
                      for layer in self.layers)
-
-    def _canonical_flakes(self, index: int) -> dict:
-        layer = self.layers[index]
-        assert isinstance(layer, Flakes)
-        names = {"reflectance": layer.reflectance}
-        if layer.facing is not None:
-            names = dict(zip(("eta", "k"), self.flake_indices(index), strict=True))
-        return {name: [channel(value, c) for c in range(self.channels)] for name, value in names.items()}
 
     def _canonical_profile(self, index: int) -> dict:
         layer, channels = self._medium(index), range(self.channels)

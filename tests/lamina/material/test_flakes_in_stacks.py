@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers of flakes as parts of a stack: JSON, hashes, channels, checks of values."""
 
+import json
+
 import pytest
 
 import lamina
@@ -17,6 +19,7 @@ def test_json_and_back(flakes):
     again = Stack.from_json(stack.to_json())
     assert again == stack
     assert again.hash == stack.hash
+    assert Stack.from_json(json.loads(stack.canonical())).hash == stack.hash  # tables hold the canonical form
 
 
 def test_hashes():
