@@ -19,7 +19,7 @@ from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
 from ..common.observer import rec709
-from ..kinds.bases import Base, Conductor, HalfSpace, PrincipledBase
+from ..kinds.bases import Base, Conductor, HalfSpace
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
 from ..kinds.films import Film
@@ -33,6 +33,7 @@ from .layers import Medium
 from .metals import indices_of
 from .picture import stack_picture
 from .profile import optical_knots
+from .requirements import Requirements
 from .stack_checks import Layer, check_base, check_films, check_layer
 from .stack_entries import read_parts
 from .stack_plain import canonical, given, plain
@@ -44,7 +45,7 @@ THICK = (Medium, Flakes)  # layers with an optical thickness
 
 
 @dataclass(frozen=True)
-class Stack:
+class Stack(Requirements):
     """Layers, top first, on a base. `base=None` is a thin sheet: light leaves at the bottom. `name`, `category` and
     `source` (of the numbers) are texts for the user and not part of the hash.
 
@@ -241,13 +242,6 @@ class Stack:
         assert isinstance(flakes, Flakes)
         return indices_of(flakes, self.channels, f"layers[{layer}]")
 
-    def require_no_flakes(self, user: str) -> None:
-        """Raises StackError for a layer of flakes, which `user` does not take."""
-        for number, layer in enumerate(self.layers):
-            if isinstance(layer, Flakes):
-                raise StackError(f"layers[{number}].kind = 'flakes': must be left out for {user}; lamina.solve, "
-                                 "lamina.estimate by method 'transfer' and lamina.bake take flakes")
-
     def _thick(self, index: int) -> Medium | Flakes:
         layer = self.layers[index]
         assert isinstance(layer, THICK)
@@ -257,20 +251,6 @@ class Stack:
         layer = self.layers[index]
         assert isinstance(layer, Medium)
         return layer
-
-    def require_air_below(self) -> None:
-        """Raises StackError for a sheet that does not end in air. Directions below a sheet are given in air, where
-        light beyond the critical angle has no direction."""
-        indices = [layer.ior for layer in self.layers if isinstance(layer, Interface)]
-        if self.base is None and indices and any(channel(indices[-1], c) != 1.0 for c in range(self.channels)):
-            raise StackError(f"layers end at index {to_plain(indices[-1])}: a sheet that is baked, or whose directions "
-                             "below are asked for, must end with an Interface of ior 1")
-
-    def require_walked_base(self) -> None:
-        """Raises StackError for a base that random walks and searchlights do not take."""
-        if isinstance(self.base, PrincipledBase):
-            raise StackError("base.kind = 'principled': must be 'lambert', 'black', 'half-space' or 'conductor' for "
-                             "random walks and searchlights")
 
     @property
     def is_oriented(self) -> bool:
@@ -283,19 +263,6 @@ class Stack:
         surfaces = (*self.layers, self.base)
         angles = [s.angle for s in surfaces if isinstance(s, Interface | Conductor) and is_oriented(s)]
         return angles[0] % math.pi, all(abs(math.sin(2.0 * (angle - angles[0]))) < 1e-12 for angle in angles)
-
-    def require_isotropic(self, user: str) -> None:
-        """Raises StackError for anisotropic facets, which `user` does not take."""
-        for surface, path in ((self.base, "base"), *((layer, f"layers[{i}]") for i, layer in enumerate(self.layers))):
-            if isinstance(surface, Interface | Conductor) and is_oriented(surface):
-                raise StackError(f"{path}.alpha_v = {surface.alpha_v:g}: must be left out for {user}; only "
-                                 "lamina.solve, lamina.estimate and lamina.bake take anisotropic facets")
-
-    def require_colours(self, user: str) -> None:
-        """Raises StackError for a stack with wavelengths, where `user` takes red, green and blue."""
-        if self.wavelengths is not None:
-            raise StackError(f"wavelengths: must be left out for {user}, which takes red, green and blue; pigments, "
-                             "metals by their name, and spectra have wavelengths")
 
     def canonical(self) -> str:
         """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, without

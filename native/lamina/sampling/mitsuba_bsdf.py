@@ -20,8 +20,8 @@ NAME = "lamina"
 def register() -> None:
     """Makes "lamina" a BSDF plugin of Mitsuba's present variant: call it after each `mitsuba.set_variant`. Its
     parameter `stack` is the id of a preset, the JSON of a stack, or the path of a JSON file or of a table that
-    RenderTable.save wrote; `quality` is "final" or "preview"; `tau` as in
-    `bsdf`. Raises ExtraMissing without mitsuba."""
+    RenderTable.save wrote; `quality` is "final" or "preview"; `tau` as in `bsdf`. Stacks with wavelengths have their
+    colors under D65 in variants of RGB. Raises ExtraMissing without mitsuba."""
     mi = require("mitsuba", "the plugin for Mitsuba")
     mi.register_bsdf(NAME, _plugin(mi))
 

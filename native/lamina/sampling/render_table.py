@@ -30,9 +30,6 @@ KNOTS = {"preview": (48, 24, 9), "final": (96, 48, 17)}
 FORMAT, SCHEMA = "lamina-render-table", 1
 TRANSMITTED = ("top", "transmit")
 ARRAYS = ("smooth", "facets", "mirrored", "theta_views", "density", "chance")
-FORMAT, SCHEMA = "lamina-render-table", 1
-TRANSMITTED = ("top", "transmit")
-ARRAYS = ("smooth", "facets", "mirrored", "theta_views", "density", "chance")
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +44,7 @@ class RenderTable:
     unscattered light. `theta_views` (VIEWS): angles of views; `density` (sights, rows, VIEWS, HALF_VECTORS,
     HALF_VECTORS): of half vectors, as in a .bsdf file, where transmitted light counts as its mirror image in the
     surface; `chance` (sights, rows, VIEWS, 2): for a view the share of this sight's scattered and of its specular light
-    in all light. `wavelengths`: of the channels in nm, or None for red, green and
-    blue, or for grey."""
+    in all light. `wavelengths`: of the channels in nm, or None for red, green and blue, or for grey."""
 
     sights: tuple[tuple[str, str], ...]
     smooth: np.ndarray
