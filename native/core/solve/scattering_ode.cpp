@@ -8,7 +8,6 @@
 
 #include "numeric/exponential_steps.hpp"
 #include "numeric/quadrature.hpp"
-#include "solve/homogeneous_layer.hpp"
 
 namespace lamina {
 namespace {
