@@ -6,8 +6,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "matter/medium.hpp"
 #include "numeric/exponential_steps.hpp"
 #include "numeric/quadrature.hpp"
+#include "solve/phase_kernel.hpp"
 
 namespace lamina {
 namespace {
