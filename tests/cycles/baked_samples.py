@@ -205,7 +205,7 @@ class Sample:
         total = self.exact.reflectance(mu, side)
         if self.is_sheet:
             total = total + self.exact.transmittance(mu, side)
-        return np.broadcast_to(total, (len(mu), 3))
+        return np.broadcast_to(self.exact.stack.seen(total), (len(mu), 3))
 
     def mixture_rms(self, reading, kind, side, lights):
         """rms over the light directions of the relative difference, shape (views, 3)."""
