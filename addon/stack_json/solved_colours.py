@@ -61,10 +61,7 @@ def answer(what, text):
         if what == "albedo":
             return _triple(albedos)
         thick = lamina.Medium(albedo=albedos, tau=math.inf, phase=stack.layers[0].phase)
-        shown = colours.shown(thick)
-        if stack.wavelengths is not None:
-            shown = colours.rec709(shown, tuple(stack.wavelengths))
-        return _triple(shown)
+        return _triple(stack.seen(colours.shown(thick)))
     except (lamina.StackError, lamina.SolveError):
         return ()
 

@@ -2,7 +2,6 @@
 """Metals by name."""
 
 from .kinds.metals import GRAZING, reflectance
-from .material.metals import colours_of, conductor, flakes, indices_of, names, source, spectral
+from .material.metals import colours_of, conductor, flakes, indices_of, names, source
 
-__all__ = ["GRAZING", "colours_of", "conductor", "flakes", "indices_of", "names", "reflectance",
-           "source", "spectral"]
+__all__ = ["GRAZING", "colours_of", "conductor", "flakes", "indices_of", "names", "reflectance", "source"]

@@ -156,11 +156,6 @@ class Form:
     item: Item | None = None
     local: tuple[Field | Option, ...] = ()
 
-    @property
-    def is_named(self) -> bool:
-        """True if the form names a substance with a spectrum."""
-        return any(isinstance(quantity, Option) for quantity in self.fields)
-
     def __iter__(self):
         return iter(self.fields)
 

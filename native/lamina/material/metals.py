@@ -37,13 +37,6 @@ def flakes(name: str, tau: Channels, alpha: float) -> Flakes:
     return Flakes(tau, alpha, facing=tuple(entry["facing"]), grazing=tuple(entry["grazing"]))
 
 
-def spectral(name: str, alpha: float = 0.0, distribution: str = "ggx") -> Conductor:
-    """A metal of the table by its published indices n and k as spectra: its stack has wavelengths, see Stack. Raises
-    UnknownName, a KeyError and StackError."""
-    _entry(name)
-    return Conductor(metal=name, alpha=alpha, distribution=distribution)
-
-
 def spectral_indices(name: str) -> tuple[Spectrum, Spectrum]:
     """(n, k) of a metal as published. Raises UnknownName, a KeyError and StackError."""
     _entry(name)
@@ -66,6 +59,8 @@ def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
     """(facing, grazing) colours of a conductor, given in either form: its reflectances in air at 0 and 82 degrees,
     one per channel. Raises StackError."""
     values: dict = check_forms(check_kind(metal, "metal", Conductor, "a lamina.Conductor"), "conductor")
+    if "metal" in values:
+        raise StackError("conductor.metal: must be in a Stack, which has wavelengths; conductor(name) has the colours")
     channels = channel_count([(f"conductor.{name}", value) for name, value in values.items()])
     eta, k = indices_of(replace(metal, **values), channels, "conductor")
     pairs = [(channel(eta, c), channel(k, c)) for c in range(channels)]

@@ -41,7 +41,7 @@ def stack_picture(stack: Stack) -> str:
             words += "" if isinstance(layer.ior, Spectrum | complex) else f", ior {_range(layer.ior, stack)}"
         elif isinstance(layer, Flakes):
             height = THIN + (THICK - THIN) * _share(max(stack.optics(number, c)[1] for c in range(stack.channels)))
-            fill = svg.colour(_colour_of_flakes(layer, stack.channels))
+            fill = _fill(stack, _colour_of_flakes(layer, stack.channels))
             words = f"flakes, tau {_range(layer.tau, stack)}, alpha {layer.alpha:g}"
             words += ", varying" if layer.varying else ""
         else:
@@ -63,7 +63,7 @@ def stack_picture(stack: Stack) -> str:
 
 
 def _fill(stack: Stack, values: list[float]) -> str:
-    """The color of an area whose reflectance in the stack's channels is known."""
+    """The color of an area, from its reflectance in each channel of the stack."""
     if len(values) > 1:
         values = stack.seen(np.array(values)).clip(0.0, 1.0).tolist()
     return svg.colour(values)

@@ -156,3 +156,8 @@ def test_bad_illuminants(light, sentence):
     assert str(caught.value).startswith(sentence)
     with pytest.raises(StackError, match="illuminant = 'A': must be left out of a stack without wavelengths"):
         Stack([], Lambert(0.5), illuminant="A")
+
+
+def test_the_two_colours_of_a_metal_by_its_spectrum_are_not_asked_of_it():
+    with pytest.raises(StackError, match="conductor.metal: must be in a Stack, which has wavelengths"):
+        lamina.metals.colours_of(Conductor(metal="gold"))

@@ -70,7 +70,7 @@ def test_white_is_white_and_all_wavelengths_are_the_observer():
 def test_metals_by_index_have_their_published_colours(name):
     """Those of the table, which Mitsuba's own spectral rendering confirms: see test_metal_colours. The red of gold, 1
     facing and thus 1 at all angles in the table, is .9994 at grazing."""
-    stack = Stack([], metals.spectral(name), wavelengths=EVERY)
+    stack = Stack([], Conductor(metal=name), wavelengths=EVERY)
     for mu, colour in zip((1.0, metals.GRAZING), metals.colours_of(metals.conductor(name)), strict=True):
         shown = rec709(lamina.solve(stack).reflectance(mu), tuple(EVERY))
         assert np.clip(shown, 0.0, 1.0) == pytest.approx(np.array(colour), abs=1e-3 if name == "gold" else 1e-4)

@@ -257,15 +257,10 @@ def _in_colours(values, lobes, albedo, direct, stack: Stack):
         return values, lobes, albedo, direct
     values, albedo, direct = (stack.seen(part, 2) for part in (values, albedo, direct))
     scattered, mirrored = fading(albedo, 2), fading(direct, 2)
-
-    def shown(part):
-        return faded(part, scattered[..., None], 2)
-
-    albedo, direct = faded(albedo, scattered, 2), faded(direct, mirrored, 2)
-    if lobes is None:
-        return shown(values), None, albedo, direct
-    lobes = stack.seen(lobes, 2)
-    return shown(lobes) + shown(values - lobes), shown(lobes), albedo, direct
+    values = faded(values, scattered[..., None], 2)
+    if lobes is not None:
+        lobes = faded(stack.seen(lobes, 2), scattered[..., None], 2)
+    return values, lobes, faded(albedo, scattered, 2), faded(direct, mirrored, 2)
 
 
 def _evaluate_azimuths(function: ScatteringFunction, azimuths: AzimuthRows, mu_o: np.ndarray, grid: LightGrid,
