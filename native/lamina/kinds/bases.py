@@ -33,7 +33,8 @@ def _one_number(name: str, high: float, default: float, label: str, tip: str, lo
 class Base(Hashable):
     """A kind of base. `fields`: quantities that always describe it; `forms`: alternative sets of quantities, of which
     one is given; `options`: choices; `rare`: quantities that JSON usually omits; `item`: its entry in the panel's list.
-    `has_phase`: the base is a medium, with a member `phase`."""
+    `has_phase`: the base is a medium, with a member `phase`. `shown`: the quantity that Cycles takes in red, green and
+    blue, as an input of the node group or for a BSDF, if any."""
 
     kind = ""
     fields: tuple[Field, ...] = ()
@@ -42,6 +43,7 @@ class Base(Hashable):
     rare: tuple[Rare, ...] = ()
     item: Item
     has_phase = False
+    shown = ""
     # Name of the add-on's property that selects the form; each form has an item.
     form_prop = ""
 
@@ -64,6 +66,10 @@ class Lambert(Base):
     options = (Option("textured", (False, True), "Base Color from Input",
                       "Give the node group a base color input, for a texture; bakes take longer"),)
     item = Item(kind, "Diffuse Surface", "A matte opaque surface of the given color", 1)
+
+    @property
+    def shown(self) -> str:  # type: ignore[override]
+        return "reflectance" if self.textured else ""
 
 
 @dataclass(frozen=True)
@@ -176,6 +182,7 @@ class PrincipledBase(Base):
     inputs: tuple[str, ...] = ()
 
     kind = "principled"
+    shown = "color"
     fields = (
         Field("color", 0.0, 1.0, panel=Panel(
             "Base Color", "Color of the diffuse light, or of the metal facing the viewer", 0.8, rgb=True,
@@ -219,6 +226,7 @@ class ShaderBase(Base):
     reflectance: Channels = 0.5
 
     kind = "shader"
+    shown = "reflectance"
     fields = (Field("reflectance", 0.0, 1.0, panel=Panel(
         "Base Reflectance", "Mean share of the light that the shader below reflects: light that the layers throw back "
         "to the shader depends on the share", 0.5, rgb=True, subtype="COLOR", prop="shader_reflectance")),)

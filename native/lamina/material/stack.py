@@ -54,7 +54,8 @@ class Stack(Requirements):
     value per wavelength, and three values, red, green and blue, become the smoothest spectrum of this colour. Tables of
     stacks with wavelengths are red, green and blue: linear Rec. 709 under `illuminant`, one of "D65", "A" (light
     bulbs), "E" (equal energy) and "LED" (a white LED, LED-B3), or a Spectrum; a white surface is white under each. Thin
-    films in a stack without wavelengths need one or three channels and make it three, see Film.
+    films in a stack without wavelengths need one or three channels and make it three, see Film. Where the base's color
+    is an input of the node group, each of its red, green and blue counts as that of a gray base in its channel.
 
     A stack has at most 64 layers. Raises StackError if a value is out of range, channels disagree, or the stack is
     empty."""
@@ -173,7 +174,16 @@ class Stack(Requirements):
         if self.covering is None:
             return None
         layers = without_film(self.layers, self.covering, self.channels)
-        return Stack(layers if layers or self.base is not None else [NOTHING], self.base, wavelengths=self.wavelengths,
+        return self.over(self.given_base, layers if layers or self.base is not None else [NOTHING])
+
+    @property
+    def given_base(self) -> Base | None:
+        """The base as it was given: with red, green and blue where `base` has the smoothest spectrum of this color."""
+        return self._given.get(len(self.layers), self.base)
+
+    def over(self, base: Base | None, layers: Sequence[Layer] | None = None) -> Stack:
+        """A new stack of the same layers, or of these, on another base, in the same light."""
+        return Stack(self.layers if layers is None else layers, base, wavelengths=self.wavelengths,
                      illuminant=self.illuminant)
 
     def _varying(self, kinds) -> list[int]:
@@ -293,6 +303,9 @@ class Stack(Requirements):
         if isinstance(self.base, Conductor):
             indices = [self.indices(c) for c in channels]
             base["eta"], base["k"] = [eta for eta, _ in indices], [k for _, k in indices]
+        if self.wavelengths is not None and self.base is not None and self.base.shown:
+            color = getattr(self.given_base, self.base.shown)
+            base[self.base.shown] = [channel(color, index) for index in range(RGB)]
         if isinstance(self.base, HalfSpace):
             base["albedo"] = [self.base.albedo_of(c) for c in channels]
         spectral = {} if self.wavelengths is None else {"wavelengths": self.wavelengths}

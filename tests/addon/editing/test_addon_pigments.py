@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pigments in place of colors: edited in the panel, baked, and refused where a table cannot hold them."""
+"""Pigments in place of colors: edited in the panel, and baked over plain bases and materials."""
 
 import numpy as np
 import pytest
@@ -60,13 +60,14 @@ def test_presets_with_pigments_are_edited_and_kept(addon, lamina, material, id):
     assert np.isfinite(addon.baking.bake_job.bake_material(material).weights).all()
 
 
-def test_a_shader_below_a_pigment_is_refused_in_a_sentence(addon, lamina, material):
+def test_a_pigment_lies_over_a_principled_material(addon, lamina, material):
     pigment_layer(material)
     material.lamina.base.kind = "principled"
-    with pytest.raises(lamina.StackError) as caught:
-        addon.baking.bake_job.bake_material(material)
-    sentence = addon.base.messages.sentence(caught.value, material)
-    assert sentence.endswith("must have no input of the node group for a lookup table with pigments or other spectra")
+    table = addon.baking.bake_job.bake_material(material)
+    assert addon.baking.bake_job.state(material) == "fresh"
+    stack = addon.editing.stack_io.to_stack(material)
+    wanted = stack.seen(lamina.solve(stack, "preview").reflectance(0.7))
+    assert table.reflectance(0.7) == pytest.approx(wanted, rel=5e-3)
 
 
 def test_the_light_under_which_pigments_are_seen(addon, lamina, material):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import operator
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,7 +17,7 @@ from ...material.stack import Stack
 from ...solver.solve import thread_pool
 from ..fit.between_rows import linear
 from ..fit.mixture import Part
-from ..fit.slices import Slices, SolvedRows, grid_of, slices
+from ..fit.slices import Slices, SolvedRows, grid_of, joined, slices
 from ..report.fit_report import fit_report
 from ..report.input_error import own_errors, range_errors
 from .job import CLOSURE_BASES, SEARCH, Basis, Job
@@ -91,6 +92,18 @@ class WithInputs(BakedBase):
     def errors(self, header: dict, weights: np.ndarray) -> dict:
         job, solved, own = self.job, self.solved, self.own
         if own is None:
-            solved = job.solved(self.stack, portion(job.step, 0.75, 0.765))
-            own = slices(solved, self.grid, self.pool, portion(job.step, 0.765, 0.8))["reflection"]
+            solved, own = self._own(self.stack, portion(job.step, 0.75, 0.8))
         return self._errors_of_inputs(header, weights, solved, own, portion(job.step, 0.8, 1.0))
+
+    def _own(self, stack: Stack, step: Progress) -> tuple[SolvedRows, Slices]:
+        """(the solved rows, the slices) at the base's own values."""
+        base = stack.given_base
+        assert isinstance(base, PrincipledBase)
+        if stack.wavelengths is not None and "color" in self.inputs and isinstance(base.color, tuple):
+            # Each channel of the input is the color of a gray base, see Stack
+            found = [self._own(stack.over(replace(base, color=one)), portion(step, k / 3, (k + 1) / 3))
+                     for k, one in enumerate(base.color)]
+            channels = [own.each(operator.itemgetter(np.s_[:, :, k:k + 1])) for k, (_, own) in enumerate(found)]
+            return found[-1][0], joined(channels, 2)
+        solved = self.job.solved(stack, portion(step, 0.0, 0.3))
+        return solved, slices(solved, self.grid, self.pool, portion(step, 0.3, 1.0))["reflection"]

@@ -18,7 +18,7 @@ import numpy as np
 
 from ...kinds.table import AGAIN, DARK, FIRST
 from ..fit.geometric_series import repeated
-from ..fit.slices import Slices, along_rows
+from ..fit.slices import Slices, joined
 
 # Colors for which a base is solved. Slices are needed for the first three, and the albedo alone for the last.
 COLORS = (0.0, 0.125, 1.0, 0.85)
@@ -59,12 +59,12 @@ class BaseLight:
     @staticmethod
     def joined(lights: Sequence[BaseLight]) -> BaseLight:
         """Lights along the axis of rows."""
-        dark, colored = along_rows([light.dark for light in lights]), [light.colored for light in lights]
+        dark, colored = joined([light.dark for light in lights]), [light.colored for light in lights]
         every = [one for one in colored if one is not None]
         if not every:
             return BaseLight(dark)
-        return BaseLight(dark, Reflections(along_rows([one.first for one in every]),
-                                           along_rows([one.again for one in every]),
+        return BaseLight(dark, Reflections(joined([one.first for one in every]),
+                                           joined([one.again for one in every]),
                                            np.concatenate([one.thrown_back for one in every], axis=1)))
 
 

@@ -19,7 +19,8 @@ from ...material.stack import Stack
 from ..fit import geometric_series
 from ..fit.dropped_weights import folded
 from ..fit.mixture import Part
-from ..fit.slices import Slices, slices
+from ..fit.row_functions import each
+from ..fit.slices import Slices, seen_whole, slices
 from .fixed import Fixed
 from .job import Basis
 
@@ -38,9 +39,9 @@ class OverBlack(Fixed):
     @property
     def gain(self) -> np.ndarray:
         """The factor of A at the base's own reflectance, [side, row, channel, column]."""
-        base = self.stack.base
+        base = self.stack.given_base
         assert isinstance(base, Lambert | ShaderBase)
-        reflectance = np.array([channel(base.reflectance, c) for c in range(self.stack.channels)])
+        reflectance = np.array([channel(base.reflectance, c) for c in range(self.stack.table_channels)])
         return geometric_series.gain(reflectance[:, None], self.thrown_back)
 
     def own(self) -> Slices:
@@ -53,7 +54,7 @@ class OverBlack(Fixed):
         step = self.steps["evaluate"]
         black, white = self._over(0.0, portion(step, 0.0, 0.5)), self._over(1.0, portion(step, 0.5, 1.0))
         # r at the first column, the normal view. Boundaries reflect the same over any base
-        grey = np.array([function.with_base_reflectance(0.5).reflectance(1.0) for function in self.solved.functions])
+        grey = np.array([seen_whole(function.with_base_reflectance(0.5), 1.0) for function in self.solved.functions])
         dark, half, light = black.albedo[0, :, :, 0], grey - black.direct[0, :, :, 0], white.albedo[0, :, :, 0]
         thrown_back = geometric_series.thrown_back(dark, half, light)
         self.thrown_back = thrown_back[None, :, :, None] * np.ones_like(black.albedo)
@@ -64,7 +65,7 @@ class OverBlack(Fixed):
 
     def _over(self, reflectance: float, step: Progress) -> Slices:
         """The slices over another reflectance."""
-        functions = [function.with_base_reflectance(reflectance) for function in self.solved.functions]
+        functions = each(lambda function: function.with_base_reflectance(reflectance), self.solved.functions)
         return slices(replace(self.solved, functions=functions), self.grid, self.pool, step)["reflection"]
 
 

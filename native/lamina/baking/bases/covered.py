@@ -32,7 +32,7 @@ from ...material.stack import Stack
 from ..fit.following_fit import FollowingFit
 from ..fit.geometric_series import repeated
 from ..fit.mixture import Part
-from ..fit.slices import Slices, SolvedRows, along_rows, slices
+from ..fit.slices import Slices, SolvedRows, joined, seen_whole, slices
 from ..fit.stack_fit import StackFit
 from .base import WithInputs
 from .base_light import COLORS, BaseLight, Reflections, beyond, of_colors
@@ -66,11 +66,11 @@ class Covered(WithInputs):
         bare = self.stack.with_facets(self.stack.layers, Black())
         self.solved, black = self._over(bare.base, portion(step, 0.0, 0.1))
         if self.inputs == ("roughness",):  # the base adds light in each channel of its color; the layers may have one
-            black = black.each(lambda part: np.repeat(part, self.stack.channels // part.shape[2], axis=2))
+            black = black.each(lambda part: np.repeat(part, self.stack.table_channels // part.shape[2], axis=2))
         own = StackFit(bare, self.solved, self.grid, self.pool, self.search)(
             "reflection", black, self.limits.reflected, job.closures(), portion(step, 0.1, 0.15), True)
         table = [Part.of(own.closures, np.tile(own.weights, (1, 1, count, 1, 1)))]  # the same at each roughness
-        black = along_rows([black] * count)
+        black = joined([black] * count)
         if np.any(black.direct):
             table.append(Part.single(Strip(narrow_lobes.mirror(bare)), black.direct))
 
@@ -106,7 +106,7 @@ class Covered(WithInputs):
 
     def _flux(self, base, step: Progress) -> np.ndarray:
         """The whole albedo over another base, [side, row, channel, column]."""
-        found = [function.reflectance(view_cosines()) for function in self._solved(base, step).functions]
+        found = [seen_whole(function, view_cosines()) for function in self._solved(base, step).functions]
         return np.moveaxis(np.stack(found), 2, 1)[None]
 
     def _at_each_roughness(self, base: PrincipledBase, step: Progress) -> Iterator[tuple[PrincipledBase, Progress]]:

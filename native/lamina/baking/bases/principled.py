@@ -33,10 +33,11 @@ from ..fit.between_rows import LEAST, spread
 from ..fit.dropped_weights import folded
 from ..fit.measured_error import BROAD
 from ..fit.mixture import Effort, Mixture, Part, mix, norms, values_of
-from ..fit.slices import Slices, SolvedRows, along_rows, inputs_of, slices
+from ..fit.slices import Slices, SolvedRows, inputs_of, joined, seen_whole, slices
 from .base import WithInputs
 from .job import Basis, Job
 
+LEAST_PASSED = 1e-30  # share of the light, in place of none
 # Widths of closures for lobes that the layers broaden, beside those of the dictionary.
 BROADENED = tuple(f"ggx:{alpha:g}" for alpha in (0.15, 0.22, 0.32, 0.45))
 # A rest below this share of the albedo is rounding, as in the row without layers.
@@ -105,8 +106,11 @@ class Principled(WithInputs):
     def _solved(self, base: PrincipledBase, step: Progress) -> tuple[SolvedRows, SolvedRows]:
         """(the stack, the bare base) with other values of the base."""
         layered = self.stack.with_facets(self.stack.layers, base)
+        given = self.stack.given_base
+        assert isinstance(given, PrincipledBase)
+        shown = base if "color" in self.inputs else replace(base, color=given.color)
         return (self.job.solved(layered, portion(step, 0.0, 0.9), only=self.only),
-                self.job.solved(Stack([], base), portion(step, 0.9, 1.0), 1))
+                self.job.solved(Stack([], shown), portion(step, 0.9, 1.0), 1))
 
     def _rest(self, solved: SolvedRows, bare: SolvedRows, weight: np.ndarray, alpha: float,
               step: Progress) -> tuple[Slices, Slices]:
@@ -186,10 +190,10 @@ def _joined(found: list[tuple]) -> tuple[SolvedRows, np.ndarray, _Rests, Slices]
     solved, weights, rests, values = zip(*found, strict=True)
     added = [rest.added for rest in rests if rest.added is not None]
     thrown_back = [rest.thrown_back for rest in rests if rest.thrown_back is not None]
-    joined = _Rests(along_rows([rest.dark for rest in rests]), np.concatenate([rest.whole2 for rest in rests], axis=2),
-                    along_rows(added) if added else None,
+    every = _Rests(joined([rest.dark for rest in rests]), np.concatenate([rest.whole2 for rest in rests], axis=2),
+                    joined(added) if added else None,
                     np.concatenate(thrown_back, axis=1) if thrown_back else None)
-    return solved[-1], np.concatenate(weights), joined, values[0]
+    return solved[-1], np.concatenate(weights), every, values[0]
 
 
 def _gains(thrown_back: np.ndarray) -> np.ndarray:
@@ -200,16 +204,19 @@ def _gains(thrown_back: np.ndarray) -> np.ndarray:
 def _albedo_of_rest(solved: SolvedRows, bare: SolvedRows, weight: np.ndarray) -> np.ndarray:
     """The albedo of V - w V0, [side, row, channel, column], from fluxes alone."""
     mu = view_cosines()
-    whole = np.stack([function.reflectance(mu) for function in solved.functions])
+    whole = np.stack([seen_whole(function, mu) for function in solved.functions])
     clean = bare.functions[0].reflectance(mu)
     return np.moveaxis(whole - weight[..., None] * clean, 2, 1)[None]
 
 
 def attenuations(stack: Stack, base: PrincipledBase, solved: SolvedRows) -> np.ndarray:
     """w, [row, column]: of the light that no layer scatters or absorbs on its way to the base's lobe and back, the best
-    multiple of the bare lobe (L2 over solid angle). Of channels that differ, the least."""
+    multiple of the bare lobe (L2 over solid angle). Of channels that differ, the least; of wavelengths, as much as red,
+    green and blue light passes at normal incidence."""
     mu = view_cosines()
     thickness = np.array([[_thickness(stack, c, row) for c in range(stack.channels)] for row in solved.shares])
+    if stack.wavelengths is not None:
+        thickness = -0.5 * np.log(np.maximum(stack.seen(np.exp(-2.0 * thickness)), LEAST_PASSED))
     tau = thickness.max(axis=1)[:, None]
     if base.alpha == 0.0:
         return np.exp(-2.0 * tau / mu)

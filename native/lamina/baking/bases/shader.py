@@ -22,9 +22,9 @@ from ...kinds.bases import Conductor
 from ...kinds.fields import channel
 from ...kinds.table import BASE_WEIGHT, THROWN_BACK, Strip
 from ...material.layers import Medium
-from ...material.stack import Stack
 from ...solver.solve import ScatteringFunction, solve_with_mirrors
 from ..fit.mixture import Part, norms, relative
+from ..fit.slices import seen_whole
 from .colored import OverBlack
 
 METAL = Conductor(facing=0.9, grazing=0.9, alpha=0.3)  # like aluminium
@@ -81,13 +81,13 @@ class Shader(OverBlack):
         metal alone, [channel, column]."""
         stack, options = self.stack, (self.job.quality, self.job.threads)
         self.steps["base"](0.0, "Solving the stack on metal")
-        full = solve_with_mirrors(Stack(stack.layers, METAL), *options)
+        full = solve_with_mirrors(stack.over(METAL), *options)
         taus = [] if stack.varying is None else [stack.optics(stack.varying, c)[1] for c in range(stack.channels)]
         shares = self.solved.shares
         functions = [full] if stack.varying is None else [
             full.with_thickness(stack.varying, [shares[row] * tau for tau in taus]) for row in rows]
         nothing = Medium(albedo=[0.5] * stack.channels, tau=0.0)
-        bare = solve_with_mirrors(Stack([nothing], METAL), *options)
+        bare = solve_with_mirrors(stack.over(METAL, [nothing]), *options)
         found = np.stack([_reflected(function) for function in functions]), _reflected(bare)
         self.steps["base"](0.9, "Solving the stack on metal")
         return found
@@ -111,7 +111,7 @@ def _base_errors(measured: dict[str, list], mirrored: np.ndarray, weight: np.nda
 
 def _reflected(function: ScatteringFunction) -> np.ndarray:
     """Directional albedos, mirrored light included, [channel, column]."""
-    return function.reflectance(view_cosines()).T
+    return seen_whole(function, view_cosines()).T
 
 
 def _mean(albedo: np.ndarray) -> np.ndarray:

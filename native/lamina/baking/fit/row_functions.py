@@ -52,6 +52,14 @@ class SolvedAgain(Sequence[ScatteringFunction]):
         return self._last[1]
 
 
+def each(change: Callable[[ScatteringFunction], ScatteringFunction],
+         functions: Sequence[ScatteringFunction]) -> Sequence[ScatteringFunction]:
+    """`change` of each function."""
+    if isinstance(functions, SolvedAgain):
+        return SolvedAgain(lambda place: change(functions[place]), range(len(functions)))
+    return [change(function) for function in functions]
+
+
 def some(functions: Sequence[ScatteringFunction], places: Sequence[int]) -> Sequence[ScatteringFunction]:
     """The functions at these places."""
     return functions.at(places) if isinstance(functions, SolvedAgain) else [functions[place] for place in places]

@@ -18,6 +18,7 @@ from ...common.errors import StackError
 from ...common.observer import faded, fading
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.boundaries import Interface
+from ...kinds.fields import channel_count
 from ...material.stack import Stack
 from ...solver.sharp_facets import take_lost
 from ...solver.solve import ScatteringFunction, solve, solve_with_mirrors
@@ -86,11 +87,12 @@ def require_table(stack: Stack) -> None:
     """Raises StackError for a stack that no lookup table can hold."""
     if stack.table_channels not in (1, 3):
         raise StackError(f"channels = {stack.channels}: must be 1 or 3 (R G B) for a lookup table")
-    base = stack.base
-    has_input = isinstance(base, PrincipledBase | ShaderBase) or (isinstance(base, Lambert) and base.textured)
-    if has_input and (stack.wavelengths is not None or stack.is_oriented):
-        kind = "pigments or other spectra" if stack.wavelengths is not None else "anisotropic facets"
-        raise StackError(f"base: must have no input of the node group for a lookup table with {kind}")
+    base = stack.given_base
+    if base is not None and base.shown:
+        if stack.is_oriented:
+            raise StackError("base: must have no input of the node group for a lookup table with anisotropic facets")
+        if channel_count([("", getattr(base, base.shown))]) not in (1, 3):
+            raise StackError(f"base.{base.shown}: must be one number, or red, green and blue, which Cycles takes")
     stack.require_air_below()
     if stack.is_oriented:
         require_oriented_table(stack)
@@ -198,9 +200,9 @@ def evaluated(functions: Sequence[ScatteringFunction], solved: SolvedRows, mu_o:
                   None if lobes[0] is None else np.concatenate(lobes, axis=1), np.concatenate(direct, axis=1))
 
 
-def along_rows(found: Sequence[Slices]) -> Slices:
-    """Slices one after the other along the axis of rows, without their lobes."""
-    values, albedo, direct = (np.concatenate([getattr(one, name) for one in found], axis=1)
+def joined(found: Sequence[Slices], axis: int = 1) -> Slices:
+    """Slices one after the other along an axis, by default that of rows, without their lobes."""
+    values, albedo, direct = (np.concatenate([getattr(one, name) for one in found], axis=axis)
                               for name in ("values", "albedo", "direct"))
     return Slices(values, albedo, None, direct)
 
@@ -248,6 +250,15 @@ def _evaluate(functions: Sequence[ScatteringFunction], sights, mu_o: np.ndarray,
         share = np.divide(albedo, solved, out=np.ones_like(solved), where=solved > 0.0)[..., None]
         values, lobes = values * share, None if lobes is None else lobes * share
     return _in_colours(values, lobes, albedo, direct, functions[0].stack)
+
+
+def seen_whole(function: ScatteringFunction, mu_o) -> np.ndarray:
+    """Directional albedos with specular light, [*mu_o, channel], as the slices have them: in red, green and blue in
+    place of wavelengths."""
+    if function.stack.wavelengths is None:
+        return function.reflectance(mu_o)
+    scattered, mirrored = map(function.stack.seen, function.reflectance(mu_o, parts=True))
+    return faded(scattered, fading(scattered, -1), -1) + faded(mirrored, fading(mirrored, -1), -1)
 
 
 def _in_colours(values, lobes, albedo, direct, stack: Stack):

@@ -21,6 +21,7 @@ from ...material.stack import Stack
 from ..fit.fitted_function import FittedFunction, with_inputs_of
 from ..fit.measured_error import Gauge, slice_errors
 from ..fit.mixture import norms
+from ..fit.row_functions import each
 from ..fit.slices import covers_inputs, grid_of, require_table, shows_bsdf, slices, solve_rows
 from .fit_report import error_report
 
@@ -77,11 +78,11 @@ def compare(header: dict, weights: np.ndarray, own: Stack, stack: Stack, threads
     seen = slices(solved, gauge.grid, gauge.pool, steps["evaluate"])
     whole = {kind: norms(part.values, gauge.grid) for kind, part in seen.items()}
     if isinstance(stack.base, ShaderBase):  # the table holds the light over a black base
-        functions = [function.with_base_reflectance(0.0) for function in solved.functions]
+        functions = each(lambda function: function.with_base_reflectance(0.0), solved.functions)
         seen = slices(replace(solved, functions=functions), gauge.grid, gauge.pool, silent)
 
     # Sum the table's closures, and measure the difference
-    function = with_inputs_of(FittedFunction(header, weights, own.base), stack.base)
+    function = with_inputs_of(FittedFunction(header, weights, own.given_base), stack.given_base)
     errors = {kind: slice_errors(function, solved, wanted, kind, gauge, whole[kind]) for kind, wanted in seen.items()}
     return Comparison(errors, view_cosines(), solved.tau, solved.sides, error_report(errors, solved))
 

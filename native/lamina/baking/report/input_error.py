@@ -12,7 +12,7 @@ import numpy as np
 
 from ...closures.closure_table import view_cosines
 from ...common.progress import Progress, silent
-from ...kinds.bases import Lambert
+from ...kinds.bases import Lambert, PrincipledBase
 from ...material.stack import Stack
 from ..fit.fitted_function import FittedFunction, with_inputs_of
 from ..fit.measured_error import Gauge, albedo_errors, slice_errors
@@ -31,24 +31,24 @@ def own_errors(header: dict, weights: np.ndarray, stack: Stack, solved: SolvedRo
                threads: int) -> tuple[dict[str, np.ndarray], float]:
     """(errors of the slices `wanted` by kind, the largest error of the albedo) at the base's own values. They equal
     those of Lut.compare."""
-    gauge = Gauge(grid_of(stack, header["quality"]), header["quality"], threads, stack.channels)
-    function = FittedFunction(header, weights, stack.base)
+    gauge = Gauge(grid_of(stack, header["quality"]), header["quality"], threads, stack.table_channels)
+    function = FittedFunction(header, weights, stack.given_base)
     errors = slice_errors(function, solved, wanted, "reflection", gauge, norms(wanted.values, gauge.grid))
     return {"reflection": errors}, float(albedo_errors(function, solved, wanted, gauge)[..., stated()].max())
 
 
 def range_errors(header: dict, weights: np.ndarray, stack: Stack, threads: int, step: Progress) -> dict:
     """The report's `input_error`, see lamina.bake."""
-    bases, found = _values(stack.base, header["quality"]), []
+    bases, found = _values(stack, header["quality"]), []
     for number, base in enumerate(bases):
         step(number / len(bases), f"Measuring errors for values {number + 1} of {len(bases)}")
         found.append(_errors_at(header, weights, stack, base, threads))
     table = []
     for values, errors, albedo, _ in found:
-        # The channels have different colors
-        channels = range(errors.shape[2]) if "color" in values else [slice(None)]
+        # The channels may have different colors
+        channels = range(errors.shape[2]) if isinstance(values.get("color"), tuple) else [slice(None)]
         for index in channels:
-            own = {name: value[index] if name == "color" else value for name, value in values.items()}
+            own = _of_channel(values, index)
             table.append({**own, "mean": mean_error(errors[:, :, index]), "worst": _largest(errors[:, :, index]),
                           "albedo": _largest(albedo[:, :, index])})
     size = operator.itemgetter("error")
@@ -63,9 +63,9 @@ def range_errors(header: dict, weights: np.ndarray, stack: Stack, threads: int, 
 def _errors_at(header: dict, weights: np.ndarray, stack: Stack, base, threads: int) -> tuple:
     """(values of the inputs, errors of slices, errors of the albedo, thicknesses of the rows) over one base; errors are
     [side, row, channel, column] at the columns that are measured."""
-    other, quality = Stack(stack.layers, base), header["quality"]
-    function = with_inputs_of(FittedFunction(header, weights, stack.base), base)
-    gauge = Gauge(grid_of(stack, quality), quality, threads, other.channels, COLUMN_STRIDE)
+    other, quality = stack.over(base), header["quality"]
+    function = with_inputs_of(FittedFunction(header, weights, stack.given_base), base)
+    gauge = Gauge(grid_of(stack, quality), quality, threads, other.table_channels, COLUMN_STRIDE)
     solved = solve_rows(other, gauge.quality, threads, silent, only=ROWS)
     wanted = gauge.seen(solved, silent)
     shown = stated()[::COLUMN_STRIDE]
@@ -82,18 +82,26 @@ def _worst(values: dict, errors: np.ndarray, tau: list[float | None]) -> dict:
     _, row, index, column = np.unravel_index(int(found.argmax()), found.shape)
     return {"error": float(found.max()), "mu_o": float(view_cosines()[::COLUMN_STRIDE][column]),
             "channel": int(index), "tau": tau[row],
-            **{name: value[index] if name == "color" else value for name, value in values.items()}}
+            **_of_channel(values, int(index))}
+
+
+def _of_channel(values: dict, index) -> dict:
+    """Values of inputs in one channel."""
+    return {name: value[index] if isinstance(value, tuple) else value for name, value in values.items()}
 
 
 def _largest(errors: np.ndarray) -> float:
     return float(np.nan_to_num(errors).max())
 
 
-def _values(base, quality: str) -> list:
-    """The base at values of its inputs."""
+def _values(stack: Stack, quality: str) -> list:
+    """The base at values of its inputs. Below layers with wavelengths a color is gray, see Stack."""
+    base = stack.given_base
+    colors = [COLORS] if stack.wavelengths is None else COLORS
     if isinstance(base, Lambert):
-        return [replace(base, reflectance=COLORS)]
-    given = {"color": [COLORS], "metallic": METALLIC, "roughness": ROUGHNESSES[quality]}
+        return [replace(base, reflectance=color) for color in colors]
+    assert isinstance(base, PrincipledBase)
+    given = {"color": colors, "metallic": METALLIC, "roughness": ROUGHNESSES[quality]}
     names = [name for name in given if name in base.inputs]
     return [replace(base, **dict(zip(names, values, strict=True)))
             for values in itertools.product(*(given[name] for name in names))]

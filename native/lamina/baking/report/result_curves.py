@@ -57,7 +57,7 @@ def result_curves(stack: Stack, lut, threads: int = 0) -> dict:
         "views": np.degrees(column_angles()[list(VIEW_COLUMNS)]),
         "lights": LIGHTS,
         "exact": _luminance(stack.seen(_in_plane(exact, "reflect", mu))),
-        "fitted": _luminance(_fitted(lut, stack.base, "reflect", mu)),
+        "fitted": _luminance(_fitted(lut, stack.given_base, "reflect", mu)),
         "mirrored": _luminance(stack.seen(mirrored)),
         "angles": np.degrees(every),
         "reflectance": _rgb(stack.seen(exact.reflectance(cosines))),
@@ -88,7 +88,7 @@ def _in_plane(function: ScatteringFunction, path: str, mu_o: np.ndarray) -> np.n
 def _fitted(lut, base, path: str, mu_o: np.ndarray) -> np.ndarray:
     """The table's mixture of closures times cos(theta_i) at LIGHTS, [view, light, 3], without specular light; a shader
     below counts as a Lambert surface."""
-    function = FittedFunction(lut.header, lut.weights, lut.stack.base)
+    function = FittedFunction(lut.header, lut.weights, lut.stack.given_base)
     strips = strips_of(lut.header)
     is_specular = [function.is_specular(strip.closure) for strip in strips]
     weights = np.where(np.array(is_specular)[None, :, None, None, None], 0.0, lut.weights).astype(np.float32)

@@ -110,7 +110,7 @@ class Lut(ByContent):
 
     def _mixed(self, coverage, tau, inputs: tuple, values: Callable[..., tuple]) -> tuple[np.ndarray, ...]:
         """The arrays `values(function, tau)` of the fitted function with these inputs, at a coverage."""
-        found = values(FittedFunction(self.header, self.weights, self.stack.base, *inputs), tau)
+        found = values(FittedFunction(self.header, self.weights, self.stack.given_base, *inputs), tau)
         bare = self.uncovered
         if coverage is None:
             return found
@@ -120,7 +120,7 @@ class Lut(ByContent):
         if np.any((share < 0.0) | (share > 1.0)):
             raise ArgumentError(f"coverage = {coverage}: must lie in [0, 1]")
         has_thickness = bare.header["axes"]["tau"]["count"] > 1
-        others = values(FittedFunction(bare.header, bare.weights, bare.stack.base, *inputs),
+        others = values(FittedFunction(bare.header, bare.weights, bare.stack.given_base, *inputs),
                         tau if has_thickness else None)
         share = np.asarray(share)[..., None]
         return tuple(share * one + (1.0 - share) * other for one, other in zip(found, others, strict=True))
