@@ -103,5 +103,6 @@ def _values(stack: Stack, quality: str) -> list:
     assert isinstance(base, PrincipledBase)
     given = {"color": colors, "metallic": METALLIC, "roughness": ROUGHNESSES[quality]}
     names = [name for name in given if name in base.inputs]
-    return [replace(base, **dict(zip(names, values, strict=True)))
-            for values in itertools.product(*(given[name] for name in names))]
+    every: list[dict] = [dict(zip(names, values, strict=True))
+                         for values in itertools.product(*(given[name] for name in names))]
+    return [replace(base, **values) for values in every]
