@@ -45,15 +45,15 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     newer, on opaque bases; "accurate" takes some twenty closures, and "moving-accurate" does so with such lobes.
     Smooth boundaries are exact, with a closure of their own, "mirror:ALPHA". Facets narrower than alpha .03 are solved
     as mirrors with the energy of the facets, and only this closure has their width.
-    The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2
-    error over solid angle relative to the slice's norm; `worst_slice` and `worst_slice_transmission`, the largest
-    of these errors and where it is (`mu_o`, `channel`, `side` of the viewer, `tau` of a varying layer); those of
-    transmission are None for a stack on a base; `albedo_error`, the worst relative
-    error of a fitted directional albedo; `faded` of a stack with wavelengths, the largest share by which a colour
-    outside of the gamut is moved towards gray, see observer.fading; `strayed_light` of a sheet, see
-    strayed_light.strayed_report, None for a stack on a base; `energy_error`, the solver's; `slice_errors`, of each
-    slice; `row_errors`, by thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, the error of
-    interpolation between rows, measured at quality "final" when every row is solved, see tau_error.tau_error;
+    The report: `fit_error` and `fit_error_transmission`, means over slices with view cosine >= .05 of the L2 error over
+    solid angle relative to the slice's norm, in a channel below a fiftieth of the brightest one relative to a fiftieth
+    of that one; `worst_slice` and `worst_slice_transmission`, the largest of these errors and where it is (`mu_o`,
+    `channel`, `side` of the viewer, `tau` of a varying layer); those of transmission are None for a stack on a base;
+    `albedo_error`, the worst relative error of a fitted directional albedo; `faded` of a stack with wavelengths, the
+    largest share by which a colour outside of the gamut is moved towards gray, see observer.fading; `strayed_light` of
+    a sheet, see strayed_light.strayed_report, None for a stack on a base; `energy_error`, the solver's; `slice_errors`,
+    of each slice; `row_errors`, by thickness of a varying layer: lists `tau`, `mean` and `worst`; `tau_error`, the
+    error of interpolation between rows, measured at quality "final" when every row is solved, see tau_error.tau_error;
     `base_error` of a stack on a ShaderBase, see bases.shader.Shader.
     All errors of a base with inputs hold for the base's own values, and are relative to the light over this base.
     `input_error` states the errors over the ranges of the inputs: for colors 0, .5 and .95 (one in each channel),

@@ -69,3 +69,11 @@ def test_an_input_has_no_spectrum(base):
 def test_varying_varnish_keeps_the_color_without_its_film():
     table = lamina.bake(Stack([Interface(1.5, varying=True), TEA], TEXTURE), "preview")
     assert table.reflectance(0.7, color=[0.5] * 3, coverage=0.0) == pytest.approx([0.5] * 3, rel=1e-3)
+
+
+def test_errors_of_a_channel_without_light_do_not_count():
+    """Rhodamine leaves almost no green light, whose errors cannot be seen."""
+    table = lamina.bake(Stack([Medium(pigment="rhodamine", amount=0.1, sigma_s=1.0, thickness=1.0)], Lambert(0.8)),
+                        "preview")
+    red, green, _ = table.reflectance(0.7)
+    assert green < 0.01 * red and table.report["fit_error"] < 0.07

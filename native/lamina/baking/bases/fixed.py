@@ -74,7 +74,7 @@ class Fixed(BakedBase):
 
     def errors(self, header: dict, weights: np.ndarray) -> dict:
         between = self._errors_between_rows()
-        report = fit_report(closure_count(header), self.solved, *fitted_errors(self.fitted)) | between
+        report = fit_report(closure_count(header), self.solved, *fitted_errors(self.fitted, self.seen)) | between
         if self.solved.is_sheet:
             report["strayed_light"] = strayed_report(self.fitted, self.seen, stated())
         return report

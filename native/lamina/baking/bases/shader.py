@@ -46,9 +46,10 @@ class Shader(OverBlack):
     def errors(self, header: dict, weights: np.ndarray) -> dict:
         # The error of the fit over black, relative to the whole light over a base of the stack's reflectance
         black, fitted, grid = self.seen["reflection"], self.fitted["reflection"], self.grid
-        whole = norms(self.own().values, grid)
+        own = self.own()
+        whole = norms(own.values, grid)
         errors = relative(np.nan_to_num(fitted.errors) * norms(black.values, grid), whole)
-        self.fitted["reflection"] = replace(fitted, errors=errors)
+        self.fitted["reflection"], self.seen["reflection"] = replace(fitted, errors=errors), own
         return super().errors(header, weights) | {"base_error": self.base_error}
 
     def _base_parts(self) -> list[Part]:

@@ -17,7 +17,7 @@ from ...kinds.table import PRINCIPLED
 from ...material.stack import Stack
 from ...solver.solve import thread_pool
 from .fitted_function import FittedFunction, finite_lobe
-from .mixture import norms, relative, weighted
+from .mixture import norms, relative, seen_errors, weighted
 from .slices import Slices, SolvedRows, evaluated, solve_rows
 
 # From this width of its facets on, the attenuated lobe of a Principled base is compared with the lobe itself too. The
@@ -70,7 +70,7 @@ def slice_errors(function: FittedFunction, solved: SolvedRows, wanted: Slices, k
         base = function.base
         assert isinstance(base, PrincipledBase)
         values = values + _principled(base, closures[PRINCIPLED], wanted, gauge)
-    return relative(norms(values, gauge.grid), whole)
+    return seen_errors(relative(norms(values, gauge.grid), whole), whole)
 
 
 def albedo_errors(function: FittedFunction, solved: SolvedRows, wanted: Slices, gauge: Gauge) -> np.ndarray:
@@ -92,7 +92,7 @@ def albedo_errors(function: FittedFunction, solved: SolvedRows, wanted: Slices, 
     for name, weight in closures.items():
         total += weight * known.get(ids[name], 1.0)
     whole = wanted.whole
-    return np.abs(total - whole) / np.where(whole > 0.0, whole, np.inf)
+    return seen_errors(np.abs(total - whole) / np.where(whole > 0.0, whole, np.inf), whole)
 
 
 def _sum(function: FittedFunction, closures: dict[str, np.ndarray], kind: str, gauge: Gauge) -> np.ndarray:

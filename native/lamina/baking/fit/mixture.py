@@ -29,6 +29,8 @@ EVERYWHERE = {"reflection": "diffuse", "transmission": "translucent"}
 NEGLIGIBLE = 2e-3
 # Least numbers of closures beside fixed ones, for lobes and for the remainder; least number for the remainder.
 LOBES_BESIDE_FIXED, BESIDE_FIXED, LEAST_REST = 1, 3, 2
+# A channel with less than this share of the brightest one's light is too dark for its own errors to be seen.
+LEAST_SHOWN = 0.02
 
 
 @dataclass(frozen=True)
@@ -317,6 +319,14 @@ def mean_error(errors: np.ndarray) -> float:
     """Mean over the slices that are not black; 0 when all are."""
     seen = errors[np.isfinite(errors)]
     return float(seen.mean()) if seen.size else 0.0
+
+
+def seen_errors(errors: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    """Errors of slices [side, row, channel, column] relative to their light `whole`, norms or albedos; in a channel
+    that is darker than LEAST_SHOWN times the brightest one, relative to LEAST_SHOWN times the light of that one. Saturated pigments
+    leave channels without visible light."""
+    least = LEAST_SHOWN * whole.max(axis=2, keepdims=True)
+    return errors * np.minimum(np.divide(whole, least, out=np.ones_like(whole), where=least > 0.0), 1.0)
 
 
 def relative(error: np.ndarray, whole: np.ndarray) -> np.ndarray:
