@@ -323,8 +323,8 @@ def mean_error(errors: np.ndarray) -> float:
 
 def seen_errors(errors: np.ndarray, whole: np.ndarray) -> np.ndarray:
     """Errors of slices [side, row, channel, column] relative to their light `whole`, norms or albedos; in a channel
-    that is darker than LEAST_SHOWN times the brightest one, relative to LEAST_SHOWN times the light of that one. Saturated pigments
-    leave channels without visible light."""
+    that is darker than LEAST_SHOWN times the brightest one, relative to LEAST_SHOWN times the light of that one.
+    Saturated pigments leave channels without visible light."""
     least = LEAST_SHOWN * whole.max(axis=2, keepdims=True)
     return errors * np.minimum(np.divide(whole, least, out=np.ones_like(whole), where=least > 0.0), 1.0)
 
