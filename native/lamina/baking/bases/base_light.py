@@ -12,7 +12,7 @@ colors."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -56,6 +56,15 @@ class BaseLight:
             return [self.dark]
         return [_sum([self.dark, self.colored.first, self.colored.again]), self.colored.first]
 
+    def albedos(self) -> BaseLight:
+        """The light with its albedos alone."""
+        def kept(light: Slices) -> Slices:
+            return replace(light, values=np.zeros(0))
+
+        colored = self.colored
+        return BaseLight(kept(self.dark), None if colored is None else Reflections(
+            kept(colored.first), kept(colored.again), colored.thrown_back))
+
     @staticmethod
     def joined(lights: Sequence[BaseLight]) -> BaseLight:
         """Lights along the axis of rows."""
@@ -95,10 +104,14 @@ def beyond(one: Slices, other: Slices) -> Slices:
 def _sum(found: Sequence[Slices], factors: Sequence = (), divisor=1.0) -> Slices:
     """The sum of slices times factors, numbers or [side, row, channel, column], over a divisor."""
     factors = [np.asarray(factor) / divisor for factor in factors or [1.0] * len(found)]
-    pairs = list(zip(found, factors, strict=True))
-    values = [one.values * np.broadcast_to(factor, one.albedo.shape)[..., None] for one, factor in pairs]
-    return Slices(np.sum(values, axis=0), np.sum([one.albedo * factor for one, factor in pairs], axis=0), None,
-                  np.sum([one.direct * factor for one, factor in pairs], axis=0))
+
+    def total(name: str, more: int = 0) -> np.ndarray:
+        whole = np.zeros_like(getattr(found[0], name))
+        for one, factor in zip(found, factors, strict=True):
+            whole += getattr(one, name) * np.reshape(factor, factor.shape + (1,) * more)
+        return whole
+
+    return Slices(total("values", 1), total("albedo"), None, total("direct"))
 
 
 def _kept(light: Slices, whole: Slices, negligible: float) -> Slices:

@@ -16,6 +16,7 @@ are added before the closure is evaluated."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -74,24 +75,26 @@ class Covered(WithInputs):
         if np.any(black.direct):
             table.append(Part.single(Strip(narrow_lobes.mirror(bare)), black.direct))
 
-        # Solve the light that the base adds
-        lights = [self._light(metallic, black, portion(step, 0.15 + 0.35 * k, 0.15 + 0.35 * (k + 1)))
-                  for k, metallic in enumerate(self.ends)]
-
-        # Choose closures, and fit their weights
-        fit = FollowingFit(self.grid, self.every, self.pool, self.search,
-                           lambda: step(0.9, "Fitting the light of the base"))
+        # For each metallic value, solve the light that the base adds, choose closures, and fit their weights
         mirror = narrow_lobes.mirror(self.stack)
-        for number, (light, names) in enumerate(zip(lights, self._choose(fit, lights), strict=True)):
-            for role, part in light.parts().items():
-                table.append(Part.of([*names, mirror], _with_mirror(fit, part, names), role, number > 0))
+        known = self._given()
+        lights = []
+        for number, metallic in enumerate(self.ends):
+            start = 0.15 + 0.4 * number
+            light = self._light(metallic, black, portion(step, start, start + 0.35))
+            fitting = functools.partial(step, start + 0.35, "Fitting the light of the base")
+            fit = FollowingFit(self.grid, self.every, self.pool, self.search, fitting)
+            names = known[number] if known else self._choose(fit, light, metallic)
+            for role, seen in light.parts().items():
+                table.append(Part.of([*names, mirror], _with_mirror(fit, seen, names), role, number > 0))
             if light.colored is not None:
                 table.append(Part.single(Strip(role=THROWN_BACK, metal=number > 0), light.colored.thrown_back))
+            lights.append(light.albedos())  # slices of all roughnesses take most of the memory
         colored = [light.colored for light in lights if light.colored is not None]
         if len(colored) > 1:
             plastic, metal = colored
             others = black.whole + HALF * (lights[0].dark.whole + lights[1].dark.whole)
-            trapped = self._trapped(others, plastic, metal, portion(step, 0.85, 0.9))
+            trapped = self._trapped(others, plastic, metal, portion(step, 0.95, 1.0))
             table.append(Part.single(Strip(role=TRAPPED), trapped))
         return table
 
@@ -153,16 +156,18 @@ class Covered(WithInputs):
         leaves = share * (1.0 - HALF) / (1.0 - HALF * share)
         return np.clip((1.0 - leaves - HALF * plastic.thrown_back) / HALF, 0.0, 1.0)
 
-    def _choose(self, fit: FollowingFit, lights: list[BaseLight]) -> list[list[str]]:
-        """The closures of each end: few for a diffuse base, more for any other base."""
+    def _given(self) -> list[list[str]]:
+        """The closures of each end in an earlier table, if all of them are still candidates."""
+        given = [self.job.closures(DARK, number > 0) for number in range(len(self.ends))]
+        allowed = {*_dictionary(), *self._made()}
+        return given if all(given) and allowed >= {name for names in given for name in names} else []
+
+    def _choose(self, fit: FollowingFit, light: BaseLight, metallic: float) -> list[str]:
+        """The closures of one end: few for a diffuse base, more for any other base."""
         few, more = self.limits.covered
-        dictionary = [lobe.id for lobe in lobes.DICTIONARY if lobe.side == "reflection"]
-        candidates = [*dictionary, *self._made()]
-        given = [self.job.closures(DARK, number > 0) for number in range(len(lights))]
-        if all(given) and set(candidates) >= {name for names in given for name in names}:
-            return given
-        return [fit.choose(light.extremes(), *((dictionary, few) if self._is_diffuse(end) else (candidates, more)))
-                for light, end in zip(lights, self.ends, strict=True)]
+        if self._is_diffuse(metallic):
+            return fit.choose(light.extremes(), _dictionary(), few)
+        return fit.choose(light.extremes(), [*_dictionary(), *self._made()], more)
 
     def _made(self) -> list[str]:
         """Closures made for the lobes of the base, which follow its roughness if that is an input."""
@@ -178,6 +183,10 @@ class Covered(WithInputs):
             names += [following_lobes.toon(index * width, least * width, lean, size, smooth)
                       for lean in narrow_lobes.LEANS for size, smooth in narrow_lobes.CONES]
         return names + narrow_lobes.halos(self.stack)
+
+
+def _dictionary() -> list[str]:
+    return [lobe.id for lobe in lobes.DICTIONARY if lobe.side == "reflection"]
 
 
 def _with_mirror(fit: FollowingFit, light: Slices, names: list[str]) -> np.ndarray:
