@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from lamina import Measured
-from lamina.inverse.half_table import knots, table_from, text_from
+from lamina.material.half_table import knots, table_from, text_from
 
 
 def facets(alpha, normal, diffuse):

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..common.errors import MeasurementError
 from ..kinds.bases import Measured
-from . import half_table
+from ..material import half_table
 from .merl import merl_at
 from .rgl import rgl_at
 

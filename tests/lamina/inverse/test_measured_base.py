@@ -83,8 +83,8 @@ def test_rgl_values_are_those_of_mitsuba(tmp_path, jacobian):
     path = random_bsdf(tmp_path / "x.bsdf", jacobian)
     bsdf = mitsuba.load_dict({"type": "measured", "filename": str(path)})
     at, context = mitsuba.SurfaceInteraction3f(), mitsuba.BSDFContext()
-    from lamina.inverse.half_table import knots
     from lamina.inverse.rgl import rgl_at
+    from lamina.material.half_table import knots
     h, d, c, *_ = knots()
     found = rgl_at(path, h, d, c)
     rng = np.random.default_rng(1)

@@ -13,12 +13,13 @@ from functools import cache
 
 import numpy as np
 
-from ..kinds.measured import SHAPE, STEPS, text_of
+from ..kinds.measured import SHAPE, STEPS, table_of, text_of
 
 OFFSET = 0.01
 LARGEST = 0.997
 # Cosines below this are raised to it: no instrument measures there, and facets diverge.
 LEAST_COSINE = 0.005
+PEAK = 8.0  # tilts where the peak of GGX facets has fallen to 1/4000, in units of their width
 DARKEST = 1e-7  # 1/sr; a table holds logarithms
 
 
@@ -51,6 +52,27 @@ def text_from(table: np.ndarray) -> str:
         steps = np.round((one - float(low)) / (float(high) - float(low)) * STEPS)
         channels.append((float(low), float(high), steps.astype("<u2").tobytes()))
     return text_of(channels)
+
+
+def table_in(text: str) -> np.ndarray:
+    """The logarithms in the text of a base."""
+    channels = [low + (high - low) / STEPS * np.frombuffer(steps, "<u2").reshape(SHAPE).astype(float)
+                for low, high, steps in table_of(text)]
+    return np.stack(channels, axis=-1)
+
+
+def widened(table: np.ndarray, alpha: float, wanted: float) -> np.ndarray:
+    """The table with a peak about the mirror direction `wanted` / `alpha` times as wide, and the same flux. The peak is
+    what exceeds the values at a tilt of PEAK alpha: the tail beyond stays in place."""
+    h, d, c, mu_o, mu_i = knots()
+    factor = wanted / alpha
+
+    def at(tilt: np.ndarray) -> np.ndarray:
+        return evaluate(table, tilt.ravel(), d.ravel(), c.ravel()).reshape(table.shape)
+
+    floor = at(np.full_like(h, PEAK * alpha))
+    peak = np.maximum(at(h / factor) - floor, 0.0) / factor**2
+    return np.log((np.minimum(at(h), floor) + peak) * (mu_o + mu_i + OFFSET)[..., None])
 
 
 def evaluate(table: np.ndarray, h: np.ndarray, d: np.ndarray, c: np.ndarray) -> np.ndarray:
