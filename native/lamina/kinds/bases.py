@@ -242,7 +242,7 @@ class Measured(Base):
     name: str = ""
 
     kind = "measured"
-    options = (TableText("table", "Measured Material", "The reflection of the material, as it was read from a file"),)
+    options = (TableText("table", "Measured File", "The reflection of the material, as it was read from a file"),)
     item = Item(kind, "Measured", "A measured material, from a file of MERL or RGL", 7)
 
     @property

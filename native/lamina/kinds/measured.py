@@ -37,8 +37,8 @@ class TableText:
     def check(self, value, path: str) -> str:
         """The text. Raises StackError unless it is a table."""
         if not value:
-            raise StackError(f"{path} is missing: must be given; lamina.measurements.load_base reads it from a .binary "
-                             "file of MERL or a .bsdf file of RGL")
+            raise StackError(f"{path} is missing: must be read from a .binary file of MERL or a .bsdf file of RGL "
+                             "(lamina.measurements.load_base)")
         if not isinstance(value, str):
             raise StackError(f"{path} = {quoted(value)}: must be a text that lamina.measurements.load_base made")
         try:
