@@ -34,6 +34,7 @@ CLASSES = (
     layers.LAMINA_OT_match_colors,
     layers.LAMINA_OT_metal,
     measurements.LAMINA_OT_measured_base,
+    measurements.LAMINA_OT_match_measurement,
     presets.LAMINA_OT_preset_apply,
     presets.LAMINA_OT_preset_save,
     presets.LAMINA_OT_preset_delete,

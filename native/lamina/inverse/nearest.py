@@ -75,9 +75,9 @@ def nearest(measured: Measured | str | os.PathLike, threads: int = 0, progress: 
     """The stack that comes nearest to a measured material, a lamina.Measured or a file of MERL or RGL.
 
     Tried are a matte surface, a powder, a rough metal, then a matte surface, a pigmented medium and a metal under a
-    rough coat. The best is returned, the simpler of two that are as good. No scipy is needed. `threads` 0 uses every hardware
-    thread. `progress(fraction, text)` is called with a share that only rises, 0 to 1. `cancel()` is called often;
-    Cancelled is raised if it returns true. Raises MeasurementError, OSError and ArgumentError.
+    rough coat. The best is returned, the simpler of two that are as good. No scipy is needed. `threads` 0 uses every
+    hardware thread. `progress(fraction, text)` is called with a share that only rises, 0 to 1. `cancel()` is called
+    often; Cancelled is raised if it returns true. Raises MeasurementError, OSError and ArgumentError.
     Method: least squares at some hundred pairs of directions about the mirror direction and away from it; errors on a
     grid of 7 views and 1920 lights."""
     step = stepper("the search for the nearest stack", progress, cancel)
