@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -86,7 +87,7 @@ def nearest(measured: Measured | str | os.PathLike, threads: int = 0, progress: 
     if not isinstance(measured, Measured):
         raise ArgumentError(f"measured = {quoted(measured)}: must be a lamina.Measured, or the path of a .binary or "
                             ".bsdf file")
-    measured = Stack([], measured).base
+    Stack([], measured)  # checks the table
     truth = _Truth.of(measured)
     best: tuple[float, np.ndarray, str, Stack, ScatteringFunction] | None = None
     tried = {}
@@ -95,8 +96,7 @@ def nearest(measured: Measured | str | os.PathLike, threads: int = 0, progress: 
         step(index / len(library), f"Trying {kind}")
         part = portion(step, index / len(library), (index + 1) / len(library))
         try:
-            model = Model([truth.points()], template, threads, lambda done, _, part=part, kind=kind: part(
-                done, f"Trying {kind}"))
+            model = Model([truth.points()], template, threads, _saying(part, f"Trying {kind}"))
             model.begin()
             x, _ = descend(model, model.start)
             stack = model.stacks(x)[0]
@@ -120,29 +120,35 @@ def nearest(measured: Measured | str | os.PathLike, threads: int = 0, progress: 
                    tuple(truth.remarks(solved)))
 
 
+def _saying(step: Progress, text: str) -> Progress:
+    """A step function that always tells this text."""
+    return lambda fraction, _: step(fraction, text)
+
+
 def _library(colour: Sequence[float], alpha: float) -> dict[str, Template]:
     """The templates by description, simple ones first. `colour`: reflectance by channel; `alpha`: of the highlight."""
     alpha = float(np.clip(alpha, NARROWEST, 0.9))
     wide = float(np.clip(2.0 * alpha, NARROWEST_OF_TWO, 0.9))
 
-    def free(name: str, values, low: float, high: float):
-        made = [Free(float(np.clip(value, low, high)), low, high, f"{name} {index}")
-                for index, value in enumerate(values)]
+    def one(name: str, value: float, low: float, high: float) -> Any:  # a template takes it for a number
+        return Free(float(np.clip(value, low, high)), low, high, name)
+
+    def free(name: str, values: Sequence[float], low: float, high: float) -> Any:
+        made = [one(f"{name} {index}", value, low, high) for index, value in enumerate(values)]
         return tuple(made) if len(made) > 1 else made[0]
 
     def metal(width: float, least: float) -> Conductor:
         facing = free("facing", colour, 0.01, 0.99)
-        grazing = tuple(0.45 + 0.55 * one for one in facing) if isinstance(facing, tuple) else 0.45 + 0.55 * facing
-        own = Free(max(width, least), least, 1.0, "alpha of the metal")
-        return Conductor(facing=facing, grazing=grazing, alpha=own)
+        grazing = tuple(0.45 + 0.55 * f for f in facing) if isinstance(facing, tuple) else 0.45 + 0.55 * facing
+        return Conductor(facing=facing, grazing=grazing, alpha=one("alpha of the metal", width, least, 1.0))
 
     def coat(least: float = NARROWEST) -> Interface:
-        return Interface(Free(1.5, 1.15, 2.2, "ior"), Free(max(alpha, least), least, 1.0, "alpha"))
+        return Interface(one("ior", 1.5, 1.15, 2.2), one("alpha", alpha, least, 1.0))
 
     def medium() -> HalfSpace:
-        roots = [(1.0 - one) / (1.0 + 1.5 * one) for one in colour]
+        roots = [(1.0 - share) / (1.0 + 1.5 * share) for share in colour]
         return HalfSpace(free("albedo", [1.0 - root * root for root in roots], 0.0, 1.0),
-                         HenyeyGreenstein(Free(0.2, -0.7, 0.9, "g")))
+                         HenyeyGreenstein(one("g", 0.2, -0.7, 0.9)))
 
     def matte() -> Lambert:
         return Lambert(free("reflectance", colour, 0.0, 1.0))
