@@ -30,9 +30,9 @@ class MatchJob(OfMaterial, Worker):
 
 
 def match(material, path):
-    """Replace the layers and base of `material` by the nearest stack to a measured material, in a file of MERL
-    or RGL. Blocks. Returns the stack and its error in a sentence. Raises lamina.MeasurementError, OSError,
-    RefusedError, NativeMissingError; then nothing is changed."""
+    """Replace the layers and base of `material` by the nearest stack to a measured material, in a file of
+    MERL or RGL. Blocks. Returns the stack and its error in a sentence. Raises lamina.MeasurementError,
+    OSError, RefusedError, NativeMissingError; then nothing is changed."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of data that gain light, which no stack does
         return show(material, native.require().nearest(path, preferences.threads()))

@@ -47,7 +47,8 @@ class Nearest:
 
     stack: the stack, and `kind` its description in words.
     error: the mean over views, up to 80 degrees from the normal, and channels of the share of reflected light that is
-        in a wrong direction or of a wrong strength: the integral of |difference| over that of the measured light.
+        in a wrong direction or of a wrong strength: the integral of the absolute difference over that of the
+        measured light.
     worst: the largest such share of a view, and `worst_angle` its angle from the normal in degrees.
     tried: the errors of all stacks that were tried, by description; infinite for one that could not be solved. None is
         tried after one with an error below 1 %.
