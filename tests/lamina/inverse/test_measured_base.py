@@ -130,3 +130,17 @@ def test_bad_files(tmp_path):
         load_base(tmp_path / "x.bsdf")
     with pytest.raises(OSError, match="nowhere"):
         load_base(tmp_path / "nowhere.binary")
+
+
+def test_noisy_cells_can_be_solved(tmp_path):
+    """Noise of 15 % in each cell: beside dust, at the final tolerance, and with the right energy."""
+    def paint(wi, wo):
+        return 0.7 * (facets(0.05, 0.04, 0.0)(wi, wo) + facets(0.25, 0.15, 0.1)(wi, wo))
+    cells = merl_cells(paint)
+    noise = np.exp(0.15 * np.random.default_rng(0).normal(size=cells.shape) - 0.5 * 0.15**2)
+    base = load_base(merl_file(tmp_path / "noisy.binary", np.where(cells > 0.0, cells * noise, cells)))
+    clean = load_base(merl_file(tmp_path / "clean.binary", cells))
+    dust = Medium(albedo=0.9, tau=0.3, phase=HenyeyGreenstein(0.5))
+    for layers in ([], [dust], [Interface(1.5)]):
+        noisy, wanted = (lamina.solve(Stack(layers, one)).reflectance([0.3, 0.8]) for one in (base, clean))
+        assert noisy == pytest.approx(wanted, rel=0.01)
