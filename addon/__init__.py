@@ -7,6 +7,7 @@ from . import operators
 from .baking import bake_job, before_render, lateral_job, update
 from .base import image_removal, native, preferences, renders, timers, undo
 from .command_line import blend_saving, command
+from .editing import match_job
 from .interior import interior_job, trial
 from .properties import dust_properties, material_properties, migration
 from .settling import dust_job, live_dust
@@ -34,6 +35,7 @@ PARTS = (
     bake_job,
     dust_job,
     lateral_job,
+    match_job,
     interior_job,
     trial,
     update,

@@ -8,14 +8,20 @@ import random
 from collections.abc import Callable
 
 import numpy as np
+from measured_tables import facets, measured
 
 from lamina.kinds.fields import Field
+from lamina.kinds.measured import TableText
 
 
 def drawn(cls: type, chance: random.Random):
     """A thing of the kind `cls`, in its first form."""
     fields = (*(next(iter(getattr(cls, "forms", ())), ())), *cls.fields)
-    return cls(**{field.name: _number(field, chance) for field in fields})
+    values = {field.name: _number(field, chance) for field in fields}
+    if any(isinstance(one, TableText) for one in getattr(cls, "options", ())):
+        lobe = facets(chance.uniform(0.1, 0.5), chance.uniform(0.0, 0.8), chance.uniform(0.0, 0.2))
+        values["table"] = measured(lobe).table
+    return cls(**values)
 
 
 def of_all(kinds: tuple[type, ...], special: dict[type, Callable], chance: random.Random) -> list[Callable]:

@@ -18,6 +18,7 @@ _FIELDS = (
 WORDS = {
     "phase": "phase function",
     "phase.kind": "phase function",
+    "table": "measured file",
     **{field.name: field.panel.words for field in reversed(_FIELDS) if not isinstance(field, Option)},
     **{f"phase.{field.name}": field.panel.words for cls in phases.IN_PANEL for field in cls.fields},
 }
@@ -45,6 +46,7 @@ def expected(error):
     lamina = native.require()
     solver = lamina.StackError | lamina.LutError | lamina.SolveError
     others = lamina.ArgumentError | lamina.DustError | lamina.DustUnavailable | lamina.InteriorError
+    others |= lamina.MeasurementError
     return isinstance(error, solver | others)
 
 

@@ -4,6 +4,7 @@
 import bpy
 
 from ..baking import bake_job, lateral_job, update
+from ..editing import match_job
 from ..interior import interior_job, trial
 from ..settling import dust_job
 
@@ -11,6 +12,7 @@ JOBS = {
     "BAKE": bake_job,
     "UPDATE": update,
     "LATERAL": lateral_job,
+    "MATCH": match_job,
     "INTERIOR": interior_job,
     "TRIAL": trial,
     "DUST": dust_job,
@@ -19,6 +21,7 @@ WORK = (
     ("BAKE", "Bake", "Stop the running bake; the earlier one is kept"),
     ("UPDATE", "Update", "Stop the running bake; the material stays as it is shown now"),
     ("LATERAL", "Lateral", "Stop the computation; the earlier nodes are kept"),
+    ("MATCH", "Match", "Stop the search; the earlier layers are kept"),
     (
         "INTERIOR",
         "Interior",

@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender properties made of the descriptions in `kinds`."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    StringProperty,
+)
 
 from ..base import changes
 from ..base.decimals import shortest
 from ..kinds.fields import Option
+from ..kinds.measured import TableText
 
 # Attributes of a Panel, and Blender's names for them.
 _MORE = {
@@ -81,12 +89,18 @@ def choice(name, items, description, default=None, update=changes.edited):
     )
 
 
+def text(name, description):
+    return StringProperty(name=name, description=description, update=changes.edited, options=set())
+
+
 def switch(name, description, default=False, update=changes.edited):
     return BoolProperty(name=name, description=description, default=default, update=update, options=set())
 
 
 def option(described):
-    """The property of an Option: a list of choices, of which several may be chosen, or a switch."""
+    """The property of an Option: a list of choices, of which several may be chosen, a switch, or a table."""
+    if isinstance(described, TableText):
+        return text(described.label, described.tip)
     if described.several:
         return EnumProperty(
             name=described.label,

@@ -14,7 +14,7 @@ from ..kinds import bases, boundaries, films, media, phases
 from ..kinds import metals as metal_table
 from ..kinds.flakes import Flakes
 from ..stack_json import solved_colours
-from .described import choice, entries, having, number, option, per_channel, quantities, switch
+from .described import choice, entries, having, number, option, per_channel, quantities, switch, text
 
 LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item, films.Film.item, Flakes.item))
 MODES = entries(form.item for form in media.FORMS)
@@ -201,3 +201,4 @@ def _base_choices(cls):
 @having({name: made for cls in bases.IN_PANEL for name, made in _base_choices(cls).items()})
 class LaminaBase(PhaseProperties, FacetProperties, bpy.types.PropertyGroup):
     kind: choice("Base", BASES, "What lies below the layers", bases.Lambert.kind, update=_base_kind_changed)
+    measured_name: text("Measured Material", "Name of the file from which the base was read")

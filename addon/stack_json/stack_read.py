@@ -10,9 +10,10 @@ import math
 
 from ..base.messages import RefusedError, unusual_channels
 from ..kinds import boundaries, films, media
-from ..kinds.bases import BASES
+from ..kinds.bases import BASES, Measured
 from ..kinds.fields import Option
 from ..kinds.flakes import Flakes
+from ..kinds.measured import TableText
 from ..kinds.spectra import ILLUMINANT
 from . import phases
 
@@ -63,6 +64,8 @@ def base(base):
     values = {"kind": base["kind"], **_described(cls, base, "base"), **_orientation(cls, base, "base")}
     if cls.has_phase:
         values |= phases.values(base.get("phase"), "base.phase")
+    if cls is Measured:
+        values["measured_name"] = base.get("name", "")
     return values
 
 
@@ -111,7 +114,9 @@ def _options(cls, entry, where):
 
 
 def _option(option, value, where):
-    """The value of an option's property: a set of names if the option takes several."""
+    """The value of an option's property: a set of names if the option takes several, the text of a table."""
+    if isinstance(option, TableText):
+        return value
     if option.several:
         value = set(value)
         known = value <= {item.id for item in option.items}

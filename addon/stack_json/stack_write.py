@@ -90,6 +90,8 @@ def base(base):
     entry = {"kind": base.kind, **_described(cls, base)}
     if cls.has_phase:
         entry["phase"] = phases.to_json(base)
+    if cls is bases.Measured:
+        entry["name"] = base.measured_name
     return entry | (_orientation(base) if cls.rare else {})
 
 

@@ -4,6 +4,7 @@ and what changes with depth."""
 
 from ..kinds import boundaries, media
 from ..kinds.bases import BASES
+from ..kinds.measured import TableText
 from ..stack_json import phases, profiles, solved_colours
 from .fields import NO_ALBEDO, draw_color, draw_number, is_infinite, labelled, split
 
@@ -33,7 +34,8 @@ def draw_base(layout, base):
 
 def _draw_options(column, owner, cls):
     for option in cls.options:
-        column.prop(owner, option.name)
+        if not isinstance(option, TableText):
+            column.prop(owner, option.name)
 
 
 def _draw_medium(layout, layer):

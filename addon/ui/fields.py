@@ -8,7 +8,7 @@ from ..base import native, preferences
 from ..base.decimals import shortest
 from ..editing import metals
 from ..kinds import boundaries, films, media
-from ..kinds.bases import BASES, Conductor
+from ..kinds.bases import BASES, Conductor, Measured
 from ..kinds.fields import Option, panel_fields
 from ..kinds.flakes import Flakes
 from ..stack_json import profiles, solved_colours
@@ -32,6 +32,9 @@ def draw_base(layout, base):
     if cls is Conductor and base.metal_form != "spectrum":
         row = labelled(column, "Metal", None)
         row.menu("LAMINA_MT_metals", text=_metal_name(base) or "Custom")
+    if cls is Measured:
+        row = labelled(column, cls.options[0].label, None)
+        row.operator("lamina.measured_base", text=base.measured_name or "Choose...", icon="FILEBROWSER")
     if cls.form_prop:
         column.row().prop(base, cls.form_prop, expand=True)
     for field in panel_fields(cls, base):

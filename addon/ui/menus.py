@@ -19,6 +19,7 @@ class LAMINA_MT_stack(bpy.types.Menu):
         layout.separator()
         layout.operator("lamina.stack_import", text="Import Stack...", icon="IMPORT")
         layout.operator("lamina.stack_export", text="Export Stack...", icon="EXPORT")
+        layout.operator("lamina.match_measurement", text="Match Measurement...", icon="EYEDROPPER")
         layout.separator()
         layout.operator("lamina.remove_stack", icon="X")
 

@@ -3,7 +3,7 @@
 
 from ..baking import bake_job, update
 from ..base import messages, native
-from ..editing import stack_io
+from ..editing import match_job, stack_io
 from ..nodes import node_group
 from ..stack_json import solved_colours, stack_check
 from . import numbers, result_picture
@@ -58,7 +58,7 @@ def stack_error(material):
 
 
 def _draw_state(context, column, material, state):
-    for jobs, work in ((bake_job, "BAKE"), (update, "UPDATE")):
+    for jobs, work in ((bake_job, "BAKE"), (update, "UPDATE"), (match_job, "MATCH")):
         job = jobs.running_for(material)
         if job is not None:
             draw_progress(column, job, work, tall=False)

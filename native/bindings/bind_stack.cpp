@@ -4,7 +4,9 @@
 #include <pybind11/stl.h>
 
 #include <complex>
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -109,7 +111,22 @@ void bind_bases(py::module_& module) {
           py::arg("color"), py::arg("metallic"), py::arg("roughness"), py::arg("ior"), py::arg("specular"),
           py::arg("coat"), py::arg("coat_roughness"), py::arg("coat_ior"), py::arg("alpha"),
           "A Principled material by its sockets, indices relative to the medium above. Facets of `alpha` 0 are a "
-          "mirror.");
+          "mirror.")
+      .def_static(
+          "measured",
+          [](double low, double high, const std::string& steps) {
+            std::vector<std::uint16_t> values(steps.size() / 2);
+            for (std::size_t k = 0; k < values.size(); ++k) {
+              values[k] = static_cast<std::uint16_t>(static_cast<unsigned char>(steps[2 * k]) |
+                                                     static_cast<unsigned char>(steps[2 * k + 1]) << 8U);
+            }
+            auto measured = std::make_shared<const MeasuredReflection>(low, high, values);
+            const Facets facets{.alpha = measured->alpha()};
+            return Base{.kind = Base::Kind::kMeasured, .facets = facets, .measured = std::move(measured)};
+          },
+          py::arg("low"), py::arg("high"), py::arg("steps"),
+          "A measured material, see MeasuredReflection; `steps`: bytes of 16-bit integers, little-endian.")
+      .def_property_readonly("alpha", [](const Base& base) { return base.facets.alpha; }, "The width of the facets.");
 }
 
 void bind_sublayers(py::module_& module) {

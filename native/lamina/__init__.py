@@ -31,6 +31,7 @@ from .interior.problem import Surface
 from .interior.solid import Solid
 from .inverse.fit import fit
 from .inverse.free import Free
+from .inverse.nearest import Nearest, nearest
 from .inverse.result import Fit
 from .inverse.template import Template
 from .kinds import bases as _bases
@@ -89,6 +90,7 @@ __all__ = [
     "MeasurementError",
     "Medium",
     "Mixture",
+    "Nearest",
     "Occluders",
     "PointLamp",
     "PortalTables",
@@ -130,6 +132,7 @@ __all__ = [
     "measurements",
     "merge_walks",
     "metals",
+    "nearest",
     "pigments",
     "plot",
     "ply",

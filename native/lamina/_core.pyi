@@ -74,12 +74,22 @@ class Base:
     def lambert(arg0: typing.SupportsFloat | typing.SupportsIndex) -> Base:
         ...
     @staticmethod
+    def measured(low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex, steps: str) -> Base:
+        """
+        A measured material, see MeasuredReflection; `steps`: bytes of 16-bit integers, little-endian.
+        """
+    @staticmethod
     def none() -> Base:
         ...
     @staticmethod
     def principled(color: typing.SupportsFloat | typing.SupportsIndex, metallic: typing.SupportsFloat | typing.SupportsIndex, roughness: typing.SupportsFloat | typing.SupportsIndex, ior: typing.SupportsFloat | typing.SupportsIndex, specular: typing.SupportsFloat | typing.SupportsIndex, coat: typing.SupportsFloat | typing.SupportsIndex, coat_roughness: typing.SupportsFloat | typing.SupportsIndex, coat_ior: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex) -> Base:
         """
         A Principled material by its sockets, indices relative to the medium above. Facets of `alpha` 0 are a mirror.
+        """
+    @property
+    def alpha(self) -> float:
+        """
+        The width of the facets.
         """
 class Stack:
     def __init__(self, layers: collections.abc.Sequence[Medium | Interface | typing.Any], base: Base = ...) -> None:

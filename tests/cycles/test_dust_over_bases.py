@@ -15,6 +15,7 @@ import goniophotometer
 import numpy as np
 import pytest
 from baked_samples import MIXTURE_RMS, PROMISE_FACTOR
+from measured_tables import facets, measured
 
 from lamina import Conductor, HalfSpace, HenyeyGreenstein, Interface, Isotropic, Lambert, Medium, Stack
 from lamina.kinds.table import SHAPE, Strip
@@ -33,9 +34,10 @@ BASES = {
     "rough conductor": ([], Conductor(alpha=0.2, **BRONZE)),
     "smooth conductor": ([], Conductor(**BRONZE)),
     "half-space": ([], HalfSpace([0.9, 0.7, 0.4], HenyeyGreenstein(0.4))),
+    "measured": ([], measured(*(facets(0.2, 0.3, diffuse) for diffuse in (0.05, 0.1, 0.3)))),
 }
 # Metals with lobes take a minute at final quality; the report gives the expected errors at either quality.
-QUALITY = {"lacquer over rough conductor": "preview", "rough conductor": "preview"}
+QUALITY = {"lacquer over rough conductor": "preview", "rough conductor": "preview", "measured": "preview"}
 THICKNESSES = (0.0, 0.1, 0.5, 2.0, 8.0)
 
 VIEWS = baked_samples.gauss_views(3)

@@ -6,35 +6,27 @@
 #include <vector>
 
 #include "events/facet_normals.hpp"
-#include "events/sphere.hpp"
+#include "events/scattering_surface.hpp"
 #include "matter/microfacet.hpp"
 
 namespace lamina {
 
 /// A rough boundary for walks: the facets of RoughSurface, with the same compensation, for single rays. Rays are
 /// directions of travel, z up.
-class FacetScatter {
+class FacetScatter final : public ScatteringSurface {
  public:
   /// `above`: the boundary as light from above meets it.
   FacetScatter(const Facets& facets, const FacetOptics& above);
 
   /// The smaller width of the facets.
-  double alpha() const { return std::min(facets_.alpha, facets_.across()); }
+  double alpha() const override { return std::min(facets_.alpha, facets_.across()); }
 
-  /// The radiance along `out`, divided by the square of the index there, for unit irradiance along `in`.
-  double value(const Ray& in, const Ray& out) const;
+  double value(const Ray& in, const Ray& out) const override;
+  Outcome sample(const Ray& in, Rng& rng) const override;
 
-  /// An outgoing ray and its share of the incoming power; 0 if the light is lost.
-  struct Outcome {
-    Ray ray;
-    double weight;
-  };
-  Outcome sample(const Ray& in, Rng& rng) const;
-
-  /// As `value` and `sample` for the light that meets one facet, without compensation. Only reflected or only refracted
-  /// light is sampled.
-  double value_once(const Ray& in, const Ray& out) const;
-  Outcome sample_once(const Ray& in, bool reflects, Rng& rng) const;
+  /// For the light that meets one facet, without compensation.
+  double value_once(const Ray& in, const Ray& out) const override;
+  Outcome sample_once(const Ray& in, bool reflects, Rng& rng) const override;
 
  private:
   /// The energy that single scattering by facets loses for light from one side, tabulated by the square root of the

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "matter/measured_reflection.hpp"
 #include "matter/microfacet.hpp"
 #include "matter/principled.hpp"
 
@@ -13,17 +14,19 @@ namespace lamina {
 /// The surface below the last layer. Solver and walks do not ask for the kind, but for the properties below: a new kind
 /// is described here.
 struct Base {
-  enum class Kind { kNone, kLambert, kConductor, kPrincipled };
+  enum class Kind { kNone, kLambert, kConductor, kPrincipled, kMeasured };
   Kind kind = Kind::kNone;                        ///< kNone: the stack is a thin sheet, and light leaves at the bottom
   double reflectance = 0.0;                       ///< of a Lambert surface, [0, 1]
   std::complex<double> ior = {};                  ///< of a conductor, n + ik, absolute
   Facets facets{.alpha = 0.0};                    ///< of a conductor or a Principled material
   std::shared_ptr<const PrincipledLaw> law = {};  ///< of a Principled material
   std::shared_ptr<const Film> film = {};          ///< on a conductor; null without films
+  /// Of a measured material, whose `facets` are as wide as its narrowest peak and only place rays.
+  std::shared_ptr<const MeasuredReflection> measured = {};
 
   /// True if the base scatters light equally into all azimuths, without facets.
   bool is_diffuse() const { return law ? law->has_diffuse() : kind == Kind::kLambert && reflectance > 0.0; }
-  /// True if the base reflects light by facets, into lobes.
+  /// True if the base reflects light into lobes: by facets, or as it was measured.
   bool is_rough() const { return has_facets() && facets.alpha > 0.0; }
   /// True if the base reflects light as a mirror, see mirror_reflectance(), and not by facets.
   bool is_mirror() const { return has_mirror() && !is_rough(); }
@@ -33,7 +36,7 @@ struct Base {
   /// True for nothing and for a Lambert surface, which the methods for media alone include.
   bool is_none_or_lambert() const { return kind == Kind::kNone || kind == Kind::kLambert; }
   /// True if light that lobes lose to shadowing is returned by an operator of its own.
-  bool compensates() const { return facets.compensate && !law; }
+  bool compensates() const { return facets.compensate && kind == Kind::kConductor; }
   /// True if an exchange of view and light changes nothing.
   bool is_reciprocal() const { return !law; }
   bool scatters() const { return is_diffuse() || is_rough(); }
@@ -60,7 +63,7 @@ struct Base {
   double diffuse_reflectance(double mu) const { return law ? law->diffuse(mu) : reflectance; }
 
  private:
-  bool has_facets() const { return kind == Kind::kConductor || (law && law->has_lobe()); }
+  bool has_facets() const { return kind == Kind::kConductor || measured || (law && law->has_lobe()); }
 };
 
 }  // namespace lamina

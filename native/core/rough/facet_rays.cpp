@@ -77,6 +77,11 @@ FacetRays::FacetRays(const Facets& facets, std::function<double(double)> reflect
   steepest_ = facets.distribution == Facets::Distribution::kGgx ? 0.5 * pi : std::atan(kBeckmannEnd * facets.alpha);
 }
 
+FacetRays::FacetRays(const Base& base, double ior_above, Pieces pieces)
+    : FacetRays(base.facets, base.facet_reflectance(ior_above), std::move(pieces)) {
+  measured_ = base.measured;
+}
+
 /// Angles of the circles that touch a division in the plane of incidence, ascending.
 std::vector<double> FacetRays::divisions(double mu) const {
   const double incident = std::acos(mu);
@@ -140,7 +145,9 @@ void FacetRays::circle(const Incident& in, double angle, double weight, Rays& re
   const auto& [upright, flat] = tilt;
   const double mean = mu * upright;  // cosine between ray and facet: mean + swing cos(azimuth)
   const double swing = in.across * flat;
-  const double density = 2.0 * facets_.density(upright) * flat / mu * weight;
+  // The density of rays is that of half vectors over 4 cos(ray, facet): a measured value has this factor, and 2 is for
+  // the other side of the plane of incidence.
+  const double density = (measured_ ? 8.0 : 2.0 * facets_.density(upright) / mu) * flat * weight;
   constexpr double kPerCircle = 5.0;
   constexpr double kPerWave = 1.0;
   // Outgoing azimuths cover the whole circle, and whole waves, only for tilts beyond the angle of incidence.
@@ -213,6 +220,14 @@ void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, doub
   if (!(cosine > 0.0)) {
     return;
   }
+  const double up = 2.0 * cosine * z - mu;
+  if (measured_) {
+    if (up > 0.0) {
+      reflected.add(weight * cosine * up * measured_->value(std::min(up, 1.0), mu, cosine), up,
+                    2.0 * cosine * x - across, 2.0 * cosine * y);
+    }
+    return;
+  }
   const double refracted2 = ratio_ > 0.0 ? 1.0 - (1.0 - cosine * cosine) / (ratio_ * ratio_) : -1.0;
   const double refracted = refracted2 > 0.0 ? std::sqrt(refracted2) : 0.0;
   double back = 1.0;
@@ -223,7 +238,6 @@ void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, doub
   } else if (refracted2 > 0.0) {
     back = reflectance_between(cosine, refracted, ratio_);
   }
-  const double up = 2.0 * cosine * z - mu;
   if (up > 0.0) {
     reflected.add(weight * cosine * back * facets_.masked(facets_.lambda(up), lambda), up, 2.0 * cosine * x - across,
                   2.0 * cosine * y);

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "matter/microfacet.hpp"
+#include "matter/base.hpp"
 
 namespace lamina {
 
@@ -40,6 +40,9 @@ class FacetRays {
   FacetRays(const Facets& facets, FacetOptics optics, Pieces pieces);
   /// Opaque facets with a reflectance by cosine.
   FacetRays(const Facets& facets, std::function<double(double)> reflectance, Pieces pieces);
+  /// The facets of a base below a medium of index `ior_above`. Of a measured base, rays about the normals of its
+  /// facets.
+  FacetRays(const Base& base, double ior_above, Pieces pieces);
 
   /// Computes the rays for light of cosine `mu` in (0, 1] with the normal. Replaces the contents of both lists.
   void scatter(double mu, Rays& reflected, Rays& transmitted) const;
@@ -66,7 +69,8 @@ class FacetRays {
   double ratio_ = 0.0;                         // of indices, beyond / here; 0 if the facets are opaque
   double critical_ = 0.0;                      // cosine with a facet where total reflection ends; 0 if there is none
   std::function<double(double)> reflectance_;  // empty for dielectrics
-  double steepest_;                            // angle beyond which there are no facets
+  std::shared_ptr<const MeasuredReflection> measured_;  // null for facets
+  double steepest_;                                     // angle beyond which there are no facets
   Pieces pieces_;
 };
 

@@ -50,8 +50,8 @@ void require_no_gain(double gained) {
   constexpr double kAllowed = 1e-4;
   if (gained > kAllowed) {
     std::ostringstream message;
-    message << "the stack cannot be resolved: a rough boundary gains " << gained << " of its flux (allowed " << kAllowed
-            << ")";
+    message << "the stack cannot be resolved: a rough boundary or a measured base gains " << gained
+            << " of its flux (allowed " << kAllowed << ")";
     throw std::runtime_error(message.str());
   }
 }
@@ -140,7 +140,7 @@ RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior
       below_(above_),
       compensate_(base.compensates()) {
   const FacetRays::Pieces own = pieces(set, ior_above, 0.0, orders, fineness);
-  from_above_.emplace(FacetRays(facets_, reflectance_, own), set, ior_above, 0.0, orders);
+  from_above_.emplace(FacetRays(base, ior_above, own), set, ior_above, 0.0, orders);
   const Directions over = set.in_medium(ior_above, VectorXd());
   const Modes modes(set, over);
   for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
@@ -168,7 +168,7 @@ std::vector<FacetRays> RoughSurface::rays_on(const DirectionSet& set, int degree
   std::vector<FacetRays> rays;
   const std::vector<double> above = set.ends(above_.here);
   if (base_) {
-    rays.emplace_back(facets_, reflectance_, FacetRays::Pieces{degree, above, {}});
+    rays.emplace_back(*base_, above_.here, FacetRays::Pieces{degree, above, {}});
   } else {
     const std::vector<double> below = set.ends(below_.here);
     rays.emplace_back(facets_, above_, FacetRays::Pieces{degree, above, below});
@@ -237,6 +237,8 @@ void RoughSurface::Operators::compensate(ThreadPool& pool) {
       const double loss = node_sum(lost_above_, *above_) + node_sum(lost_below_, *below_);
       share_ = loss > 0.0 ? 1.0 / loss : 0.0;
     }
+  } else if (surface_->base_->measured) {
+    require_no_gain(gain(*above_, leaving_flux(lobes(0).reflect_above.kernel, *above_)));
   } else if (surface_->perfect_) {
     const MatrixXd whole = surface_->perfect_->from_targets(*above_, pool)->reflected.front();
     MatrixXd all = MatrixXd::Zero(above_->size(), above_->size());
@@ -260,8 +262,9 @@ auto RoughSurface::lobe(Face from, Face to, double mu_from, const Towards&... to
   if (from != to) {
     return facet_transmission(facets_, own, mu_from, towards...);
   }
-  auto reflected = is_reciprocal() ? facet_reflection(facets_, own, mu_from, towards...)
-                                   : opaque_reflection(facets_, reflectance_, mu_from, towards...);
+  auto reflected = base_ && base_->measured ? base_->measured->values(mu_from, towards...)
+                   : is_reciprocal()        ? facet_reflection(facets_, own, mu_from, towards...)
+                                            : opaque_reflection(facets_, reflectance_, mu_from, towards...);
   reflected /= own.here * own.here;
   return reflected;
 }

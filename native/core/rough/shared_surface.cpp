@@ -67,6 +67,9 @@ std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const Direc
   Key key = key_of(base.facets, set, ior_above, orders, fineness);
   key.insert(key.end(), {base.ior.real(), base.ior.imag()});
   add_film(key, base.film.get());
+  if (base.measured) {
+    key.insert(key.end(), base.measured->table().begin(), base.measured->table().end());
+  }
   if (base.law) {
     const std::vector<double> sockets = base.law->key();
     key.insert(key.end(), sockets.begin(), sockets.end());

@@ -76,8 +76,7 @@ FacetMeetings::FacetMeetings(const Assembly& assembly) : assembly_(assembly), se
     Boundary made{boundary.layer, at_base ? boundary.layer : boundary.layer + 1, boundary.surface.get(), {}};
     const std::vector<double> own = critical_cosines(indices, above);
     if (at_base) {
-      made.rays.emplace_back(facets(boundary), stack.base.facet_reflectance(above),
-                             FacetRays::Pieces{kDegree, own, {}, density});
+      made.rays.emplace_back(stack.base, above, FacetRays::Pieces{kDegree, own, {}, density});
     } else {
       const std::vector<double> other = critical_cosines(indices, indices[boundary.layer + 1]);
       made.rays.emplace_back(facets(boundary), boundary.surface->optics(Face::kTop),

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: python -m lamina bake | report | export | estimate | estimate-searchlight | merge | presets |
-dust."""
+"""The command line: python -m lamina bake | report | export | estimate | estimate-searchlight | merge | match |
+presets | dust."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from ..common.errors import (
     DustError,
     DustUnavailable,
     LutError,
+    MeasurementError,
     MeshFileError,
     ShardError,
     SolveError,
@@ -27,6 +28,7 @@ from . import (
     dust_command,
     estimate_command,
     export_command,
+    match_command,
     merge_command,
     presets_command,
     searchlight_command,
@@ -35,7 +37,7 @@ from .arguments import check
 
 FAILED, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
 COMMANDS = (bake_command, presets_command, export_command, estimate_command, searchlight_command, merge_command,
-            dust_command)
+            match_command, dust_command)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -56,7 +58,7 @@ def main(argv: list[str] | None = None) -> int:
         return BROKEN_PIPE
     except (KeyboardInterrupt, Cancelled):
         return _fail("interrupted; nothing was written", INTERRUPTED)
-    except (ArgumentError, StackError, LutError, ShardError, DustError, MeshFileError) as error:
+    except (ArgumentError, StackError, LutError, ShardError, DustError, MeasurementError, MeshFileError) as error:
         return _fail(str(error), BAD_INPUT)
     except (SolveError, DustUnavailable, ValueError) as error:
         return _fail(str(error), FAILED)

@@ -9,14 +9,14 @@ import math
 import numpy as np
 
 from .. import _core
-from ..kinds.bases import LEAST_ALPHA, Conductor, PrincipledBase
+from ..kinds.bases import LEAST_ALPHA, Conductor, Measured, PrincipledBase
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
 from ..material.layers import Medium
 from ..material.stack import Stack
-from ..solver.sharp_facets import is_sharp
+from ..solver.sharp_facets import is_sharp, peak_alpha
 
 # Facets narrower than LEAST_ALPHA are solved as mirrors, and only their closure has their width.
 # From this width on, the light grid for smooth slices also resolves a lobe.
@@ -25,6 +25,8 @@ BROAD_ALPHA = 0.45
 STRAIGHT_ALPHA = 0.2
 # Ratio of the widths of closures for lobes of unknown width.
 STEP = 1.35
+# Ratio of the widest closure for the lobes of a measured base to its narrowest peak.
+WIDER = 8.0
 # Through a refracting boundary or an absorbing layer, a lobe is tilted from the mirror direction towards the normal.
 # Cones tilted by these shares fit it; (size, smooth) are for a lobe of alpha 1.
 LEANS = (0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
@@ -70,8 +72,9 @@ def closures(stack) -> list[str]:
             ids += [_cone(lean, min(1.0, w * surface.alpha * size), min(1.0, w * surface.alpha * smooth))
                     for lean in AWAY for w in (1.0, 2.0) for size, smooth in CONES]
     flaky = any(isinstance(surface, Flakes) for surface, _, _ in rough)
-    if rough and (_covered(stack) or len(rough) > 1 or _sees_through(stack) or flaky):
-        widest = max(surface.alpha * above for surface, above, _ in rough) * STEP
+    several = isinstance(stack.base, Measured)  # lobes of unknown widths
+    if rough and (_covered(stack) or len(rough) > 1 or _sees_through(stack) or flaky or several):
+        widest = max(surface.alpha * above for surface, above, _ in rough) * (WIDER if several else STEP)
         alpha = least = narrowest(stack) or widest
         while alpha < min(1.0, widest) * STEP:
             ids.append(_id("ggx", min(alpha, 1.0)))
@@ -131,7 +134,7 @@ def mirror(stack: Stack) -> str:
 
 def _in_order(stack: Stack) -> list[tuple]:
     """(layer or base, index above, index below), top first. Left out are thin films, and interfaces without films
-    between media of one index."""
+    between media of one index, and a measured base is a metal with as narrow a lobe."""
     found, above, filmed = [], 1.0, False
     for layer in stack.layers:
         if isinstance(layer, Film):
@@ -141,7 +144,10 @@ def _in_order(stack: Stack) -> list[tuple]:
         if not isinstance(layer, Interface) or below != above or filmed:
             found.append((layer, above, below))
         above, filmed = below, False
-    return [*found, (stack.base, above, above)]
+    base = stack.base
+    if isinstance(base, Measured):  # closures for a metal whose lobe is as wide
+        base = Conductor(1.0, 1.0, alpha=max(LEAST_ALPHA, peak_alpha(base)))
+    return [*found, (base, above, above)]
 
 
 def _is_rough(surface) -> bool:

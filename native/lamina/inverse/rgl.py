@@ -11,15 +11,43 @@ import numpy as np
 
 from ..common.arguments import finite_list
 from ..common.errors import ArgumentError, MeasurementError, quoted
+from ..common.observer import rec709
 from ..common.tensor_file import NoTensors, read_tensors
 from .directions import Directions
 
 NEEDED = ("phi_i", "theta_i", "ndf", "sigma", "vndf", "jacobian")
+SMALLEST = 1e-7  # 1/sr, in place of 0 in a logarithm
 
 
 def read_rgl(path: str | os.PathLike, wavelengths=None) -> Directions:
     """The directions of all nodes. `wavelengths` in nm, between which the file's are interpolated; None for all of a
     spectral file, or for red, green and blue. Raises MeasurementError, ArgumentError and OSError."""
+    fields = _fields(path)
+    try:
+        values = _channels(fields, wavelengths)
+        return _directions(fields, values)
+    except (IndexError, ZeroDivisionError):
+        raise MeasurementError(f"{path}: the arrays have shapes that do not fit together") from None
+
+
+def rgl_at(path: str | os.PathLike, h: np.ndarray, d: np.ndarray, c: np.ndarray, *_: np.ndarray) -> np.ndarray:
+    """The values in 1/sr, (*h.shape, 3), red, green and blue, at half vectors, see half_table: the mean of both
+    directions. Raises MeasurementError and OSError."""
+    fields = _fields(path)
+    try:
+        values = _channels(fields, None)
+        if "spectra" in fields:
+            values = rec709(values, tuple(fields["wavelengths"].astype(float).tolist()))
+        if not np.all(np.isfinite(values)):
+            raise MeasurementError(f"{path}: holds values that are not finite")
+        found = [_at(fields, values, h.ravel(), d.ravel(), sign * c.ravel()) for sign in (1.0, -1.0)]
+    except (IndexError, ZeroDivisionError):
+        raise MeasurementError(f"{path}: the arrays have shapes that do not fit together") from None
+    return np.exp(0.5 * sum(np.log(np.maximum(one, SMALLEST)) for one in found)).reshape(*h.shape, -1)
+
+
+def _fields(path: str | os.PathLike) -> dict[str, np.ndarray]:
+    """The arrays of an isotropic material. Raises MeasurementError and OSError."""
     try:
         fields = read_tensors(path)
     except NoTensors as reason:
@@ -29,11 +57,7 @@ def read_rgl(path: str | os.PathLike, wavelengths=None) -> Directions:
         raise MeasurementError(f"{path}: has no {quoted((missing or ['rgb'])[0])}: must be a .bsdf file of RGL")
     if len(fields["phi_i"]) > 2:
         raise MeasurementError(f"{path}: holds an anisotropic material: must be isotropic like all layers")
-    try:
-        values = _channels(fields, wavelengths)
-        return _directions(fields, values)
-    except (IndexError, ZeroDivisionError):
-        raise MeasurementError(f"{path}: the arrays have shapes that do not fit together") from None
+    return fields
 
 
 def _channels(fields: dict[str, np.ndarray], wavelengths) -> np.ndarray:
@@ -76,6 +100,73 @@ def _directions(fields: dict[str, np.ndarray], values: np.ndarray) -> Directions
         parts.append(Directions.of_vectors(wi, wo, weighted / cosine))
     return Directions(*(np.concatenate([getattr(part, name) for part in parts])
                         for name in ("mu_o", "mu_i", "dphi", "values")))
+
+
+def _at(fields: dict[str, np.ndarray], values: np.ndarray, h: np.ndarray, d: np.ndarray,
+        turn: np.ndarray) -> np.ndarray:
+    """The values (count, channels) at half vectors; `turn`: the cosine of the light's azimuth about the half vector, 1
+    towards the normal. Between the slices of two incident angles, densities and values are linear in the angle."""
+    across = np.sqrt(np.maximum(1.0 - turn**2, 0.0))
+    x, y, z = np.sin(d) * turn, np.sin(d) * across, np.cos(d)
+    # In the plane of the normal and the half vector, the light; then the half vector's azimuth from the light
+    wi = np.cos(h) * -x + np.sin(h) * z, y, np.cos(h) * z + np.sin(h) * x
+    mu_i = np.clip(wi[2], 1e-3, 1.0)
+    leaving = np.clip(2.0 * np.cos(d) * np.cos(h) - wi[2], 1e-3, 1.0)
+    azimuth = np.abs(np.arctan2(y * np.sin(h), wi[0] * np.sin(h)))
+    place_x = np.sqrt(2.0 * h / math.pi)
+    place_y = 0.5 * (azimuth / math.pi + 1.0)
+    theta = fields["theta_i"].astype(float)
+    angle = np.clip(np.arccos(mu_i), theta[0], theta[-1])
+    low = np.clip(np.searchsorted(theta, angle) - 1, 0, max(len(theta) - 2, 0))
+    high = np.minimum(low + 1, len(theta) - 1)
+    share = (angle - theta[low]) / np.maximum(theta[high] - theta[low], 1e-12)
+    u, v = _unwarped(fields["vndf"][0].astype(float), (low, high, share), place_x, place_y)
+    found = ((1.0 - share)[:, None] * _bilinear_of(values, low, u, v)
+             + share[:, None] * _bilinear_of(values, high, u, v))
+    if fields["jacobian"][0]:
+        ndf, sigma = fields["ndf"].astype(float), fields["sigma"].astype(float)
+        area = bilinear(sigma, np.sqrt(2.0 * angle / math.pi), 0.5)
+        found = found * (bilinear(ndf, place_x, place_y) / (4.0 * area))[:, None]
+    return found / leaving[:, None]
+
+
+def _unwarped(densities: np.ndarray, between: tuple[np.ndarray, np.ndarray, np.ndarray], x: np.ndarray,
+              y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The inverse of `warp` for a density that is linear between two of `densities` [slice, row, column], each with the
+    integral 1."""
+    low, high, share = between
+    rows, columns = densities.shape[1:]
+    along = np.zeros_like(densities)  # integral over the columns, in cells
+    along[..., 1:] = np.cumsum(0.5 * (densities[..., 1:] + densities[..., :-1]), axis=-1)
+    whole = along[..., -1]
+    across = np.zeros_like(whole)
+    across[:, 1:] = np.cumsum(0.5 * (whole[:, 1:] + whole[:, :-1]), axis=1)
+    row = np.clip((y * (rows - 1)).astype(int), 0, rows - 2)
+    column = np.clip((x * (columns - 1)).astype(int), 0, columns - 2)
+    s, t = y * (rows - 1) - row, x * (columns - 1) - column
+
+    def integrals(one: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        total = across[one, -1]
+        below = across[one, row] + s * whole[one, row] + 0.5 * s * s * (whole[one, row + 1] - whole[one, row])
+        lines = []
+        for end in (row, row + 1):
+            left, right = densities[one, end, column], densities[one, end, column + 1]
+            lines.append(along[one, end, column] + t * left + 0.5 * t * t * (right - left))
+        to_left = (1.0 - s) * lines[0] + s * lines[1]
+        line = (1.0 - s) * whole[one, row] + s * whole[one, row + 1]
+        return below / total, to_left / total, line / total
+
+    below, to_left, line = ((1.0 - share) * a + share * b for a, b in zip(integrals(low), integrals(high), strict=True))
+    return np.clip(to_left / np.maximum(line, 1e-300), 0.0, 1.0), np.clip(below, 0.0, 1.0)
+
+
+def _bilinear_of(tables: np.ndarray, which: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The tables [table, row, column, channel] at places (x, y) of the unit square, a table for each place."""
+    x, y = x * (tables.shape[2] - 1), y * (tables.shape[1] - 1)
+    i, j = (np.clip(place.astype(int), 0, size - 2) for place, size in ((x, tables.shape[2]), (y, tables.shape[1])))
+    s, t = (x - i)[:, None], (y - j)[:, None]
+    return ((tables[which, j, i] * (1.0 - s) + tables[which, j, i + 1] * s) * (1.0 - t)
+            + (tables[which, j + 1, i] * (1.0 - s) + tables[which, j + 1, i + 1] * s) * t)
 
 
 def warp(density: np.ndarray, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,12 +11,13 @@ from dataclasses import field as member
 from .boundaries import ALPHA, FACETS, ORIENTATION
 from .fields import Channels, Field, Form, Option, Rare, channel
 from .hashable import Hashable
+from .measured import TableText, table_of
 from .media import ALBEDO, SIGMA_A, SIGMA_S, single_scattering_albedo
 from .metals import METAL
 from .panel import Item, Panel
 from .phases import Isotropic, PhaseFunction
 
-__all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "PrincipledBase", "ShaderBase"]
+__all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "Measured", "PrincipledBase", "ShaderBase"]
 
 
 # A bake solves facets narrower than this as mirrors, and only their closure has their width: see solver.sharp_facets.
@@ -39,7 +40,7 @@ class Base(Hashable):
     kind = ""
     fields: tuple[Field, ...] = ()
     forms: tuple[Form, ...] = ()
-    options: tuple[Option, ...] = ()
+    options: tuple[Option | TableText, ...] = ()
     rare: tuple[Rare, ...] = ()
     item: Item
     has_phase = False
@@ -237,7 +238,32 @@ class ShaderBase(Base):
         return Lambert.kind, channel(self.reflectance, index)
 
 
+@dataclass(frozen=True)
+class Measured(Base):
+    """A measured isotropic material. `table`: its reflection, a text that lamina.measurements.load_base makes from a
+    file, grey or red, green and blue. `name`: a text for the user, not part of the hash.
+
+    The table is a function of the two directions in the medium above the base: below an Interface the light is taken to
+    be reflected at the same angles as in air."""
+
+    table: str = ""
+    name: str = ""
+
+    kind = "measured"
+    options = (TableText("table", "Measured File", "The reflection of the material, as it was read from a file"),)
+    item = Item(kind, "Measured", "A measured material, from a file of MERL or RGL", 7)
+
+    @property
+    def channels(self) -> int:
+        """The number of channels of the table, 1 or 3."""
+        return len(table_of(self.table))
+
+    def in_channel(self, index: int) -> tuple:
+        table = table_of(self.table)
+        return self.kind, *table[index if len(table) > 1 else 0]
+
+
 NONE = Item("none", "None (Thin Sheet)", "Nothing below: light also leaves through the back", 0)
-KINDS = (Lambert, Black, HalfSpace, Conductor, PrincipledBase, ShaderBase)
-IN_PANEL = (Lambert, Conductor, PrincipledBase, ShaderBase, Black, HalfSpace)  # in this order, after NONE
+KINDS = (Lambert, Black, HalfSpace, Conductor, PrincipledBase, ShaderBase, Measured)
+IN_PANEL = (Lambert, Conductor, Measured, PrincipledBase, ShaderBase, Black, HalfSpace)  # in this order, after NONE
 BASES = {cls.kind: cls for cls in KINDS}

@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common import svg
-from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
+from ..kinds.bases import Conductor, HalfSpace, Lambert, Measured, PrincipledBase, ShaderBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import Channels, as_channels, channel
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
 from ..kinds.spectra import Spectrum
+from . import half_table
 from .colours import shown
 from .layers import Medium
 
 if TYPE_CHECKING:
     from .stack import Stack
 
+MIDDLE = 0.7  # cosine at which the picture shows a measured base
 WIDTH, TEXT = 150.0, 330.0  # of the picture, and of the words beside it
 THIN, THICK, BOUNDARY, BASE = 14.0, 46.0, 4.0, 30.0  # heights in pixels
 
@@ -58,8 +60,12 @@ def stack_picture(stack: Stack) -> str:
     else:
         fill = _fill(stack, _colour_of_base(stack))
         parts += [svg.box(0.0, y, WIDTH, BASE, fill, "#808080"),
-                  svg.text(WIDTH + 8.0, y + 0.5 * BASE + 4.0, f"base: {stack.base.kind}")]
+                  svg.text(WIDTH + 8.0, y + 0.5 * BASE + 4.0, _words(stack.base))]
     return svg.picture(WIDTH + TEXT, y + BASE + 4.0, parts, f"Stack {stack.label}")
+
+
+def _words(base) -> str:
+    return f"base: {base.kind}" + (f", {base.name}" if isinstance(base, Measured) and base.name else "")
 
 
 def _fill(stack: Stack, values: list[float]) -> str:
@@ -98,6 +104,8 @@ def _colour_of_base(stack: Stack) -> list[float]:
         return [channel(base.reflectance, c) for c in channels]
     if isinstance(base, PrincipledBase):
         return [channel(base.color, c) for c in channels]
+    if isinstance(base, Measured):
+        return half_table.albedos(half_table.table_in(base.table), np.array([MIDDLE]))[0].tolist()
     if isinstance(base, Conductor):
         return [_facing(*stack.indices(c)) for c in channels]
     if isinstance(base, HalfSpace):

@@ -19,7 +19,7 @@ from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
 from ..common.observer import rec709
-from ..kinds.bases import Base, Conductor, HalfSpace
+from ..kinds.bases import Base, Conductor, HalfSpace, Measured
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
 from ..kinds.films import Film
@@ -150,6 +150,9 @@ class Stack(Requirements):
         return rec709(values, tuple(self.wavelengths), axis, self.illuminant)
 
     def _check_channels(self) -> None:
+        if isinstance(self.base, Measured) and self.wavelengths is not None:
+            raise StackError("base.kind = 'measured': has red, green and blue, and cannot lie in a stack with "
+                             "wavelengths, pigments or spectra")
         count = channel_count(self._quantities())
         if self.wavelengths is not None and count not in (1, len(self.wavelengths)):
             raise StackError(f"wavelengths has {len(self.wavelengths)} entries: must have {count} like the channels")
@@ -331,6 +334,8 @@ class Stack(Requirements):
                 entry["varying"] = True
             layers.append(entry)
         base = None if self.base is None else plain(self._given.get(len(self.layers), self.base))
+        if isinstance(self.base, Measured) and self.base.name:
+            base = {"name": self.base.name, **(base or {})}
         texts = {text: getattr(self, text) for text in self.texts if getattr(self, text)}
         spectral = {} if self.wavelengths is None or self._implied else {"wavelengths": list(self.wavelengths)}
         return {"schema": SCHEMA, **texts, **spectral, **self._light(), "layers": layers, "base": base}
@@ -384,6 +389,8 @@ class Stack(Requirements):
                     yield from knot.quantities(f"layers[{index}].profile[{number}]")
         if self.base is not None:
             yield from _fields_of(self.base, "base")
+            if isinstance(self.base, Measured) and self.base.channels > 1:
+                yield "base.table", (0.0,) * self.base.channels
             if self.base.has_phase:
                 yield from self.base.phase.quantities("base.phase")
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..common.errors import StackError, quoted
-from ..kinds.bases import Base, Conductor
+from ..kinds.bases import Base, Conductor, Measured
 from ..kinds.boundaries import Interface
 from ..kinds.fields import Channels, channel, check_forms
 from ..kinds.films import Film
@@ -58,6 +58,8 @@ def check_base(base):
     if not isinstance(base, Base):
         raise StackError(f"base = {quoted(base)}: must be a base or none")
     base = _checked(base, "base")
+    if isinstance(base, Measured) and not isinstance(base.name, str):
+        raise StackError(f"base.name = {quoted(base.name)}: must be a text")
     if base.has_phase:
         base = replace(base, phase=check_phase(base.phase, "base.phase"))
     return base

@@ -7,7 +7,7 @@ from collections.abc import Collection
 from dataclasses import MISSING, fields, replace
 
 from ..common.errors import StackError, quoted
-from ..kinds.bases import BASES, Base
+from ..kinds.bases import BASES, Base, Measured
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, check_keys, read_kind
 from ..kinds.films import Film
@@ -51,7 +51,7 @@ def _read_base(entry, path: str) -> Base:
         raise StackError(f"{path}.kind = {quoted(kind)}: must be one of {', '.join(BASES)}")
     values = dict(entry)
     phase = values.pop("phase", None) if BASES[kind].has_phase else None
-    base = _read(BASES[kind], values, path)
+    base = _read(BASES[kind], values, path, {"name"} if BASES[kind] is Measured else ())
     return base if phase is None else replace(base, phase=read_phase(phase, f"{path}.phase"))
 
 

@@ -4,21 +4,26 @@
 A mirror reflects another share of the light than such facets. At grazing views the facets reflect less, because many of
 them face the light more steeply: a third at a cosine of .05 and alpha .03. Between boundaries light that facets deflect
 beyond the critical angle is reflected totally, and meets the facets again. The mean over azimuths alone tells how much
-light facets of any width reflect."""
+light facets of any width reflect. A measured peak that is narrower is solved as wide as .03, with its own flux."""
 
 from __future__ import annotations
 
+import functools
 from dataclasses import replace
 
 import numpy as np
 
-from ..kinds.bases import LEAST_ALPHA, Conductor, PrincipledBase
+from ..kinds.bases import LEAST_ALPHA, Conductor, Measured, PrincipledBase
 from ..kinds.boundaries import Interface
+from ..material import half_table
 from ..material.stack import Stack
+from .core_stack import core_base
 
 
 def is_sharp(surface) -> bool:
-    """True for facets that can be solved, and that a bake solves as a mirror."""
+    """True for facets that can be solved, and that a bake solves as a mirror; and for a measured peak as narrow."""
+    if isinstance(surface, Measured):
+        return peak_alpha(surface) < LEAST_ALPHA
     return isinstance(surface, Interface | Conductor) and 0.0 < surface.alpha < LEAST_ALPHA
 
 
@@ -45,5 +50,18 @@ def take_lost(scattered, mirrored, lost):
     return np.maximum(scattered - np.maximum(lost - mirrored, 0.0), 0.0), kept
 
 
+def peak_alpha(base: Measured) -> float:
+    """The width of facets whose lobe is as wide as the narrowest peak of any channel."""
+    return min(core_base(base.in_channel(channel)).alpha for channel in range(base.channels))
+
+
+@functools.lru_cache(maxsize=4)
+def _widened(base: Measured) -> Measured:
+    table = half_table.widened(half_table.table_in(base.table), peak_alpha(base), LEAST_ALPHA)
+    return replace(base, table=half_table.text_from(table))
+
+
 def _smoothed(surface):
+    if isinstance(surface, Measured):
+        return _widened(surface) if is_sharp(surface) else surface
     return replace(surface, alpha=0.0) if is_sharp(surface) else surface

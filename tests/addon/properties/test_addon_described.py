@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from addon_helpers import drawn_base, drawn_layer
+from measured_tables import facets, measured
 
 from lamina.kinds import bases, boundaries, dust, interiors, media, phases
 from lamina.kinds.fields import Option
@@ -95,6 +96,8 @@ def test_a_phase_function_is_drawn_and_written(addon, lamina, material, cls):
 def test_a_base_is_drawn_written_and_read(addon, lamina, material, cls):
     base = material.lamina.base
     base.kind = cls.kind
+    if cls is bases.Measured:
+        base.table, base.measured_name = measured(facets(0.2, 0.1, 0.3)).table, "paint"
     lines = " ".join(drawn_base(addon, base))
     form = next((form for form in cls.forms if form.item.id == getattr(base, cls.form_prop)), ())
     for field in (*form, *cls.fields):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measured_tables import facets, measured
 
 import lamina
 from lamina import Medium, Stack, StackError, _core
@@ -86,7 +87,8 @@ def test_the_core_takes_every_phase_function(cls):
 @pytest.mark.parametrize("cls", bases.KINDS, ids=lambda cls: cls.kind)
 def test_every_base_can_be_solved_and_read_back(cls):
     fields = (*(cls.forms[0] if cls.forms else ()), *cls.fields)
-    base = cls(**{field.name: field.panel.default for field in fields})
+    texts = {"table": measured(facets(0.2, 0.1, 0.3)).table} if cls is lamina.Measured else {}
+    base = cls(**{field.name: field.panel.default for field in fields}, **texts)
     stack = Stack([Medium(albedo=0.5, tau=0.5)], base)
     solved = lamina.solve(stack, "preview")
     assert np.all(solved.reflectance(0.5) + solved.transmittance(0.5) <= 1.0 + 1e-3)

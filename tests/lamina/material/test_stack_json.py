@@ -156,7 +156,7 @@ BAD = [
     ((*PHASE, "f"), 0.1, "layers[0].phase.f: unknown key; known are g, kind"),
     (("base",), "black", "base = 'black': must be a JSON object"),
     (("base", "kind"), "mirror",
-     "base.kind = 'mirror': must be one of lambert, black, half-space, conductor, principled, shader"),
+     "base.kind = 'mirror': must be one of lambert, black, half-space, conductor, principled, shader, measured"),
     (("base", "reflectance"), 2, "base.reflectance = 2: must lie in [0, 1]"),
     (("base", "reflectance"), ..., "base.reflectance is missing: must be given"),
     (("base",), {"kind": "principled", "metallic": 2.0}, "base.metallic = 2: must lie in [0, 1]"),

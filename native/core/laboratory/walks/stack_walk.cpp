@@ -61,7 +61,7 @@ bool StackWalk::sample_boundaries(std::vector<Exits>& exits, Rng& rng) const {
     if (out == here.end()) {
       break;
     }
-    const FacetScatter::Outcome within = stack_.elements[boundary].facets->sample(-out->ray, rng);
+    const ScatteringSurface::Outcome within = stack_.elements[boundary].facets->sample(-out->ray, rng);
     if (within.weight == 0.0 || (within.ray.z < 0.0) != top) {
       break;
     }
@@ -93,8 +93,8 @@ void StackWalk::follow_back(Link link, std::vector<Exits>& exits, Rng& rng) cons
   std::vector<Link> next;
   for (double kept = 1.0; rng.uniform() < kept;) {
     // Sample a direction of the lobe about the path
-    const FacetScatter& facets = *stack_.elements[link.element].facets;
-    const FacetScatter::Outcome before = facets.sample_once(-link.out.ray, link.reflected, rng);
+    const ScatteringSurface& facets = *stack_.elements[link.element].facets;
+    const ScatteringSurface::Outcome before = facets.sample_once(-link.out.ray, link.reflected, rng);
     const double once = facets.value_once(-before.ray, link.out.ray);
     if (before.weight == 0.0 || once == 0.0) {
       return;

@@ -54,7 +54,7 @@ bool scatter_at_surface(const WalkElements::Element& surface, Ray& ray, double& 
     weight *= surface.reflectance;
     ray = lambert_ray(rng);
   } else {
-    const FacetScatter::Outcome outcome = surface.facets->sample(ray, rng);
+    const ScatteringSurface::Outcome outcome = surface.facets->sample(ray, rng);
     weight *= outcome.weight;
     ray = outcome.ray;
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "events/facet_scatter.hpp"
+#include "events/measured_scatter.hpp"
 #include "matter/smooth_boundary.hpp"
 #include "operators/delta_field.hpp"
 
@@ -49,7 +51,11 @@ Element element_of(const Base& base, double ior_above, double turn) {
     element.mirror = base;
   } else if (base.is_rough()) {
     element.kind = Kind::kRough;
-    element.facets = std::make_shared<FacetScatter>(base.facets.turned(turn), base.optics(ior_above));
+    if (base.measured) {
+      element.facets = std::make_shared<MeasuredScatter>(base, ior_above);
+    } else {
+      element.facets = std::make_shared<FacetScatter>(base.facets.turned(turn), base.optics(ior_above));
+    }
   }
   return element;
 }

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "events/facet_scatter.hpp"
+#include "events/scattering_surface.hpp"
 #include "events/sphere.hpp"
 #include "matter/stack.hpp"
 #include "solve/evaluation.hpp"
@@ -33,13 +33,13 @@ struct WalkElements {
   struct Element {
     enum class Kind { kMedium, kSmooth, kRough, kLambert, kMirror };
     Kind kind = Kind::kMedium;
-    Medium medium = {};                          ///< kMedium; with the largest albedo if it is graded
-    std::shared_ptr<const GradedMedium> graded;  ///< kMedium that varies with depth
-    double reflectance = 0.0;                    ///< kLambert
-    Base mirror = {};                            ///< kMirror
-    std::shared_ptr<const FacetScatter> facets;  ///< kRough
-    FacetOptics from_above = {};                 ///< kSmooth
-    FacetOptics from_below = {};                 ///< kSmooth
+    Medium medium = {};                               ///< kMedium; with the largest albedo if it is graded
+    std::shared_ptr<const GradedMedium> graded;       ///< kMedium that varies with depth
+    double reflectance = 0.0;                         ///< kLambert
+    Base mirror = {};                                 ///< kMirror
+    std::shared_ptr<const ScatteringSurface> facets;  ///< kRough
+    FacetOptics from_above = {};                      ///< kSmooth
+    FacetOptics from_below = {};                      ///< kSmooth
 
     /// True if light keeps to specular paths at this element.
     bool is_polished() const { return kind == Kind::kSmooth || kind == Kind::kMirror; }
