@@ -78,7 +78,7 @@ class LAMINA_OT_match_measurement(Following, bpy.types.Operator):
         if not bpy.app.background and context.window is not None and self.options.is_invoke:
             with context.temp_override(material=material):
                 bpy.ops.lamina.match_measurement("INVOKE_DEFAULT", filepath=self.filepath)
-            return {"FINISHED"}
+            return {"CANCELLED"}  # nothing is changed yet: the search makes the one undo step
         try:
             sentence = match_job.match(material, self.filepath)
         except Exception as error:
