@@ -110,7 +110,7 @@ def test_presets_have_the_metals_colours():
     known = {(metals.conductor(name).facing, metals.conductor(name).grazing): metals.source(name) for name in NAMES}
     found = [preset for preset in presets.entries()
              if isinstance(preset.stack.base, lamina.Conductor) and preset.stack.wavelengths is None]
-    assert len(found) == 32
+    assert len(found) == 34
     for preset in found:
         assert known[preset.stack.base.facing, preset.stack.base.grazing] in preset.source
 
