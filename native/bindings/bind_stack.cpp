@@ -98,6 +98,14 @@ void bind_bases(py::module_& module) {
           },
           py::arg("eta"), py::arg("k"), py::arg("facets") = Facets{.alpha = 0.0}, py::arg("film") = nullptr)
       .def_static(
+          "retroreflector",
+          [](double reflectance, double alpha) {
+            return Base{.kind = Base::Kind::kRetroreflector,
+                        .reflectance = reflectance,
+                        .facets = {.alpha = alpha, .retro = true}};
+          },
+          py::arg("reflectance"), py::arg("alpha"))
+      .def_static(
           "principled",
           [](double color, double metallic, double roughness, double ior, double specular, double coat,
              double coat_roughness, double coat_ior, double alpha) {

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common import svg
-from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, ShaderBase
+from ..kinds.bases import Conductor, HalfSpace, Lambert, PrincipledBase, Retroreflector, ShaderBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import Channels, as_channels, channel
 from ..kinds.films import Film
@@ -94,7 +94,7 @@ def _colour_of_flakes(layer: Flakes, channels: int) -> list[float]:
 
 def _colour_of_base(stack: Stack) -> list[float]:
     base, channels = stack.base, range(stack.channels)
-    if isinstance(base, Lambert | ShaderBase):
+    if isinstance(base, Lambert | ShaderBase | Retroreflector):
         return [channel(base.reflectance, c) for c in channels]
     if isinstance(base, PrincipledBase):
         return [channel(base.color, c) for c in channels]

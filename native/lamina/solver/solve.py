@@ -23,7 +23,7 @@ from ..common.arguments import (
 from ..common.errors import ArgumentError, SolveError, StackError, quoted
 from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
-from ..kinds.bases import Lambert, PrincipledBase
+from ..kinds.bases import Lambert, PrincipledBase, Retroreflector
 from ..kinds.fields import channel
 from ..kinds.flakes import AMOUNT, Flakes
 from ..kinds.media import TAU
@@ -65,8 +65,8 @@ def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int 
     stack = as_stack(stack)
     if stack.is_oriented:
         stack.require_no_flakes("a solve with anisotropic facets")
-    if stack.is_oriented and isinstance(stack.base, PrincipledBase):
-        raise StackError("base.kind = 'principled': must be another kind below anisotropic facets")
+    if stack.is_oriented and isinstance(stack.base, PrincipledBase | Retroreflector):
+        raise StackError(f"base.kind = '{stack.base.kind}': must be another kind below anisotropic facets")
     if stack.is_oriented and nodes is not None:
         raise ArgumentError(f"nodes = {quoted(nodes)}: must be left out for a stack with anisotropic facets")
     step = None if progress is None and cancel is None else stepper("the solve", progress, cancel)
