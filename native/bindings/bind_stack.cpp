@@ -20,8 +20,13 @@ namespace {
 
 using namespace lamina;
 
-/// `parameters` of flakes: alpha, share of the extinction, and for metal flakes the complex index, see Flakes.
+/// `parameters` of flakes: alpha, share of the extinction, and for metal flakes the complex index; of fibers: alpha and
+/// translucency; see Flakes.
 Medium make_medium(double albedo, double tau, const std::string& phase, const py::args& parameters) {
+  if (phase == "fibers") {
+    const Flakes sides{.alpha = parameters[0].cast<double>(), .translucency = parameters[1].cast<double>()};
+    return {albedo, tau, PhaseFunction(), std::make_shared<const Flakes>(sides)};
+  }
   if (phase != "flakes") {
     return {albedo, tau, make_phase(phase, parameters)};
   }

@@ -37,6 +37,7 @@ from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
+from .kinds.fibers import Fibers
 from .kinds.films import Film
 from .kinds.flakes import Flakes
 from .kinds.phases import *  # noqa: F403 - each phase function
@@ -74,6 +75,7 @@ __all__ = [
     "ExtraMissing",
     "Film",
     "Fit",
+    "Fibers",
     "Flakes",
     "Free",
     "Interface",

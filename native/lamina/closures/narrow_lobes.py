@@ -11,6 +11,7 @@ import numpy as np
 from .. import _core
 from ..kinds.bases import LEAST_ALPHA, Conductor, HalfSpace, PrincipledBase, Retroreflector
 from ..kinds.boundaries import Interface
+from ..kinds.fibers import Fibers
 from ..kinds.fields import channel
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
@@ -103,6 +104,11 @@ def retro_alphas(stack: Stack) -> list[float]:
             if below.size and phase[0] >= LEAST_FORWARD:
                 found.append(max(LEAST_ALPHA, float(angle[below[0]]) / RETRO_HALF))
     return found
+
+
+def follow_the_viewer(stack: Stack) -> bool:
+    """True if light goes back towards where it came from, in a narrow lobe or, from fibers, in a broad one."""
+    return bool(retro_alphas(stack)) or any(isinstance(layer, Fibers) for layer in stack.layers)
 
 
 def halos(stack: Stack) -> list[str]:

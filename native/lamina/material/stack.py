@@ -21,9 +21,11 @@ from ..common.errors import StackError, quoted
 from ..common.observer import rec709
 from ..kinds.bases import Base, Conductor, HalfSpace
 from ..kinds.boundaries import Interface, is_oriented
+from ..kinds.fibers import Fibers
 from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
+from ..kinds.layers import OrientedLayer
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from ..kinds.spectra import D65, Spectrum, read_spectrum
 from .by_wavelength import check_illuminant, parts_by_wavelength
@@ -41,7 +43,7 @@ from .stack_plain import canonical, given, plain
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
 RGB = 3
-THICK = (Medium, Flakes)  # layers with an optical thickness
+THICK = Medium | OrientedLayer  # layers with an optical thickness
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ class Stack(Requirements):
 
     @property
     def varying(self) -> int | None:
-        """Index of the medium, or the layer of flakes, whose thickness is an input, if any."""
+        """Index of the medium, or the layer of flakes or fibers, whose thickness is an input, if any."""
         return next(iter(self._varying(THICK)), None)
 
     @property
@@ -217,7 +219,7 @@ class Stack(Requirements):
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
         """(albedo, tau) of a layer in one channel. For a layer given by a colour, the albedo for this colour; for a
-        profile, the mean albedo over the optical depth; for flakes see Flakes.optics."""
+        profile, the mean albedo over the optical depth; for flakes and fibers see their `optics`."""
         medium = self._thick(layer)
         albedo, tau = medium.optics(channel_index)
         if isinstance(medium, Medium) and medium.profile is not None:
@@ -242,7 +244,7 @@ class Stack(Requirements):
         assert isinstance(flakes, Flakes)
         return indices_of(flakes, self.channels, f"layers[{layer}]")
 
-    def _thick(self, index: int) -> Medium | Flakes:
+    def _thick(self, index: int) -> Medium | OrientedLayer:
         layer = self.layers[index]
         assert isinstance(layer, THICK)
         return layer
@@ -270,7 +272,7 @@ class Stack(Requirements):
         channels = range(self.channels)
         layers = []
         for index, layer in enumerate(self.layers):
-            if isinstance(layer, Interface | Film):
+            if isinstance(layer, Interface | Film | Fibers):
                 layers.append(canonical(layer, self.channels))
                 continue
             if isinstance(layer, Flakes):

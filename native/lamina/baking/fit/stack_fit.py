@@ -35,7 +35,7 @@ class StackFit:
     def __init__(self, stack: Stack, solved: SolvedRows, grid: LightGrid, pool, search: dict, moving: int = 0):
         self._moving = 0 if solved.is_sheet else moving
         self._solved, self._grid, self._pool, self._search = solved, grid, pool, search
-        self._varies, self._retro = stack.varying is not None, bool(narrow_lobes.retro_alphas(stack))
+        self._varies, self._retro = stack.varying is not None, narrow_lobes.follow_the_viewer(stack)
         self._made = narrow_lobes.closures(stack)
         clean = [layer for number, layer in enumerate(stack.layers) if number != stack.varying]
         # What narrow_lobes reads of a stack; unlike a Stack it may be empty
