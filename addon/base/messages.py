@@ -4,8 +4,8 @@
 import re
 
 from ..kinds import bases, boundaries, films, media, phases
-from ..kinds.fields import Option
-from ..kinds.flakes import Flakes
+from ..kinds.fields import Option, all_fields
+from ..kinds.layers import DESCRIBED
 from . import native
 
 _FIELDS = (
@@ -22,8 +22,9 @@ WORDS = {
     **{field.name: field.panel.words for field in reversed(_FIELDS) if not isinstance(field, Option)},
     **{f"phase.{field.name}": field.panel.words for cls in phases.IN_PANEL for field in cls.fields},
 }
-# Of a layer of flakes, whose fields have other names in the panel than those of media and facets
-FLAKE_WORDS = {field.name: field.panel.words for form in (Flakes.fields, *Flakes.forms) for field in form}
+# Of layers whose fields have other names in the panel than those of media and facets
+OWN_WORDS = {kind: {field.name: field.panel.words for field in all_fields(cls)}
+             for kind, cls in DESCRIBED.items()}
 
 _FIELD = r"(?:\.((?:[\w.]|\[\d+\](?=\.))+))?(\[(\d)\])?(.*)$"
 _LAYER = re.compile(r"^layers\[(\d+)\]" + _FIELD, re.DOTALL)
@@ -72,7 +73,7 @@ def in_panel_words(text, material):
     if match:
         number, field, _, channel, rest = match.groups()
         index, layers = int(number), material.lamina.layers
-        words = WORDS | FLAKE_WORDS if index < len(layers) and layers[index].kind == Flakes.kind else WORDS
+        words = WORDS | OWN_WORDS.get(layers[index].kind, {}) if index < len(layers) else WORDS
         return f"Layer {index + 1}{_layer_name(material, index)}{_field(field, channel, words)}{rest}"
     match = _BASE.match(text)
     if match and match.group(0)[4:5] in ("", ".", "[", " ", ":"):

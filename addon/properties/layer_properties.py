@@ -10,13 +10,15 @@ import bpy
 from bpy.props import FloatProperty, FloatVectorProperty, PointerProperty, StringProperty
 
 from ..base import changes, decimals
-from ..kinds import bases, boundaries, films, media, phases
+from ..kinds import bases, boundaries, media, phases
 from ..kinds import metals as metal_table
+from ..kinds.fields import all_fields
 from ..kinds.flakes import Flakes
+from ..kinds.layers import DESCRIBED
 from ..stack_json import solved_colours
 from .described import choice, entries, having, number, option, per_channel, quantities, switch, text
 
-LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item, films.Film.item, Flakes.item))
+LAYER_KINDS = entries((media.ITEM, boundaries.Interface.item, *(cls.item for cls in DESCRIBED.values())))
 MODES = entries(form.item for form in media.FORMS)
 PHASES = entries(cls.item for cls in phases.IN_PANEL)
 BASES = entries((bases.NONE, *(cls.item for cls in bases.IN_PANEL)))
@@ -126,7 +128,7 @@ class LaminaDepth(MediumProperties, bpy.types.PropertyGroup):
     """The bottom of a medium that changes with depth."""
 
 
-@having(quantities((*films.Film.fields, *Flakes.fields, *(field for form in Flakes.forms for field in form))))
+@having(quantities(field for cls in DESCRIBED.values() for field in all_fields(cls)))
 class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     name: StringProperty(
         name="Name", description="Name of this layer", default="Layer", options=set()
@@ -160,9 +162,9 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     )
     varying: switch(
         "Varying",
-        "Give the node group an input: of a medium or flakes the Thickness, from 0 to this layer's optical "
-        "thickness; of an interface the Coverage, from 0 without it and its media to 1. "
-        "One medium or layer of flakes, and one interface of a stack can vary",
+        "Give the node group an input: of a medium, flakes or fibers the Thickness, from 0 to this layer's "
+        "optical thickness; of an interface the Coverage, from 0 without it and its media to 1. "
+        "One medium or layer of flakes or fibers, and one interface of a stack can vary",
         update=_varying_changed,
     )
 

@@ -7,6 +7,7 @@ reads and chooses where the dust is stored, the work may run in a thread, `_fini
 do not change before bake and dust are known.
 """
 
+import math
 from typing import NamedTuple
 
 import bpy
@@ -37,9 +38,9 @@ PLACES = (
 )
 _OF_KIND = {"medium": (EVEN, SETTLED, PAINTED, IMAGE),
             "interface": (EVEN, SETTLED, PAINTED, DROPS, PUDDLES, PRINTS), "film": (EVEN,),
-            "flakes": (EVEN, PAINTED)}
+            "flakes": (EVEN, PAINTED), "fibers": (EVEN, PAINTED)}
 # Inputs of the node group, for a varying layer of this kind
-INPUTS = {"medium": FRONT, "flakes": FRONT, "interface": COVERAGE}
+INPUTS = {"medium": FRONT, "flakes": FRONT, "fibers": FRONT, "interface": COVERAGE}
 RANGE = 4.0  # least optical thickness up to which settled dust and images can be shown
 USUAL = 1.0  # most optical thickness of an even layer after another place: at 4 a layer hides all below
 _SAME = "The layer is the same everywhere"
@@ -233,9 +234,11 @@ def _vary(material, choice):
 
 
 def _range(layer):
-    """The largest optical thickness of a medium, or of flakes and their tint."""
+    """The largest optical thickness of a medium, of flakes and their tint, or of fibers along the normal."""
     if layer.kind == "flakes":
         return layer.flake_tau + max(layer.flake_binder)
+    if layer.kind == "fibers":
+        return layer.fiber_tau * math.sin(layer.fiber_tilt)
     if layer.mode in media.IN_MM:
         absorbed = (0.0,) * 3 if layer.mode == "pigment" else layer.sigma_a  # a pigment's is not known here
         return layer.thickness * max(map(sum, zip(layer.sigma_s, absorbed, strict=True)))

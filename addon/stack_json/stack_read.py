@@ -9,16 +9,17 @@ import json
 import math
 
 from ..base.messages import RefusedError, unusual_channels
-from ..kinds import boundaries, films, media
+from ..kinds import boundaries, media
 from ..kinds.bases import BASES, Measured
 from ..kinds.fields import Option
-from ..kinds.flakes import Flakes
+from ..kinds.layers import DESCRIBED
 from ..kinds.measured import TableText
 from ..kinds.spectra import ILLUMINANT
 from . import phases
 
 NEWER = "this version of the add-on does not know it"
-FIRST_NAMES = {"medium": "Layer", "interface": "Interface", "film": "Thin Film", "flakes": "Flakes"}
+FIRST_NAMES = {"medium": "Layer", "interface": "Interface",
+               **{kind: cls.item.label for kind, cls in DESCRIBED.items()}}
 
 
 def about(data):
@@ -45,10 +46,8 @@ def layer(layer, where):
         values = _interface(layer, where)
     elif kind == "medium":
         values = _medium(layer, where)
-    elif kind == "film":
-        values = _described(films.Film, layer, where)
-    elif kind == "flakes":
-        values = _described(Flakes, layer, where)
+    elif kind in DESCRIBED:
+        values = _described(DESCRIBED[kind], layer, where)
     else:
         raise RefusedError(f"{where}.kind = {kind}: {NEWER}")
     return {"kind": kind, "name": layer.get("name") or FIRST_NAMES[kind], **values}

@@ -8,9 +8,9 @@ file and .9 in Python give the same hash. Usual values are left out, as in `lami
 import json
 
 from ..base.decimals import shortest
-from ..kinds import bases, boundaries, films, media
+from ..kinds import bases, boundaries, media
 from ..kinds.fields import Option, panel_fields
-from ..kinds.flakes import Flakes
+from ..kinds.layers import DESCRIBED
 from ..kinds.limits import STACK_SCHEMA
 from ..kinds.spectra import ILLUMINANT
 from . import phases, profiles
@@ -55,10 +55,8 @@ def layer(layer):
         entry["ior"] = _channels(layer.ior_rgb) if layer.ior_per_channel else shortest(layer.ior)
         facets = {"alpha": shortest(layer.alpha)} | _orientation(layer)
         return entry | facets | _options(boundaries.Interface, layer)
-    if layer.kind == "film":
-        return entry | _described(films.Film, layer)
-    if layer.kind == "flakes":
-        return entry | _described(Flakes, layer)
+    if layer.kind in DESCRIBED:
+        return entry | _described(DESCRIBED[layer.kind], layer)
     if layer.profile_text:
         entry |= {"profile": profiles.knots(layer), **_amount(layer)}
     elif profiles.is_graded(layer):

@@ -15,7 +15,7 @@ def draw_layer(layout, layer):
     if layer.kind == "interface":
         _draw_options(column, layer, boundaries.Interface)
         column.prop(layer, "ior_per_channel")
-    elif layer.kind == "flakes":
+    elif layer.kind in ("flakes", "fibers"):
         column.prop(layer, "varying")
     elif layer.kind == "medium":
         column.prop(layer, "varying")

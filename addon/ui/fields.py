@@ -4,13 +4,15 @@
 Labels are short because the editor is narrow; tooltips give the details.
 """
 
+import math
+
 from ..base import native, preferences
 from ..base.decimals import shortest
 from ..editing import metals
-from ..kinds import boundaries, films, media
+from ..kinds import boundaries, media
 from ..kinds.bases import BASES, Conductor, Measured
 from ..kinds.fields import Option, panel_fields
-from ..kinds.flakes import Flakes
+from ..kinds.layers import DESCRIBED
 from ..stack_json import profiles, solved_colours
 
 NO_ALBEDO = "No albedo gives this color"
@@ -18,8 +20,8 @@ NO_ALBEDO = "No albedo gives this color"
 
 def draw_layer(layout, layer):
     column = split(layout.column())
-    draw = {"interface": _draw_interface, "film": _draw_film, "flakes": _draw_flakes, "medium": _draw_medium}
-    draw[layer.kind](column, layer)
+    draw = {"interface": _draw_interface, "medium": _draw_medium}
+    draw.get(layer.kind, _draw_described)(column, layer)
 
 
 def draw_base(layout, base):
@@ -51,6 +53,8 @@ def facts(layer):
         return f"ior {shortest(layer.film_ior):g}, {shortest(layer.film_thickness):g} nm"
     if layer.kind == "flakes":
         return f"amount {shortest(layer.flake_tau):g}, spread {shortest(layer.flake_alpha):g}"
+    if layer.kind == "fibers":
+        return f"amount {shortest(layer.fiber_tau):g}, lean {math.degrees(layer.fiber_tilt):.0f}°"
     if is_infinite(layer):
         return "∞"
     if layer.mode in media.IN_MM:
@@ -73,14 +77,11 @@ def _draw_interface(column, layer):
     draw_number(column, layer, boundaries.ALPHA)
 
 
-def _draw_film(column, layer):
-    for field in films.Film.fields:
-        draw_number(column, layer, field)
-
-
-def _draw_flakes(column, layer):
-    column.row().prop(layer, Flakes.form_prop, expand=True)
-    for field in panel_fields(Flakes, layer):
+def _draw_described(column, layer):
+    cls = DESCRIBED[layer.kind]
+    if getattr(cls, "forms", ()):
+        column.row().prop(layer, cls.form_prop, expand=True)
+    for field in panel_fields(cls, layer):
         draw_number(column, layer, field)
 
 

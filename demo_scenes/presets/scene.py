@@ -17,6 +17,7 @@ from . import ball
 SUN = Vector((-0.80, -0.42, 0.48)).normalized()
 SUN_IRRADIANCE, SUN_ANGLE, SUN_COLOUR = 3.0, math.radians(4.0), (1.0, 0.90, 0.78)
 BEHIND_IRRADIANCE = 2.2  # of a second sun behind sheets
+FLASH_IRRADIANCE = 0.25  # of a lamp beside the camera, for retroreflectors
 EYE, AIM, WIDTH = Vector((0.0, -4.2, 1.75)), Vector((0.0, 0.0, 0.355)), 1.05
 # (towards its middle, cosine of its half angle, radiance): discs in the sky, with soft edges.
 BOXES = (
@@ -46,6 +47,7 @@ def build():
     _camera(scene)
     _sun(scene, "sun", SUN, SUN_IRRADIANCE, SUN_COLOUR)
     _sun(scene, "behind", Vector((0.25, 0.9, 0.55)).normalized(), BEHIND_IRRADIANCE, (1.0, 1.0, 1.0))
+    _sun(scene, "flash", (EYE - AIM).normalized(), FLASH_IRRADIANCE, (1.0, 1.0, 1.0))
     scene.collection.objects.link(_floor())
     scene.world = _world()
     scene.view_layers[0].update()
@@ -53,7 +55,7 @@ def build():
 
 
 def show(scene, material, is_sheet):
-    """Show `material` on the body for its kind of stack."""
+    """Show `material` on the body for its kind of stack, and in its light."""
     for body in scene.collection.objects:
         if body.name.startswith(("ball", "sheet")):
             body.hide_render = body.name.startswith("sheet") != is_sheet
@@ -61,6 +63,8 @@ def show(scene, material, is_sheet):
                 body.material_slots[0].material = material
         if body.name.startswith("behind"):
             body.hide_render = not is_sheet
+        if body.name.startswith("flash"):
+            body.hide_render = material.lamina.base.kind != "retroreflector"
 
 
 def below(name):

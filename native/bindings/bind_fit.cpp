@@ -250,6 +250,7 @@ void lamina::bind_fit(py::module_& module) {
       .def_readwrite("lobes", &MovingFitOptions::lobes)
       .def_readwrite("stiffness", &MovingFitOptions::stiffness)
       .def_readwrite("iterations", &MovingFitOptions::iterations)
+      .def_readwrite("retro", &MovingFitOptions::retro)
       .def_readwrite("most_change", &MovingFitOptions::most_change)
       .def_readwrite("following", &MovingFitOptions::following);
   py::class_<LightDirections>(module, "LightDirections")

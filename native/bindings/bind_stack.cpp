@@ -22,8 +22,13 @@ namespace {
 
 using namespace lamina;
 
-/// `parameters` of flakes: alpha, share of the extinction, and for metal flakes the complex index, see Flakes.
+/// `parameters` of flakes: alpha, share of the extinction, and for metal flakes the complex index; of fibers: alpha and
+/// translucency; see Flakes.
 Medium make_medium(double albedo, double tau, const std::string& phase, const py::args& parameters) {
+  if (phase == "fibers") {
+    const Flakes sides{.alpha = parameters[0].cast<double>(), .translucency = parameters[1].cast<double>()};
+    return {albedo, tau, PhaseFunction(), std::make_shared<const Flakes>(sides)};
+  }
   if (phase != "flakes") {
     return {albedo, tau, make_phase(phase, parameters)};
   }
@@ -99,6 +104,14 @@ void bind_bases(py::module_& module) {
             return Base{.kind = Base::Kind::kConductor, .ior = {eta, k}, .facets = facets, .film = std::move(film)};
           },
           py::arg("eta"), py::arg("k"), py::arg("facets") = Facets{.alpha = 0.0}, py::arg("film") = nullptr)
+      .def_static(
+          "retroreflector",
+          [](double reflectance, double alpha) {
+            return Base{.kind = Base::Kind::kRetroreflector,
+                        .reflectance = reflectance,
+                        .facets = {.alpha = alpha, .retro = true}};
+          },
+          py::arg("reflectance"), py::arg("alpha"))
       .def_static(
           "principled",
           [](double color, double metallic, double roughness, double ior, double specular, double coat,

@@ -38,6 +38,7 @@ from .kinds import bases as _bases
 from .kinds import phases as _phases
 from .kinds.bases import *  # noqa: F403 - each base
 from .kinds.boundaries import Interface
+from .kinds.fibers import Fibers
 from .kinds.films import Film
 from .kinds.flakes import Flakes
 from .kinds.phases import *  # noqa: F403 - each phase function
@@ -75,6 +76,7 @@ __all__ = [
     "ExtraMissing",
     "Film",
     "Fit",
+    "Fibers",
     "Flakes",
     "Free",
     "Interface",

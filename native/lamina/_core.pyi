@@ -86,6 +86,9 @@ class Base:
         """
         A Principled material by its sockets, indices relative to the medium above. Facets of `alpha` 0 are a mirror.
         """
+    @staticmethod
+    def retroreflector(reflectance: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex) -> Base:
+        ...
     @property
     def alpha(self) -> float:
         """
@@ -342,6 +345,7 @@ class ClosureTable:
     def targets(self, slices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> list[SliceTarget]:
         ...
 class MovingFitOptions:
+    retro: bool
     def __init__(self) -> None:
         ...
     @property

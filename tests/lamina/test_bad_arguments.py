@@ -97,7 +97,7 @@ def test_as_many_thicknesses_as_channels():
 
 def test_only_media_have_a_thickness():
     coated = lamina.solve(Stack([lamina.Interface(1.5), Medium(albedo=0.9, tau=1.0)], Lambert(0.5)), "preview")
-    with pytest.raises(ArgumentError, match="layer = 0: must be a medium or flakes, this one is of kind interface"):
+    with pytest.raises(ArgumentError, match="layer = 0: must be a medium, flakes or fibers, this one is"):
         coated.with_thickness(0, 1.0)
     thicker = lamina.solve(Stack([lamina.Interface(1.5), Medium(albedo=0.9, tau=2.0)], Lambert(0.5)), "preview")
     assert coated.with_thickness(1, 2.0).reflectance(0.5) == pytest.approx(thicker.reflectance(0.5), rel=1e-3)

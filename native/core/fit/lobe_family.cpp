@@ -16,6 +16,13 @@ constexpr double kLeastLogAlpha = -4.6;  // alpha .01
 constexpr double kMostSqueeze = 3.0;
 constexpr double kMostAway = 0.5;  // of -k, as a share of the view cosine
 constexpr double kMostTilt = 0.6;  // radians
+constexpr double kMostK = 3.5;     // above those of most_k
+// The unknown of a lobe near the viewer is kRetro + ln k. Its k exceeds that of all others, and its normal points
+// almost along the view.
+constexpr double kRetro = 100.0;
+constexpr double kLeastRetro = kRetro + 1.3;  // k 3.7
+constexpr double kMostRetro = kRetro + 6.9;   // k 992
+constexpr double kStartRetro = kRetro + 4.0;
 // Widths of lobes along the normal, to begin with.
 constexpr double kLeastWidth = 0.01;
 constexpr double kMostWidth = 0.7;
@@ -54,7 +61,8 @@ class MovingFamily final : public LobeFamily {
   [[nodiscard]] VectorXd unknowns_of(const double* shape) const override {
     const double anisotropy = shape[1];
     const double squeeze = anisotropy > 0.0 ? std::log(1.0 - anisotropy) : -std::log(1.0 + anisotropy);
-    return Eigen::Vector3d(2.0 * std::log(shape[0]), squeeze, shape[2]);
+    const double k = shape[2];
+    return Eigen::Vector3d(2.0 * std::log(shape[0]), squeeze, k > kMostK ? kRetro + std::log(k) : k);
   }
 
   void values(const double* p, double mu_o, double /*phi_o*/, const LightDirections& light,
@@ -67,13 +75,16 @@ class MovingFamily final : public LobeFamily {
     // Neither width above 1
     p[1] = std::clamp(p[1], std::max(-kMostSqueeze, p[0]), std::min(kMostSqueeze, -p[0]));
     // The tilted normal faces the viewer
-    p[2] = std::clamp(p[2], -kMostAway * mu_o, most_k(mu_o));
+    p[2] =
+        p[2] > kMostK ? std::clamp(p[2], kLeastRetro, kMostRetro) : std::clamp(p[2], -kMostAway * mu_o, most_k(mu_o));
   }
 
-  [[nodiscard]] std::vector<VectorXd> starts() const override {
+  [[nodiscard]] std::vector<VectorXd> starts(bool retro) const override {
     std::vector<VectorXd> found;
-    for (Index step = 0; step < kWidths; ++step)
+    for (Index step = 0; step < kWidths; ++step) {
       found.emplace_back(Eigen::Vector3d(width(step, kWidths, kLeastWidth), 0.0, 0.0));
+      if (retro) found.emplace_back(Eigen::Vector3d(width(step, kWidths, kLeastWidth), 0.0, kStartRetro));
+    }
     return found;
   }
 
@@ -81,7 +92,8 @@ class MovingFamily final : public LobeFamily {
   static LobeShape shape_of(const double* p) {
     const double squeeze = std::exp(-std::abs(p[1]));
     const double alpha = std::exp(p[0]);
-    return {std::sqrt(std::min(alpha, 1.0)), p[1] < 0.0 ? 1.0 - squeeze : squeeze - 1.0, p[2]};
+    const double k = p[2] > kMostK ? std::exp(p[2] - kRetro) : p[2];
+    return {std::sqrt(std::min(alpha, 1.0)), p[1] < 0.0 ? 1.0 - squeeze : squeeze - 1.0, k};
   }
 };
 
@@ -127,7 +139,7 @@ class OrientedFamily final : public LobeFamily {
     p[4] = std::clamp(p[4], -aside, aside);
   }
 
-  [[nodiscard]] std::vector<VectorXd> starts() const override {
+  [[nodiscard]] std::vector<VectorXd> starts(bool /*retro*/) const override {
     std::vector<VectorXd> found;
     for (Index step = 0; step < kOrientedWidths; ++step)
       for (const double squeeze : {0.0, kStartSqueeze, -kStartSqueeze}) {

@@ -28,8 +28,9 @@ class LobeFamily {
                       Eigen::Ref<Eigen::VectorXd> out) const = 0;
   /// Moves unknowns into their ranges at this view.
   virtual void clamp(double* p, double mu_o) const = 0;
-  /// Unknowns to begin with, a ladder from narrow to wide.
-  [[nodiscard]] virtual std::vector<Eigen::VectorXd> starts() const = 0;
+  /// Unknowns to begin with, a ladder from narrow to wide. `retro`: with lobes about the viewer, of families that have
+  /// them.
+  [[nodiscard]] virtual std::vector<Eigen::VectorXd> starts(bool retro) const = 0;
   /// The unknowns that a mirror at the plane of incidence changes in sign.
   [[nodiscard]] virtual std::vector<Eigen::Index> odd() const = 0;
   /// True if lobes are round at normal incidence.
@@ -37,7 +38,7 @@ class LobeFamily {
 };
 
 /// Lobes of isotropic stacks, which are symmetric about the plane of incidence: LobeShape. Unknowns: ln alpha; half
-/// the logarithm of alpha_x / alpha_y; k.
+/// the logarithm of alpha_x / alpha_y; k, of a lobe near the viewer its logarithm above a number.
 const LobeFamily& moving_family();
 
 /// Lobes of any tangent: OrientedShape. Unknowns: ln alpha; s cos 2t, s sin 2t with s half the logarithm of the ratio

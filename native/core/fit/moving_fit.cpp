@@ -117,7 +117,7 @@ class ViewFit {
   // The best of all sets on a ladder of lobes, best first, as unknowns. `gain`: by how much the first lowers the
   // squared residual of the broad closures alone.
   std::vector<VectorXd> starts(double& gain) {
-    const std::vector<VectorXd> ladder = options_.family->starts();
+    const std::vector<VectorXd> ladder = options_.family->starts(options_.retro);
     const Index size = options_.family->unknowns();
     std::vector<std::size_t> rung(static_cast<std::size_t>(lobes_));
     std::iota(rung.begin(), rung.end(), 0);

@@ -14,11 +14,11 @@ namespace lamina {
 /// The surface below the last layer. Solver and walks do not ask for the kind, but for the properties below: a new kind
 /// is described here.
 struct Base {
-  enum class Kind { kNone, kLambert, kConductor, kPrincipled, kMeasured };
+  enum class Kind { kNone, kLambert, kConductor, kPrincipled, kMeasured, kRetroreflector };
   Kind kind = Kind::kNone;                        ///< kNone: the stack is a thin sheet, and light leaves at the bottom
-  double reflectance = 0.0;                       ///< of a Lambert surface, [0, 1]
+  double reflectance = 0.0;                       ///< of a Lambert surface or a retroreflector, [0, 1]
   std::complex<double> ior = {};                  ///< of a conductor, n + ik, absolute
-  Facets facets{.alpha = 0.0};                    ///< of a conductor or a Principled material
+  Facets facets{.alpha = 0.0};                    ///< of a conductor, a Principled material or a retroreflector
   std::shared_ptr<const PrincipledLaw> law = {};  ///< of a Principled material
   std::shared_ptr<const Film> film = {};          ///< on a conductor; null without films
   /// Of a measured material, whose `facets` are as wide as its narrowest peak and only place rays.
@@ -55,15 +55,22 @@ struct Base {
     }
     return [own = optics(ior_above)](double cosine) { return own.reflectance(cosine); };
   }
-  /// A conductor as light in a medium of index `ior_above` meets it.
-  FacetOptics optics(double ior_above) const { return {ior_above, ior_above, ior / ior_above, film}; }
+  /// A conductor or a retroreflector as light in a medium of index `ior_above` meets it.
+  FacetOptics optics(double ior_above) const {
+    if (kind == Kind::kRetroreflector) {
+      return {.here = ior_above, .beyond = ior_above, .constant = reflectance};
+    }
+    return {ior_above, ior_above, ior / ior_above, film};
+  }
   /// The factor of the light that facets reflect towards a viewer at cosine `mu`; 1 for a reciprocal base.
   double view_weight(double mu) const { return law ? law->lobe_weight(mu) : 1.0; }
   /// The reflectance of the diffuse part towards a viewer at cosine `mu`.
   double diffuse_reflectance(double mu) const { return law ? law->diffuse(mu) : reflectance; }
 
  private:
-  bool has_facets() const { return kind == Kind::kConductor || measured || (law && law->has_lobe()); }
+  bool has_facets() const {
+    return kind == Kind::kConductor || kind == Kind::kRetroreflector || measured || (law && law->has_lobe());
+  }
 };
 
 }  // namespace lamina

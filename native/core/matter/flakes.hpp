@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flakes: mirrors in a clear or absorbing binder, oriented about the layer's normal.
+// Flakes: small mirrors, or the matte sides of fibres, in a clear or absorbing binder, oriented about the layer's
+// normal.
 #pragma once
 #include <cmath>
 #include <complex>
@@ -10,14 +11,18 @@
 
 namespace lamina {
 
-/// The flakes of a medium, small mirrors whose normals have the SGGX distribution about the layer's normal (Heitz et
-/// al. 2015). All extinctions are relative to that of a beam along the layer's normal.
+/// The flakes of a medium, small surfaces whose normals have the SGGX distribution about the layer's normal (Heitz et
+/// al. 2015): mirrors, or matte ones, the sides of fibres. All extinctions are relative to that of a beam along the
+/// layer's normal.
 struct Flakes {
-  double alpha = 0.2;  ///< spread, (0, 1]: the area that the flakes show edge-on, relative to that face-on
+  double alpha = 0.2;  ///< spread: the area that the flakes show along the layer, relative to that along the normal
   double share = 1.0;  ///< of the extinction along the normal; the rest is absorption by the binder
   /// The index of metal flakes, relative to the binder. Without it flakes reflect the same at all angles, and the
   /// albedo of the medium holds their reflectance.
   std::optional<std::complex<double>> metal = {};
+  /// Of matte flakes: the share of the scattered light that leaves on their other side. Light leaves by Lambert's
+  /// cosine law, and the albedo of the medium holds the share that is scattered.
+  std::optional<double> translucency = {};
 
   /// The area of the flakes as seen along a ray of this cosine, relative to that seen along the normal.
   double area(double mu) const { return std::sqrt(alpha * alpha * (1.0 - mu * mu) + mu * mu); }

@@ -41,6 +41,9 @@ ArrayXd reflectances(const FacetOptics& optics, const ArrayXd& c) {
   if (optics.film) {
     return c.unaryExpr([&](double one) { return optics.reflectance(one); });
   }
+  if (optics.constant) {
+    return ArrayXd::Constant(c.size(), *optics.constant);
+  }
   return optics.metal ? conductor_fresnel_array(c, *optics.metal) : dielectric_fresnel(c, optics.ratio());
 }
 
@@ -83,7 +86,7 @@ ArrayXd reflection(const Facets& facets, double mu_o, const Mu& mu_i, const Mu& 
                    const Fresnel& fresnel) {
   // Both directions point away from the surface: forward light comes from the azimuth opposite to the viewer.
   const Mu sine_i = sine(mu_i);
-  const ArrayXd between = mu_o * mu_i - sine(mu_o) * sine_i * cosines;
+  const ArrayXd between = mu_o * mu_i - (facets.retro ? -1.0 : 1.0) * sine(mu_o) * sine_i * cosines;
   // Cosines of the half vector with either direction and with the normal.
   const ArrayXd ray = (0.5 * (1.0 + between)).max(1e-12).sqrt();
   const ArrayXd normal = ((mu_o + mu_i) / (2.0 * ray)).min(1.0);

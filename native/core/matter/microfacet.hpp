@@ -22,6 +22,9 @@ struct Facets {
   bool compensate = true;
   double alpha_v = 0.0;  ///< width across the tangent, (0, 1]; 0: as alpha
   double angle = 0.0;    ///< azimuth of the tangent, in radians
+  /// Reflected light is turned by half a turn about the mean normal, back to where it came from. Energy and reciprocity
+  /// stay, and the azimuth orders of the reflection have alternating signs. Opaque isotropic facets only.
+  bool retro = false;
 
   bool is_oriented() const { return alpha_v > 0.0 && alpha_v != alpha; }
   /// The width across the tangent.

@@ -125,8 +125,8 @@ OrientedSolution::OrientedSolution(SublayerStack sublayers, double tolerance, co
       azimuths_(resolution.orders, is_mirrored(stack_, frame_)),
       gaps_(media_.directions(VectorXd())),
       checks_(media_.checks()) {
-  if (!stack_.base.is_reciprocal() || stack_.base.measured) {
-    throw std::runtime_error("anisotropic facets cannot be solved above a Principled or a measured base");
+  if (!stack_.base.is_reciprocal() || stack_.base.measured || stack_.base.facets.retro) {
+    throw std::runtime_error("anisotropic facets cannot be solved above this kind of base");
   }
   add_surfaces(resolution.fineness, pool);
   add_layers(pool);

@@ -239,8 +239,9 @@ void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, doub
     back = reflectance_between(cosine, refracted, ratio_);
   }
   if (up > 0.0) {
-    reflected.add(weight * cosine * back * facets_.masked(facets_.lambda(up), lambda), up, 2.0 * cosine * x - across,
-                  2.0 * cosine * y);
+    const double turn = facets_.retro ? -1.0 : 1.0;
+    reflected.add(weight * cosine * back * facets_.masked(facets_.lambda(up), lambda), up,
+                  turn * (2.0 * cosine * x - across), turn * 2.0 * cosine * y);
   }
   if (refracted2 > 0.0) {
     const double along = cosine / ratio_ - refracted;

@@ -16,6 +16,7 @@ Key key_of(const Facets& facets, const DirectionSet& set, double ior_above, int 
           static_cast<double>(facets.distribution),
           static_cast<double>(facets.correlated),
           static_cast<double>(facets.compensate),
+          static_cast<double>(facets.retro),
           ior_above,
           static_cast<double>(orders),
           fineness};
@@ -65,7 +66,7 @@ std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, c
 std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const DirectionSet& set, double ior_above,
                                                    int orders, ThreadPool& pool, double fineness) {
   Key key = key_of(base.facets, set, ior_above, orders, fineness);
-  key.insert(key.end(), {base.ior.real(), base.ior.imag()});
+  key.insert(key.end(), {base.ior.real(), base.ior.imag(), base.reflectance});
   add_film(key, base.film.get());
   if (base.measured) {
     key.insert(key.end(), base.measured->table().begin(), base.measured->table().end());

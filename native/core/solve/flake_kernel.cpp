@@ -114,6 +114,10 @@ double flake_phase(const Flakes& flakes, double mu_o, double mu_i, double turn, 
 }
 
 FlakeKernel::FlakeKernel(const Flakes& flakes, const Directions& directions) : targets_(directions.targets) {
+  if (flakes.translucency) {
+    matte_ = std::make_shared<MatteKernel>(flakes, directions);
+    return;
+  }
   const FresnelFit fresnel(flakes);
   const Index rows = directions.mu.size();
   const Index columns = directions.live;
@@ -188,6 +192,9 @@ MatrixXd FlakeKernel::order_of(const Part& part, int m) const {
 }
 
 PhaseKernel FlakeKernel::order(int m) const {
+  if (matte_) {
+    return matte_->order(m);
+  }
   PhaseKernel kernel(order_of(parts_[0], m), order_of(parts_[1], m));
   for (Index i = 0; i < correction_.size(); ++i) {
     kernel.transmit(i, i) += correction_[i] * cusp_error(m * cusp_[i]);

@@ -3,20 +3,23 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "matter/flakes.hpp"
 #include "operators/directions.hpp"
+#include "solve/matte_kernel.hpp"
 #include "solve/phase_kernel.hpp"
 
 namespace lamina {
 
-/// Scattering by flakes between two rays: pi F(h.w) D(h), divided by the extinctions along both rays. With optical
+/// Scattering by mirrors between two rays: pi F(h.w) D(h), divided by the extinctions along both rays. With optical
 /// cosines (see TruncatedMedium) this takes the place of a phase function of mean 1. `turn` -1: the rays cross the
 /// layer in opposite senses, 1: in the same sense; `azimuth`: the cosine of dphi, 1 forward.
 double flake_phase(const Flakes& flakes, double mu_o, double mu_i, double turn, double azimuth);
 
-/// The azimuth orders of flake_phase between directions and live nodes. With x = cos(dphi), D is a rational function,
+/// The azimuth orders of scattering by flakes between directions and live nodes; of matte flakes see MatteKernel. Of
+/// mirrors these are the orders of flake_phase. With x = cos(dphi), D is a rational function,
 /// (a (N - Q x) / (P - Q x))^2 / pi, and 4 c^2 = N - Q x for the cosine c at the flake. The Fresnel factor of a metal
 /// is fitted by f + sum of w / (c^2 + t), with errors up to 4e-4 at grazing incidence and 2e-4 elsewhere. The Fourier
 /// coefficients of each term are then geometric.
@@ -44,6 +47,7 @@ class FlakeKernel {
   };
   Eigen::MatrixXd order_of(const Part& part, int m) const;
 
+  std::shared_ptr<const MatteKernel> matte_;  // null for mirrors
   Eigen::Index targets_;
   std::array<Part, 2> parts_;   // reflection, transmission
   Eigen::VectorXd correction_;  // of order 0, by live node

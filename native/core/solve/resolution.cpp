@@ -89,7 +89,8 @@ int nodes_for(const PhaseFunction& phase, double albedo, double tolerance) {
 
 /// Measured: the error of light that flakes scatter repeatedly is then below a tenth of the tolerance.
 int nodes_for(const Flakes& flakes, double tolerance) {
-  return std::clamp(rounded_up((tolerance < 5e-3 ? 4.8 : 3.6) / flakes.alpha), fewest_nodes(tolerance), kMostNodes);
+  const double narrowness = std::max(1.0 / flakes.alpha, 0.6 * flakes.alpha);
+  return std::clamp(rounded_up((tolerance < 5e-3 ? 4.8 : 3.6) * narrowness), fewest_nodes(tolerance), kMostNodes);
 }
 
 /// A boundary that reflects light, smooth or rough.

@@ -303,16 +303,27 @@ ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) c
           share[s] *= (turn < 0.0 ? single_reflection : single_transmission)(optics.optical(mu_o), optics.optical(mu_i),
                                                                              optics.tau);
         }
-        // Each ray stands for its mirror image in the plane of incidence, too.
-        for (const double side_o : {aside_o, -aside_o}) {
-          for (const double side : {1.0, -1.0}) {
-            const ArrayXd cosine = along_o * along - side_o * side * aside;
-            const ArrayXd other = side_o * along + along_o * side * aside;
-            for (Index p = 0; p < dphi.size(); ++p) {
-              const ArrayXd azimuths = std::cos(dphi[p]) * cosine - std::sin(dphi[p]) * other;
-              sum[p] += 0.25 * weight * (share * scatterer.phase_of(mu_o, array(in.mu), turn, azimuths)).sum();
+        // Each ray stands for its mirror image in the plane of incidence, too. All pairs of a ray follow one another,
+        // because phase_of computes less for equal cosines.
+        const Index pairs = 4 * dphi.size();
+        ArrayXd mu(share.size() * pairs);
+        ArrayXd azimuths(mu.size());
+        Index pair = 0;
+        for (Index s = 0; s < share.size(); ++s) {
+          for (const double side_o : {aside_o, -aside_o}) {
+            for (const double side : {aside[s], -aside[s]}) {
+              const double cosine = along_o * along[s] - side_o * side;
+              const double other = side_o * along[s] + along_o * side;
+              for (Index p = 0; p < dphi.size(); ++p, ++pair) {
+                mu[pair] = in.mu[static_cast<std::size_t>(s)];
+                azimuths[pair] = std::cos(dphi[p]) * cosine - std::sin(dphi[p]) * other;
+              }
             }
           }
+        }
+        const ArrayXd phase = scatterer.phase_of(mu_o, mu, turn, azimuths);
+        for (pair = 0; pair < phase.size(); ++pair) {
+          sum[pair % dphi.size()] += 0.25 * weight * share[pair / pairs] * phase[pair];
         }
       };
       add(out.down[r] * array(in.down) + out.up[r] * array(in.up), -1.0);

@@ -83,6 +83,9 @@ Solution::Solution(SublayerStack sublayers, const Resolution& resolution, Thread
   for (std::size_t layer = 0; layer < stack().layers.size(); ++layer) {
     if (const auto* medium = std::get_if<Medium>(&stack().layers[layer])) {
       scatterers_.push_back({layer, indices[layer], TruncatedMedium(*medium, resolution.moments()), medium->phase});
+      if (medium->flakes && medium->flakes->translucency) {
+        scatterers_.back().matte = std::make_shared<const MattePhase>(*medium->flakes);
+      }
       native_directions_.push_back(set_->in_medium(indices[layer], Eigen::VectorXd()));
       flakes_.push_back(medium->flakes ? std::make_shared<FlakeKernel>(*medium->flakes, native_directions_.back())
                                        : nullptr);
@@ -296,6 +299,9 @@ double Solution::share_of_order(int order) const {
 
 Eigen::ArrayXd Solution::Scatterer::phase_of(double mu_o, const Eigen::ArrayXd& mu_i, double turn,
                                              const Eigen::ArrayXd& azimuths) const {
+  if (matte) {
+    return (*matte)(mu_o, mu_i, turn, azimuths);
+  }
   if (medium.flakes) {
     return mu_i.binaryExpr(azimuths,
                            [&](double mu, double x) { return flake_phase(*medium.flakes, mu_o, mu, turn, x); });

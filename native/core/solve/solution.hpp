@@ -52,6 +52,7 @@ class Solution {
     double ior;         ///< refractive index
     TruncatedMedium medium;
     PhaseFunction phase;
+    std::shared_ptr<const MattePhase> matte = {};  ///< of matte flakes
 
     /// The untruncated phase function between a ray and others, see flake_phase; `azimuths`: cosines of dphi.
     Eigen::ArrayXd phase_of(double mu_o, const Eigen::ArrayXd& mu_i, double turn, const Eigen::ArrayXd& azimuths) const;

@@ -60,6 +60,14 @@ def light_grid(cosines: int, azimuths: int, density: float = 0.0) -> LightGrid:
     return LightGrid(mu, dphi, np.outer(0.5 * wx, wy * slope).ravel())
 
 
+def _dense_both_ways(cosines: int, azimuths: int) -> LightGrid:
+    """A light grid dense about the mirror direction and about the viewer, half of the azimuths for each."""
+    front = light_grid(cosines, azimuths // 2, DENSITY)
+    weight = 0.5 * front.solid_angle.reshape(cosines, -1)
+    return LightGrid(front.mu, np.concatenate([0.5 * front.dphi, math.pi - 0.5 * front.dphi[::-1]]),
+                     np.concatenate([weight, weight[:, ::-1]], axis=1).ravel())
+
+
 @functools.lru_cache(maxsize=2)
 def oriented_grid(quality: str) -> LightGrid:
     """The light grid for anisotropic stacks, whose slices are not symmetric: azimuths from -pi to pi."""
@@ -71,10 +79,12 @@ def oriented_grid(quality: str) -> LightGrid:
 
 
 @functools.lru_cache(maxsize=4)
-def grid_for(quality: str, narrowest: float | None, halo: bool = False) -> LightGrid:
-    """The light grid for slices whose narrowest lobe has this alpha, or None without lobes; `halo`: with a halo."""
+def grid_for(quality: str, narrowest: float | None, halo: bool = False, retro: bool = False) -> LightGrid:
+    """The light grid for slices whose narrowest lobe has this alpha, or None without lobes; `halo`: with a halo;
+    `retro`: with a lobe about the viewer."""
     if narrowest is not None and narrowest < BROAD_ALPHA:
-        return light_grid(*SHARP_NODES[quality], density=DENSITY)
+        cosines, azimuths = SHARP_NODES[quality]
+        return _dense_both_ways(cosines, azimuths) if retro else light_grid(cosines, azimuths, density=DENSITY)
     return light_grid(*HALO_NODES[quality], density=HALO_DENSITY) if halo else light_grid(*SMOOTH_NODES[quality])
 
 

@@ -215,6 +215,7 @@ _BY_ID = {lobe.id: lobe for lobe in DICTIONARY}
 # Closures made for the boundaries of one stack. Their ids hold their parameters.
 _MADE: dict[str, Callable[..., Lobe]] = {
     "toon": lambda lean, size, smooth: toon(size, smooth, ("lean", lean), name=f"toon:{lean:g}:{size:g}:{smooth:g}"),
+    "retro": lambda size, smooth: toon(size, smooth, "I", name=f"retro:{size:g}:{smooth:g}"),
     "ggx": lambda alpha: ggx(math.sqrt(alpha), name=f"ggx:{alpha:g}"),
     "beckmann": lambda alpha: beckmann(math.sqrt(alpha), name=f"beckmann:{alpha:g}"),
     "fresnel_ggx": lambda ior, alpha: fresnel_ggx(ior, math.sqrt(alpha), name=f"fresnel_ggx:{ior:g}:{alpha:g}"),
@@ -239,8 +240,8 @@ def _following(name: str, scale: float, least: float, of_width: dict) -> Lobe:
 @functools.lru_cache(maxsize=512)
 def by_id(lobe_id: str) -> Lobe:
     """The lobe with this id: one of the dictionary, or one made for a stack, such as "ggx:0.1" (alpha), "beckmann:0.1",
-    "halo:0.1", "moving:0", "fresnel_ggx:1.5:0.1" (index, alpha), "toon:0.3:0.05:0.2" (lean, size, smooth), or one of
-    following_lobes. Raises KeyError for an unknown id."""
+    "halo:0.1", "moving:0", "fresnel_ggx:1.5:0.1" (index, alpha), "toon:0.3:0.05:0.2" (lean, size, smooth),
+    "retro:0.05:0.2" (size, smooth), or one of following_lobes. Raises KeyError for an unknown id."""
     if lobe_id in _BY_ID:
         return _BY_ID[lobe_id]
     family, *numbers = lobe_id.split(":")

@@ -9,8 +9,9 @@ import math
 import numpy as np
 
 from .. import _core
-from ..kinds.bases import LEAST_ALPHA, Conductor, Measured, PrincipledBase
+from ..kinds.bases import LEAST_ALPHA, Conductor, HalfSpace, Measured, PrincipledBase, Retroreflector
 from ..kinds.boundaries import Interface
+from ..kinds.fibers import Fibers
 from ..kinds.fields import channel
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
@@ -18,6 +19,7 @@ from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.sharp_facets import is_sharp, peak_alpha
 
+Rough = Interface | Conductor | PrincipledBase | Retroreflector | Flakes  # if not smooth
 # Facets narrower than LEAST_ALPHA are solved as mirrors, and only their closure has their width.
 # From this width on, the light grid for smooth slices also resolves a lobe.
 BROAD_ALPHA = 0.45
@@ -31,6 +33,10 @@ WIDER = 8.0
 # Cones tilted by these shares fit it; (size, smooth) are for a lobe of alpha 1.
 LEANS = (0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
 AWAY = (-0.2, -0.05, 0.1)
+# Widths of cones about the viewer, relative to those of a retroreflector's lobe along the normal in air. The half width
+# of this lobe in radians, over alpha; and the largest half width of a backward peak that counts as narrow.
+RETRO_WIDTHS = (0.7, 1.0, 1.5, 2.2, 3.3)
+RETRO_HALF, RETRO_REACH = 1.29, 0.4
 CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
 
 # A phase function with a smaller 4 pi p straight ahead makes a halo that the dictionary's broad closures hold.
@@ -41,7 +47,7 @@ HALO_ALPHAS = (0.05, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.55)
 
 def narrowest(stack: Stack) -> float | None:
     """Alpha of the narrowest lobe that a table must hold, or None."""
-    widths = [surface.alpha for surface, _, _ in _rough(stack)]
+    widths = [*(surface.alpha for surface, _, _ in _rough(stack)), *retro_alphas(stack)]
     if stack.base is None:
         widths.append(STRAIGHT_ALPHA)
     if not widths:
@@ -56,7 +62,7 @@ def closures(stack) -> list[str]:
     ids: list[str] = []
     rough = _rough(stack)
     for surface, above, below in rough:
-        if isinstance(surface, Flakes):
+        if isinstance(surface, Flakes | Retroreflector):
             continue  # not the law of facets: closures of several widths serve them
         ids.append(_id(surface.distribution, surface.alpha))
         # F as a function of the half angle. For GGX facets of a dielectric, F0 ggx + (1 - F0) fresnel_ggx is exact; for
@@ -82,7 +88,30 @@ def closures(stack) -> list[str]:
         for width in sorted({_rounded(widest / STEP), _rounded(max(least, 0.3 * widest))}):
             ids += [_cone(lean, min(1.0, width * size), min(1.0, width * smooth)) for lean in LEANS
                     for size, smooth in CONES]
+    for alpha in retro_alphas(stack):
+        ids += [f"retro:{_rounded(min(1.0, w * alpha * size)):g}:{_rounded(min(1.0, w * alpha * smooth)):g}"
+                for w in RETRO_WIDTHS for size, smooth in CONES]
     return list(dict.fromkeys([*ids, *halos(stack)]))
+
+
+def retro_alphas(stack: Stack) -> list[float]:
+    """Widths of the lobes about the viewer: of a retroreflector, and of phase functions with a narrow peak backwards,
+    as facets that reflect light along the normal into a lobe of that width."""
+    found = [stack.base.alpha] if isinstance(stack.base, Retroreflector) else []
+    scattering = [*(layer for layer in stack.layers if isinstance(layer, Medium)), stack.base]
+    for medium in scattering:
+        if isinstance(medium, Medium | HalfSpace) and not _is_clear(medium):
+            angle = np.linspace(0.0, RETRO_REACH, 256)
+            phase = _phase(medium).evaluate(-np.cos(angle))
+            below = np.flatnonzero(phase < 0.5 * phase[0])
+            if below.size and phase[0] >= LEAST_FORWARD:
+                found.append(max(LEAST_ALPHA, float(angle[below[0]]) / RETRO_HALF))
+    return found
+
+
+def follow_the_viewer(stack: Stack) -> bool:
+    """True if light goes back towards where it came from, in a narrow lobe or, from fibers, in a broad one."""
+    return bool(retro_alphas(stack)) or any(isinstance(layer, Fibers) for layer in stack.layers)
 
 
 def halos(stack: Stack) -> list[str]:
@@ -111,10 +140,17 @@ def _is_mirror(surface) -> bool:
 
 
 def _scatters_forward(medium: Medium) -> bool:
+    return not _is_clear(medium) and float(_phase(medium).evaluate(1.0)) >= LEAST_FORWARD
+
+
+def _phase(medium: Medium | HalfSpace) -> _core.PhaseFunction:
+    return _core.PhaseFunction(*medium.phase.in_channel(0))
+
+
+def _is_clear(medium: Medium | HalfSpace) -> bool:
+    """True if a medium scatters no light."""
     given = medium.sigma_s if medium.albedo is None else medium.albedo
-    if given is not None and mean(given) == 0.0:
-        return False
-    return float(_core.PhaseFunction(*medium.phase.in_channel(0)).evaluate(1.0)) >= LEAST_FORWARD
+    return given is not None and mean(given) == 0.0
 
 
 def _widths(surface) -> tuple[float, ...]:
@@ -151,10 +187,10 @@ def _in_order(stack: Stack) -> list[tuple]:
 
 
 def _is_rough(surface) -> bool:
-    return isinstance(surface, Interface | Conductor | PrincipledBase | Flakes) and surface.alpha >= LEAST_ALPHA
+    return isinstance(surface, Rough) and surface.alpha >= LEAST_ALPHA
 
 
-def _rough(stack: Stack) -> list[tuple[Interface | Conductor | PrincipledBase | Flakes, float, float]]:
+def _rough(stack: Stack) -> list[tuple[Rough, float, float]]:
     """(surface, index above, index below) of the boundaries that are solved as rough, and of flakes."""
     return [entry for entry in _in_order(stack) if _is_rough(entry[0])]
 
@@ -166,8 +202,7 @@ def _covered(stack: Stack) -> bool:
 
 def _sees_through(stack: Stack) -> bool:
     """True if a smooth or rough reflector lies below a rough dielectric boundary."""
-    reflectors = Interface | Conductor | PrincipledBase | Flakes
-    surfaces = [surface for surface, _, _ in _in_order(stack) if isinstance(surface, reflectors)]
+    surfaces = [surface for surface, _, _ in _in_order(stack) if isinstance(surface, Rough)]
     return any(isinstance(surface, Interface) and _is_rough(surface) for surface in surfaces[:-1])
 
 

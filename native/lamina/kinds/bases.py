@@ -17,7 +17,7 @@ from .metals import METAL
 from .panel import Item, Panel
 from .phases import Isotropic, PhaseFunction
 
-__all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "Measured", "PrincipledBase", "ShaderBase"]
+__all__ = ["Black", "Conductor", "HalfSpace", "Lambert", "Measured", "PrincipledBase", "Retroreflector", "ShaderBase"]
 
 
 # A bake solves facets narrower than this as mirrors, and only their closure has their width: see solver.sharp_facets.
@@ -263,7 +263,34 @@ class Measured(Base):
         return self.kind, *table[index if len(table) > 1 else 0]
 
 
+@dataclass(frozen=True)
+class Retroreflector(Base):
+    """A surface that sends light back where it came from, as glass beads and prisms do: road signs, reflective tape. It
+    reflects the share `reflectance` of the light, in [0, 1], a number or one per channel, at all angles. `alpha`: the
+    width of the lobe about the direction of the light, [.03, 1], one number.
+
+    The lobe is that of GGX facets, see Interface, whose reflected light is turned by half a turn about the normal.
+    Source of the lobe: the back vector of Belcour, Pacanowski, Delahaie, Laville-Geay and Eupherte 2014, "Bidirectional
+    reflectance distribution function measurements and analysis of retroreflective materials"."""
+
+    reflectance: Channels
+    alpha: float = 0.1
+
+    kind = "retroreflector"
+    fields = (
+        Field("reflectance", 0.0, 1.0, panel=Panel(
+            "Color", "Share of the light that the surface sends back, per channel", 0.8, rgb=True, subtype="COLOR",
+            prop="retro_reflectance", words="color of the retroreflector")),
+        Field("alpha", LEAST_ALPHA, 1.0, single=True, panel=Panel(
+            "Spread", "How far the light strays from its way back: 0.03 is reflective tape, 0.2 a worn sign", 0.1,
+            soft_high=0.5, step=1, precision=3, prop="retro_alpha", words="spread of the retroreflector")),
+    )
+    distribution = "ggx"
+    item = Item(kind, "Retroreflector", "Sends light back where it came from: road signs, reflective tape", 8)
+
+
 NONE = Item("none", "None (Thin Sheet)", "Nothing below: light also leaves through the back", 0)
-KINDS = (Lambert, Black, HalfSpace, Conductor, PrincipledBase, ShaderBase, Measured)
-IN_PANEL = (Lambert, Conductor, Measured, PrincipledBase, ShaderBase, Black, HalfSpace)  # in this order, after NONE
+KINDS = (Lambert, Black, HalfSpace, Conductor, PrincipledBase, ShaderBase, Measured, Retroreflector)
+# In this order, after NONE
+IN_PANEL = (Lambert, Conductor, Retroreflector, Measured, PrincipledBase, ShaderBase, Black, HalfSpace)
 BASES = {cls.kind: cls for cls in KINDS}

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common import svg
-from ..kinds.bases import Conductor, HalfSpace, Lambert, Measured, PrincipledBase, ShaderBase
+from ..kinds.bases import Conductor, HalfSpace, Lambert, Measured, PrincipledBase, Retroreflector, ShaderBase
 from ..kinds.boundaries import Interface, is_oriented
+from ..kinds.fibers import Fibers
 from ..kinds.fields import Channels, as_channels, channel
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
+from ..kinds.layers import OrientedLayer
 from ..kinds.spectra import Spectrum
 from . import half_table
 from .colours import shown
@@ -41,10 +43,11 @@ def stack_picture(stack: Stack) -> str:
             height, fill = BOUNDARY, "#c060c0"
             words = f"thin film, {layer.thickness:g} nm"
             words += "" if isinstance(layer.ior, Spectrum | complex) else f", ior {_range(layer.ior, stack)}"
-        elif isinstance(layer, Flakes):
+        elif isinstance(layer, OrientedLayer):
             height = THIN + (THICK - THIN) * _share(max(stack.optics(number, c)[1] for c in range(stack.channels)))
             fill = _fill(stack, _colour_of_flakes(layer, stack.channels))
-            words = f"flakes, tau {_range(layer.tau, stack)}, alpha {layer.alpha:g}"
+            way = f"tilt {layer.tilt:.3g}" if isinstance(layer, Fibers) else f"alpha {layer.alpha:g}"
+            words = f"{layer.kind}, tau {_range(layer.tau, stack)}, {way}"
             words += ", varying" if layer.varying else ""
         else:
             taus = [stack.optics(number, c)[1] for c in range(stack.channels)]
@@ -94,13 +97,14 @@ def _colour_of(stack: Stack, number: int, layer: Medium) -> list[float]:
     return shown(thick.checked("layer"))
 
 
-def _colour_of_flakes(layer: Flakes, channels: int) -> list[float]:
-    return [channel(layer.facing if layer.reflectance is None else layer.reflectance, c) for c in range(channels)]
+def _colour_of_flakes(layer: OrientedLayer, channels: int) -> list[float]:
+    colour = layer.facing if isinstance(layer, Flakes) and layer.reflectance is None else layer.reflectance
+    return [channel(colour, c) for c in range(channels)]
 
 
 def _colour_of_base(stack: Stack) -> list[float]:
     base, channels = stack.base, range(stack.channels)
-    if isinstance(base, Lambert | ShaderBase):
+    if isinstance(base, Lambert | ShaderBase | Retroreflector):
         return [channel(base.reflectance, c) for c in channels]
     if isinstance(base, PrincipledBase):
         return [channel(base.color, c) for c in channels]

@@ -10,7 +10,7 @@ from ..common.errors import StackError
 from ..kinds.bases import Base, Conductor, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
 from ..kinds.fields import channel, to_plain
-from ..kinds.flakes import Flakes
+from ..kinds.layers import OrientedLayer
 from .stack_checks import Layer
 
 
@@ -53,8 +53,8 @@ class Requirements:
                              "metals by their name, and spectra have wavelengths")
 
     def require_no_flakes(self, user: str) -> None:
-        """Raises StackError for a layer of flakes, which `user` does not take."""
+        """Raises StackError for a layer of flakes or fibers, which `user` does not take."""
         for number, layer in enumerate(self.layers):
-            if isinstance(layer, Flakes):
-                raise StackError(f"layers[{number}].kind = 'flakes': must be left out for {user}; lamina.solve, "
-                                 "lamina.estimate by method 'transfer' and lamina.bake take flakes")
+            if isinstance(layer, OrientedLayer):
+                raise StackError(f"layers[{number}].kind = '{layer.kind}': must be left out for {user}; lamina.solve, "
+                                 f"lamina.estimate by method 'transfer' and lamina.bake take {layer.kind}")

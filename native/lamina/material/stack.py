@@ -19,11 +19,12 @@ from ..common import json_file
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
 from ..common.observer import rec709
-from ..kinds.bases import Base, Conductor, HalfSpace, Measured
+from ..kinds.bases import Base, Conductor, Measured
 from ..kinds.boundaries import Interface, is_oriented
-from ..kinds.fields import all_fields, channel, channel_count, check_keys, to_plain
+from ..kinds.fields import all_fields, channel, channel_count, check_keys
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
+from ..kinds.layers import OrientedLayer
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from ..kinds.spectra import D65, Spectrum, read_spectrum
 from .by_wavelength import check_illuminant, parts_by_wavelength
@@ -36,12 +37,12 @@ from .profile import optical_knots
 from .requirements import Requirements
 from .stack_checks import Layer, check_base, check_films, check_layer
 from .stack_entries import read_parts
-from .stack_plain import canonical, given, plain
+from .stack_plain import canonical_base, canonical_layer, given, plain
 
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
 RGB = 3
-THICK = (Medium, Flakes)  # layers with an optical thickness
+THICK = Medium | OrientedLayer  # layers with an optical thickness
 
 
 @dataclass(frozen=True)
@@ -162,7 +163,7 @@ class Stack(Requirements):
 
     @property
     def varying(self) -> int | None:
-        """Index of the medium, or the layer of flakes, whose thickness is an input, if any."""
+        """Index of the medium, or the layer of flakes or fibers, whose thickness is an input, if any."""
         return next(iter(self._varying(THICK)), None)
 
     @property
@@ -230,7 +231,7 @@ class Stack(Requirements):
 
     def optics(self, layer: int, channel_index: int) -> tuple[float, float]:
         """(albedo, tau) of a layer in one channel. For a layer given by a colour, the albedo for this colour; for a
-        profile, the mean albedo over the optical depth; for flakes see Flakes.optics."""
+        profile, the mean albedo over the optical depth; for flakes and fibers see their `optics`."""
         medium = self._thick(layer)
         albedo, tau = medium.optics(channel_index)
         if isinstance(medium, Medium) and medium.profile is not None:
@@ -255,7 +256,7 @@ class Stack(Requirements):
         assert isinstance(flakes, Flakes)
         return indices_of(flakes, self.channels, f"layers[{layer}]")
 
-    def _thick(self, index: int) -> Medium | Flakes:
+    def _thick(self, index: int) -> Medium | OrientedLayer:
         layer = self.layers[index]
         assert isinstance(layer, THICK)
         return layer
@@ -280,39 +281,10 @@ class Stack(Requirements):
     def canonical(self) -> str:
         """A text that is equal for all stacks with optically equal layers: albedo and tau of each channel, without
         names, keys sorted."""
-        channels = range(self.channels)
-        layers = []
-        for index, layer in enumerate(self.layers):
-            if isinstance(layer, Interface | Film):
-                layers.append(canonical(layer, self.channels))
-                continue
-            if isinstance(layer, Flakes):
-                form = layer.forms[0 if layer.facing is None else 1]
-                layers.append({**canonical(layer, self.channels), **{
-                    one.name: [channel(getattr(layer, one.name), c) for c in channels] for one in form}})
-                continue
-            if layer.profile is not None:
-                layers.append(self._canonical_profile(index))
-                continue
-            optics = [self.optics(index, c) for c in channels]
-            layers.append({
-                "kind": layer.kind,
-                "albedo": [to_plain(albedo) for albedo, _ in optics],
-                "tau": [to_plain(tau) for _, tau in optics],
-                "phase": layer.phase.canonical(self.channels),
-                "varying": layer.varying,
-            })
-        base: dict = {} if self.base is None else canonical(self.base, self.channels)
-        if isinstance(self.base, Conductor):
-            indices = [self.indices(c) for c in channels]
-            base["eta"], base["k"] = [eta for eta, _ in indices], [k for _, k in indices]
-        if self.wavelengths is not None and self.base is not None and self.base.shown:
-            color = getattr(self.given_base, self.base.shown)
-            base[self.base.shown] = [channel(color, index) for index in range(RGB)]
-        if isinstance(self.base, HalfSpace):
-            base["albedo"] = [self.base.albedo_of(c) for c in channels]
+        layers = [canonical_layer(self, index, self._albedos[index]) for index in range(len(self.layers))]
         spectral = {} if self.wavelengths is None else {"wavelengths": self.wavelengths}
-        data = {"schema": SCHEMA, **spectral, **self._light(), "layers": layers, "base": base or None}
+        data = {"schema": SCHEMA, **spectral, **self._light(), "layers": layers,
+                "base": canonical_base(self)}
         return json.dumps(data, sort_keys=True)
 
     def to_json(self) -> dict:
@@ -400,22 +372,6 @@ class Stack(Requirements):
         channel. The solver finds them when they are first needed."""
         return tuple(albedos_of_layer(layer, self.channels) if isinstance(layer, Medium) else None
                      for layer in self.layers)
-
-    def _canonical_profile(self, index: int) -> dict:
-        layer, channels = self._medium(index), range(self.channels)
-        knots = []
-        for number, knot in enumerate(layer.profile or ()):
-            entry = {"depth": knot.depth, "phase": (knot.phase or layer.phase).canonical(self.channels)}
-            if knot.has_coefficients:
-                entry["sigma_s"] = [channel(knot.sigma_s, c) for c in channels]
-                entry["sigma_a"] = [channel(knot.sigma_a, c) for c in channels]
-            else:
-                albedos = self._albedos[index][number]
-                entry["albedo"] = [channel(albedos or knot.albedo, c) for c in channels]
-            knots.append(entry)
-        size = "tau" if layer.thickness is None else "thickness"
-        return {"kind": layer.kind, size: [channel(getattr(layer, size), c) for c in channels], "profile": knots,
-                "varying": layer.varying}
 
 
 def _fields_of(thing, path):

@@ -11,12 +11,12 @@ from ..kinds.bases import Base, Conductor, Measured
 from ..kinds.boundaries import Interface
 from ..kinds.fields import Channels, channel, check_forms
 from ..kinds.films import Film
-from ..kinds.flakes import Flakes
+from ..kinds.layers import OrientedLayer
 from ..kinds.spectra import Spectrum
 from .layers import Medium
 from .phase import check_phase
 
-Layer = Medium | Interface | Film | Flakes
+Layer = Medium | Interface | Film | OrientedLayer
 
 
 def _checked(thing, path):

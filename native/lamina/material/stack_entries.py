@@ -10,15 +10,14 @@ from ..common.errors import StackError, quoted
 from ..kinds.bases import BASES, Base, Measured
 from ..kinds.boundaries import Interface
 from ..kinds.fields import all_fields, check_keys, read_kind
-from ..kinds.films import Film
-from ..kinds.flakes import Flakes
+from ..kinds.layers import DESCRIBED
 from ..kinds.spectra import read_spectrum
 from .layers import Medium
 from .phase import read_phase
 from .profile import read_profile
 from .stack_checks import Layer
 
-PLAIN = {cls.kind: cls for cls in (Interface, Film, Flakes)}  # layers without a phase function
+PLAIN = {Interface.kind: Interface, **DESCRIBED}  # layers without a phase function
 
 
 def read_parts(entries: list, base) -> tuple[list[Layer], Base | None]:
@@ -40,8 +39,8 @@ def read_parts(entries: list, base) -> tuple[list[Layer], Base | None]:
         elif is_text and kind in PLAIN:
             layers.append(_read(PLAIN[kind], entry, path, {"name"}))
         else:
-            raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', 'film', 'flakes', or a "
-                             "base at the bottom")
+            raise StackError(f"{path}.kind = {quoted(kind)}: must be 'medium', 'interface', 'film', 'flakes', "
+                             "'fibers', or a base at the bottom")
     return layers, bottom if base is None else _read_base(base, "base")
 
 

@@ -7,26 +7,27 @@ import math
 from dataclasses import replace
 
 from ..common.errors import ArgumentError
+from ..kinds.fibers import Fibers
 from ..kinds.fields import as_channels, channel
-from ..kinds.flakes import Flakes
+from ..kinds.layers import OrientedLayer
 from .layers import Medium
 from .profile import Knot
 from .stack import Stack
 
 
 def with_thickness(stack: Stack, layer: int, taus: float | tuple[float, ...]) -> Stack:
-    """The stack with the optical thickness `taus`, a number or one per channel, of the medium, or of flakes with
-    their binder, with index `layer`.
+    """The stack with the optical thickness `taus` along the normal, a number or one per channel, of the medium,
+    the flakes with their binder, or the fibers with index `layer`.
 
     Media in millimetres stay so: their thickness in mm changes. A colour that was meant for a layer of its own
     thickness (`over`) becomes the albedo that gave the colour. A stack of one channel takes any number of channels. A
     varying layer keeps its mark, unless it becomes infinitely thick. Raises ArgumentError for a thickness of a channel
     in which the medium neither scatters nor absorbs."""
     medium = stack.layers[layer]
-    assert isinstance(medium, Medium | Flakes)
+    assert isinstance(medium, Medium | OrientedLayer)
     varying = medium.varying and not math.isinf(max(taus) if isinstance(taus, tuple) else taus)
-    changed: Medium | Flakes
-    if isinstance(medium, Flakes):
+    changed: Medium | OrientedLayer
+    if isinstance(medium, OrientedLayer):
         changed = replace(medium, varying=varying, **_amounts(stack, medium, taus))
     else:
         changed = replace(_without_own_colour(stack, layer, medium), varying=varying,
@@ -54,8 +55,11 @@ def _count(stack: Stack, taus: float | tuple[float, ...]) -> int:
     return max(stack.channels, len(taus) if isinstance(taus, tuple) else 1)
 
 
-def _amounts(stack: Stack, flakes: Flakes, taus) -> dict:
-    """The new optical thicknesses of flakes and binder, which keep their ratio."""
+def _amounts(stack: Stack, flakes: OrientedLayer, taus) -> dict:
+    """The new optical thicknesses of flakes and binder, which keep their ratio, or of fibers."""
+    if isinstance(flakes, Fibers):
+        areas = tuple(channel(taus, index) / flakes.seen_from_above for index in range(_count(stack, taus)))
+        return {"tau": areas[0] if len(set(areas)) == 1 else areas}
     shares = [flakes.share(min(index, stack.channels - 1)) for index in range(_count(stack, taus))]
     whole = [channel(taus, index) for index in range(len(shares))]
     parts = {"tau": [tau if share == 1.0 else share * tau for share, tau in zip(shares, whole, strict=True)],

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..kinds.bases import Retroreflector
 from ..kinds.boundaries import Interface
 from ..material.stack import Stack
 
@@ -15,16 +16,19 @@ from ..material.stack import Stack
 @dataclass(frozen=True)
 class FacetDensity:
     """Facets of width `alpha`, GGX or Beckmann. `near`: the index where the view's light leaves the facets; `far`: the
-    index where the light arrives, negative on the other side of the boundary."""
+    index where the light arrives, negative on the other side of the boundary. `retro`: the facets send light back."""
 
     alpha: float
     is_ggx: bool
     near: float
     far: float
+    retro: bool = False
 
     def at(self, sine2_o, sine2_i, across2, xp):
         """Density per solid angle. `sine2_o`, `sine2_i`: squared sines of both angles in air; `across2`: the squared
         sum of both directions along the surface, which refraction keeps; `xp`: the module of sqrt, exp and maximum."""
+        if self.retro:
+            across2 = 2.0 * (sine2_o + sine2_i) - across2
         along = (xp.sqrt(xp.maximum(self.near**2 - sine2_o, 0.0))
                  + math.copysign(1.0, self.far) * xp.sqrt(xp.maximum(self.far**2 - sine2_i, 0.0)))
         slope2 = across2 / xp.maximum(along * along, 1e-12)
@@ -59,7 +63,8 @@ def densities_of(stack: Stack, side: str, path: str) -> tuple[FacetDensity, ...]
     base = stack.base
     alpha = _first(getattr(base, "alpha", 0.0))
     if alpha > 0.0:
-        found.append(FacetDensity(alpha, getattr(base, "distribution", "ggx") == "ggx", above, above))
+        found.append(FacetDensity(alpha, getattr(base, "distribution", "ggx") == "ggx", above, above,
+                                  isinstance(base, Retroreflector)))
     return tuple(found)
 
 

@@ -9,6 +9,7 @@ import math
 from .. import _core
 from ..kinds.bases import Conductor, HalfSpace, PrincipledBase
 from ..kinds.boundaries import Interface, is_oriented
+from ..kinds.fibers import Fibers
 from ..kinds.fields import channel
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
@@ -34,6 +35,8 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
         elif isinstance(layer, Flakes):
             entries.append((_core.Medium, (*layer.optics(index), Flakes.kind, layer.alpha, layer.share(index),
                                            *_metal_of(stack, number, index, above))))
+        elif isinstance(layer, Fibers):
+            entries.append((_core.Medium, (*layer.optics(index), Fibers.kind, layer.alpha, layer.translucency)))
         elif layer.profile is not None and layer.optics(index)[1] > 0.0:
             entries.append((_core.GradedMedium, (tuple(stack.knots(number, index)),)))
         else:

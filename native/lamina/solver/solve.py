@@ -23,9 +23,10 @@ from ..common.arguments import (
 from ..common.errors import ArgumentError, SolveError, StackError, quoted
 from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
-from ..kinds.bases import Lambert, Measured, PrincipledBase
+from ..kinds.bases import Lambert, Measured, PrincipledBase, Retroreflector
 from ..kinds.fields import channel
-from ..kinds.flakes import AMOUNT, Flakes
+from ..kinds.flakes import AMOUNT
+from ..kinds.layers import OrientedLayer
 from ..kinds.media import TAU
 from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
@@ -65,7 +66,7 @@ def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int 
     stack = as_stack(stack)
     if stack.is_oriented:
         stack.require_no_flakes("a solve with anisotropic facets")
-    if stack.is_oriented and isinstance(stack.base, PrincipledBase | Measured):
+    if stack.is_oriented and isinstance(stack.base, PrincipledBase | Measured | Retroreflector):
         raise StackError(f"base.kind = '{stack.base.kind}': must be another kind below anisotropic facets")
     if stack.is_oriented and nodes is not None:
         raise ArgumentError(f"nodes = {quoted(nodes)}: must be left out for a stack with anisotropic facets")
@@ -237,8 +238,9 @@ class ScatteringFunction:
         stack.require_isotropic("another thickness")
         layer = check_whole(layer, "layer", 0, len(stack.layers) - 1)
         medium = stack.layers[layer]
-        if not isinstance(medium, Medium | Flakes):
-            raise ArgumentError(f"layer = {layer}: must be a medium or flakes, this one is of kind {medium.kind}")
+        if not isinstance(medium, Medium | OrientedLayer):
+            raise ArgumentError(f"layer = {layer}: must be a medium, flakes or fibers, this one is of kind "
+                                f"{medium.kind}")
         profile = isinstance(medium, Medium) and medium.profile is not None
         quantity = THICKNESS["tau"] if profile else TAU if isinstance(medium, Medium) else AMOUNT
         taus = quantity.check(taus, "taus")

@@ -11,7 +11,7 @@ import numpy as np
 from .. import _core
 from ..common.errors import StackError
 from ..common.progress import Progress
-from ..kinds.bases import Conductor, HalfSpace, PrincipledBase
+from ..kinds.bases import Conductor, HalfSpace, PrincipledBase, Retroreflector
 from ..kinds.boundaries import Interface
 from ..kinds.fields import channel
 from ..kinds.limits import MOST_NODE_IOR
@@ -65,16 +65,17 @@ def boundary_on_top(stack: Stack, mu, quality: str) -> tuple[np.ndarray, float, 
 
 
 def require_hidden_metal(stack: Stack) -> None:
-    """Raises StackError if light can reach a metal base and leave without a collision in a medium: this light is a
-    mirror image, which closures for light that travels sideways would show as diffuse."""
-    metal = isinstance(stack.base, Conductor) or (isinstance(stack.base, PrincipledBase) and stack.base.metallic > 0.0)
-    if not metal:
+    """Raises StackError if light can reach a metal or a retroreflector and leave without a collision in a medium:
+    this light is a lobe, which closures for light that travels sideways would show as diffuse."""
+    base = stack.base
+    word = "retroreflector" if isinstance(base, Retroreflector) else "metal"
+    if not (isinstance(base, Conductor | Retroreflector) or (isinstance(base, PrincipledBase) and base.metallic > 0.0)):
         return
     media = [number for number, layer in enumerate(stack.layers) if isinstance(layer, Medium)]
     for index in range(stack.channels):
         crossing = math.exp(-2.0 * sum(stack.optics(number, index)[1] for number in media))
         if crossing > MOST_MIRRORED:
-            raise StackError(f"channel {index}: the base is a metal, and {100.0 * crossing:.3g} % of the light can "
+            raise StackError(f"channel {index}: the base is a {word}, and {100.0 * crossing:.3g} % of the light can "
                              f"reach it and return without scattering: must be at most {100.0 * MOST_MIRRORED:g} %, by "
                              "media above it, for light that travels sideways")
 

@@ -87,7 +87,8 @@ BAD = {
     "base in the middle": ('{"schema": 1, "layers": [{"kind": "black"}, {"kind": "medium", "albedo": 1, "tau": 1}]}',
                            "lamina: bad.json: layers[0].kind = 'black': a base can only stand at the bottom\n"),
     "kind a list": ('{"schema": 1, "layers": [{"kind": []}]}',
-                    "lamina: bad.json: layers[0].kind = []: must be 'medium', 'interface', 'film', 'flakes', or a base "
+                    "lamina: bad.json: layers[0].kind = []: must be 'medium', 'interface', 'film', 'flakes', "
+                    "'fibers', or a base "
                     "at the bottom\n"),
     "two channels": ('{"schema": 1, "layers": [{"kind": "medium", "albedo": [1, 1], "tau": 1}]}',
                      "lamina: channels = 2: must be 1 or 3 (R G B) for a lookup table\n"),

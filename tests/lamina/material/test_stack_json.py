@@ -117,12 +117,15 @@ BAD = [
      "stack.author: unknown key; known are base, category, illuminant, layers, name, schema, source, wavelengths"),
     (LAYER, 5, "layers[0] = 5: must be a JSON object"),
     ((*LAYER, "kind"), "snow",
-     "layers[0].kind = 'snow': must be 'medium', 'interface', 'film', 'flakes', or a base at the bottom"),
+     "layers[0].kind = 'snow': must be 'medium', 'interface', 'film', 'flakes', 'fibers', or a base "
+     "at the bottom"),
     ((*LAYER, "kind"), ..., "layers[0].kind is missing: must be given"),
     ((*LAYER, "kind"), [],
-     "layers[0].kind = []: must be 'medium', 'interface', 'film', 'flakes', or a base at the bottom"),
+     "layers[0].kind = []: must be 'medium', 'interface', 'film', 'flakes', 'fibers', or a base "
+     "at the bottom"),
     ((*LAYER, "kind"), {},
-     "layers[0].kind = {}: must be 'medium', 'interface', 'film', 'flakes', or a base at the bottom"),
+     "layers[0].kind = {}: must be 'medium', 'interface', 'film', 'flakes', 'fibers', or a base "
+     "at the bottom"),
     (LAYER, {"kind": "black"}, "layers[0].kind = 'black': a base can only stand at the bottom"),
     (("layers", 1), {"kind": "black"}, "layers[1].kind = 'black': a base can only stand at the bottom"),
     ((*LAYER, "thikness"), 1.0, "layers[0].thikness: unknown key; known are albedo, amount, color, kind, name, over, "
@@ -156,7 +159,8 @@ BAD = [
     ((*PHASE, "f"), 0.1, "layers[0].phase.f: unknown key; known are g, kind"),
     (("base",), "black", "base = 'black': must be a JSON object"),
     (("base", "kind"), "mirror",
-     "base.kind = 'mirror': must be one of lambert, black, half-space, conductor, principled, shader, measured"),
+     "base.kind = 'mirror': must be one of lambert, black, half-space, conductor, principled, shader, measured, "
+     "retroreflector"),
     (("base", "reflectance"), 2, "base.reflectance = 2: must lie in [0, 1]"),
     (("base", "reflectance"), ..., "base.reflectance is missing: must be given"),
     (("base",), {"kind": "principled", "metallic": 2.0}, "base.metallic = 2: must lie in [0, 1]"),

@@ -23,6 +23,7 @@ STACKS = {
     "varnish": Stack([Interface(1.5, 0.1), Medium(0.8, 0.5, HenyeyGreenstein(0.6))], Lambert(0.3)),
     "lacquered gold": Stack([Interface(1.5)], GOLD),
     "smooth paint": Stack([Interface(1.5), Medium((0.9, 0.5, 0.2), 3.0)], Lambert(0.1)),
+    "road sign": Stack([Interface(1.5), Medium((0.9, 0.5, 0.2), 0.7)], lamina.Retroreflector(0.7, 0.1)),
     "sheet": Stack([Medium((0.9, 0.6, 0.3), 0.7, HenyeyGreenstein(0.8))], None),
 }
 VIEWS = [np.array([0.6 * (1.0 - mu**2) ** 0.5, -0.8 * (1.0 - mu**2) ** 0.5, mu]) for mu in (0.95, 0.5, 0.2)]

@@ -10,20 +10,31 @@
 
 namespace lamina {
 
-/// What flakes do to light that collides in their medium along `in`.
+/// What a flake does to light that collides in its medium along `in`.
 class FlakeScatter {
  public:
-  FlakeScatter(const Flakes& flakes, const Ray& in)
-      : flakes_(flakes), in_(in), area_(flakes.area(std::abs(in.z))), met_(area_ / flakes.extinction(std::abs(in.z))) {}
+  /// Draws the normal of the flake. It is met in proportion to the area that it shows (Heitz et al. 2015): stretched,
+  /// flakes are a sphere.
+  FlakeScatter(const Flakes& flakes, const Ray& in, Rng& rng)
+      : flakes_(flakes),
+        in_(in),
+        area_(flakes.area(std::abs(in.z))),
+        met_(area_ / flakes.extinction(std::abs(in.z))),
+        normal_(met_normal(flakes.alpha, in, rng)) {}
 
-  /// The direction of a ray that leaves, and 4 pi times its density under sample(); `kept`: the share of the light that
-  /// goes on, but for the albedo of the medium.
+  /// The direction of a ray that leaves, and 4 pi times its density under sample(), of matte flakes for their normal;
+  /// `kept`: the share of the light that goes on, but for the albedo of the medium.
   struct Event {
     Ray ray;
     double density;
     double kept;
   };
   Event to(const Ray& out) const {
+    if (flakes_.translucency) {
+      const double cosine = out.dot(normal_);
+      const double share = cosine < 0.0 ? *flakes_.translucency : 1.0 - *flakes_.translucency;
+      return {out, 4.0 * share * std::abs(cosine), met_};
+    }
     const Ray sum{out.x - in_.x, out.y - in_.y, out.z - in_.z};
     const double length = std::sqrt(sum.dot(sum));
     if (length == 0.0) {
@@ -33,27 +44,38 @@ class FlakeScatter {
     return {out, density, met_ * flakes_.reflectance(std::min(1.0, 0.5 * length))};
   }
 
-  /// A flake is met in proportion to the area that it shows (Heitz et al. 2015): stretched, flakes are a sphere.
   Event sample(Rng& rng) const {
-    const Azimuth azimuth(rng);
-    const double square = rng.uniform();
-    const double across = std::sqrt(1.0 - square);
-    const Ray seen = normalised({-flakes_.alpha * in_.x, -flakes_.alpha * in_.y, -in_.z});
-    const auto [first, second] = tangents_of(seen.x, seen.y, seen.z);
-    const double along = std::sqrt(square);
-    const double a = across * azimuth.cosine;
-    const double b = across * azimuth.sine;
-    const Ray normal = normalised({flakes_.alpha * (along * seen.x + a * first[0] + b * second[0]),
-                                   flakes_.alpha * (along * seen.y + a * first[1] + b * second[1]),
-                                   along * seen.z + a * first[2] + b * second[2]});
-    return to(mirrored_at(normal, in_, normal.dot(in_)));
+    if (!flakes_.translucency) {
+      return to(mirrored_at(normal_, in_, normal_.dot(in_)));
+    }
+    const double side = rng.uniform() < *flakes_.translucency ? -1.0 : 1.0;
+    const Ray turned = about(normal_, lambert_ray(rng));
+    return to({side * turned.x, side * turned.y, side * turned.z});
   }
 
  private:
+  /// A direction given in a frame whose z axis is `axis`.
+  static Ray about(const Ray& axis, const Ray& ray) {
+    const auto [first, second] = tangents_of(axis.x, axis.y, axis.z);
+    return {ray.z * axis.x + ray.x * first[0] + ray.y * second[0],
+            ray.z * axis.y + ray.x * first[1] + ray.y * second[1],
+            ray.z * axis.z + ray.x * first[2] + ray.y * second[2]};
+  }
+
+  static Ray met_normal(double alpha, const Ray& in, Rng& rng) {
+    const Azimuth azimuth(rng);
+    const double square = rng.uniform();
+    const double across = std::sqrt(1.0 - square);
+    const Ray seen = normalised({-alpha * in.x, -alpha * in.y, -in.z});
+    const Ray normal = about(seen, {across * azimuth.cosine, across * azimuth.sine, std::sqrt(square)});
+    return normalised({alpha * normal.x, alpha * normal.y, normal.z});
+  }
+
   const Flakes& flakes_;
   Ray in_;
   double area_;
   double met_;  ///< the share of collisions that are with flakes, over their share along the normal
+  Ray normal_;
 };
 
 }  // namespace lamina

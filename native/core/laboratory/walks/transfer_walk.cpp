@@ -53,7 +53,7 @@ class TransferWalk final : public StackWalk {
       depth = std::clamp(depth + light.ray.z * std::log(choice) / extinction(medium, light.ray), 0.0, medium.tau);
       ++events;
       if (medium.flakes) {
-        const FlakeScatter flakes(*medium.flakes, light.ray);
+        const FlakeScatter flakes(*medium.flakes, light.ray, rng);
         if (!is_flux()) {
           score += light.weight * from_flakes(element, out, flakes, depth);
         }

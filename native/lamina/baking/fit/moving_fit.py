@@ -49,7 +49,8 @@ WORST_SHARE = 0.05
 @dataclass(frozen=True)
 class MovingFit:
     """Fits for a stack on an opaque base with `count` moving lobes. `made`: closures made for the stack's boundaries;
-    `effort`: of the choice; `azimuths`: of the viewer, if the stack is anisotropic and rows are azimuths."""
+    `effort`: of the choice; `azimuths`: of the viewer, if the stack is anisotropic and rows are azimuths; `retro`: with
+    lobes about the viewer."""
 
     count: int
     made: Sequence[str]
@@ -57,6 +58,7 @@ class MovingFit:
     effort: Effort
     pool: _core.ThreadPool
     azimuths: AzimuthRows | None = None
+    retro: bool = False
 
     def __call__(self, wanted: Slices, given: Sequence[str], step: Progress,
                  clean: Mixture | None = None) -> Mixture | None:
@@ -88,7 +90,7 @@ class MovingFit:
         knots = ROW_KNOTS if self.azimuths is None else range(count)
         rows = sorted({row for row in knots if row < count} | {count - 1})
         options = _core.MovingFitOptions()
-        options.lobes, options.stiffness = self.count, STIFFNESS
+        options.lobes, options.stiffness, options.retro = self.count, STIFFNESS, self.retro
         views, dphi = _core.FitViews(view_cosines()[columns], np.empty(0), False), grid.dphi
         if self.azimuths is not None:
             options.most_change, options.following = AZIMUTH_CHANGE, 1.0

@@ -123,7 +123,7 @@ def grid_of(stack: Stack, quality: str) -> LightGrid:
         narrowest = LEAST_ALPHA
     else:
         narrowest = narrow_lobes.narrowest(stack)
-    return grid_for(quality, narrowest, narrow_lobes.has_halo(stack))
+    return grid_for(quality, narrowest, narrow_lobes.has_halo(stack), bool(narrow_lobes.retro_alphas(stack)))
 
 
 def on_lambert(stack: Stack) -> Stack:

@@ -35,7 +35,7 @@ class StackFit:
     def __init__(self, stack: Stack, solved: SolvedRows, grid: LightGrid, pool, search: dict, moving: int = 0):
         self._moving = 0 if solved.is_sheet else moving
         self._solved, self._grid, self._pool, self._search = solved, grid, pool, search
-        self._varies = stack.varying is not None
+        self._varies, self._retro = stack.varying is not None, narrow_lobes.follow_the_viewer(stack)
         self._made = narrow_lobes.closures(stack)
         clean = [layer for number, layer in enumerate(stack.layers) if number != stack.varying]
         # What narrow_lobes reads of a stack; unlike a Stack it may be empty
@@ -61,7 +61,7 @@ class StackFit:
             moves = sum(map(shaped_lobes.is_shaped, given or kept))
             moving = None
             if may_move and (moves or not given):
-                fit = MovingFit(moves or self._moving, made, self._grid, effort, self._pool)
+                fit = MovingFit(moves or self._moving, made, self._grid, effort, self._pool, retro=self._retro)
                 moving = fit(wanted, given, portion(step, 0.0, 0.5), clean)
                 if moves and moving is not None and (given or mean_error(moving.errors) < POOR):
                     return moving

@@ -20,7 +20,7 @@ from ..fit.slices import SolvedRows
 SCHEMA = 1
 COVERED_SCHEMA = 2  # of tables that also hold the stack without the film of its varying interface
 
-MOST_TILT = 10.0  # k of a closure that moves with the view
+MOST_TILT = 1e3  # k of a closure that moves with the view; of one about the viewer
 _MISSING = object()
 _TEXT, _NUMBER, _COUNT = "a text", "a number from 0", "a whole number from 0"
 _NUMBERS = "a list of numbers from 0"
