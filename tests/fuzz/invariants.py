@@ -11,7 +11,7 @@ import numpy as np
 from z_limit import z_limit
 
 import lamina
-from lamina import Conductor, Flakes, Interface, Medium, PrincipledBase, Stack
+from lamina import Conductor, Fibers, Flakes, Interface, Medium, PrincipledBase, Retroreflector, Stack
 from lamina.solver.solve import tolerance_of
 
 QUALITY = "preview"
@@ -73,7 +73,7 @@ def of_energy(solved) -> list[str]:
 
 def of_splitting(stack: Stack, found: dict, chance: random.Random) -> list[str]:
     """Dividing a homogeneous layer in two does not change the result."""
-    whole = [k for k, layer in enumerate(stack.layers) if isinstance(layer, Flakes) or (
+    whole = [k for k, layer in enumerate(stack.layers) if isinstance(layer, Flakes | Fibers) or (
         isinstance(layer, Medium) and layer.profile is None and layer.color is None and not layer.varying)]
     if not whole:
         return []
@@ -150,7 +150,8 @@ def promised(f: np.ndarray, stack: Stack) -> np.ndarray:
     """The reference of the relative tolerance, [o, i, dphi, channel]. In stacks of media alone the reference is the
     value, or the rounding noise of the largest value."""
     value = np.abs(f)
-    if any(isinstance(layer, Interface | Flakes) for layer in stack.layers) or isinstance(stack.base, Conductor):
+    if any(isinstance(layer, Interface | Flakes | Fibers) for layer in stack.layers) or isinstance(
+            stack.base, Conductor | Retroreflector):
         steps = np.diff(DPHI)[:, None]
         mean = (0.5 * (value[:, :, 1:] + value[:, :, :-1]) * steps).sum(axis=2, keepdims=True) / math.pi
         return np.maximum(value, FAINT * np.maximum(mean, 1.0))
@@ -171,7 +172,7 @@ def _apart(ones: dict, others: dict, stack: Stack, what: str) -> list[str]:
 
 def _keeps_all(stack: Stack) -> bool:
     surfaces = [layer for layer in stack.layers if isinstance(layer, Interface)]
-    if any(isinstance(layer, Flakes) for layer in stack.layers):
+    if any(isinstance(layer, Flakes | Fibers) for layer in stack.layers):
         return False
     if any(s.alpha > 0.0 and not s.compensate for s in surfaces) or isinstance(stack.base, Conductor):
         return False

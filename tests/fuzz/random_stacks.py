@@ -14,6 +14,7 @@ from lamina import (
     CornetteShanks,
     DoubleHenyeyGreenstein,
     Draine,
+    Fibers,
     Film,
     Flakes,
     HalfSpace,
@@ -42,7 +43,7 @@ def random_stack(seed: int, number: int) -> Stack:
 
 
 def with_flakes(stack: Stack, chance: random.Random) -> Stack:
-    """A tenth of the stacks, with a layer of flakes in place of a layer."""
+    """A tenth of the stacks, with a layer of flakes in place of a layer, or of fibers."""
     media = [k for k, layer in enumerate(stack.layers) if isinstance(layer, Medium)]
     if not media or chance.random() > 0.1:
         return stack
@@ -51,7 +52,8 @@ def with_flakes(stack: Stack, chance: random.Random) -> Stack:
         facing = chance.uniform(0.3, 0.95)
         flakes = Flakes(flakes.tau, flakes.alpha, facing=facing, grazing=chance.uniform(0.5 + 0.5 * facing, 1.0))
     layers = list(stack.layers)
-    layers[chance.choice(media)] = flakes
+    place = chance.choice(media)
+    layers[place] = drawn(Fibers, chance) if chance.random() < 0.3 else flakes
     return Stack(layers, stack.base)
 
 

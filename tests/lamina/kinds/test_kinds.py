@@ -12,16 +12,15 @@ from measured_tables import facets, measured
 
 import lamina
 from lamina import Medium, Stack, StackError, _core
-from lamina.kinds import bases, boundaries, films, flakes, interiors, media, phases
+from lamina.kinds import bases, boundaries, flakes, interiors, layers, media, phases
 from lamina.kinds.dust import OPTIONS
-from lamina.kinds.fields import Field
+from lamina.kinds.fields import Field, all_fields
 
 QUANTITIES = {
     **{f"{cls.kind}.{field.name}": field for cls in phases.KINDS for field in cls.fields},
     **{f"medium.{field.name}": field for form in media.FORMS for field in form},
     **{f"interface.{field.name}": field for field in boundaries.Interface.fields},
-    **{f"film.{field.name}": field for field in films.Film.fields},
-    **{f"flakes.{field.name}": field for form in (flakes.Flakes.fields, *flakes.Flakes.forms) for field in form},
+    **{f"{kind}.{field.name}": field for kind, cls in layers.DESCRIBED.items() for field in all_fields(cls)},
     **{f"{cls.kind}.{field.name}": field for cls in bases.KINDS for form in (cls.fields, *cls.forms) for field in form},
     **{f"interior.{field.name}": field for field in
        (*interiors.GROUND, *interiors.MARBLE, *interiors.BODY, *interiors.MAPS) if field.name != "seed"},
@@ -98,7 +97,7 @@ def test_every_base_can_be_solved_and_read_back(cls):
 
 def test_numbers_of_choices_are_their_own():
     """A .blend file stores the number of a choice."""
-    lists = [[media.ITEM, boundaries.Interface.item, films.Film.item, flakes.Flakes.item],
+    lists = [[media.ITEM, boundaries.Interface.item, *(cls.item for cls in layers.DESCRIBED.values())],
              [cls.item for cls in phases.IN_PANEL], [bases.NONE, *(cls.item for cls in bases.IN_PANEL)],
              [form.item for form in media.FORMS]]
     lists += [[form.item for form in cls.forms] for cls in (*bases.KINDS, flakes.Flakes) if cls.form_prop]
