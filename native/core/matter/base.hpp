@@ -36,7 +36,7 @@ struct Base {
   /// True for nothing and for a Lambert surface, which the methods for media alone include.
   bool is_none_or_lambert() const { return kind == Kind::kNone || kind == Kind::kLambert; }
   /// True if light that lobes lose to shadowing is returned by an operator of its own.
-  bool compensates() const { return facets.compensate && kind == Kind::kConductor; }
+  bool compensates() const { return facets.compensate && !law && !measured; }
   /// True if an exchange of view and light changes nothing.
   bool is_reciprocal() const { return !law; }
   bool scatters() const { return is_diffuse() || is_rough(); }

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina import Interface, Medium, Stack, StackError, presets
+from lamina import Interface, Medium, Retroreflector, Stack, StackError, presets
 from lamina.cli import main
 
 CATEGORIES = {"Overlays", "Metals", "Liquids", "Skin and organics", "Stone and ceramics", "Coated and painted",
@@ -40,7 +40,8 @@ def test_a_preset(id):
     surfaces = [layer for layer in stack.layers if isinstance(layer, Interface)]
     for surface in [*surfaces, stack.base]:
         alpha = getattr(surface, "alpha", 0.0)
-        assert alpha == 0.0 or 0.08 <= alpha <= 1.0
+        # Tables are worse for narrow facets, but not for a retroreflector's lobe about the viewer
+        assert alpha == 0.0 or alpha >= (0.05 if isinstance(surface, Retroreflector) else 0.08)
     for index, channel in itertools.product(range(len(stack.layers)), range(stack.channels)):
         if isinstance(stack.layers[index], Medium):
             assert stack.optics(index, channel)[1] <= 200.0
