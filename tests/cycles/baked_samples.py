@@ -16,6 +16,7 @@ import pytest
 
 import lamina
 from lamina import lobes
+from lamina.baking.fit.mixture import LEAST_SHOWN
 from lamina.closures import moving_lobes, shaped_lobes
 from lamina.kinds.table import BASE, SHAPE, THROWN_BACK
 
@@ -221,6 +222,7 @@ class Sample:
         A few directions sample more or less of a closure's edges than the complete hemisphere. The difference is known
         from the closed forms: the second result replaces their part of the sum over `lights` by the sum over a `dense`
         rule (a control variate), so that only the difference of Cycles to the closed forms is sampled by few lights.
+        Like the report's, it is relative to at least LEAST_SHOWN times the light of the brightest channel.
         """
         exact = self.slices(kind, side, lights)
         seen = lights.norm2(reading - exact)
@@ -228,6 +230,7 @@ class Sample:
         dense_exact = self.slices(kind, side, dense)
         whole = dense.norm2(self.mixture(kind, side, dense) - dense_exact)
         scale = dense.norm2(dense_exact)
+        scale = np.maximum(scale, LEAST_SHOWN**2 * scale.max(axis=1, keepdims=True))
         return np.sqrt(seen / lights.norm2(exact)), np.sqrt(np.maximum(whole + seen - predicted, 0.0) / scale)
 
     def _interpolated(self, table):
