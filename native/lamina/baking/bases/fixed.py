@@ -73,8 +73,8 @@ class Fixed(BakedBase):
         return parts + self._base_parts()
 
     def errors(self, header: dict, weights: np.ndarray) -> dict:
-        between = self._errors_between_rows()
-        report = fit_report(closure_count(header), self.solved, *fitted_errors(self.fitted, self.seen)) | between
+        errors = fitted_errors(self.fitted, self.seen, self.grid)
+        report = fit_report(closure_count(header), self.solved, *errors) | self._errors_between_rows()
         if self.solved.is_sheet:
             report["strayed_light"] = strayed_report(self.fitted, self.seen, stated())
         return report

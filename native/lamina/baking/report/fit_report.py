@@ -5,17 +5,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...closures.closure_table import view_cosines
+from ...closures.closure_table import LightGrid, view_cosines
 from ...common.observer import fading
 from ..fit.between_rows import linear
-from ..fit.mixture import Mixture, mean_error, seen_errors
+from ..fit.mixture import Mixture, mean_error, norms, seen_errors
 from ..fit.row_functions import numbers_of
 from ..fit.slices import Slices, SolvedRows, stated
 
 
-def fitted_errors(fitted: dict[str, Mixture], seen: dict[str, Slices]) -> tuple[dict[str, np.ndarray], float]:
+def fitted_errors(fitted: dict[str, Mixture], seen: dict[str, Slices],
+                  grid: LightGrid) -> tuple[dict[str, np.ndarray], float]:
     """(errors of slices by kind, the largest error of the albedo) that were measured during the fit of `seen`."""
-    return ({kind: seen_errors(part.errors, seen[kind].albedo) for kind, part in fitted.items()},
+    return ({kind: seen_errors(part.errors, norms(seen[kind].values, grid)) for kind, part in fitted.items()},
             max(float(part.albedo_errors[..., stated()].max()) for part in fitted.values()))
 
 
